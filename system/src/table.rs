@@ -154,24 +154,25 @@ pub enum TableError {
     },
 }
 
-/// Relative distance within which the last argument is taken for the first plus the period, and their values for equal:
-/// room for the rounding of unit conversion.
+/// Within this relative distance the last argument counts as the first plus the period, and their values
+/// count as equal. It allows for the rounding error of unit conversion.
 const CLOSURE: f64 = 1e-9;
 
-/// Share of the span by which an argument may be past an end and still have the value of the last interval: the
-/// rounding of positions over many steps.
+/// An argument may be past an end by this share of the span and still has the value of the last interval. It
+/// allows for the rounding error of positions over many steps.
 const PAST_END: f64 = 1e-9;
 
 impl Table {
-    /// Where the text states it, if a text does.
+    /// Its place in the text, if a text states it.
     pub fn stated_at(&self) -> Option<Location> {
         self.written.as_ref().map(|(at, _)| *at)
     }
 
     /// Builds the interpolant through the points (x, y).
     ///
-    /// With a period, the point at x₀ + period may be given (its value must then equal the first) or left out; the
-    /// spline is periodic with all the derivatives it has. Without a stated extrapolation a value outside is NaN.
+    /// With a period, the point at x₀ + period may be given (its value must then equal the first) or left
+    /// out; the spline is periodic with all the derivatives it has. Without a stated extrapolation a value
+    /// outside is NaN.
     pub fn new(
         name: impl Into<String>,
         mut x: Vec<f64>,
@@ -226,7 +227,7 @@ impl Table {
                 x[count - 1] = first + period;
                 y[count - 1] = y[0];
             } else if first + period <= last {
-                // the gap is lost in the arguments' last digit
+                // the gap is smaller than the last digit of the arguments
                 return Err(TableError::PeriodTooShort { name, span, period });
             } else {
                 x.push(first + period);
@@ -282,13 +283,13 @@ impl Table {
         })
     }
 
-    /// With its place in the texts and the unit of its argument.
+    /// Adds its place in the texts and the unit of its argument.
     pub fn written(mut self, at: Location, argument: DisplayUnit) -> Table {
         self.written = Some((at, argument));
         self
     }
 
-    /// What is wrong where an argument has no value.
+    /// The error for an argument without a value.
     pub fn outside(&self, argument: f64) -> Option<Outside> {
         let without_value = self.period.is_none()
             && self.extrapolation.is_none()
@@ -308,7 +309,7 @@ impl Table {
         &self.name
     }
 
-    /// First and last argument; of a periodic table one period.
+    /// First and last argument; for a periodic table one period.
     pub fn domain(&self) -> (f64, f64) {
         match (self.x.first(), self.x.last()) {
             (Some(a), Some(b)) => (*a, *b),
@@ -316,7 +317,7 @@ impl Table {
         }
     }
 
-    /// Whether the points reach to an argument, but for rounding.
+    /// Whether an argument is within the points, except for rounding errors.
     fn within(&self, argument: f64) -> bool {
         let (first, last) = self.domain();
         let past = PAST_END * (last - first);
@@ -335,16 +336,16 @@ impl Table {
         self.period.filter(|_| angle)
     }
 
-    /// What happens outside; of no meaning for a periodic table.
+    /// The extrapolation. It has no meaning for a periodic table.
     pub fn extrapolation(&self) -> Option<Extrapolation> {
         self.extrapolation
     }
 
     /// The value (order 0) or a derivative with respect to the argument; orders above 3 are zero.
     ///
-    /// NaN for an argument that is not finite, and outside the domain if no extrapolation is stated: farther than
-    /// [`PAST_END`], within which the polynomial of the last interval counts. At a point the
-    /// interval to its right counts.
+    /// NaN for an argument that is not finite, and outside the domain if no extrapolation is stated: farther
+    /// than [`PAST_END`], within which the polynomial of the last interval counts. At a point the interval to
+    /// its right counts.
     pub fn evaluate(&self, x: f64, order: u8) -> f64 {
         let (first, last) = self.domain();
         if !x.is_finite() {
@@ -414,8 +415,8 @@ fn natural_moments(widths: &[f64], secants: &[f64]) -> Vec<f64> {
     moments
 }
 
-/// Second derivatives at the points of the periodic cubic spline; the last repeats the first. The cyclic system is
-/// solved by Sherman–Morrison (Press et al., Numerical Recipes, §2.7).
+/// Second derivatives at the points of the periodic cubic spline; the last repeats the first. The cyclic
+/// system is solved by Sherman–Morrison (Press et al., Numerical Recipes, §2.7).
 fn periodic_moments(widths: &[f64], secants: &[f64]) -> Vec<f64> {
     let n = widths.len();
     let before = |i: usize| (i + n - 1) % n;
@@ -428,7 +429,7 @@ fn periodic_moments(widths: &[f64], secants: &[f64]) -> Vec<f64> {
     let mut moments = match n {
         0 | 1 => vec![0.0; n],
         2 => {
-            // both neighbours are the same point
+            // both neighbours of the point are the same point
             let side = widths[0] + widths[1];
             let determinant = diagonal[0] * diagonal[1] - side * side;
             vec![
@@ -475,8 +476,9 @@ fn tridiagonal(off_diagonal: &[f64], diagonal: &[f64], right: &[f64]) -> Vec<f64
     solution
 }
 
-/// Slopes at the points that keep the interpolant monotone where the points are: mean of the neighbouring secants, zero
-/// at turning points, then limited to α² + β² ≤ 9 (Fritsch & Carlson, SIAM J. Numer. Anal. 17, 1980, §4, region S₂).
+/// Slopes at the points that keep the interpolant monotone where the points are: mean of the neighbouring
+/// secants, zero at turning points, then limited to α² + β² ≤ 9 (Fritsch & Carlson, SIAM J. Numer. Anal. 17,
+/// 1980, §4, region S₂).
 fn monotone_slopes(secants: &[f64], periodic: bool) -> Vec<f64> {
     let n = secants.len();
     let mean = |a: f64, b: f64| if a * b <= 0.0 { 0.0 } else { 0.5 * (a + b) };
@@ -488,7 +490,7 @@ fn monotone_slopes(secants: &[f64], periodic: bool) -> Vec<f64> {
         })
         .collect();
     for (i, d) in secants.iter().enumerate() {
-        // of a periodic table the last point is the first
+        // in a periodic table the last point is the first
         let next = if periodic { (i + 1) % n } else { i + 1 };
         if *d == 0.0 {
             slopes[i] = 0.0;

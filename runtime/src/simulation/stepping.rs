@@ -10,28 +10,32 @@ use crate::rotation::V3;
 use crate::state::move_pose;
 use eng_system::system::{ConditionKind, Origin, StepControl};
 
-/// Change of an acceleration in the first step, of its own size.
+/// Largest change of an acceleration in the first step, as a share of its size.
 const FOLLOWED: f64 = 0.2;
-/// Size of an acceleration that is nothing, as a share of the largest.
+/// This share of the largest acceleration is added to the size of each, so that an acceleration near zero
+/// does not shorten the first step.
 const REST: f64 = 1e-4;
-/// Least first step, as a share of what the error allows.
+/// Smallest first step, as a share of the step that the error allows.
 const LAYER: f64 = 1e-4;
 
-/// Acceleration of a cycle at rest, as a share of the largest of the model, up to which nothing turns it.
+/// Nothing turns a cycle at rest if its acceleration is at most this share of the model's largest.
 const STANDING: f64 = 1e-6;
-/// Moments after the start (s) at which that is looked for.
+/// Moments after the start (s) at which [`Simulation::cycle_stands`] computes this acceleration.
 const LATER: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0];
-/// Error of a step, as a share of the model's length, that rounding may make: of places far from the origin and of large angles it is more than of 1.
+/// An error of a step below this share of the model's length may be a rounding error. The limit is larger
+/// than the rounding error of a number near 1, because positions far from the origin and large angles have
+/// larger rounding errors.
 const NOISE: f64 = 1e-11;
 
-/// Most that a body turns in a step under error control (rad), for the sake of the dense output.
+/// Largest turn of a body in a step under error control (rad). The dense output needs this limit.
 const TURN: f64 = 0.25;
-/// Most that a body may turn in a stated step (rad): two that turn against each other are then within half a turn, up to which an angle
-/// is followed.
+/// Largest turn of a body in a stated step (rad). Two bodies that turn against each other then turn by at
+/// most half a turn relative to each other, and up to there an angle can be followed.
 const MOST_TURN: f64 = std::f64::consts::FRAC_PI_2;
 
 impl Simulation {
-    /// Consistent accelerations, their rates, first step, first look at conditions.
+    /// Computes consistent accelerations, their rates and the first step, and checks the conditions at the
+    /// start.
     pub(super) fn begin(&mut self) -> Result<(), RuntimeError> {
         let moment = self.moment();
         self.system.accelerations(
@@ -48,14 +52,14 @@ impl Simulation {
         };
         let speed = largest(&self.integrator.current.velocity);
         let acceleration = largest(&self.integrator.current.acceleration);
-        // A ten-thousandth of the time in which the motion goes about its own size.
+        // A ten-thousandth of the time in which the motion covers about its own size.
         let pace = speed.max(libm::sqrt(acceleration));
         let mut offset = if pace > 0.0 { 1e-4 / pace } else { 1e-5 };
         if let Some(h) = self.options.step.fixed() {
             offset = offset.min(0.1 * h);
         }
         let mut ends = Vec::with_capacity(2);
-        // Forwards only: what a model states need not reach back beyond its start.
+        // Forwards only: the functions of a model need not be defined before its start.
         for factor in [1.0, 2.0] {
             let e = factor * offset;
             let mut near = self.integrator.current.clone();
@@ -118,8 +122,8 @@ impl Simulation {
             if error > 0.0 {
                 h = h.min(0.5 * libm::cbrt(1.0 / error));
             }
-            // What films and stiff modes do at once moves nothing, but the acceleration would ring of it for many steps: the first
-            // ones are short enough to follow it.
+            // The first response of films and stiff modes hardly moves anything, but the acceleration would
+            // ring for many steps. So the first steps are short enough to follow it.
             let least = LAYER * h;
             let accelerations = &self.integrator.current.acceleration;
             for (a, (j, scale)) in accelerations.iter().zip(jerk.iter().zip(&scales)) {
@@ -140,7 +144,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Whether the cycle stands at the start and nothing will turn it: no force or drive of now or of some moments after accelerates it.
+    /// Whether the cycle is at rest at the start and nothing will turn it: no force or drive accelerates it
+    /// now or at some later moments.
     pub(crate) fn cycle_stands(&mut self) -> Result<bool, RuntimeError> {
         let current = &self.integrator.current;
         let Some([_, 0.0]) = self.cycle_now else {
@@ -157,14 +162,16 @@ impl Simulation {
             state.time += later;
             let found =
                 (self.system).accelerations(&self.model, &mut self.dynamics, &mut state, moment);
-            // what is not known then, such as a table that ends before, is left to the run
+            // if the accelerations cannot be computed at that moment (a table may end before), the run
+            // decides
             let (Ok(()), Some(cycle)) = (found, &mut self.cycle) else {
                 stands = false;
                 break;
             };
             let largest = (state.acceleration.iter().zip(&scales))
                 .fold(0.0_f64, |most, (a, scale)| most.max((a / scale).abs()));
-            // the rate is linear in the velocities: with accelerations in their place it is the cycle's acceleration
+            // the cycle's rate is linear in the velocities, so accelerations in their place give the cycle's
+            // acceleration
             state.velocity.copy_from_slice(&state.acceleration);
             self.dynamics
                 .place(&self.model, state.time, &state.pose, &state.velocity);
@@ -195,7 +202,7 @@ impl Simulation {
         self.dynamics.evaluate(&self.model)
     }
 
-    /// At a state at which the dynamics stand: turns, cycle, conditions, powers.
+    /// Updates turns, cycle, conditions and powers at the state of the dynamics.
     pub(super) fn observe_state(&mut self) -> Result<(), RuntimeError> {
         let state = &mut self.integrator.current;
         self.work.fill(0.0);
@@ -278,7 +285,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Energies where the dynamics stand.
+    /// Takes the energies at the state of the dynamics.
     pub(super) fn take_energy(&mut self) {
         let [kinetic, gravity, strain, lost] = self
             .dynamics
@@ -289,12 +296,12 @@ impl Simulation {
         self.powers[2] = lost;
     }
 
-    /// The step that the control would take next (s).
+    /// The next step of the control (s).
     pub(crate) fn next_step(&self) -> f64 {
         self.options.step.fixed().unwrap_or(self.size.step)
     }
 
-    /// Goes on with a step (s) under error control, whatever the steps before were.
+    /// Continues with a step (s) under error control, independent of the steps before.
     pub(crate) fn renew_steps(&mut self, step: f64) {
         self.size = StepSize::new(step);
         self.integrator.drop_factors();
@@ -305,12 +312,13 @@ impl Simulation {
         self.step_within(f64::INFINITY)
     }
 
-    /// One step that does not go beyond `end` (s) and meets it to the last bit where it comes near.
+    /// One step that ends at `end` (s) at the latest. A step that comes near `end` ends exactly there, to the
+    /// last bit.
     pub fn step_within(&mut self, end: f64) -> Result<StepReport, RuntimeError> {
         self.step_no_longer(end, f64::INFINITY)
     }
 
-    /// [`Simulation::step_within`], under error control no longer than `longest` (s).
+    /// Like [`Simulation::step_within`], but under error control the step is at most `longest` (s).
     pub(crate) fn step_no_longer(
         &mut self,
         end: f64,
@@ -332,7 +340,7 @@ impl Simulation {
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
         if self.options.step.fixed().is_some() {
-            // of a body that began at rest only the end of the step shows how fast it turned
+            // for a body that began at rest only the end of the step shows its speed
             self.turned_too_far(h)?;
         }
         let current = &self.integrator.current;
@@ -366,8 +374,8 @@ impl Simulation {
         Ok(StepReport { time, step: h })
     }
 
-    /// What of the current velocity misses the constraints, into `work`, as the kept matrix of the step measures it: the step has
-    /// put it there so. `false` where no factors are kept.
+    /// Writes into `work` the part of the current velocity that violates the constraints, in the measure of
+    /// the step's kept matrix, because the step caused it in this measure. `false` if no factors are kept.
     fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
         let state = &self.integrator.current;
         let (model, dynamics) = (&self.model, &mut self.dynamics);
@@ -378,7 +386,7 @@ impl Simulation {
         if !self.integrator.nearest_change(model, rates, &mut self.work) {
             return Ok(false);
         }
-        // the kept gradients are those of a place beside: once more with what is left
+        // the kept gradients belong to a nearby position, so the remaining violation is removed a second time
         constraints_along(model, dynamics, &self.work, &mut self.rows)?;
         for (left, rate) in self.rows.iter_mut().zip(&dynamics.constraint_rates) {
             *left = rate - *left;
@@ -395,7 +403,7 @@ impl Simulation {
         Ok(true)
     }
 
-    /// A failure of a step is one of geometry where the mechanism stands at a lock.
+    /// Replaces the error of a failed step by that of a lock, if the mechanism is at one.
     fn or_locked(&self, error: RuntimeError) -> RuntimeError {
         match error {
             RuntimeError::StepTooSmall { .. }
@@ -430,7 +438,8 @@ impl Simulation {
             .try_step(&self.model, &mut self.dynamics, h, tolerance, moment)
     }
 
-    /// A fixed step; halved where Newton fails, back to the grid of whole steps as soon as that is met again.
+    /// A fixed step. It is halved if Newton's iteration fails. Whole steps continue as soon as the time is on
+    /// their grid again.
     fn fixed_step(&mut self, nominal: f64, end: f64) -> Result<(f64, f64), RuntimeError> {
         loop {
             let begin = self.integrator.current.time;
@@ -474,7 +483,7 @@ impl Simulation {
         })
     }
 
-    /// The fastest turning (rad/s), and what turns so.
+    /// The largest angular speed (rad/s), and its body.
     fn fastest(&self) -> (f64, Option<&Origin>) {
         self.model
             .bodies
@@ -489,7 +498,7 @@ impl Simulation {
             )
     }
 
-    /// Whether an error of a step, over its tolerance, may be rounding.
+    /// Whether an error of a step (relative to its tolerance) may be a rounding error.
     fn is_rounding(&self, error: f64, factor: f64) -> bool {
         error * STEP_SHARE * self.model.tolerance * factor <= NOISE * self.model.length
     }
@@ -528,7 +537,7 @@ impl Simulation {
                 h = 0.5 * rest;
             }
             if begin + h == begin || h < 1e-14 {
-                // a table that ends here is the cause, not the motion
+                // if a table ends here, it is the cause and not the motion
                 if let Some(outside) = self.outside.take() {
                     return Err(self.at_moment(*outside));
                 }
@@ -561,7 +570,7 @@ impl Simulation {
                 Trial::Solved { error } => {
                     self.integrator.statistics.rejected += 1;
                     let (longest, largest) = *first_rejected.get_or_insert((h, error));
-                    // an error of third order would have fallen to a 64th
+                    // at a quarter of the step an error of third order would have fallen to a 64th
                     if h <= 0.25 * longest
                         && error > 0.25 * largest
                         && self.is_rounding(error, factor)
@@ -593,10 +602,11 @@ impl Simulation {
     }
 }
 
-/// Work (J) of a step of `h` (s), the integral of the parabola through the powers (W) at the begin of the step before, of this
-/// step, and at its end; the step before took `earlier` (s), zero where there is none: then the trapezoid's.
+/// Work (J) of a step of `h` (s): the integral of the parabola through three powers (W), at the beginning of
+/// the step before, at the beginning of this step and at its end. The step before took `earlier` (s). If
+/// `earlier` is zero, there was none, and the integral is that of the trapezoid.
 ///
-/// With the second divided difference `d`, `∫ = h (p₁ + p₂)/2 − d h³/6`; the error falls as h⁴ a step.
+/// With the second divided difference `d`, `∫ = h (p₁ + p₂)/2 − d h³/6`; the error of a step falls as h⁴.
 fn work_of_step(h: f64, powers: [f64; 3], earlier: f64) -> f64 {
     let trapezoid = 0.5 * h * (powers[1] + powers[2]);
     if earlier <= 0.0 {

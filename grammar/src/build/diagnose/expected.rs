@@ -1,4 +1,4 @@
-//! The mistake at the place where the recogniser gave up.
+//! The mistake at the place where the recogniser stopped.
 
 use super::{is_item_word, is_reserved};
 use crate::build::Builder;
@@ -9,12 +9,12 @@ use crate::tokens::{Token, TokenKind};
 
 const EXPONENT: &str = "the exponent of a unit is a whole number or a ratio: `m^2`, `m^(1/2)`";
 
-/// A place that was reached, the tokens around it, and what was tried there.
+/// The farthest place of the recogniser, the tokens around it, and the rules that it tried there.
 pub(super) struct Failure<'b> {
     builder: &'b Builder<'b, 'b>,
     text: &'b str,
     tokens: &'b [Token],
-    /// Index of the first token that was not taken; past the end when the text is too short.
+    /// Index of the first token that it did not accept; past the end if the text is too short.
     at: usize,
     /// `None` when the recogniser ran out of stack.
     rules: Option<Vec<Rule>>,
@@ -155,7 +155,7 @@ impl<'b> Failure<'b> {
         None
     }
 
-    /// The token at the place with its neighbours, where nothing stands between the three.
+    /// The token at the place with both neighbours, if no blank separates the three.
     fn joined(&self) -> Option<[&'b Token; 3]> {
         let (before, here) = (self.before()?, self.token(self.at)?);
         let next = self.token(self.at + 1)?;
@@ -184,7 +184,7 @@ impl<'b> Failure<'b> {
         if self.found() != "." || !words {
             return None;
         }
-        // back over the unit to the number, list or parenthesis that it belongs to
+        // search back over the unit for its number, list or parenthesis
         let first = (0..self.at).rev().find(|index| {
             let token = self.token(*index);
             let text = self.word(*index);
@@ -411,7 +411,7 @@ impl<'b> Failure<'b> {
         None
     }
 
-    /// A `///` where nothing can be documented.
+    /// A `///` at a place without an item to document.
     fn doc_comment(&self) -> Option<Diagnostic> {
         let token = self.token(self.at)?;
         (token.kind == TokenKind::Doc).then(|| {
@@ -483,7 +483,7 @@ impl<'b> Failure<'b> {
         ])
     }
 
-    /// In words: what was tried.
+    /// The tried rules, in words.
     fn expected(&self) -> Diagnostic {
         if self.tried_value() {
             return self.say("a value");
@@ -563,7 +563,7 @@ impl<'b> Failure<'b> {
                 words.push(word);
             }
         }
-        // Where an operator could stand the item might as well have ended.
+        // If an operator was possible, the item could also have ended.
         let complete = self.tried(&[Rule::infix, Rule::EOI]);
         match words.as_slice() {
             [] => self.unexpected(),
@@ -604,7 +604,7 @@ impl<'b> Failure<'b> {
         }
     }
 
-    /// "expected …", and what stands there instead.
+    /// The message "expected …", with the text that is there instead.
     fn say(&self, what: &str) -> Diagnostic {
         let after = match self.before() {
             Some(before) => format!(" after `{}`", shortened(before.text(self.text))),
