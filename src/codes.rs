@@ -76,11 +76,11 @@ eng_grammar::codes! {
         "param length: Length = 3 m in (1 mm, 2 m)",
         "param length: Length = 1 m in (1 mm, 2 m)";
     TURNING = "E0740", "the linearised motion has no constant coefficients",
-        "Bodies turn, and something about the small motions turns with them: the shapes of a flexible body, unequal inertia, a joint or load beside the axis. Eigenvalues with the coefficients held at one moment then give wrong whirl, damping and stability. The message names the bodies and the reason. Where the motion repeats, `over:` with its period gives the modes of the period; `frozen: true` asks for the picture of a moment all the same, for frequencies well above the speed; the result is marked so.",
+        "Bodies turn, and something about the small motions turns with them: the shapes of a flexible body, unequal inertia, a joint or load beside the axis. Or time alone changes them: a stiffness that is a function of time, a pivot that is shaken, a load that swells beside the axis. Eigenvalues with the coefficients held at one moment then give wrong whirl, damping and stability. The message names the bodies or elements and the reason. A change that moves no eigenvalue by more than a thousandth of its size is told and not refused. Where the motion repeats, `over:` with its period gives the modes of the period; `frozen: true` asks for the picture of a moment all the same, for frequencies well above the speed; the result is marked so.",
         "analysis modes = linear(Rotor(), after: 1 s)",
         "analysis modes = linear(Rotor(), after: 1 s, over: 1 rev)";
     NOT_REPEATING = "E0741", "the motion does not repeat after the stated period",
-        "`linear` with `over:` looks for a motion that after this time or angle is the same again, up to whole turns. The message names the body that is farthest off. Check the period (a four-stroke cycle has two turns), loads that depend on time, bodies that drift or turn freely at speeds of their own; or begin nearer to the steady motion with `after:`.",
+        "`linear` with `over:` looks for a motion that after this time or angle is the same again, up to whole turns. The message names the body that is farthest off. Check the period (a four-stroke cycle has two turns), loads that depend on time, bodies that drift or turn freely at speeds of their own. Where such a motion is close by and the state is too far from it, the help says so: begin nearer, with the quasi-static start or with `after:`.",
         "analysis modes = linear(Engine(), after: 3 rev, over: 1 rev)",
         "analysis modes = linear(Engine(), after: 3 rev, over: 2 rev)";
     NO_PERIOD = "E0742", "there is no period of that kind",

@@ -5,7 +5,7 @@ use crate::places::{at_first, place, related, span};
 use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::{
-    Leaving, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning, Unstable,
+    Leaving, NotBack, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning, Unstable,
 };
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
@@ -77,13 +77,16 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             };
             message.with_help("such a duration never passes: give it as a time, or start the crank turning")
         }
-        R::NotRepeating { origin, .. } => {
+        R::NotRepeating { origin, why, .. } => {
             let message = d(codes::NOT_REPEATING);
             let message = match origin {
                 Some(origin) => place(message, origin, "is farthest off"),
                 None => message,
             };
-            message.with_help("check the period that `over` states (a four-stroke cycle has two turns); begin nearer to the steady motion with `after:`, a longer one or with a finer tolerance")
+            message.with_help(match why {
+                NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and loads that depend on time; begin nearer to the steady motion with `after:`, a longer one or with a finer tolerance",
+                NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let what rings at the start die out with `after:`; a shorter `step` follows faster swings",
+            })
         }
         R::NoEquilibrium { origin, carried, turning, films, .. } => {
             let message = place(d(codes::NO_EQUILIBRIUM), origin, "stands in the way");
@@ -91,6 +94,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         }
         R::NoPeriod { .. } => d(codes::NO_PERIOD).with_help("give the period as a time, such as `over: 20 ms`"),
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
+        R::OverTime { elements, .. } => over_time(d(codes::TURNING), elements),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
@@ -145,6 +149,15 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
             place(message, &body.origin, &format!("turns at {} rpm and {}", significant(body.speed*30.0/std::f64::consts::PI, 4), body.reason()))
         })
         .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
+}
+
+/// Adds the elements that change the coefficients with time, and the remedy.
+fn over_time(message: Diagnostic, elements: &[eng_runtime::TimedElement]) -> Diagnostic {
+    elements
+        .iter()
+        .take(3)
+        .fold(message, |message, element| place(message, &element.origin, element.reason()))
+        .with_help("where it repeats, `over:` with its period, such as `over: 20 ms`, gives the modes of that period; `frozen: true` holds time at this moment; a load or a motion that only excites can be left out of the model for this analysis")
 }
 
 /// Adds the body that leaves the state, and the remedy.

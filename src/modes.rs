@@ -6,6 +6,7 @@
 //! | `mode` | counted from 1 |
 //! | `frequency`, `undamped_frequency` | ω/2π, \|λ\|/2π (Hz) of λ = growth ± iω; the first is 0 for a motion without oscillation |
 //! | `damping_ratio` | −Re λ/\|λ\| (shown and written in %): 1 for a decay, −1 for a growth, both without oscillation |
+//! | `logarithmic_decrement` | −2π Re λ/ω; not a number for a motion without oscillation |
 //! | `growth` | Re λ (1/s) |
 //! | `cycle.speed` | speed of the cycle in the linearised state, for a model with a cycle |
 //! | `kinetic.B` | share of body B in the kinetic energy; for a flexible body also `kinetic.B.rigid` and `kinetic.B.mode[k]` |
@@ -32,7 +33,9 @@ const MOST_HARMONICS: usize = 20;
 /// A motion of at least this roundness (0…1) is called a whirl.
 const WHIRLS: f64 = 0.2;
 /// The use of frozen modes, in words.
-const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
+const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn or time goes on, and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
+/// Smallest uncertainty of eigenvalues, as a share of their size, that is reported.
+const LEAST_TOLD: f64 = 1e-6;
 /// The largest number of parts that a line of the table names.
 const NAMED: usize = 4;
 /// The smallest share that a line of the table names.
@@ -114,6 +117,7 @@ pub(crate) fn row(modes: &LinearModes, index: usize, mode: &Mode) -> Vec<f64> {
         mode.frequency(),
         mode.undamped_frequency(),
         mode.damping_ratio(),
+        mode.logarithmic_decrement(),
         mode.value.re,
     ];
     row.extend(modes.cycle_speed);
@@ -190,6 +194,12 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     let mut facts = vec![told];
     if modes.coefficients == Coefficients::Frozen {
         facts.push(FROZEN_PICTURE.to_owned());
+    }
+    if modes.variation > LEAST_TOLD {
+        facts.push(format!(
+            "the coefficients change a little while bodies turn or time goes on, and are held: eigenvalues are known to about {:.1e} of their size",
+            modes.variation
+        ));
     }
     if let Some(orbit) = &modes.orbit {
         facts.extend(of_orbit(modes, orbit));

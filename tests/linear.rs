@@ -111,10 +111,22 @@ fn a_mass_on_a_spring() {
         );
         near(column("frequency"), mode.frequency(), 1e-15);
         near(column("kinetic.block"), 1.0, 1e-9);
+        let ratio = c / (2.0 * (k * m).sqrt());
+        let decrement = TAU * ratio / (1.0 - ratio * ratio).sqrt();
+        near(column("logarithmic_decrement"), decrement, 1e-12);
     }
     let none = modes(&program, "fast", &[]);
     assert_eq!((none.modes.len(), none.left_out), (0, [1, 0]));
-    let found = modes(&program, "modes", &[("damping", "400 N*s/m")]);
+    let outcome = run(&program, "modes", &[("damping", "400 N*s/m")]);
+    let decrements = outcome.results.column("logarithmic_decrement");
+    assert!(
+        decrements
+            .expect("a column")
+            .values
+            .iter()
+            .all(|x| x.is_nan())
+    );
+    let found = outcome.modes.expect("modes");
     assert_eq!(found.modes.len(), 2);
     let root = ((400.0 / (2.0 * m)).powi(2) - k / m).sqrt();
     near(found.modes[0].value.re, -80.0 + root, 1e-12);
@@ -731,4 +743,169 @@ fn a_free_angle_is_a_zero_and_no_growth() {
     // the oil of both brakes it: c/J
     let oil = 2.0 * PI / 4.0 * 0.01 * 0.05_f64.powi(3) * 0.02 / 30e-6;
     near(found.modes[4].value.re, -oil / 0.3, 1e-4);
+}
+
+fn refused(program: &Program, analysis: &str) -> String {
+    let analysis = program.analysis(analysis).expect("an analysis");
+    match analysis.run(&mut |_| {}) {
+        Ok(outcome) => panic!("not refused: {:?}", outcome.modes),
+        Err(failed) => failed.error.to_string(),
+    }
+}
+
+/// Stiffness, pivots and loads that change with time alone. A load or a motion of the ground that only
+/// excites leaves the coefficients, and with them the modes, as they are.
+const TIMED: &str = "
+    use std.joints.{Translational, Revolute}
+    force Beaten(a: Marker, b: Marker, mean: Stiffness, swing: Stiffness, jump: Stiffness, across: Stiffness) {
+        let away = a.origin - b.origin
+        let later = if time > 1 s then jump else 0 N/m
+        apply force -(mean - swing*cos(2 rad/s * time) + later)*dot(away, b.z)*b.z
+            - across*(dot(away, b.x)*b.x + dot(away, b.y)*b.y) on a against b
+    }
+    force Push(a: Marker, b: Marker, along: Force, sideways: Force) {
+        apply force (along*b.z + sideways*b.x)*sin(7 rad/s * time) on a against b
+    }
+    drive Shake(a: Marker, b: Marker, swing: Length) {
+        constrain dot(a.origin - b.origin, b.z) == swing*cos(5 rad/s * time)
+    }
+    model Block {
+        param swing: Stiffness = 0 N/m
+        param jump: Stiffness = 0 N/m
+        param along: Force = 0 N
+        gravity = [0, 0, 0] m/s^2
+        marker wall = [0, 0, 0] mm
+        body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+        joint rail = Translational(block.eye, wall)
+        force spring = Beaten(block.eye, wall, mean: 9 N/m, swing: swing, jump: jump, across: 0 N/m)
+        force push = Push(block.eye, wall, along: along, sideways: 20 N)
+    }
+    model Loose {
+        gravity = [0, 0, 0] m/s^2
+        marker wall = [0, 0, 0] mm
+        body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+        force spring = Beaten(block.eye, wall, mean: 1 N/m, swing: 0.1 N/m, jump: 0 N/m, across: 1e9 N/m)
+    }
+    model Shaken {
+        param swing: Length = 30 mm
+        gravity = [0, 0, -9.81] m/s^2
+        marker wall = [0, 0, 0] mm
+        body slide {
+            mass = 1 kg
+            inertia = [1, 1, 1] g*m^2
+            marker eye = origin
+            marker pin = at([0, 0, 0] mm, z: [0, 1, 0], x: [1, 0, 0])
+        }
+        body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = at([0, 0, 500] mm, z: [0, 1, 0], x: [1, 0, 0]) }
+        joint rail = Translational(slide.eye, wall)
+        drive shake = Shake(slide.eye, wall, swing: swing)
+        joint hinge = Revolute(bob.eye, slide.pin)
+    }
+    model Carried {
+        gravity = [0, 0, 0] m/s^2
+        marker wall = [0, 0, 0] mm
+        body slide { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+        body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+        joint rail = Translational(slide.eye, wall)
+        joint guide = Translational(block.eye, slide.eye)
+        drive shake = Shake(slide.eye, wall, swing: 30 mm)
+        force spring = Beaten(block.eye, slide.eye, mean: 9 N/m, swing: 0 N/m, jump: 0 N/m, across: 0 N/m)
+    }
+    analysis plain = linear(Block())
+    analysis pushed = linear(Block(along: 50 N))
+    analysis beaten = linear(Block(swing: 0.2 N/m))
+    analysis hardly = linear(Block(swing: 2e-3 N/m))
+    analysis jumping = linear(Block(jump: 0.2 N/m))
+    analysis held = linear(Block(swing: 0.2 N/m), frozen: true)
+    analysis soft = linear(Loose())
+    analysis shaken = linear(Shaken())
+    analysis still = linear(Shaken(swing: 0 mm))
+    analysis carried = linear(Carried())";
+
+#[test]
+fn coefficients_that_change_with_time_are_refused() {
+    let program = program(TIMED);
+    for analysis in ["plain", "pushed", "carried"] {
+        let found = modes(&program, analysis, &[]);
+        assert_eq!(found.coefficients, Coefficients::Constant, "{analysis}");
+        assert!(found.variation < 1e-9, "{analysis}: {}", found.variation);
+        near(circular(&found)[0], 3.0, 1e-9);
+    }
+    for (analysis, element) in [
+        ("beaten", "spring"),
+        ("jumping", "spring"),
+        ("soft", "spring"),
+        ("shaken", "shake"),
+    ] {
+        let message = refused(&program, analysis);
+        assert!(
+            message.contains(&format!("by {element} they depend on time")),
+            "{analysis}: {message}"
+        );
+    }
+    near(
+        circular(&modes(&program, "still", &[]))[0],
+        (9.81 * 0.5 / 0.251_f64).sqrt(),
+        1e-9,
+    );
+    let held = modes(&program, "held", &[]);
+    assert_eq!(held.coefficients, Coefficients::Frozen);
+    near(circular(&held)[0], 8.8_f64.sqrt(), 1e-9);
+    // a swing of 2.2e-4 of the stiffness moves eigenvalues by 2.2e-4 of their size at most
+    let hardly = modes(&program, "hardly", &[]);
+    assert_eq!(hardly.coefficients, Coefficients::Constant);
+    assert!(
+        hardly.variation > 1e-4 && hardly.variation < 3e-4,
+        "{}",
+        hardly.variation
+    );
+    near(circular(&hardly)[0], 3.0, hardly.variation);
+}
+
+/// A round rotor that hangs lower in one of its bearings than in the other: a drive about the ground's axis
+/// allows it other small rotations at every angle, by its tilt of some 1e-5. That moves no eigenvalue: they
+/// are those of a whole turn.
+#[test]
+fn a_rotor_that_its_bearings_tilt() {
+    let text = "
+        use std.joints.PointOnPlane
+        use std.journals.Short
+        use std.drives.PrescribedRotation
+        model Rotor {
+            gravity = [0, -9.81, 0] m/s^2
+            body rotor {
+                mass = 60 kg
+                inertia = [1.5, 1.5, 0.3] kg*m^2
+                marker a = [0, 0, -150] mm
+                marker b = [0, 0, 160] mm
+                start angular_velocity = [0, 0, 3000] rpm
+            }
+            marker sa = at([0, 0, -150] mm, z: [0, 0, 1], x: [1, 1, 0])
+            marker sb = at([0, 0, 160] mm, z: [0, 0, 1], x: [1, 1, 0])
+            journal ja = Short(rotor.a, sa, diameter: 50 mm, width: 12 mm, radial_clearance: 30 um, viscosity: 10 mPa*s)
+            journal jb = Short(rotor.b, sb, diameter: 50 mm, width: 12 mm, radial_clearance: 30 um, viscosity: 10 mPa*s)
+            joint thrust = PointOnPlane(rotor.a, sa)
+            drive turn = PrescribedRotation(rotor.a, sa, speed: 3000 rpm)
+        }
+        analysis held = linear(Rotor(), number: 6)
+        analysis turn = linear(Rotor(), over: 1 rev, number: 6)";
+    let program = program(text);
+    let (held, turn) = (modes(&program, "held", &[]), modes(&program, "turn", &[]));
+    assert_eq!(held.coefficients, Coefficients::Constant);
+    assert!(
+        held.variation > 0.0 && held.variation < 1e-4,
+        "{}",
+        held.variation
+    );
+    let mut compared = 0;
+    for mode in held.oscillations() {
+        let off = turn
+            .modes
+            .iter()
+            .map(|other| (other.value - mode.value).norm())
+            .fold(f64::INFINITY, f64::min);
+        assert!(off < 1e-6 * mode.value.norm(), "{} {off:e}", mode.value);
+        compared += 1;
+    }
+    assert!(compared >= 2, "{held:?}");
 }

@@ -1,11 +1,14 @@
 //! All errors between binding and the last sample.
 
+mod linearised;
 mod pace;
 
 use eng_system::code::BindError;
 use eng_system::system::Origin;
 use eng_system::table::Outside;
 use eng_system::{Dimension, DisplayUnit};
+pub use linearised::{Leaving, LeavingBody, NotBack, Timed, TimedElement, TurningBody, Varies};
+use linearised::{changed, list_timed, list_turning};
 pub use pace::{Jump, Pace, Slow};
 
 /// The moment of an event.
@@ -189,85 +192,6 @@ pub struct Massless {
     pub origin: Origin,
     /// `mass` or `inertia`.
     pub lacks: &'static str,
-}
-
-/// Why the coefficients of the linearised motion change while a body turns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Varies {
-    /// It is flexible: its shapes turn with it, but its supports and loads do not.
-    Shapes,
-    /// Its mass and inertia are not those of a body of revolution about its axis of turning.
-    Inertia,
-    /// A joint or load acts on it beside its axis, or depends on its angle.
-    Loads,
-}
-
-/// A body whose turning changes the coefficients of the linearised motion.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TurningBody {
-    /// The body.
-    pub origin: Origin,
-    /// Its angular speed (rad/s).
-    pub speed: f64,
-    /// The reason for the change.
-    pub varies: Varies,
-}
-
-impl TurningBody {
-    /// The reason in words, after the name of the body.
-    pub fn reason(&self) -> &'static str {
-        match self.varies {
-            Varies::Shapes => "is flexible: its shapes turn with it, what holds it does not",
-            Varies::Inertia => "is no body of revolution about the axis that it turns about",
-            Varies::Loads => {
-                "has a joint or load that acts beside its axis or changes with its angle"
-            }
-        }
-    }
-}
-
-/// The way in which a body leaves the state of a linearisation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Leaving {
-    /// It moves (m/s).
-    Moves(f64),
-    /// Forces do not balance; the largest acceleration of a body (m/s²).
-    Unbalanced(f64),
-}
-
-/// A body that leaves the state, so that the coefficients of the linearised motion change.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LeavingBody {
-    /// The body.
-    pub origin: Origin,
-    /// The way in which it leaves.
-    pub leaving: Leaving,
-}
-
-impl LeavingBody {
-    /// The reason in words, after the name of the body.
-    pub fn reason(&self) -> &'static str {
-        match self.leaving {
-            Leaving::Moves(_) => "moves, and its stiffness, damping or inertia changes on its way",
-            Leaving::Unbalanced(_) => {
-                "is not in balance, and its stiffness, damping or inertia changes on its way there"
-            }
-        }
-    }
-}
-
-fn list_turning(bodies: &[TurningBody]) -> String {
-    let named: Vec<&str> = bodies
-        .iter()
-        .take(MOST_GAPS)
-        .map(|body| body.origin.path.as_str())
-        .collect();
-    let more = match bodies.len().saturating_sub(MOST_GAPS) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    let verb = if bodies.len() == 1 { "turns" } else { "turn" };
-    format!("{}{more} {verb}", named.join(", "))
 }
 
 fn undetermined(massless: &[Massless], repeated: &[RedundantGroup]) -> String {
@@ -548,6 +472,21 @@ pub enum RuntimeError {
         /// The bodies that change them.
         bodies: Vec<TurningBody>,
     },
+    /// The coefficients of the linearised motion change with time alone.
+    #[error(
+        "the linearised motion at {moment} has no constant coefficients: by {} they depend on time; already {later:.1e} s later {}",
+        list_timed(elements), changed(*change)
+    )]
+    OverTime {
+        /// When.
+        moment: Moment,
+        /// The elements that change them.
+        elements: Vec<TimedElement>,
+        /// How much later they are seen to be others (s).
+        later: f64,
+        /// What that moves eigenvalues by, as a share of their size; infinite where it cannot be said.
+        change: f64,
+    },
     /// The state is neither at rest nor in a steady motion.
     #[error("the motion at {moment} is neither rest nor steady: {} {}", body.origin.path, body.reason())]
     Unsteady {
@@ -557,7 +496,7 @@ pub enum RuntimeError {
         body: Box<LeavingBody>,
     },
     /// A motion that should repeat does not.
-    #[error("the motion from {moment} on does not repeat after {period:.6e} s: {what}")]
+    #[error("the motion from {moment} on does not repeat after {period:.6e} s: {what}{}", why.said())]
     NotRepeating {
         /// Where the period begins.
         moment: Moment,
@@ -567,6 +506,8 @@ pub enum RuntimeError {
         origin: Option<Box<Origin>>,
         /// The quantity with the largest deviation, and this deviation.
         what: String,
+        /// Why.
+        why: NotBack,
     },
     /// The model gives no period.
     #[error("{message}")]

@@ -60,7 +60,8 @@ pub mod transient;
 pub use decay::{CycleReport, Mode};
 pub use equilibrium::run_static;
 pub use error::{
-    Leaving, LeavingBody, Moment, NamedRow, RedundantGroup, RuntimeError, TurningBody, Varies,
+    Leaving, LeavingBody, Moment, NamedRow, NotBack, RedundantGroup, RuntimeError, Timed,
+    TimedElement, TurningBody, Varies,
 };
 pub use integrator::Statistics;
 pub use linearised::{LinearModes, run_linear};

@@ -213,14 +213,18 @@ pub fn run_periodic(
     })
 }
 
-/// The fastest growth of a steady motion whose linearised modes grow. If bodies turn so that the coefficients
-/// are not constant, the result is `None`, because the modes of one moment do not decide about stability.
+/// The fastest growth of a steady motion whose linearised modes grow. If the coefficients are not
+/// constant, the result is `None`, because the modes of one moment do not decide about stability.
 fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>, RuntimeError> {
     let Some(rate) = simulation.cycle_rate() else {
         return Ok(None);
     };
     let modes = match simulation.sampled_modes(Wanted::default()) {
-        Err(RuntimeError::Turning { .. }) => return Ok(None),
+        Err(
+            RuntimeError::Turning { .. }
+            | RuntimeError::Unsteady { .. }
+            | RuntimeError::OverTime { .. },
+        ) => return Ok(None),
         modes => modes?,
     };
     let fastest = modes

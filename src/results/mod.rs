@@ -31,7 +31,7 @@ pub(crate) use table::{Begun, STATE, Table};
 pub(crate) use trail::Trail;
 
 pub use eng_system::recorded::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
-use eng_system::recorded::{DAMPING_RATIO, FREQUENCY, MODE};
+use eng_system::recorded::{DAMPING_RATIO, FREQUENCY, LOGARITHMIC_DECREMENT, MODE};
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -142,11 +142,12 @@ pub const MODES: &str = "modes";
 /// See [`ROWS`].
 pub const ONE_STATE: &str = "state";
 /// Columns of every mode.
-pub const COLUMNS_OF_MODES: [&str; 5] = [
+pub const COLUMNS_OF_MODES: [&str; 6] = [
     MODE,
     FREQUENCY,
     "undamped_frequency",
     DAMPING_RATIO,
+    LOGARITHMIC_DECREMENT,
     "growth",
 ];
 

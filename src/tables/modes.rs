@@ -20,6 +20,14 @@ fn frequency(value: f64) -> String {
     }
 }
 
+fn decrement(value: f64) -> String {
+    if value.is_nan() {
+        "–".to_owned()
+    } else {
+        format!("{value:.4}")
+    }
+}
+
 fn at(results: &Results, path: &str, row: usize) -> f64 {
     values(results, path)
         .and_then(|v| v.get(row))
@@ -27,14 +35,14 @@ fn at(results: &Results, path: &str, row: usize) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
-/// Frequency, damping and moving parts, with a line for each mode. Modes of a period also have the growth,
-/// which is definite even if the frequency is not.
+/// Frequency, damping and moving parts, with a line for each mode. Modes of a period also have the
+/// logarithmic decrement and the growth, which is definite even if the frequency is not.
 pub(crate) fn table(results: &Results) -> String {
     let growth = are_of_a_period(results);
     let mut head = [vec!["mode", "frequency", "damping"], vec!["", "Hz", "%"]];
     if growth {
-        head[0].push("growth");
-        head[1].push("1/s");
+        head[0].extend(["decrement", "growth"]);
+        head[1].extend(["log.", "1/s"]);
     }
     head.iter_mut().for_each(|line| line.push(""));
     let mut text = Table::new(&[&head[0], &head[1]]);
@@ -46,6 +54,7 @@ pub(crate) fn table(results: &Results) -> String {
             format!("{:.2}", 100.0 * at(results, "damping_ratio", row)),
         ];
         if growth {
+            cells.push(decrement(at(results, "logarithmic_decrement", row)));
             cells.push(significant(at(results, "growth", row), 5));
         }
         cells.push(composition(results, row));
@@ -58,7 +67,7 @@ pub(crate) fn table(results: &Results) -> String {
     format!(
         "{}{}{rest}",
         mark(results),
-        text.render_left(3 + usize::from(growth))
+        text.render_left(3 + 2 * usize::from(growth))
     )
 }
 

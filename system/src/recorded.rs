@@ -27,6 +27,8 @@ pub const MODE: &str = "mode";
 pub const FREQUENCY: &str = "frequency";
 /// Path of the column of the modes' damping ratios.
 pub const DAMPING_RATIO: &str = "damping_ratio";
+/// Path of the column of logarithmic decrements.
+pub const LOGARITHMIC_DECREMENT: &str = "logarithmic_decrement";
 /// Before the path of a body: its share in the kinetic energy of a mode.
 pub const KINETIC: &str = "kinetic.";
 /// After the path of a flexible body: the share of its motion as a whole.
@@ -91,7 +93,7 @@ pub fn recorded(system: &System) -> Vec<Recorded> {
     columns
 }
 
-/// The columns of a linear analysis, in which each row is a mode: number, frequencies, damping, the speed of
+/// The columns of a linear analysis, in which each row is a mode: number, frequencies, damping, growth, the speed of
 /// the cycle if there is one, shares of bodies in the kinetic energy, shares of flexible bodies and loads in
 /// the stored and lost energy, amplitude and phase of every channel. The shares of the single modes of a
 /// flexible body are missing, because only its reduction knows their number.
@@ -103,6 +105,7 @@ pub fn of_modes(system: &System) -> Vec<Recorded> {
         Recorded::scalar(FREQUENCY, per_time, "Hz", 1.0),
         Recorded::scalar("undamped_frequency", per_time, "Hz", 1.0),
         Recorded::scalar(DAMPING_RATIO, Dimension::ONE, "%", 0.01),
+        Recorded::scalar(LOGARITHMIC_DECREMENT, Dimension::ONE, "1", 1.0),
         Recorded::scalar("growth", per_time, "1/s", 1.0),
     ];
     if system.cycle.is_some() {

@@ -206,6 +206,10 @@ pub struct ElementClass {
     pub uses_twist: bool,
     /// Whether the class applies forces besides its constraints.
     pub applies_load: bool,
+    /// Whether its loads or the rates of its states depend on time itself, beside the motion.
+    pub loads_over_time: bool,
+    /// Whether its constraints depend on time.
+    pub rows_over_time: bool,
     /// Length of the tape between `linearize` and `tangent`.
     pub tape: u32,
 }

@@ -289,6 +289,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         conditions: draft.meta.conditions.clone(),
                         uses_twist: made.uses_twist,
                         applies_load: made.applies_load,
+                        loads_over_time: made.loads_over_time,
+                        rows_over_time: made.rows_over_time,
                         tape: made.tape(),
                     });
                     shared.functions.push(made);

@@ -48,6 +48,10 @@ pub struct ClassFunctions {
     pub uses_twist: bool,
     /// Whether any load is not zero.
     pub applies_load: bool,
+    /// Whether the loads or rates depend on time.
+    pub loads_over_time: bool,
+    /// Whether Φ depends on time.
+    pub rows_over_time: bool,
 }
 
 /// Entries of a marker's inputs that hold its pose: x, then R.
@@ -123,6 +127,17 @@ impl ClassBody {
             .iter()
             .flatten()
             .any(|n| graph.as_constant(*n) != Some(0.0));
+        // without −Gᵀλ, which has the time of the constraints
+        let own: Vec<Node> = self
+            .loads
+            .iter()
+            .flatten()
+            .chain(&self.rates)
+            .copied()
+            .collect();
+        let over_time = |nodes: &[Node]| inputs_of(&graph, nodes).contains(&InputLayout::TIME);
+        let loads_over_time = over_time(&own);
+        let rows_over_time = over_time(&self.rows);
         let function = |name: &str, inputs: u32, outputs: Vec<Node>| Function {
             name: format!("{}.{name}", self.name),
             inputs,
@@ -140,6 +155,8 @@ impl ClassBody {
             rotations: function("rotations", layout.len(), self.rotations.clone()),
             uses_twist,
             applies_load,
+            loads_over_time,
+            rows_over_time,
         })
     }
 

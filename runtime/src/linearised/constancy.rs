@@ -7,14 +7,21 @@
 //! the choice of N. If all of them are constant, N can be constant too, and the equations in x hold at every
 //! moment.
 //!
+//! If this test fails, `variation` computes the effect of the change on the modes. Coefficients whose change
+//! moves no eigenvalue by more than a thousandth ([`SLIGHT`]) are held, and the result says so. Example: a
+//! round rotor tilted by its bearings. A drive about an axis fixed in space allows it other small rotations
+//! at every angle; they differ by the tilt.
+//!
 //! `leaving` makes the same test for motions that do not turn: a slider in motion, a body far from the
 //! position where forces balance.
+//! `over_time` tests coefficients that depend on time alone.
 //!
 //! A wheel of revolution on its axis passes the test, in films too. Three kinds of bodies fail: those of
 //! unequal inertia, those with a load or joint beside their axis, and those that bend in a film or on a joint
 //! of another body. Their bending is in axes that turn with the body.
 
 use super::equations::Equations;
+use super::variation::Modal;
 use crate::acceleration::AccelerationSystem;
 use crate::dynamics::Dynamics;
 use crate::error::{Leaving, LeavingBody, Moment, RuntimeError, TurningBody, Varies};
@@ -22,6 +29,7 @@ use crate::model::Model;
 use crate::rotation::{V3, exponential, matrix};
 use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
+use std::cell::OnceCell;
 use std::ops::Range;
 
 /// Angular velocity (rad/s) below which a body does not turn. A slower body settles, or its motion is
@@ -35,6 +43,11 @@ const ANGLES: [f64; 2] = [0.7, 1.5];
 const SAME: f64 = 1e-6;
 /// Largest change by rounding, as a share of the largest coefficient of all.
 const ROUNDING: f64 = 1e-11;
+/// Change of the eigenvalues, as a share of their size, up to which changing coefficients are held.
+pub(super) const SLIGHT: f64 = 1e-3;
+/// Changes of entries, as shares of the largest entry between the same two bodies and of the largest of all,
+/// that are not slight in any mode.
+const GROSS: [f64; 2] = [0.1, 1e-3];
 /// Position tolerance of a model without journals, as a share of its length.
 const OF_LENGTH: f64 = 1e-6;
 /// A tenth of a clearance, in position tolerances.
@@ -120,6 +133,62 @@ impl Coefficients {
     }
 }
 
+/// The coefficients at the state, for comparison with others.
+pub(super) struct Here<'a> {
+    equations: &'a Equations,
+    coefficients: Coefficients,
+    groups: Vec<Range<usize>>,
+    modal: OnceCell<Option<Modal<'a>>>,
+    /// rad/s: measures mass, damping and stiffness by each other.
+    pace: f64,
+}
+
+impl<'a> Here<'a> {
+    pub fn new(model: &Model, state: &State, equations: &'a Equations) -> Here<'a> {
+        Here {
+            equations,
+            coefficients: Coefficients::new(model, equations),
+            groups: groups(model),
+            modal: OnceCell::new(),
+            pace: fastest(model, state).max(1.0),
+        }
+    }
+
+    fn same(&self, there: &Coefficients, shares: [f64; 2]) -> bool {
+        self.coefficients
+            .same(there, &self.groups, self.pace, shares)
+    }
+
+    fn modal(&self) -> Option<&Modal<'a>> {
+        self.modal
+            .get_or_init(|| Modal::new(self.equations))
+            .as_ref()
+    }
+
+    /// Change of the eigenvalues by the coefficients after the bodies have turned, as a share of their size. It is
+    /// zero for equal coefficients, and infinite if they differ grossly or if the change is not known.
+    pub fn change(&self, model: &Model, there: &Equations) -> f64 {
+        let coefficients = Coefficients::new(model, there);
+        if self.same(&coefficients, [SAME, ROUNDING]) {
+            return 0.0;
+        }
+        if !self.same(&coefficients, GROSS) {
+            return f64::INFINITY;
+        }
+        self.modal()
+            .map_or(f64::INFINITY, |modal| modal.change(there))
+    }
+
+    /// The same for coefficients in the same position. There is no rounding of a turn, so a change in a soft
+    /// direction beside a stiff one counts too.
+    pub fn change_in_place(&self, model: &Model, there: &Equations) -> f64 {
+        match self.modal() {
+            Some(modal) => modal.change(there),
+            None => self.change(model, there),
+        }
+    }
+}
+
 fn same_blocks(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,
@@ -175,7 +244,7 @@ pub(super) fn change_of_spin(model: &Model, from: &State, to: &State) -> f64 {
 }
 
 /// Bodies that do not turn and move, with their speeds (m/s).
-fn sliding(model: &Model, state: &State) -> Vec<(usize, f64)> {
+pub(super) fn sliding(model: &Model, state: &State) -> Vec<(usize, f64)> {
     let speed = |first: usize| V3::from_column_slice(&state.velocity[first..first + 3]).norm();
     (0..model.bodies.len())
         .filter(|b| spin(state, model.bodies[*b].velocity).norm() <= AT_REST)
@@ -205,23 +274,13 @@ fn reach(model: &Model) -> f64 {
 pub(super) fn leaving(
     model: &Model,
     state: &State,
-    equations: &Equations,
+    here: &Here<'_>,
     moment: Moment,
 ) -> Option<LeavingBody> {
-    let groups = groups(model);
-    let here = Coefficients::new(model, equations);
     let reach = reach(model);
-    let pace = fastest(model, state).max(1.0);
     let same = |there: Result<Equations, RuntimeError>| {
         // without equations at that position nothing shows that they are constant
-        there.is_ok_and(|there| {
-            here.same(
-                &Coefficients::new(model, &there),
-                &groups,
-                pace,
-                [SAME, ROUNDING],
-            )
-        })
+        there.is_ok_and(|there| here.same(&Coefficients::new(model, &there), [SAME, ROUNDING]))
     };
     let sliding = sliding(model, state);
     if let Some((body, speed)) = sliding
@@ -242,13 +301,13 @@ pub(super) fn leaving(
             });
         }
     }
-    let (moves, acceleration) = towards_balance(model, state, equations)?;
+    let (moves, acceleration) = towards_balance(model, state, here.equations)?;
     let scales = model.velocity_scales();
     let (first, size) = farthest(&moves, &scales);
     if size < reach {
         return None;
     }
-    let along = equations.in_body_axes(moves * (reach / size));
+    let along = here.equations.in_body_axes(moves * (reach / size));
     if same(moved_by(model, state, along.as_slice(), moment)) {
         return None;
     }
@@ -361,15 +420,10 @@ pub(super) fn alike(model: &Model, both: [&Equations; 2], pace: f64, share: f64)
     a.same(&b, &groups(model), pace, [share, 1e-3 * share])
 }
 
-/// The equations after `bodies` have moved on for a time (s). Each turning body turns about its own axis,
-/// which is fixed in space, with its velocity in its own axes kept. The others move straight on.
-fn turned_on(
-    model: &Model,
-    state: &State,
-    bodies: &[usize],
-    time: f64,
-    moment: Moment,
-) -> Result<Equations, RuntimeError> {
+/// The state after `bodies` have moved on for a time (s). Each turning body turns about its own axis, which
+/// is fixed in space, with its velocity in its own axes kept. The others move straight on. Accelerations are
+/// those of the given state.
+pub(super) fn gone_on(model: &Model, state: &State, bodies: &[usize], time: f64) -> State {
     let mut moved = state.clone();
     // drives that depend on time move on with the bodies
     moved.time += time;
@@ -401,44 +455,59 @@ fn turned_on(
         moved.velocity[first..first + 3].copy_from_slice(turned.as_slice());
     }
     move_pose(model, &state.pose, &increment, 1.0, &mut moved.pose);
+    moved
+}
+
+/// The equations after `bodies` have moved on for a time (s).
+fn turned_on(
+    model: &Model,
+    state: &State,
+    bodies: &[usize],
+    time: f64,
+    moment: Moment,
+) -> Result<Equations, RuntimeError> {
+    let mut moved = gone_on(model, state, bodies, time);
     let mut dynamics = Dynamics::new(model);
     let mut system = AccelerationSystem::new(model)?;
     system.accelerations(model, &mut dynamics, &mut moved, moment)?;
     Equations::new(model, &moved, moment)
 }
 
-/// The turning bodies that change the coefficients; empty if these are constant.
+/// The change of the eigenvalues, as a share of their size, by the turning of the bodies, if it is at most
+/// [`SLIGHT`]. Otherwise the error is the list of the bodies that change the coefficients.
 ///
 /// With `name`, each such body is found by a test of its own. Otherwise the first turning body represents
 /// all.
 pub(super) fn varying(
     model: &Model,
     state: &State,
-    equations: &Equations,
+    here: &Here<'_>,
     moment: Moment,
     name: bool,
-) -> Vec<TurningBody> {
+) -> Result<f64, Vec<TurningBody>> {
     let bodies = turning(model, state);
     let fastest = fastest(model, state);
     if bodies.is_empty() {
-        return Vec::new();
+        return Ok(0.0);
     }
-    let groups = groups(model);
-    let here = Coefficients::new(model, equations);
-    // without equations at that position nothing shows that they are constant
     let at = |bodies: &[usize], angle: f64| {
-        let there = turned_on(model, state, bodies, angle / fastest, moment).ok()?;
-        Some(Coefficients::new(model, &there))
+        turned_on(model, state, bodies, angle / fastest, moment).ok()
     };
-    let constant = |bodies: &[usize]| {
-        let same = |angle: f64| {
-            at(bodies, angle)
-                .is_some_and(|there| here.same(&there, &groups, fastest, [SAME, ROUNDING]))
-        };
-        ANGLES.into_iter().all(same)
+    // where the equations cannot be made, nothing says that they stay
+    let change = |bodies: &[usize]| {
+        let mut most = 0.0_f64;
+        for angle in ANGLES {
+            let there = at(bodies, angle);
+            most = most.max(there.map_or(f64::INFINITY, |there| here.change(model, &there)));
+            if most > SLIGHT {
+                break;
+            }
+        }
+        most
     };
-    if constant(&bodies) {
-        return Vec::new();
+    let most = change(&bodies);
+    if most <= SLIGHT {
+        return Ok(most);
     }
     let describe = |index: usize| {
         let body = &model.bodies[index];
@@ -446,8 +515,10 @@ pub(super) fn varying(
         let rigid = [v..v + 3, v + 3..v + 6];
         let unequal = || {
             ANGLES.into_iter().any(|angle| {
-                at(&[index], angle)
-                    .is_some_and(|there| !same_blocks(&here.mass, &there.mass, &rigid, SAME, 0.0))
+                at(&[index], angle).is_some_and(|there| {
+                    let there = Coefficients::new(model, &there);
+                    !same_blocks(&here.coefficients.mass, &there.mass, &rigid, SAME, 0.0)
+                })
             })
         };
         let varies = if body.modes() > 0 {
@@ -464,13 +535,13 @@ pub(super) fn varying(
         }
     };
     if !name {
-        return vec![describe(bodies[0])];
+        return Err(vec![describe(bodies[0])]);
     }
     let alone: Vec<usize> = bodies
         .iter()
         .copied()
-        .filter(|b| model.bodies[*b].modes() > 0 || !constant(&[*b]))
+        .filter(|b| model.bodies[*b].modes() > 0 || change(&[*b]) > SLIGHT)
         .collect();
     let named = if alone.is_empty() { bodies } else { alone };
-    named.into_iter().map(describe).collect()
+    Err(named.into_iter().map(describe).collect())
 }

@@ -21,7 +21,7 @@
 //!
 //! **Frozen time.** The coefficients are held at their values of the moment, and the eigenvalues of
 //! `ξ̇ = A ξ`, `ξ = (x, ẋ, z)`, are computed. This is exact if the coefficients are constant: at rest, in
-//! steady travel, and about the steady rotation of rigid bodies of revolution. `constancy` tests it.
+//! steady travel, and about the steady rotation of rigid bodies of revolution. `constancy` and `over_time` test it.
 //! Otherwise the modes describe one moment. They are computed only on request ([`Wanted::frozen`]) and
 //! marked. They are right for motions that are fast compared with the change of the coefficients, such as an
 //! engine's modes well above its speed, and wrong for whirl and its damping. Amplitudes of a flexible body
@@ -39,8 +39,10 @@ mod energies;
 mod equations;
 mod floquet;
 mod outputs;
+mod over_time;
 mod run;
 mod slow;
+mod variation;
 
 pub use energies::{Part, Shares, parts_of, stores};
 pub use equations::Equations;
@@ -95,6 +97,8 @@ pub struct Mode {
     pub shares: Shares,
     /// Amplitude of every channel (SI).
     pub outputs: Vec<Complex<f64>>,
+    /// Uncertainty of λ (1/s) from slight changes of the coefficients, which were held.
+    pub uncertain: f64,
     /// Further data about a repeating motion. Place, shares and outputs belong to the beginning of its
     /// period.
     pub repeating: Option<Repeating>,
@@ -121,10 +125,20 @@ impl Mode {
         -self.value.re / self.value.norm()
     }
 
+    /// −2π Re λ/ω: logarithm of the ratio of an amplitude to the one a period of the oscillation later. It is
+    /// not a number for a motion without oscillation.
+    pub fn logarithmic_decrement(&self) -> f64 {
+        if self.oscillates() {
+            -std::f64::consts::TAU * self.value.re / self.value.im
+        } else {
+            f64::NAN
+        }
+    }
+
     /// Whether it grows by more than its uncertainty.
     pub fn grows(&self) -> bool {
         let uncertain = |r: &Repeating| r.error + r.missed;
-        let error = self.repeating.as_ref().map_or(0.0, uncertain);
+        let error = self.repeating.as_ref().map_or(self.uncertain, uncertain);
         self.value.re > (GROWTH * self.value.norm()).max(error)
     }
 
@@ -164,6 +178,8 @@ pub struct LinearModes {
     /// Limit of |λ| (rad/s) below which an eigenvalue is computed about zero. It counts as zero if only
     /// rounding holds it.
     pub resolution: f64,
+    /// Uncertainty of the eigenvalues, as a share of their size, from slight changes of the coefficients.
+    pub variation: f64,
     /// The repeating motion, if the modes are those of its period.
     pub orbit: Option<Orbit>,
 }
@@ -172,6 +188,43 @@ impl LinearModes {
     /// The oscillations.
     pub fn oscillations(&self) -> impl Iterator<Item = &Mode> {
         self.modes.iter().filter(|m| m.oscillates())
+    }
+}
+
+/// What the coefficients at a state are, and by how much of their size their changes may move eigenvalues.
+///
+/// # Errors
+/// When coefficients change and are not to be taken as `frozen`.
+fn tested(
+    model: &Model,
+    state: &State,
+    equations: &Equations,
+    moment: Moment,
+    frozen: bool,
+) -> Result<(Coefficients, f64), RuntimeError> {
+    let here = constancy::Here::new(model, state, equations);
+    let refused = match constancy::varying(model, state, &here, moment, !frozen) {
+        Err(bodies) => RuntimeError::Turning { moment, bodies },
+        Ok(by_turning) => match constancy::leaving(model, state, &here, moment) {
+            Some(body) => RuntimeError::Unsteady {
+                moment,
+                body: Box::new(body),
+            },
+            None => match over_time::over_time(model, state, &here, moment) {
+                Ok(by_time) => return Ok((Coefficients::Constant, by_turning.max(by_time))),
+                Err(found) => RuntimeError::OverTime {
+                    moment,
+                    elements: found.elements,
+                    later: found.later,
+                    change: found.change,
+                },
+            },
+        },
+    };
+    if frozen {
+        Ok((Coefficients::Frozen, 0.0))
+    } else {
+        Err(refused)
     }
 }
 
@@ -187,21 +240,7 @@ pub fn linearise(
     wanted: Wanted,
 ) -> Result<LinearModes, RuntimeError> {
     let equations = Equations::new(model, state, moment)?;
-    let bodies = constancy::varying(model, state, &equations, moment, !wanted.frozen);
-    let coefficients = match bodies.as_slice() {
-        [] => match constancy::leaving(model, state, &equations, moment) {
-            None => Coefficients::Constant,
-            Some(_) if wanted.frozen => Coefficients::Frozen,
-            Some(body) => {
-                return Err(RuntimeError::Unsteady {
-                    moment,
-                    body: Box::new(body),
-                });
-            }
-        },
-        _ if wanted.frozen => Coefficients::Frozen,
-        _ => return Err(RuntimeError::Turning { moment, bodies }),
-    };
+    let (coefficients, variation) = tested(model, state, &equations, moment, wanted.frozen)?;
     let p = equations.freedoms();
     let matrix = equations.first_order();
     let unknowns = matrix.nrows();
@@ -232,11 +271,15 @@ pub fn linearise(
             }
         })
         .collect();
-    let modes = collected(model, state, moment, &equations, wanted, found)?;
+    let mut modes = collected(model, state, moment, &equations, wanted, found)?;
+    for mode in &mut modes.modes {
+        mode.uncertain = variation * mode.value.norm();
+    }
     Ok(LinearModes {
         coefficients,
         zeros,
         resolution,
+        variation,
         ..modes
     })
 }
@@ -306,6 +349,7 @@ fn collected(
         left_out,
         zeros: 0,
         resolution: 0.0,
+        variation: 0.0,
         orbit: None,
     })
 }
@@ -388,6 +432,7 @@ fn mode(
             .zip(imaginary)
             .map(|(re, im)| Complex::new(re, im))
             .collect(),
+        uncertain: 0.0,
         repeating: pair.repeating.clone(),
     })
 }

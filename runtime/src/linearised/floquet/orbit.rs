@@ -110,12 +110,35 @@ fn power_of_two(count: f64) -> usize {
         .next_power_of_two()
 }
 
-/// Number of integration steps over a time (s) from a state.
-fn steps_of(model: &Model, state: &State, time: f64, control: StepControl) -> usize {
-    power_of_two(match control.fixed() {
-        Some(h) => time / h,
-        None => PER_TURN * constancy::fastest(model, state) * time / TAU,
-    })
+/// Step lengths of transient and integration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pace {
+    /// The control stated in the analysis.
+    pub control: StepControl,
+    /// Factor of the default number of steps, a power of two. It does not change a stated step.
+    pub finer: usize,
+}
+
+impl Pace {
+    /// Number of integration steps over a time (s) from a state.
+    pub fn steps(self, model: &Model, state: &State, time: f64) -> usize {
+        match self.control.fixed() {
+            Some(h) => power_of_two(time / h),
+            None => {
+                let turns = constancy::fastest(model, state) * time / TAU;
+                (power_of_two(PER_TURN * turns) * self.finer).min(MOST)
+            }
+        }
+    }
+
+    /// Four times as many steps, after a round of `steps` whole steps; `None` for a stated step, or at the
+    /// largest number.
+    pub fn refined(self, steps: usize) -> Option<Pace> {
+        (self.control.fixed().is_none() && 2 * steps < MOST).then_some(Pace {
+            finer: 4 * self.finer,
+            ..self
+        })
+    }
 }
 
 /// A period in progress: its transient, and the present equations.
@@ -159,7 +182,7 @@ pub(super) fn round(
     simulation: &Simulation,
     state: &State,
     time: f64,
-    control: StepControl,
+    pace: Pace,
     halved: bool,
     observer: &mut dyn Observer,
 ) -> Result<Round, RuntimeError> {
@@ -173,7 +196,7 @@ pub(super) fn round(
         cycle_angle: running.sampled_cycle()?.map(|c| c[0]),
     };
     let first = Equations::new(&model, &start, moment)?;
-    let pairs = steps_of(&model, &start, time, control) / 2;
+    let pairs = pace.steps(&model, &start, time) / 2;
     let whole = time / pairs as f64;
     let size = first.first_order_size().max(1);
     let mut segments = (LARGEST / size).clamp(1, SEGMENTS);

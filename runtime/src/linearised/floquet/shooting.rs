@@ -10,6 +10,9 @@
 //! It finds unstable motions too. Directions that W does not change (a free turn, the phase) get no
 //! correction: the inverse is that of the least change.
 //!
+//! **Steps.** If the steps are too long for fast oscillations in the state, W is wrong, and so is the direction
+//! of a correction, however short it is. Then the number of steps is multiplied by four.
+//!
 //! **Period.** If the period is stated as an angle, the time for this angle from the first state on is only a
 //! first guess of T, because the angle swings before the motion repeats. A part that a drive turns has no
 //! freedom to close its gap, so T closes it. With the velocity v, the gap d of all moves, and the parts of
@@ -24,10 +27,10 @@
 
 use super::super::constancy;
 use super::super::run::Stretch;
-use super::orbit::{Period, Round, round};
+use super::orbit::{Pace, Period, Round, round};
 use crate::acceleration::AccelerationSystem;
 use crate::dynamics::Dynamics;
-use crate::error::RuntimeError;
+use crate::error::{NotBack, RuntimeError};
 use crate::model::Model;
 use crate::rotation::{V3, logarithm, product};
 use crate::simulation::Simulation;
@@ -49,6 +52,10 @@ const STRIDE: f64 = 200.0;
 /// Factors on the longest move after a round with the predicted shrinkage, and after another round.
 const LONGER: f64 = 2.5;
 const SHORTER: f64 = 0.25;
+/// Length of a move in position tolerances for which the linear equations hold, those of films too.
+const SHORT: f64 = 20.0;
+/// Share of the gap that no correction closes, above which no motion of the period is near.
+const UNMENDED: f64 = 0.3;
 /// Singular value of 1 − W, as a share of the largest, below which W does not change a direction.
 const STAYS: f64 = 1e-7;
 /// Factor on 2π/T in the scale of rates relative to moves.
@@ -71,6 +78,8 @@ struct Aim {
     time: f64,
     /// Share of Newton's step.
     factor: f64,
+    /// Share of the gap that Newton's whole step leaves by the linear equations.
+    left: f64,
 }
 
 /// The gap x_T − x₀.
@@ -81,6 +90,8 @@ pub(super) struct Gap {
     pub share: f64,
     /// δT (s) that closes the driven part; `None` without a drive.
     driven: Option<f64>,
+    /// Share of the gap outside all freedoms, in the mass norm of the moves.
+    given: f64,
     /// Index of the body with the largest gap, and this gap in words.
     worst: (Option<usize>, String),
 }
@@ -154,16 +165,19 @@ impl Round {
         }
         let ground = |x: Vec<f64>| self.first.in_ground_axes(DVector::from_vec(x));
         let moves = ground(moves);
+        let (driven, given) = self.detuning(&moves);
         Gap {
-            driven: self.detuning(&moves),
+            driven,
+            given,
             coordinates: self.coordinates(&moves, &ground(rates), &states),
             share,
             worst,
         }
     }
 
-    /// δT (s) that closes the moves (ground axes) outside all freedoms; `None` without a drive.
-    fn detuning(&self, moves: &DVector<f64>) -> Option<f64> {
+    /// δT (s) that closes the moves (ground axes) outside all freedoms, `None` without a drive; and the share of
+    /// these moves in the mass norm.
+    fn detuning(&self, moves: &DVector<f64>) -> (Option<f64>, f64) {
         let (basis, mass) = (&self.first.basis, &self.first.mass);
         let given = |x: &DVector<f64>| x - basis * (basis.transpose() * (mass * x));
         let velocity = self
@@ -172,7 +186,14 @@ impl Round {
         let driven = given(&velocity);
         let loads = mass * &driven;
         let (square, whole) = (driven.dot(&loads), velocity.dot(&(mass * &velocity)));
-        (square > DRIVEN * DRIVEN * whole).then(|| -given(moves).dot(&loads) / square)
+        let off = given(moves);
+        let change = (square > DRIVEN * DRIVEN * whole).then(|| -off.dot(&loads) / square);
+        let size = |x: &DVector<f64>| x.dot(&(mass * x)).max(0.0);
+        let share = match size(moves) {
+            all if all > 0.0 => libm::sqrt(size(&off) / all),
+            _ => 0.0,
+        };
+        (change, share)
     }
 
     /// Newton's step of the shooting. Moves that are not along the motion are limited to `reach` position
@@ -204,7 +225,7 @@ impl Round {
             (gap.coordinates[i] + along[i] * given) / weight(i)
         });
         let decomposed =
-            crate::singular::decompose(off).ok_or_else(|| RuntimeError::Eigenvalues {
+            crate::singular::decompose(off.clone()).ok_or_else(|| RuntimeError::Eigenvalues {
                 size,
                 what: "the changes over a period are not finite".to_owned(),
             })?;
@@ -215,6 +236,11 @@ impl Round {
                 what: what.to_owned(),
             }
         })?;
+        let left = if wanted.norm() > 0.0 {
+            (&off * &solved - &wanted).norm() / wanted.norm()
+        } else {
+            0.0
+        };
         let step = DVector::from_fn(size, |i, _| solved[i] * weight(i));
         let change = if sought { solved[size] / pace } else { given };
         let (x, y) = (step.rows(0, p), step.rows(p, p));
@@ -269,6 +295,7 @@ impl Round {
             state,
             time: self.period + factor * change,
             factor,
+            left,
         })
     }
 }
@@ -278,6 +305,7 @@ fn not_repeating(
     model: &Model,
     round: &Round,
     (body, what): &(Option<usize>, String),
+    why: NotBack,
 ) -> RuntimeError {
     let origin = body.map(|b| Box::new(model.bodies[b].origin.clone()));
     let named = origin
@@ -287,11 +315,23 @@ fn not_repeating(
         moment: round.moment,
         period: round.period,
         what: format!("{named}{what}"),
+        why,
         origin,
     }
 }
 
-/// The repeating motion at or near the state of the last outputs.
+/// Why the search ended: what drives impose, or what no move mends, is a matter of the period; the rest of
+/// the way from the state.
+fn why(gap: &Gap, left: f64, period: Period) -> NotBack {
+    let imposed = gap.given > UNMENDED && !(period.free && gap.driven.is_some());
+    if imposed || left > UNMENDED {
+        NotBack::OtherPeriod
+    } else {
+        NotBack::TooFar
+    }
+}
+
+/// The repeating motion at or near the state of the last outputs, with the steps that found it.
 pub(super) fn repeating(
     simulation: &Simulation,
     period: Period,
@@ -301,10 +341,12 @@ pub(super) fn repeating(
     let model = simulation.model();
     let asked = simulation.sampled_state();
     let near = FREE * constancy::fastest(model, asked);
+    let mut pace = Pace { control, finer: 1 };
     let mut aim = Aim {
         state: asked.clone(),
         time: period.time,
         factor: 1.0,
+        left: 0.0,
     };
     let mut reach = STRIDE;
     let mut before: Option<(Round, Gap)> = None;
@@ -312,14 +354,7 @@ pub(super) fn repeating(
         // each round takes half of the remaining progress
         let done = |shot: usize| 1.0 - libm::exp2(-(shot as f64));
         let mut stretch = Stretch::new(observer, done(shot), done(shot + 1));
-        let tried = round(
-            simulation,
-            &aim.state,
-            aim.time,
-            control,
-            false,
-            &mut stretch,
-        );
+        let tried = round(simulation, &aim.state, aim.time, pace, false, &mut stretch);
         let found = match tried {
             Ok(found) => Some(found),
             Err(RuntimeError::Stopped(why)) => return Err(RuntimeError::Stopped(why)),
@@ -339,22 +374,17 @@ pub(super) fn repeating(
                 let both = [&found.first, &found.last];
                 if !constancy::alike(model, both, TAU / found.period, ALIKE) {
                     let what = "the state repeats, but the forces about it do not: something depends on time with another period";
-                    return Err(not_repeating(model, found, &(None, what.to_owned())));
+                    let worst = (None, what.to_owned());
+                    return Err(not_repeating(model, found, &worst, NotBack::OtherPeriod));
                 }
                 let mut stretch = Stretch::new(observer, done(shot + 1), 1.0);
-                let found = round(
-                    simulation,
-                    &aim.state,
-                    aim.time,
-                    control,
-                    true,
-                    &mut stretch,
-                )?;
+                let found = round(simulation, &aim.state, aim.time, pace, true, &mut stretch)?;
                 let gap = found.gap(model);
                 return Ok((found, gap));
             }
             if shot == SHOTS || (!share.is_finite() && before.is_none()) {
-                return Err(not_repeating(model, found, &gap.worst));
+                let why = why(gap, aim.left, period);
+                return Err(not_repeating(model, found, &gap.worst, why));
             }
         }
         if share < last {
@@ -363,6 +393,24 @@ pub(super) fn repeating(
             }
             before = found;
         } else {
+            // so short a way is straight: where it is the wrong one, the march takes longer steps than what
+            // swings there allows
+            let finer = match &before {
+                Some((found, _)) if reach <= SHORT => pace.refined(found.steps),
+                _ => None,
+            };
+            if let (Some(finer), Some((found, _))) = (finer, &before) {
+                pace = finer;
+                reach = STRIDE;
+                aim = Aim {
+                    state: found.start.clone(),
+                    time: found.period,
+                    factor: 1.0,
+                    left: 0.0,
+                };
+                before = None;
+                continue;
+            }
             reach *= SHORTER;
         }
         let Some((found, gap)) = &before else {
@@ -372,7 +420,12 @@ pub(super) fn repeating(
         // if speeds are free, a motion at another speed may also have this period
         let other_speed = near > 0.0 && constancy::change_of_spin(model, asked, &aim.state) > near;
         if other_speed || (aim.time / period.time - 1.0).abs() > DETUNED {
-            return Err(not_repeating(model, found, &gap.worst));
+            return Err(not_repeating(
+                model,
+                found,
+                &gap.worst,
+                NotBack::OtherPeriod,
+            ));
         }
     }
     Err(RuntimeError::NoPeriod {

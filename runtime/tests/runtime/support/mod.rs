@@ -453,6 +453,8 @@ impl Builder {
             conditions: vec![],
             uses_twist: true,
             applies_load: true,
+            loads_over_time: true,
+            rows_over_time: true,
             tape: layout.len(),
         };
         definition.describe(&mut class);

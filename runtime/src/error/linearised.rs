@@ -1,0 +1,154 @@
+//! Reasons why a motion has no modes: its coefficients are not constant, or it does not repeat.
+
+use super::MOST_GAPS;
+use eng_system::system::Origin;
+
+/// Why the coefficients of the linearised motion change while a body turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Varies {
+    /// It is flexible: its shapes turn with it, but its supports and loads do not.
+    Shapes,
+    /// Its mass and inertia are not those of a body of revolution about its axis of turning.
+    Inertia,
+    /// A joint or load acts on it beside its axis, or depends on its angle.
+    Loads,
+}
+
+/// A body whose turning changes the coefficients of the linearised motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TurningBody {
+    /// The body.
+    pub origin: Origin,
+    /// Its angular speed (rad/s).
+    pub speed: f64,
+    /// The reason for the change.
+    pub varies: Varies,
+}
+
+impl TurningBody {
+    /// The reason in words, after the name of the body.
+    pub fn reason(&self) -> &'static str {
+        match self.varies {
+            Varies::Shapes => "is flexible: its shapes turn with it, what holds it does not",
+            Varies::Inertia => "is no body of revolution about the axis that it turns about",
+            Varies::Loads => {
+                "has a joint or load that acts beside its axis or changes with its angle or with time"
+            }
+        }
+    }
+}
+
+/// The way in which a body leaves the state of a linearisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Leaving {
+    /// It moves (m/s).
+    Moves(f64),
+    /// Forces do not balance; the largest acceleration of a body (m/s²).
+    Unbalanced(f64),
+}
+
+/// A body that leaves the state, so that the coefficients of the linearised motion change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeavingBody {
+    /// The body.
+    pub origin: Origin,
+    /// The way in which it leaves.
+    pub leaving: Leaving,
+}
+
+impl LeavingBody {
+    /// The reason in words, after the name of the body.
+    pub fn reason(&self) -> &'static str {
+        match self.leaving {
+            Leaving::Moves(_) => "moves, and its stiffness, damping or inertia changes on its way",
+            Leaving::Unbalanced(_) => {
+                "is not in balance, and its stiffness, damping or inertia changes on its way there"
+            }
+        }
+    }
+}
+
+/// The reason why no motion was found that repeats after a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotBack {
+    /// No motion of the period is near.
+    OtherPeriod,
+    /// A motion of the period is near by the linear equations, but the search from the state does not reach it.
+    TooFar,
+}
+
+impl NotBack {
+    /// The part of the message after the gap.
+    pub(super) fn said(self) -> &'static str {
+        match self {
+            NotBack::OtherPeriod => "",
+            NotBack::TooFar => {
+                "; a motion of this period is close by, but the state is not on it, and the search from there does not come to it"
+            }
+        }
+    }
+}
+
+/// The part of an element that changes with time alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Timed {
+    /// Its stiffness or damping.
+    Coefficients,
+    /// Its load, and so the moment of the load on a displaced body.
+    Load,
+    /// The motion that it imposes.
+    Motion,
+}
+
+/// An element by which the coefficients of the linearised motion change with time alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedElement {
+    /// The element.
+    pub origin: Origin,
+    /// The part that changes.
+    pub timed: Timed,
+}
+
+impl TimedElement {
+    /// The reason in words, after the name of the element.
+    pub fn reason(&self) -> &'static str {
+        match self.timed {
+            Timed::Coefficients => "has a stiffness or damping that changes with time",
+            Timed::Load => {
+                "has a load that changes with time, and with it the stiffness of what it acts on"
+            }
+            Timed::Motion => "moves what it holds at a speed that changes with time",
+        }
+    }
+}
+
+/// The effect of the changed coefficients in words.
+pub(super) fn changed(share: f64) -> String {
+    if share.is_finite() {
+        format!(
+            "their change moves eigenvalues by about {:.2} %",
+            100.0 * share
+        )
+    } else {
+        "they are others".to_owned()
+    }
+}
+
+/// Paths of the first few, and the number of others.
+fn names<'a>(origins: impl ExactSizeIterator<Item = &'a Origin>) -> String {
+    let more = match origins.len().saturating_sub(MOST_GAPS) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let named: Vec<&str> = origins.take(MOST_GAPS).map(|o| o.path.as_str()).collect();
+    format!("{}{more}", named.join(", "))
+}
+
+pub(super) fn list_timed(elements: &[TimedElement]) -> String {
+    names(elements.iter().map(|element| &element.origin))
+}
+
+pub(super) fn list_turning(bodies: &[TurningBody]) -> String {
+    let verb = if bodies.len() == 1 { "turns" } else { "turn" };
+    format!("{} {verb}", names(bodies.iter().map(|body| &body.origin)))
+}
