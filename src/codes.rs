@@ -197,6 +197,10 @@ eng_grammar::codes! {
         "`periodic` ended because the motion repeats to within the tolerance of its steps, but this output goes on changing from cycle to cycle, without any order. It is a small difference of large values, or a derivative of a small motion: the errors of the steps are enlarged in it. The message names the tolerance that would bring them below `change`.",
         "analysis steady = periodic(Engine())",
         "analysis steady = periodic(Engine(), tolerance: 0.01)";
+    DAMPED_AWAY = "W0717", "the steps damp a vibration away that they do not follow",
+        "A stiff spring holds a body, and what the motion begins with, or a blow, makes it vibrate. The vibration is larger than the tolerance of positions and faster than the steps follow, so the integration's own damping takes its energy: amplitude and forces of this vibration are wrong. It is not said of stiff joints that follow their loads. The message names the body, the frequency and a step. Take a smaller `step` or `tolerance`, damp the spring, or begin in balance.",
+        "analysis hit = transient(Hammer(), duration: 10 ms, sample: 0.1 ms, step: 0.1 ms)",
+        "analysis hit = transient(Hammer(), duration: 10 ms, sample: 0.1 ms)";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run goes on, but the class takes these parameters for doubtful: a clearance that may be diametral instead of radial. The text is its author's.",
         "", "";

@@ -5,7 +5,8 @@ use crate::places::{at_first, place, related, span};
 use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::{
-    Leaving, NotBack, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning, Unstable,
+    Damped, Leaving, NotBack, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning,
+    Unstable,
 };
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
@@ -14,6 +15,33 @@ use eng_system::table::Outside;
 mod geometry;
 use geometry::{MOST_PARAMETERS, locked, open_loop, start_velocity, with_markers, wrong_branch};
 pub(crate) use geometry::{does_not_turn, hanging};
+
+/// The warning of a vibration that the steps damped away, at the line of its analysis.
+pub(crate) fn damped(damped: &Damped, analysis: &Origin) -> Diagnostic {
+    let body = &damped.body;
+    let share = 100.0 * (damped.taken / damped.energy).min(1.0);
+    let message = Diagnostic::warning(
+        codes::DAMPED_AWAY,
+        format!(
+            "the steps damp a vibration of {} at about {} Hz: they took {} % of the energy of its motion",
+            body.path,
+            significant(damped.frequency / std::f64::consts::TAU, 2),
+            significant(share, 2)
+        ),
+    );
+    let label = format!(
+        "a step of {} s is too long for it",
+        significant(damped.step, 2)
+    );
+    let message = place(message, analysis, &label);
+    let message = match body.used_at.or(body.defined_at) {
+        Some(at) => message.also(span(at), "this body"),
+        None => message,
+    };
+    message
+        .with_note("the amplitude of this vibration and the forces of the stiffness behind it are wrong; motions that the steps follow are not")
+        .with_help("take a smaller `step` or `tolerance`, give that stiffness damping, or begin where its forces are in balance: `start: quasi_static`")
+}
 
 /// The message of a failure. It shows the user's line first and the line of the law second.
 pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {

@@ -197,3 +197,101 @@ fn tolerances_below_rounding_are_refused_and_the_least_is_kept() {
         );
     }
 }
+
+/// A kilogram on an undamped spring, a micrometre from its place: ten times the tolerance of positions, which is 1e-7 m here.
+fn on_a_spring(stiffness: f64, travel: f64) -> Model {
+    let text = format!(
+        "
+use std.joints.Translational
+use std.forces.LinearSpring
+model Stiff {{
+    gravity = [0, 0, 0] m/s^2
+    marker rail = at([0, 0, 0] mm, z: [1, 0, 0])
+    marker anchor = at([-100, 0, 0] mm, z: [1, 0, 0])
+    body slider {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker pin = at(origin, z: [1, 0, 0]); accept inertia }}
+    joint guide = Translational(slider.pin, rail)
+    force spring = LinearSpring(slider.pin, anchor, stiffness: {stiffness:e} N/m, damping: 0 N*s/m, free_length: 100 mm)
+    start guide.travel = {travel:e} m
+}}"
+    );
+    model(&text, "Stiff")
+}
+
+/// An undamped vibration keeps its amplitude to within the tolerance, or it is told that the steps damp it. What the steps follow, and
+/// what is smaller than the tolerance, is not told.
+#[test]
+fn a_vibration_that_the_steps_damp_is_told() {
+    const AMPLITUDE: f64 = 1e-6;
+    const TOLERANCE: f64 = 1e-7;
+    let mut told = 0;
+    for exponent in 3..=15 {
+        let stiffness = 10_f64.powi(exponent);
+        let model = on_a_spring(stiffness, AMPLITUDE);
+        for fixed in [None, Some(1e-5)] {
+            let start = match fixed {
+                None => model.simulation().start(),
+                Some(step) => model.simulation().fixed_step(step).start(),
+            };
+            let mut simulation = to_the_end(start.unwrap_or_else(|e| panic!("{e}")), 0.01);
+            let runtime = simulation.runtime();
+            let state = runtime.state();
+            let (x, v) = (state.pose[0], state.velocity[0]);
+            let amplitude = (x * x + v * v / stiffness).sqrt();
+            let damped = runtime.damped();
+            println!("{stiffness:e} N/m, {fixed:?}: {amplitude:e} m, {damped:?}");
+            match damped {
+                None => assert!(
+                    (amplitude - AMPLITUDE).abs() < TOLERANCE,
+                    "{stiffness:e} N/m, {fixed:?}: {amplitude:e} m"
+                ),
+                Some(damped) => {
+                    told += 1;
+                    assert!(exponent > 6, "{stiffness:e} N/m: {damped:?}");
+                    assert_eq!(damped.body.path, "slider");
+                    // one step says the frequency of a single vibration well enough to name it
+                    let ratio = damped.frequency / stiffness.sqrt();
+                    assert!((0.8..1.2).contains(&ratio), "{stiffness:e} N/m: {damped:?}");
+                }
+            }
+        }
+        let small = on_a_spring(stiffness, 1e-3 * TOLERANCE)
+            .simulation()
+            .start();
+        let mut small = to_the_end(small.unwrap_or_else(|e| panic!("{e}")), 1e-3);
+        assert_eq!(small.runtime().damped(), None, "{stiffness:e} N/m");
+    }
+    assert!(told >= 9, "{told} of 26");
+}
+
+/// A drive turns a wheel at a constant speed from any angle. It does no work, and rounding of the angle does not shorten the steps.
+#[test]
+fn a_steady_drive_does_no_work_wherever_it_begins() {
+    for angle in [0.0, 10.0, 63.0, 200.0, 350.0] {
+        let text = format!(
+            "
+use std.joints.Revolute
+use std.drives.PrescribedRotation
+model Wheel {{
+    gravity = [0, 0, 0] m/s^2
+    marker base = [0, 0, 0] mm
+    body wheel {{ mass = 1.5 kg; inertia = [4, 4, 5] g*m^2; marker hub = origin }}
+    joint bearing = Revolute(wheel.hub, base)
+    drive turn = PrescribedRotation(wheel.hub, base, speed: -12345 rpm, initial: {angle} deg)
+}}"
+        );
+        let start = model(&text, "Wheel").simulation().start();
+        let mut simulation = to_the_end(start.unwrap_or_else(|e| panic!("{e}")), 0.01);
+        let steps = simulation.statistics().steps;
+        let energy = simulation.runtime().energy();
+        println!(
+            "{angle} deg: {:e} of {} J in {steps} steps",
+            energy.constraints, energy.kinetic
+        );
+        assert!(
+            energy.constraints.abs() < 1e-9 * energy.kinetic,
+            "{angle} deg: {:e} of {} J",
+            energy.constraints,
+            energy.kinetic
+        );
+    }
+}

@@ -535,6 +535,28 @@ fn of_very_many_mistakes_a_hundred_are_shown() {
     );
 }
 
+/// A name beyond those that are shown is not compared with all others: types and units are told as fast as names.
+#[test]
+fn very_many_unknown_types_and_units_are_told_in_seconds() {
+    for line in ["const a{}: Lenth{} = 1 mm\n", "const a{} = 1 mmm{}\n"] {
+        let wrong: String = (0..20_000)
+            .map(|i| line.replace("{}", &i.to_string()))
+            .collect();
+        let folder = Folder::with("types", &wrong);
+        let began = std::time::Instant::now();
+        let output = folder.eng(&["check", "model.eng"]);
+        let took = began.elapsed();
+        let said = said(&output);
+        assert!(
+            said.ends_with("… and 19900 more messages\n20000 errors, 0 warnings\n"),
+            "{}",
+            said.lines().last().unwrap()
+        );
+        // each with each would be half an hour
+        assert!(took.as_secs() < 120, "{took:?}");
+    }
+}
+
 #[test]
 fn a_very_long_name_is_shown_in_short() {
     let name = "n".repeat(10_000_000);

@@ -95,6 +95,23 @@ impl Diagnostic {
         self
     }
 
+    /// Makes another place that of the mistake; the places so far stay as related ones.
+    pub fn moved_to(&mut self, span: Span, message: impl Into<String>) {
+        for label in &mut self.labels {
+            label.primary = false;
+        }
+        let message = message.into();
+        let primary = true;
+        self.labels.insert(
+            0,
+            Label {
+                span,
+                message,
+                primary,
+            },
+        );
+    }
+
     /// Adds a related place.
     pub fn also(mut self, span: Span, message: impl Into<String>) -> Self {
         self.labels.push(Label {

@@ -38,8 +38,10 @@ mod dense;
 mod nearest;
 mod newton;
 mod tangents;
+mod vibration;
 
 pub use tangents::constraints_along;
+pub use vibration::{Damped, Vibration};
 
 use crate::body::Weights;
 use crate::dynamics::Dynamics;
@@ -222,6 +224,8 @@ pub struct Integrator {
     damping_wrenches: Vec<f64>,
     /// The unknown (a velocity or a state) that governed the last estimate.
     governing: Option<usize>,
+    /// Of each body; see [`vibration`].
+    pub vibrations: Vec<Vibration>,
 }
 
 impl Integrator {
@@ -286,6 +290,7 @@ impl Integrator {
             estimate: vec![0.0; model.velocities],
             damping_wrenches: vec![0.0; model.wrenches],
             governing: None,
+            vibrations: vec![Vibration::default(); model.bodies.len()],
         })
     }
 

@@ -63,7 +63,7 @@ pub use error::{
     Leaving, LeavingBody, Moment, NamedRow, NotBack, RedundantGroup, RuntimeError, Timed,
     TimedElement, TurningBody, Varies,
 };
-pub use integrator::Statistics;
+pub use integrator::{Damped, Statistics};
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{CscView, Energy, Jump, Options, Pace, Simulation, Slow, StepReport, Warning};

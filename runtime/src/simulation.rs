@@ -14,7 +14,7 @@ use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
 pub use crate::error::{Jump, Pace, Slow};
 use crate::error::{Moment, RuntimeError};
-use crate::integrator::{Goal, Integrator, STEP_SHARE, Statistics};
+use crate::integrator::{Damped, Goal, Integrator, STEP_SHARE, Statistics};
 use crate::linear::Pattern;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
@@ -335,6 +335,11 @@ impl Simulation {
     /// Counts of work.
     pub fn statistics(&self) -> Statistics {
         self.integrator.statistics
+    }
+
+    /// The body whose motion lost most to the steps' own damping, where that is more than may be unsaid.
+    pub fn damped(&self) -> Option<Damped> {
+        self.integrator.damped(&self.model)
     }
 
     /// Warnings since the last call.

@@ -4,7 +4,7 @@ mod renewal;
 
 use crate::decay::CycleReport;
 use crate::error::{Moment, RuntimeError};
-use crate::integrator::Statistics;
+use crate::integrator::{Damped, Statistics};
 use crate::simulation::{Energy, Options, Simulation, Slow, Warning};
 use crate::start::StartReport;
 use eng_system::code::Compiled;
@@ -109,6 +109,8 @@ pub struct RunSummary {
     pub statistics: Statistics,
     /// Energy at the end.
     pub energy: Energy,
+    /// The body whose vibration the steps damped away.
+    pub damped: Option<Damped>,
     /// Whether the observer ended the run.
     pub interrupted: bool,
 }
@@ -520,6 +522,7 @@ impl Run<'_> {
             samples: self.samples,
             statistics: simulation.statistics(),
             energy: simulation.energy(),
+            damped: simulation.damped(),
             interrupted,
         }
     }

@@ -234,6 +234,14 @@ fn short(value: f64, digits: usize) -> String {
     }
 }
 
+/// An angle (rad) with its unit: degrees, unless a number of them is beyond what numbers hold.
+fn degrees(angle: f64, digits: usize) -> String {
+    match angle.to_degrees() {
+        degrees if degrees.is_finite() => format!("{} deg", short(degrees, digits)),
+        _ => format!("{} rad", short(angle, digits)),
+    }
+}
+
 /// Paths as a list in a sentence. A long list is shortened.
 fn listed(paths: &[&str]) -> String {
     match paths {

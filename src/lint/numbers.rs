@@ -1,6 +1,6 @@
 //! Lints of numbers alone: gravity, masses and inertias, tables against the cycle.
 
-use super::{Finding, short};
+use super::{Finding, degrees, short};
 use crate::codes;
 use crate::machine::at;
 use eng_system::code::{Bound, Compiled};
@@ -433,8 +433,8 @@ fn whole_turns(system: &System, bound: &Bound) -> Option<Finding> {
         name: lint::PERIOD.to_owned(),
         origin: cycle.origin.clone(),
         message: format!(
-            "the cycle repeats every {} deg, which are no whole turns: is its unit right?",
-            short(period.to_degrees(), 5)
+            "the cycle repeats every {}, which are no whole turns: is its unit right?",
+            degrees(period, 5)
         ),
         label: "its period".to_owned(),
         help: "720 deg are the cycle of a four-stroke engine, 360 deg that of a two-stroke"
@@ -449,7 +449,7 @@ fn periods(system: &System, bound: &Bound) -> Vec<Finding> {
         return Vec::new();
     };
     let period = at(bound, cycle.period);
-    let deg = |x: f64| short(x.to_degrees(), 4);
+    let deg = |x: f64| degrees(x, 4);
     system
         .tables
         .iter()
@@ -465,7 +465,7 @@ fn periods(system: &System, bound: &Bound) -> Vec<Finding> {
                 name: lint::PERIOD.to_owned(),
                 origin: cycle.origin.clone(),
                 message: format!(
-                    "the cycle repeats every {} deg, the table `{}` every {} deg",
+                    "the cycle repeats every {}, the table `{}` every {}",
                     deg(period),
                     table.name(),
                     deg(of_table)
@@ -506,10 +506,10 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
     let group = all.iter().filter(|other| together(first, other));
     let group: Vec<&FiringInfo> = group.collect();
     let origin = |firing: &FiringInfo| Some(&system.elements.get(firing.element as usize)?.origin);
-    let shown = short(at(bound, first.angle).to_degrees(), 4);
+    let shown = degrees(at(bound, first.angle), 4);
     let (message, help) = match most == all.len() {
         true => (
-            format!("all {most} cylinders fire at {shown} deg"),
+            format!("all {most} cylinders fire at {shown}"),
             "give each its `firing:`",
         ),
         false => {
@@ -517,7 +517,7 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
             let others: Vec<&str> = others.map(|origin| origin.path.as_str()).collect();
             (
                 format!(
-                    "it fires at {shown} deg together with {}, and other cylinders do not fire together",
+                    "it fires at {shown} together with {}, and other cylinders do not fire together",
                     super::listed(&others)
                 ),
                 "each cylinder fires at an angle of its own: one of two dead centres of a four-stroke cycle, 360 deg apart",

@@ -158,7 +158,7 @@ fn swings(system: &System, angle: f64) -> Option<Finding> {
         name: lint::CYCLE.to_owned(),
         origin: system.cycle.as_ref()?.origin.clone(),
         message: format!(
-            "the cycle's angle turns back at {} deg and never comes round",
+            "the cycle's angle turns back at {} and never comes round",
             deg(angle)
         ),
         label: "an angle that swings".to_owned(),
@@ -235,8 +235,13 @@ fn apart(a: f64, b: f64) -> f64 {
     d.min(TAU - d)
 }
 
+/// To a tenth of a degree, with its unit.
 fn deg(x: f64) -> String {
-    short(libm::round(x.to_degrees() * 10.0) / 10.0, 4)
+    let tenths = libm::round(x.to_degrees() * 10.0) / 10.0;
+    match tenths.is_finite() {
+        true => format!("{} deg", short(tenths, 4)),
+        false => super::degrees(x, 4),
+    }
 }
 
 impl Watched<'_> {
@@ -474,7 +479,7 @@ impl Watched<'_> {
         }
         if apart(self.angle, *dead_center) > OFF {
             let message = format!(
-                "it fires at {} deg, its dead centre is at {} deg",
+                "it fires at {}, its dead centre is at {}",
                 deg(self.angle),
                 deg(dead_center.rem_euclid(TAU))
             );

@@ -240,6 +240,10 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             significant(e.kinetic, 6),
             e.imbalance()
         ));
+        let damped = summary.damped.as_ref();
+        if let Some(warning) = damped.map(|d| crate::failure::damped(d, analysis.origin())) {
+            diagnostics.push(warning);
+        }
     }
     let mut machine = Machine::new(system, &bound, analysis.kind());
     if outcome.results.are_modes() {

@@ -6,7 +6,7 @@ use super::scope::{Found, Member, Scope};
 use super::types::{Dim, FunctionParameter, Kind as PointKind, Quantity, Signature, Type};
 use crate::codes;
 use crate::program::{DefinitionId, unit_text};
-use crate::resolve::suggest::nearest;
+use crate::resolve::suggest::{EXPLAINED, nearest};
 use eng_grammar::ast::{
     Binding, BindingKind, Expr, ExprKind, IndexArgument, ItemKind, Kind, Name, Parameter, TypeExpr,
     TypeExprKind,
@@ -206,17 +206,20 @@ impl<'p> Checker<'p> {
     }
 
     fn unknown_type(&mut self, scope: &Scope<'p>, name: &Name) {
+        let mut message = Diagnostic::error(
+            codes::UNKNOWN_TYPE,
+            format!("there is no type `{}`", name.text),
+        )
+        .at(name.span, "neither a type nor a dimension");
+        if self.diagnostics.len() > EXPLAINED {
+            return self.report(message);
+        }
         let mut known: Vec<&str> = BUILT_IN_TYPES.to_vec();
         known.extend(self.program.dimensions.keys().map(String::as_str));
         known.extend(scope.generics.iter().map(|(n, _)| n.as_str()));
         if let Some(module) = self.program.modules.get(scope.module as usize) {
             known.extend(module.scope.keys().map(String::as_str));
         }
-        let mut message = Diagnostic::error(
-            codes::UNKNOWN_TYPE,
-            format!("there is no type `{}`", name.text),
-        )
-        .at(name.span, "neither a type nor a dimension");
         if let Some(offered) = self.program.offered.get(&name.text) {
             message = self.offer_use(message, scope.module, &offered.module, &name.text);
         } else if let Some(near) = nearest(&name.text, known) {

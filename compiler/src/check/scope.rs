@@ -8,7 +8,7 @@ use super::types::{BodyRef, Quantity, Type};
 use super::{Checker, Progress};
 use crate::codes;
 use crate::program::DefinitionId;
-use crate::resolve::suggest::nearest;
+use crate::resolve::suggest::{EXPLAINED, nearest};
 use eng_grammar::ast::{
     Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter,
     Statement, Table,
@@ -74,9 +74,6 @@ pub(super) enum Found<'p> {
     Member(DefinitionId, Member<'p>),
     Top(DefinitionId),
 }
-
-/// Number of messages above which an unknown name is no longer compared with the known ones.
-const EXPLAINED: usize = 100;
 
 impl<'p> Scope<'p> {
     pub(super) fn top(module: u32) -> Scope<'p> {

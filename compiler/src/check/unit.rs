@@ -5,6 +5,7 @@ use super::scope::Scope;
 use super::types::{Dim, Kind, Quantity, Type};
 use crate::codes;
 use crate::program::{Unit, unit_text};
+use crate::resolve::suggest::EXPLAINED;
 use eng_grammar::ast::UnitExpr;
 use eng_grammar::{Diagnostic, Span};
 
@@ -67,6 +68,9 @@ impl<'p> Checker<'p> {
         let mut message =
             Diagnostic::error(codes::UNKNOWN_UNIT, format!("there is no unit `{name}`"))
                 .at(span, "not known");
+        if self.diagnostics.len() > EXPLAINED {
+            return self.report(message);
+        }
         // `5 mm*bore`: a product of values needs spaces.
         let before = place.checked_sub(1).and_then(|p| whole.factors.get(p));
         if let Some(before) = before

@@ -127,6 +127,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             pending: Vec::new(),
             in_output: false,
             in_rate: false,
+            asked_from: None,
             in_part: false,
             rates: None,
         };

@@ -221,6 +221,8 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub in_output: bool,
     /// Inside `der(…)`: element outputs are evaluated, not read.
     pub in_rate: bool,
+    /// The text that asks for an element's output where no element is lowered, and the output's path.
+    pub asked_from: Option<(Span, String)>,
     /// Inside the block of a component, whose markers are the choice of its author.
     pub in_part: bool,
     /// Rates of the states of the element being lowered, when known.
@@ -235,7 +237,10 @@ pub(crate) struct CycleDraft<'a> {
 }
 
 impl<'a> Elaborator<'a, '_> {
-    pub fn report(&mut self, diagnostic: Diagnostic) -> Reported {
+    pub fn report(&mut self, mut diagnostic: Diagnostic) -> Reported {
+        if let (codes::MOTION, Some((span, output))) = (diagnostic.code, &self.asked_from) {
+            diagnostic.moved_to(*span, format!("`{output}` moves"));
+        }
         self.diagnostics.push(diagnostic);
         Reported
     }

@@ -387,11 +387,27 @@ impl<'a> Elaborator<'a, '_> {
             return Err(Reported);
         };
         let class = self.class_of(source.definition, name.span)?;
-        let own = self.class_scope(&source, class, &path)?;
-        if self.scope(own).entries.contains_key(&name.text) {
-            return self.entry(own, &name.text, name.span);
+        // where only parameters can stand, what moves inside the class is a mistake of the text that asks for it
+        let asks = self.bench.element.is_none() && self.asked_from.is_none();
+        if asks {
+            self.asked_from = Some((name.span, format!("{path}.{}", name.text)));
         }
-        Err(self.report(if self.in_rate {
+        let own = self.class_scope(&source, class, &path);
+        let value = own.and_then(
+            |own| match self.scope(own).entries.contains_key(&name.text) {
+                true => self.entry(own, &name.text, name.span),
+                false => Err(self.only_in_outputs(&path, name)),
+            },
+        );
+        if asks {
+            self.asked_from = None;
+        }
+        value
+    }
+
+    /// A reaction or state of an element where it is not known.
+    fn only_in_outputs(&mut self, path: &str, name: &ast::Name) -> Reported {
+        self.report(if self.in_rate {
             Diagnostic::error(
                 codes::NO_RATE,
                 format!("the rate of `{path}.{}` is not known", name.text),
@@ -405,7 +421,7 @@ impl<'a> Elaborator<'a, '_> {
             )
             .at(name.span, "a reaction or state of another element")
             .with_help("elements see markers and parameters: measure what is needed from markers")
-        }))
+        })
     }
 
     /// Adds an element that is only a start condition: rows = value − target.

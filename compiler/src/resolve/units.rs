@@ -1,7 +1,7 @@
 //! The tables of dimensions and units, in the order of their definitions.
 
 use super::definitions::{Definitions, Looked};
-use super::suggest::nearest;
+use super::suggest::{EXPLAINED, nearest};
 use crate::codes;
 use crate::program::{NamedDimension, Program, Unit, unit_text};
 use eng_grammar::ast::{
@@ -135,7 +135,10 @@ impl Dimensions<'_> {
                 if self.definitions.contains(&name.text) {
                     return self.named(&name.text).map(|named| named.dimension);
                 }
-                let near = self.definitions.nearest(&name.text);
+                let near = match self.diagnostics.len() > EXPLAINED {
+                    true => None,
+                    false => self.definitions.nearest(&name.text),
+                };
                 let mut message = Diagnostic::error(
                     codes::UNKNOWN_TYPE,
                     format!("there is no dimension `{}`", name.text),
@@ -233,7 +236,9 @@ impl Units<'_> {
                     format!("there is no dimension `{}`", name.text),
                 )
                 .at(name.span, "not known");
-                if let Some(near) = nearest(&name.text, self.dimensions.keys().map(String::as_str))
+                if self.diagnostics.len() <= EXPLAINED
+                    && let Some(near) =
+                        nearest(&name.text, self.dimensions.keys().map(String::as_str))
                 {
                     message = message.meant(name.span, near);
                 }
@@ -376,7 +381,10 @@ impl Units<'_> {
         };
         for factor in &expr.factors {
             if !self.definitions.contains(&factor.name.text) {
-                let near = self.definitions.nearest(&factor.name.text);
+                let near = match self.diagnostics.len() > EXPLAINED {
+                    true => None,
+                    false => self.definitions.nearest(&factor.name.text),
+                };
                 let mut message = Diagnostic::error(
                     codes::UNKNOWN_UNIT,
                     format!("there is no unit `{}`", factor.name.text),

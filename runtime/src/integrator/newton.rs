@@ -335,7 +335,7 @@ impl Integrator {
     }
 
     /// Largest magnitude of velocities or accelerations, scaled.
-    fn largest(&self, x: &[f64]) -> f64 {
+    pub(super) fn largest(&self, x: &[f64]) -> f64 {
         x.iter()
             .zip(&self.scales)
             .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))

@@ -5,6 +5,7 @@ use super::{Energy, Options, Simulation, check};
 use crate::checkpoint::{self, Reader, Writer};
 use crate::control::{FixedGrid, StepSize};
 use crate::error::RuntimeError;
+use crate::integrator::Vibration;
 use crate::model::Model;
 use crate::state::State;
 use eng_system::code::Compiled;
@@ -99,6 +100,9 @@ impl Simulation {
             .map(|a| f64::from(u8::from(*a)))
             .collect();
         w.numbers(&advised);
+        for vibration in &self.integrator.vibrations {
+            w.numbers(&vibration.numbers());
+        }
         w.finish()
     }
 
@@ -212,6 +216,11 @@ impl Simulation {
         let mut advised = vec![0.0; simulation.advised.len()];
         r.numbers(&mut advised)?;
         simulation.advised = advised.iter().map(|a| *a != 0.0).collect();
+        for vibration in &mut simulation.integrator.vibrations {
+            let mut numbers = [0.0; 8];
+            r.numbers(&mut numbers)?;
+            *vibration = Vibration::from_numbers(numbers);
+        }
         r.finish()?;
         Ok(simulation)
     }

@@ -15,6 +15,9 @@ const FOLLOWED: f64 = 0.2;
 /// This share of the largest acceleration is added to the size of each, so that an acceleration near zero
 /// does not shorten the first step.
 const REST: f64 = 1e-4;
+/// Size of an acceleration that is rounding, as a share of the square of the motion's pace: accelerations round to some 1e-16 of that, and
+/// their rates, differences over 1e-4 of the pace's time, to 1e-11 of its cube. What is below asks for no step that the pace does not.
+const ROUNDING: f64 = 1e-9;
 /// Smallest first step, as a share of the step that the error allows.
 const LAYER: f64 = 1e-4;
 
@@ -129,7 +132,8 @@ impl Simulation {
             for (a, (j, scale)) in accelerations.iter().zip(jerk.iter().zip(&scales)) {
                 let (a, j) = ((a / scale).abs(), (j / scale).abs());
                 if j > 0.0 {
-                    h = h.min(FOLLOWED * (a + REST * acceleration) / j);
+                    let own = (a + REST * acceleration).max(ROUNDING * pace * pace);
+                    h = h.min(FOLLOWED * own / j);
                 }
             }
             self.size = StepSize::new(h.max(least));
@@ -337,6 +341,9 @@ impl Simulation {
             StepControl::Tolerance(factor) => self.controlled_step(factor, end, longest),
         };
         let (h, time) = stepped.map_err(|error| self.explained(self.or_locked(error)))?;
+        let tolerance = self.options.step.tolerance();
+        self.integrator
+            .look_at_vibrations(&self.model, &mut self.dynamics, h, tolerance);
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
         if self.options.step.fixed().is_some() {

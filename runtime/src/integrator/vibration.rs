@@ -1,0 +1,263 @@
+//! Vibrations that the steps do not follow, and the energy that the scheme's numerical damping takes from them.
+//!
+//! Modes which a step does not resolve are filtered out of the estimate of its error: a stiff joint that follows its load may not
+//! govern the steps. Where such a mode is excited all the same, the scheme damps it, and no estimate sees that. Hence this count.
+//!
+//! For a mode of frequency ω the scheme multiplies the energy by `1 − κ (ωh)⁴` in a step, `κ = (γ − ½)³`, while ωh is small
+//! (series of its amplification matrix; Chung and Hulbert 1993 give the matrix). With `δ = v̇' − v̇` of a step, whose mean square over a
+//! period is `ω⁶h²A²/2`, the loss is `κ h² δᵀMδ`. For large ωh this grows without bound; the step's own filter
+//! `S f = c M δ`, that of the error, brings `κ h² δᵀM f` to the size of the loss again: all of it for ρ = 0.5, a seventh of it for
+//! ρ = 0.8, so that what is counted was lost. f lies along the constraints: what they prescribe is not counted.
+//!
+//! From `R = δᵀM f` and `F = fᵀM f` of a body follow the frequency, `ω² = c (R − F)/F`, and the amplitude of what vibrates. `R − F`
+//! weighs frequencies as `(ωh)²/(c h² + (ωh)²)`: a sixtieth of the loss counts as unresolved at 25 steps a period, half of it at three.
+
+use super::Integrator;
+use crate::dynamics::Dynamics;
+use crate::model::Model;
+use eng_system::system::Origin;
+
+/// Energy that a step may take from a body, as a share of that of its motion, without being looked at: even so many of them are nothing.
+const NEGLIGIBLE: f64 = 1e-10;
+/// Change of the accelerations, as a displacement and a share of the tolerance, below which no vibration above the tolerance is in the
+/// step unless it has more than 25 steps a period.
+const UNSEEN: f64 = 5e-3;
+/// Least ωh that is looked at, 125 steps a period: below, rounding decides about R − F, and a period loses 3e-5 of its energy at ρ = 0.5.
+const FOLLOWED: f64 = 0.05;
+/// Share of the energy of a body's motion that the steps' damping may take unseen.
+const TAKEN: f64 = 1e-2;
+/// Share of it that it may take from what the steps do not follow. In undisturbed mechanisms it is 1e-5 at most.
+const UNRESOLVED: f64 = 1e-3;
+/// Energy of a motion, as a share of the kinetic energy: a body that turns on steadily has no other of its own.
+const STEADY: f64 = 1e-6;
+
+/// What the steps did to the vibrations of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vibration {
+    /// Least and largest kinetic energy of a step so far (J).
+    pub kinetic: [f64; 2],
+    /// Most energy of a vibration above the tolerance (J), potential and kinetic.
+    pub stored: f64,
+    /// Energy that the steps took from vibrations above the tolerance (J), and the part of it taken where they do not follow.
+    pub taken: [f64; 2],
+    /// Most that one step took of the latter (J), the frequency of the vibration then (rad/s) and the step (s).
+    pub worst: [f64; 3],
+}
+
+impl Default for Vibration {
+    fn default() -> Vibration {
+        Vibration {
+            kinetic: [f64::INFINITY, 0.0],
+            stored: 0.0,
+            taken: [0.0; 2],
+            worst: [0.0; 3],
+        }
+    }
+}
+
+impl Vibration {
+    /// Energy of the body's motion (J): the swing of its kinetic energy, or all that vibrates where that is more.
+    fn energy(&self) -> f64 {
+        let [least, most] = self.kinetic;
+        (most - least).max(STEADY * most).max(self.stored)
+    }
+
+    /// For a checkpoint.
+    pub fn numbers(&self) -> [f64; 8] {
+        let ([a, b], [c, d], [e, f, g]) = (self.kinetic, self.taken, self.worst);
+        [a, b, c, d, e, f, g, self.stored]
+    }
+
+    /// From a checkpoint.
+    pub fn from_numbers([a, b, c, d, e, f, g, stored]: [f64; 8]) -> Vibration {
+        Vibration {
+            kinetic: [a, b],
+            stored,
+            taken: [c, d],
+            worst: [e, f, g],
+        }
+    }
+}
+
+/// A body whose vibration the steps damped away.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Damped {
+    /// The body.
+    pub body: Origin,
+    /// Energy taken (J), at least.
+    pub taken: f64,
+    /// That of the body's motion (J).
+    pub energy: f64,
+    /// Frequency of the vibration (rad/s).
+    pub frequency: f64,
+    /// The step (s) that damped it most.
+    pub step: f64,
+}
+
+impl Integrator {
+    /// Takes note of the vibrations of the step h (s) that was solved last, before it is accepted. `factor` is that on the tolerances.
+    pub fn look_at_vibrations(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        h: f64,
+        factor: f64,
+    ) {
+        let Some(kept) = self.factored_step else {
+            return;
+        };
+        let c = self.coefficients;
+        let (n, stiffness) = (model.velocities, c.weights(h).acceleration);
+        let tolerance = model.tolerance * factor / model.length;
+        let damping = libm::pow(c.gamma - 0.5, 3.0) * h * h;
+        for i in 0..n {
+            self.estimate[i] = self.next.acceleration[i] - self.current.acceleration[i];
+        }
+        let moved = self.largest(&self.estimate) / stiffness;
+        let mut seen = false;
+        self.correction.fill(0.0);
+        // of the increment: of a vibration that is not resolved, the scheme's own velocity exceeds the body's by far
+        let (trial, scales) = (&self.trial, &self.scales);
+        let speed = |i: usize| trial[i] * scales[i] / h;
+        for (index, body) in model.bodies.iter().enumerate() {
+            let width = body.width();
+            let mass = &mut self.mass_block[..width * width];
+            mass.fill(0.0);
+            dynamics.add_mass(model, index, mass);
+            let (mut kinetic, mut most) = (0.0, 0.0);
+            for (i, row) in mass.chunks_exact(width).enumerate() {
+                let [mut momentum, mut changed] = [0.0; 2];
+                for (j, m) in row.iter().enumerate() {
+                    momentum += m * speed(body.velocity + j);
+                    changed += m * self.estimate[body.velocity + j];
+                }
+                kinetic += 0.5 * momentum * speed(body.velocity + i);
+                most += changed * self.estimate[body.velocity + i];
+                self.correction[body.velocity + i] = stiffness * changed;
+            }
+            let vibration = &mut self.vibrations[index];
+            let [least, largest] = vibration.kinetic;
+            vibration.kinetic = [least.min(kinetic), largest.max(kinetic)];
+            seen |= damping * most > NEGLIGIBLE * vibration.energy();
+        }
+        if !seen || moved < UNSEEN * tolerance {
+            return;
+        }
+        for (x, row) in self.correction.iter_mut().zip(&self.row_factors) {
+            *x *= row;
+        }
+        self.solver.solve(&mut self.correction);
+        if self.correction[..n].iter().any(|x| !x.is_finite()) {
+            return;
+        }
+        for (index, body) in model.bodies.iter().enumerate() {
+            let width = body.width();
+            let own = body.velocity..body.velocity + width;
+            let filtered = &self.correction[own.clone()];
+            let scales = &self.scales[own.clone()];
+            let mass = &mut self.mass_block[..width * width];
+            mass.fill(0.0);
+            dynamics.add_mass(model, index, mass);
+            let [mut all, mut followed, mut largest] = [0.0_f64; 3];
+            for (i, row) in mass.chunks_exact(width).enumerate() {
+                let product: f64 = (row.iter().zip(filtered).zip(scales))
+                    .map(|((m, x), scale)| m * x * scale)
+                    .sum();
+                all += product * self.estimate[body.velocity + i];
+                followed += product * filtered[i] * scales[i];
+                largest = largest.max(filtered[i].abs());
+            }
+            let rest = all - followed;
+            if !(rest > 0.0 && followed > 0.0) {
+                continue;
+            }
+            // the kept factors are those of another step: their stiffness is as much larger as its square
+            let frequency = libm::sqrt(stiffness * rest / followed) * h / kept;
+            // of δ the amplitude is ω²A times ωh, at most twice
+            let turned = (frequency * h).min(2.0);
+            if turned < FOLLOWED {
+                continue;
+            }
+            let amplitude = largest * all / followed / (frequency * frequency * turned);
+            if amplitude < tolerance {
+                continue;
+            }
+            let vibration = &mut self.vibrations[index];
+            // δᵀM δ of a single vibration is R²/F
+            let speed = all / (frequency * turned);
+            vibration.stored = vibration.stored.max(0.5 * speed * speed / followed);
+            vibration.taken[0] += damping * all;
+            vibration.taken[1] += damping * rest;
+            if damping * rest > vibration.worst[0] {
+                vibration.worst = [damping * rest, frequency, h];
+            }
+        }
+    }
+
+    /// The body whose motion lost the largest share of its energy to the steps' own damping, where that is more than may be unsaid.
+    pub fn damped(&self, model: &Model) -> Option<Damped> {
+        let share = |v: &Vibration| v.taken[1] / v.energy();
+        let (body, vibration) = (model.bodies.iter().zip(&self.vibrations))
+            .filter(|(_, v)| {
+                v.taken[0] > TAKEN * v.energy() && v.taken[1] > UNRESOLVED * v.energy()
+            })
+            .max_by(|a, b| share(a.1).total_cmp(&share(b.1)))?;
+        let [_, frequency, step] = vibration.worst;
+        Some(Damped {
+            body: body.origin.clone(),
+            taken: vibration.taken[0],
+            energy: vibration.energy(),
+            frequency,
+            step,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Coefficients;
+
+    /// Loss of energy over what is counted of it, of an undamped oscillator in steps of ωh, until it has lost a good part.
+    fn loss(rho: f64, step: f64) -> f64 {
+        let c = Coefficients::new(rho);
+        let stiffness = step * step;
+        let weight = c.weights(1.0).acceleration;
+        let damping = (c.gamma - 0.5).powi(3);
+        let energy = |q: f64, v: f64| 0.5 * (stiffness * q * q + v * v);
+        let (mut q, mut v, mut rate) = (1.0, 0.0, -stiffness);
+        let (mut a, mut counted) = (rate, 0.0);
+        let begun = energy(q, v);
+        for _ in 0..100_000 {
+            let rest = q + v + (0.5 - c.beta) * a;
+            let next = (c.alpha_f * rate - c.alpha_m * a - (1.0 - c.alpha_f) * stiffness * rest)
+                / (1.0 - c.alpha_m + (1.0 - c.alpha_f) * stiffness * c.beta);
+            q = rest + c.beta * next;
+            v += (1.0 - c.gamma) * a + c.gamma * next;
+            let change = -stiffness * q - rate;
+            counted += damping * change * weight / (weight + stiffness) * change;
+            (a, rate) = (next, -stiffness * q);
+            if energy(q, v) < 0.5 * begun {
+                break;
+            }
+        }
+        (begun - energy(q, v)) / counted
+    }
+
+    #[test]
+    fn the_loss_of_followed_vibrations_is_counted() {
+        for (rho, step) in [(0.5, 0.1), (0.5, 0.5), (0.8, 0.2), (0.8, 0.5), (0.9, 0.5)] {
+            let ratio = loss(rho, step);
+            assert!((0.9..1.1).contains(&ratio), "{rho}, {step}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn the_loss_of_others_is_not_overrated() {
+        for step in [1.0, 3.0, 10.0, 100.0] {
+            for rho in [0.5, 0.8] {
+                let ratio = loss(rho, step);
+                assert!((0.8..12.0).contains(&ratio), "{rho}, {step}: {ratio}");
+            }
+        }
+    }
+}
