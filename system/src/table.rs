@@ -343,9 +343,9 @@ impl Table {
 
     /// The value (order 0) or a derivative with respect to the argument; orders above 3 are zero.
     ///
-    /// NaN for an argument that is not finite, and outside the domain if no extrapolation is stated: farther
-    /// than [`PAST_END`], within which the polynomial of the last interval counts. At a point the interval to
-    /// its right counts.
+    /// NaN for an argument that is not finite. NaN outside the domain if no extrapolation is stated, except within
+    /// a billionth of the span, where the polynomial of the last interval counts. At a point the interval to its
+    /// right counts.
     pub fn evaluate(&self, x: f64, order: u8) -> f64 {
         let (first, last) = self.domain();
         if !x.is_finite() {
