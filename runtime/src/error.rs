@@ -484,7 +484,7 @@ pub enum RuntimeError {
         elements: Vec<TimedElement>,
         /// How much later they are seen to be others (s).
         later: f64,
-        /// What that moves eigenvalues by, as a share of their size; infinite where it cannot be said.
+        /// Bound on the effect on each eigenvalue, as a share of its size; infinite where there is no bound.
         change: f64,
     },
     /// The state is neither at rest nor in a steady motion.

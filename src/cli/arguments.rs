@@ -20,10 +20,10 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Run the analyses of a model; write results, pictures and a table a journal
     ///
-    /// Writes into the output folder, for each analysis: ANALYSIS.parquet (a column a channel, named by its path, in its
-    /// display unit, which stands in the column's metadata), ANALYSIS.motion.parquet for animations, pictures of the journals'
+    /// Writes into the output folder, for each analysis: ANALYSIS.parquet (one column for each channel, named by its path, in its
+    /// display unit, which the column's metadata name), ANALYSIS.motion.parquet for animations, pictures of the journals'
     /// forces and orbits and of the model's own outputs as SVG and PNG, and on request ANALYSIS.csv; for a sweep SWEEP.parquet, a
-    /// row a point. What there is of an analysis that fails goes to ANALYSIS.failed.parquet: results of an earlier run stay.
+    /// row a point. An analysis that fails leaves its results up to then in ANALYSIS.failed.parquet; those of an earlier run stay.
     ///
     /// Exit codes: 0 all was done; 1 the model is wrong or an analysis failed because of it; 2 wrong usage, or the system refused.
     Run(RunArguments),

@@ -71,7 +71,7 @@ pub(super) fn key(sources: &Sources, request: &str, files: &[&str]) -> Option<Ke
     Some(Key::new(&hashes?, request))
 }
 
-/// What the cache keeps, a type an ending of files.
+/// A value that the cache keeps. Each type has files of its own ending.
 pub(super) trait Kept: Serialize + DeserializeOwned {
     const ENDING: &str;
 

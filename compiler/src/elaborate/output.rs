@@ -387,7 +387,7 @@ impl<'a> Elaborator<'a, '_> {
             return Err(Reported);
         };
         let class = self.class_of(source.definition, name.span)?;
-        // where only parameters can stand, what moves inside the class is a mistake of the text that asks for it
+        // only parameters are allowed here: the mistake is in the text that hands over a quantity that moves
         let asks = self.bench.element.is_none() && self.asked_from.is_none();
         if asks {
             self.asked_from = Some((name.span, format!("{path}.{}", name.text)));

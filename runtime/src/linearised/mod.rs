@@ -191,7 +191,7 @@ impl LinearModes {
     }
 }
 
-/// What the coefficients at a state are, and by how much of their size their changes may move eigenvalues.
+/// The kind of the coefficients at a state, and a bound on the effect of their changes on each eigenvalue, as a share of its size.
 ///
 /// # Errors
 /// When coefficients change and are not to be taken as `frozen`.
