@@ -562,3 +562,72 @@ fn a_steady_motion_that_is_unstable_is_told() {
         );
     }
 }
+
+/// A wheel that turns backwards at 600 rpm: `wrapped` brings its angle into the stated interval, changes it by
+/// whole periods only, and has the rate of the angle.
+#[test]
+fn a_wrapped_angle_keeps_its_interval_its_turns_and_its_rate() {
+    let text = "
+        use std.joints.Revolute
+        use std.drives.PrescribedRotation
+        model Rotor {
+            param lead: Angle = 90 deg
+            param whole: Angle = 720 deg
+            gravity = [0, 0, 0] m/s^2
+            body wheel { mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker hub = origin }
+            joint pin = Revolute(wheel.hub, ground)
+            drive turn = PrescribedRotation(wheel.hub, ground, speed: -600 rpm)
+            cycle angle = rotation(wheel.hub, ground) { period = 720 deg }
+            output four = wrapped(cycle.angle, whole, from: lead)
+            output two = wrapped(rotation(wheel.hub, ground), 360 deg)
+            output rate = der(wrapped(rotation(wheel.hub, ground), 360 deg)) as rpm
+            output upper = wrapped(180 deg, 360 deg)
+            output lower = wrapped(-180 deg, 360 deg)
+            output many = wrapped(1e9 deg + lead, 360 deg)
+            output none = wrapped(lead, whole, from: 0 deg) - lead
+        }
+        analysis turning = transient(Rotor(), duration: 0.5 s, sample: 1.37 ms)";
+    let program = program(Sources::from_text("rotor.eng", text), "rotor.eng");
+    let outcome = run(&program, "turning");
+    let column = |path: &str| &outcome.results.column(path).expect("an output").values;
+    let (turn, right) = (std::f64::consts::TAU, std::f64::consts::FRAC_PI_2);
+    for (path, period, from) in [("four", 2.0 * turn, right), ("two", turn, -0.5 * turn)] {
+        let mut jumps = 0;
+        let mut before = None;
+        for (angle, own) in column("cycle.angle").iter().zip(column(path)) {
+            assert!((from..from + period).contains(own), "{path}: {own}");
+            let count = (angle - own) / period;
+            assert!((count - count.round()).abs() < 1e-12, "{path}: {count}");
+            jumps += usize::from(before.is_some_and(|before| before != count.round()));
+            before = Some(count.round());
+        }
+        // below -180°, -540°, … -1620°; below -630° and -1350°
+        assert_eq!(jumps, if path == "two" { 5 } else { 2 }, "{path}");
+    }
+    let speed = -10.0 * turn;
+    assert!(
+        column("rate")
+            .iter()
+            .all(|rate| (rate - speed).abs() < 1e-9 * speed.abs())
+    );
+    let of_parameters = |path: &str| column(path)[0];
+    // the upper end belongs to the next interval
+    assert_eq!(of_parameters("upper"), -0.5 * turn);
+    assert_eq!(of_parameters("lower"), -0.5 * turn);
+    // 10⁹ = 360·2777777 + 280: 280° + 90° − 360°
+    assert!((of_parameters("many") - 10f64.to_radians()).abs() < 1e-8);
+    assert_eq!(of_parameters("none"), 0.0);
+    // a period that a run sets is checked where it is set
+    let analysis = program.analysis("turning").expect("an analysis");
+    let whole = analysis.parameter("whole").expect("a parameter");
+    let refused = analysis.set(whole, "-720 deg".parse().expect("a quantity"));
+    let told = match refused.map(|analysis| analysis.run(&mut |_| {})) {
+        Ok(Err(failed)) => format!("{}", failed.error),
+        Err(error) => format!("{error}"),
+        Ok(Ok(_)) => panic!("it runs"),
+    };
+    assert!(
+        told.contains("the period of `wrapped` must be positive"),
+        "{told}"
+    );
+}

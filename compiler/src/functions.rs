@@ -185,7 +185,7 @@ const CAMPBELL: [&str; 11] = {
 };
 
 /// All functions.
-static FUNCTIONS: [BuiltIn; 48] = [
+static FUNCTIONS: [BuiltIn; 49] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
     function("norm", &["v"], Kind::Vectors)
@@ -208,6 +208,7 @@ static FUNCTIONS: [BuiltIn; 48] = [
     function("atan", &["x"], Kind::ToAngle(Op::Atan)),
     function("tanh", &["x"], Kind::Plain(Op::Tanh)),
     function("atan2", &["y", "x"], Kind::Numbers),
+    function("wrapped", &["angle", "period"], Kind::Numbers).with(&["from"]),
     function("min", &["x"], Kind::List)
         .and_more()
         .of(OfResults::Fold(Operator::Minimum)),

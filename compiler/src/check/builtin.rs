@@ -37,14 +37,16 @@ impl<'p> Checker<'p> {
         if typed.iter().any(|(_, ty)| ty.is_error()) {
             return Type::Error;
         }
-        let floor = bound.option("floor").map(|floor| floor.span);
-        let (floor, plain): (Vec<_>, Vec<_>) = typed
+        let option = function.options.iter().find_map(|name| bound.option(name));
+        let (option, plain): (Vec<_>, Vec<_>) = typed
             .into_iter()
-            .partition(|(expr, _)| Some(expr.span) == floor);
-        if let ("norm", [v]) = (function.name, plain.as_slice()) {
-            return self.norm(v, floor.into_iter().next());
+            .partition(|(expr, _)| Some(expr.span) == option.map(|option| option.span));
+        let option = option.into_iter().next();
+        match (function.name, plain.as_slice()) {
+            ("norm", [v]) => self.norm(v, option),
+            ("wrapped", [angle, period]) => self.wrapped(angle, period, option.as_ref()),
+            _ => self.applied(function, &plain),
         }
-        self.applied(function, &plain)
     }
 
     /// The type of a call with arguments by place alone.
@@ -214,6 +216,31 @@ impl<'p> Checker<'p> {
             let due = Due::new("the second argument of `atan2`")
                 .declared(y.span, "must be like the first");
             return self.misfit(x, misfit, &q, &p, &due);
+        }
+        Type::Scalar(Quantity {
+            soft: true,
+            ..Quantity::hard(Dimension::ANGLE)
+        })
+    }
+
+    fn wrapped(
+        &mut self,
+        angle: &(&Expr, Type),
+        period: &(&Expr, Type),
+        from: Option<&(&Expr, Type)>,
+    ) -> Type {
+        let due = Type::Scalar(Quantity::hard(Dimension::ANGLE));
+        let arguments = [
+            ("the first argument of `wrapped`", Some(angle)),
+            ("the period of `wrapped`", Some(period)),
+            ("`from` of `wrapped`", from),
+        ];
+        for (what, argument) in arguments {
+            if let Some((expr, found)) = argument
+                && self.fit(expr, found, &due, &Due::new(what)).is_error()
+            {
+                return Type::Error;
+            }
         }
         Type::Scalar(Quantity {
             soft: true,

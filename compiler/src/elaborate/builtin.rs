@@ -66,14 +66,13 @@ impl<'a> Elaborator<'a, '_> {
         }
         let name = function.name;
         let mut values: Vec<(Value<'a>, Span)> = Vec::new();
-        let mut floor = None;
+        // no function of equations has a second parameter that takes an argument by name
+        let mut option = None;
         for argument in arguments {
             let value = self.evaluate(&argument.value, scope)?;
-            match &argument.name {
-                Some(n) if n.text == "floor" => {
-                    floor = Some(self.as_scalar(value, argument.value.span)?)
-                }
-                _ => values.push((value, argument.value.span)),
+            match argument.name {
+                Some(_) => option = Some(self.as_scalar(value, argument.value.span)?),
+                None => values.push((value, argument.value.span)),
             }
         }
         match function.kind {
@@ -87,11 +86,63 @@ impl<'a> Elaborator<'a, '_> {
                 self.angle_without_unit(name, x, argument, span, scope)?;
                 Ok(Value::Scalar(self.bench.unary(x, |g, n| g.unary(op, n))))
             }
+            Kind::Numbers if name == "wrapped" => {
+                let path = self.scope(scope).path.clone();
+                self.wrapped(values, option, &path, span)
+            }
             Kind::Numbers => self.of_numbers(name, values, span),
-            Kind::Vectors => self.of_vectors(name, values, floor, span),
+            Kind::Vectors => self.of_vectors(name, values, option, span),
             Kind::List => self.of_list(name, values, span),
             Kind::Rate | Kind::Results => self.arguments(span),
         }
+    }
+
+    /// `wrapped(angle, period, from: …)`: angle − n period with the whole number n that brings it into
+    /// [from, from + period), rad; −π where `from` is absent. Its slope over the angle is 1: n is a sum of
+    /// chosen constants, which have no derivative. At the ends of the interval it jumps. An angle 2²⁴ periods
+    /// away from the interval gives no number.
+    fn wrapped(
+        &mut self,
+        values: Vec<(Value<'a>, Span)>,
+        from: Option<Scalar>,
+        path: &str,
+        span: Span,
+    ) -> Eval<Value<'a>> {
+        let place = values.last().map_or(span, |(_, place)| *place);
+        let [angle, period] = self.scalars::<2>(values, span)?;
+        let from = from.unwrap_or_else(|| self.bench.constant(-std::f64::consts::PI));
+        let node = self.bind_node(period, place)?;
+        let message = "the period of `wrapped` must be positive".to_owned();
+        match self.bench.known(period) {
+            Some(known) if known > 0.0 && known.is_finite() => {}
+            Some(_) => {
+                let message = Diagnostic::error(codes::REQUIRED, message);
+                return Err(self.report(message.at(place, "this is not")));
+            }
+            None => {
+                let graph = &mut self.bench.bind.graph;
+                let zero = graph.constant(0.0);
+                let positive = graph.less(zero, node);
+                let message = vec![super::MessagePart::Text(message)];
+                self.bind_check(positive, message, path, place);
+            }
+        }
+        let bench = &mut self.bench;
+        let offset = bench.subtract(angle, from);
+        let periods = bench.divide(offset, period);
+        let count = bench.unary(periods, whole_number_below);
+        let shift = bench.multiply(count, period);
+        let near = bench.subtract(angle, shift);
+        // rounding may leave the angle at the upper end, which belongs to the next period, or below the lower
+        let end = bench.add(from, period);
+        let beyond = bench.binary(near, end, |graph, near, end| {
+            let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+            let inside = graph.less(near, end);
+            graph.select(inside, zero, one)
+        });
+        let shift = bench.multiply(beyond, period);
+        let near = bench.subtract(near, shift);
+        Ok(Value::Scalar(bench.binary(near, from, Graph::maximum)))
     }
 
     fn of_numbers(
@@ -463,4 +514,27 @@ impl<'a> Elaborator<'a, '_> {
             Some(sort) => Self::of_sort(scalars, sort),
         })
     }
+}
+
+/// Binary digits of a count of periods.
+const DIGITS: i32 = 24;
+
+/// The largest whole number that is not above x, as a sum of chosen powers of two, so that its derivative is
+/// zero; not a number unless −2²⁴ ≤ x < 2²⁴.
+fn whole_number_below(graph: &mut Graph, x: Node) -> Node {
+    let limit = f64::from(1 << DIGITS);
+    let (zero, lowest) = (graph.constant(0.0), graph.constant(-limit));
+    let negative = graph.less(x, zero);
+    let mut whole = graph.select(negative, lowest, zero);
+    for digit in (0..DIGITS).rev() {
+        let power = graph.constant(f64::from(1 << digit));
+        let next = graph.add(whole, power);
+        let fits = graph.less_equal(next, x);
+        whole = graph.select(fits, next, whole);
+    }
+    let (highest, nothing) = (graph.constant(limit), graph.constant(f64::NAN));
+    let above = graph.less_equal(lowest, x);
+    let below = graph.less(x, highest);
+    let inside = graph.push(Op::And(above, below));
+    graph.select(inside, whole, nothing)
 }
