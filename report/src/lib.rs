@@ -77,6 +77,17 @@
 #![forbid(unsafe_code)]
 // tests compare with the standard library's functions
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+// no input may end the library in a panic
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo
+    )
+)]
 
 pub mod animation;
 mod escape;

@@ -23,6 +23,17 @@
 #![forbid(unsafe_code)]
 // Tests may call the standard library's functions, to compare with them.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+// no input may end the library in a panic
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo
+    )
+)]
 // A loop over one index of several arrays reads like its formula.
 #![allow(clippy::needless_range_loop)]
 
