@@ -1,111 +1,94 @@
-//! The pictures of an analysis.
+//! The figures that `eng run` and `eng report` draw without a `report` block. This module states which figures
+//! these are, as the trees that a `report` block also gives; [`post::draw`] draws both.
 
 use crate::machine::JournalGeometry;
-use crate::plot::{Abscissa, Curve, History, Orbit, Orbits, Ordinate, Panel, Scale};
+use crate::post::{self, ORDERS, PostError, Run};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
-use crate::run::RunOutcome;
-use eng_report::figure::{Mark, journal_letter};
-use eng_report::readable_unit;
-use eng_system::Dimension;
+use eng_report::figure::Figure;
+use eng_system::report::{
+    Averaging, Axis, Expression, Function, Member, Picture, SpectrumSettings, Vector, Window,
+};
+use eng_system::{Dimension, DisplayUnit, report as plan};
 
-/// File names (without extension) and SVG texts: the forces and orbits of the journals, and the model's own
-/// outputs.
-pub(crate) fn of_analysis(outcome: &RunOutcome) -> Vec<(String, String)> {
-    let mut figures: Vec<(String, String)> = histories(outcome)
-        .into_iter()
-        .map(|pictured| (pictured.name, pictured.figure.to_svg()))
-        .collect();
-    if let Some(orbits) = orbits(outcome) {
-        let name = format!("{}-orbits", outcome.results.analysis());
-        figures.push((name, orbits.to_svg()));
-    }
-    figures
-}
+/// The share of its size by which a column must vary to have a spectrum: the rest is rounding.
+const STILL: f64 = 1e-9;
+/// The channel of the angle (rad) by which a journal's pin has turned in its shell. The page adds it to results
+/// with a motion; its frame are the axes of the pin.
+pub(crate) const TURN: &str = "turn";
 
-/// A figure of histories, with its columns.
-pub(crate) struct Pictured {
-    pub dimension: Dimension,
-    /// Name for a file.
+/// A figure that is to be drawn.
+#[derive(Clone, Debug)]
+pub(crate) struct Wanted {
+    /// Its name for a file.
     pub name: String,
+    pub title: String,
     /// The columns, in the order of the curves.
     pub paths: Vec<String>,
-    pub figure: History,
+    /// Names of columns with the same values.
+    pub same: Vec<String>,
+    pub dimension: Dimension,
+    pub figure: plan::Figure,
 }
 
-/// The model's outputs and the forces of its journals.
-pub(crate) fn histories(outcome: &RunOutcome) -> Vec<Pictured> {
-    let results = &outcome.results;
-    let mut wanted = families(results);
-    wanted.extend(["x", "y"].map(|axis| journal_forces(outcome, axis)));
-    let one = [(String::new(), results)];
+impl Wanted {
+    pub fn draw(&self, runs: &[Run<'_>]) -> Result<Figure, PostError> {
+        post::draw(&self.figure, &self.title, runs)
+    }
+
+    /// ` The same as main[1].force.x to main[5].force.x.` for the end of a caption.
+    pub fn same_as(&self) -> String {
+        match self.same.is_empty() {
+            true => String::new(),
+            false => format!(" The same as {}.", self.same.join(", ")),
+        }
+    }
+}
+
+/// The outputs of the model and the forces of its journals over the samples of a run, then the paths of its
+/// pins.
+pub(crate) fn of_run(run: &Run<'_>) -> Vec<Wanted> {
+    let mut wanted = histories(run);
+    wanted.extend(orbits(run));
     wanted
-        .iter()
-        .filter_map(|family| {
-            let dimension = family.columns(results).first()?.dimension;
-            let figure = history(&about(results), family, &one, outcome)?;
-            Some(Pictured {
-                dimension,
-                name: format!("{}-{}", results.analysis(), family.name),
-                paths: family.paths.clone(),
-                figure,
-            })
-        })
+}
+
+/// The outputs of the model and the forces of its journals.
+pub(crate) fn histories(run: &Run<'_>) -> Vec<Wanted> {
+    let journals = ["x", "y"].map(|axis| Family::journal_forces(run, axis));
+    let wanted = Family::outputs(run.results).into_iter().chain(journals);
+    wanted
+        .filter_map(|family| family.history(std::slice::from_ref(run)))
         .collect()
 }
 
-/// One figure for each family of model outputs that several analyses have. It has a panel for each analysis,
-/// up to four of one model.
-pub(crate) fn comparisons(outcomes: &[&RunOutcome]) -> Vec<(String, String)> {
-    compared(outcomes)
-        .into_iter()
-        .map(|pictured| (pictured.name, pictured.figure.to_svg()))
-        .collect()
-}
-
-/// The figures of [`comparisons`] before drawing.
-pub(crate) fn compared(outcomes: &[&RunOutcome]) -> Vec<Pictured> {
-    let Some(first) = outcomes.first() else {
+/// One figure for each family of outputs that several runs have, and one for the forces of the journals. It has
+/// a panel for each run, up to four of one model.
+pub(crate) fn comparisons(runs: &[Run<'_>]) -> Vec<Wanted> {
+    let Some(first) = runs.first() else {
         return Vec::new();
     };
-    let compared: Vec<&Results> = outcomes
+    let compared: Vec<Run<'_>> = runs
         .iter()
-        .map(|o| &o.results)
-        .filter(|r| r.model() == first.results.model())
+        .filter(|run| run.results.model() == first.results.model())
+        .copied()
         .collect();
     if !(2..=4).contains(&compared.len()) {
         return Vec::new();
     }
-    let names: Vec<&str> = compared.iter().map(|r| r.analysis()).collect();
-    let panels: Vec<(String, &Results)> = compared
-        .iter()
-        .map(|r| (r.analysis().to_owned(), *r))
-        .collect();
-    let subtitle = format!(
-        "{}, {}, not filtered",
-        first.results.model(),
-        names.join(" and ")
-    );
-    let mut wanted = families(&first.results);
-    wanted.push(journal_forces(first, "x"));
+    let mut wanted = Family::outputs(first.results);
+    wanted.push(Family::journal_forces(first, "x"));
     wanted
         .iter()
         .filter(|family| {
-            panels
-                .iter()
-                .all(|(_, r)| family.columns(r).len() == family.paths.len())
+            let has = |run: &Run<'_>| family.paths.iter().all(|p| run.results.column(p).is_some());
+            compared.iter().all(has)
         })
-        .filter_map(|family| {
-            Some(Pictured {
-                dimension: family.columns(&first.results).first()?.dimension,
-                name: format!("{}-{}", names.join("-"), family.name),
-                paths: family.paths.clone(),
-                figure: history(&subtitle, family, &panels, first)?,
-            })
-        })
+        .filter_map(|family| family.history(&compared))
         .collect()
 }
 
 /// Columns that share a pair of axes.
+#[derive(Debug)]
 struct Family {
     /// Name for the file.
     name: String,
@@ -115,230 +98,373 @@ struct Family {
 }
 
 impl Family {
-    fn columns<'a>(&self, results: &'a Results) -> Vec<&'a Column> {
-        self.paths
-            .iter()
-            .filter_map(|path| results.column(path))
-            .collect()
-    }
-}
-
-/// The model's own outputs (no dot in the path). Outputs with one name and different indices form a family.
-fn families(results: &Results) -> Vec<Family> {
-    let mut families: Vec<Family> = Vec::new();
-    for column in results.columns() {
-        if column.path.contains('.') || column.path == TIME {
-            continue;
+    /// The model's own outputs (no dot in the path). Outputs with one name and different indices form a family.
+    fn outputs(results: &Results) -> Vec<Family> {
+        let mut families: Vec<Family> = Vec::new();
+        for column in results.columns() {
+            if column.path.contains('.') || column.path == TIME {
+                continue;
+            }
+            let name = column.path.split('[').next().unwrap_or_default();
+            match families.iter_mut().find(|f| f.name == name) {
+                Some(family) => family.paths.push(column.path.clone()),
+                None => families.push(Family {
+                    name: name.to_owned(),
+                    quantity: name.replace('_', " "),
+                    paths: vec![column.path.clone()],
+                }),
+            }
         }
-        let name = column.path.split('[').next().unwrap_or_default();
-        match families.iter_mut().find(|f| f.name == name) {
-            Some(family) => family.paths.push(column.path.clone()),
-            None => families.push(Family {
-                name: name.to_owned(),
-                quantity: name.replace('_', " "),
-                paths: vec![column.path.clone()],
-            }),
-        }
+        families
     }
-    families
-}
 
-/// A text that begins with a capital.
-pub(crate) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
-}
-
-fn journal_forces(outcome: &RunOutcome, axis: &str) -> Family {
-    Family {
-        name: format!("journal-force-{axis}"),
-        quantity: format!("Journal force {axis} on the pin"),
-        paths: outcome
-            .machine
-            .journals
-            .iter()
-            .map(|journal| format!("{}.force.{axis}", journal.path))
-            .collect(),
-    }
-}
-
-pub(crate) fn about(results: &Results) -> String {
-    format!(
-        "{}, analysis {}, not filtered",
-        results.model(),
-        results.analysis()
-    )
-}
-
-/// Letters of the journals, as in a paper, each with the axes of its forces.
-pub(crate) fn letters(results: &Results, journals: &[JournalGeometry]) -> Vec<(String, String)> {
-    let all: Vec<(String, String)> = journals
-        .iter()
-        .enumerate()
-        .filter_map(|(index, journal)| {
-            let force = format!("{}.force.x", journal.path);
-            let frame = results.column(&force)?.frame.clone();
-            Some((frame, journal_letter(index)))
-        })
-        .collect();
-    // axes shared by several journals identify none of them
-    let alone = |frame: &str| all.iter().filter(|(other, _)| other == frame).count() == 1;
-    all.iter()
-        .filter(|(frame, _)| alone(frame))
-        .cloned()
-        .collect()
-}
-
-/// Marks of firing dead centres in a cycle (rad).
-pub(crate) fn firing_marks(firing: &[(Option<usize>, f64)], period: f64) -> Vec<Mark> {
-    let period = period.to_degrees();
-    firing
-        .iter()
-        .map(|(cylinder, angle)| Mark::firing_tdc(*cylinder, angle.to_degrees(), period))
-        .collect()
-}
-
-/// A history of a family with a panel for each of the results; `None` if there is nothing to draw. A curve in
-/// the axes of a journal's shell has the letter of the journal. Journals and firing dead centres come from
-/// one outcome, because a model has one firing order.
-fn history(
-    subtitle: &str,
-    family: &Family,
-    panels: &[(String, &Results)],
-    of: &RunOutcome,
-) -> Option<History> {
-    let letters = letters(&of.results, &of.machine.journals);
-    let columns: Vec<&Column> = panels.iter().flat_map(|(_, r)| family.columns(r)).collect();
-    let display = &columns.first()?.display;
-    let with_angle = panels.iter().all(|(_, r)| r.column(CYCLE_ANGLE).is_some());
-    let abscissa = if with_angle { CYCLE_ANGLE } else { TIME };
-    let frames: Vec<&str> = columns.iter().map(|c| c.frame.as_str()).collect();
-    let mut drawn = Vec::new();
-    for (title, results) in panels {
-        drawn.push(Panel {
-            title: title.clone(),
-            x: results.column(abscissa)?.shown(),
-            curves: family
-                .columns(results)
-                .into_iter()
-                .map(|column| Curve {
-                    name: match letters.iter().find(|(frame, _)| *frame == column.frame) {
-                        Some((_, letter)) => format!("{letter} {}", curve_name(&column.path)),
-                        None => curve_name(&column.path),
-                    },
-                    values: column.values.iter().map(|v| display.from_si(*v)).collect(),
-                })
+    fn journal_forces(run: &Run<'_>, axis: &str) -> Family {
+        let path = |journal: &JournalGeometry| format!("{}.force.{axis}", journal.path);
+        let paths = run.machine.journals.iter().map(path);
+        Family {
+            name: format!("journal-force-{axis}"),
+            quantity: format!("Journal force {axis} on the pin"),
+            paths: paths
+                .filter(|path| run.results.column(path).is_some())
                 .collect(),
+        }
+    }
+
+    /// Its history with a panel for each run; `None` if there is nothing to draw.
+    fn history(&self, runs: &[Run<'_>]) -> Option<Wanted> {
+        let column = runs.first()?.results.column(self.paths.first()?)?;
+        let names: Vec<&str> = runs.iter().map(|run| run.results.analysis()).collect();
+        let panels = names.iter().map(|analysis| {
+            let paths = self.paths.iter();
+            paths.map(|path| member(analysis, path)).collect()
         });
+        let with_angle = |run: &Run<'_>| run.results.column(CYCLE_ANGLE).is_some();
+        Some(Wanted {
+            name: format!("{}-{}", names.join("-"), self.name),
+            title: post::capital(&self.quantity),
+            paths: self.paths.clone(),
+            same: Vec::new(),
+            dimension: column.dimension,
+            figure: plan::Figure {
+                quantity: self.quantity.clone(),
+                display: column.display.clone(),
+                picture: Picture::History(panels.collect(), !runs.iter().all(with_angle)),
+            },
+        })
     }
-    Some(History {
-        title: capital(&family.quantity),
-        subtitle: subtitle.to_owned(),
-        abscissa: if with_angle {
-            Abscissa::CrankAngle
-        } else {
-            Abscissa::Time
-        },
-        ordinate: Ordinate {
-            quantity: family.quantity.clone(),
-            unit: readable_unit(&display.symbol),
-            frame: common_frame(&frames),
-        },
-        scale: Scale::Linear,
-        marks: match of.machine.cycle_period.filter(|_| with_angle) {
-            Some(period) => firing_marks(&of.machine.firing, period),
-            None => Vec::new(),
-        },
-        panels: drawn,
-    })
 }
 
-/// `main[1]` of `main[1].force.x`.
-fn curve_name(path: &str) -> String {
-    path.split(".force.").next().unwrap_or(path).to_owned()
+fn channel(analysis: &str, path: &str) -> Expression {
+    Expression::Channel {
+        analysis: analysis.to_owned(),
+        path: path.to_owned(),
+    }
 }
 
-/// One name for the frames of several curves: `block.main[1…5]` if they differ in one number.
-pub(crate) fn common_frame(frames: &[&str]) -> String {
-    let mut distinct: Vec<&str> = Vec::new();
-    for frame in frames {
-        if !distinct.contains(frame) {
-            distinct.push(frame);
+fn member(analysis: &str, path: &str) -> Member {
+    Member {
+        analysis: analysis.to_owned(),
+        channel: path.to_owned(),
+        expression: channel(analysis, path),
+    }
+}
+
+/// Figures of the same values once; the first one names the columns of the others. A force that is also an
+/// output of the model is drawn as the output.
+pub(crate) fn distinct(all: Vec<Wanted>, results: &Results) -> Vec<Wanted> {
+    let values = |path: &String| results.column(path).map(|column| &column.values);
+    let mut shown: Vec<Wanted> = Vec::new();
+    for wanted in all {
+        let same = shown.iter_mut().find(|known| {
+            let mut pairs = known.paths.iter().zip(&wanted.paths);
+            known.dimension == wanted.dimension
+                && known.paths.len() == wanted.paths.len()
+                && pairs.all(|(a, b)| values(a).is_some() && values(a) == values(b))
+        });
+        match (same, wanted.paths.as_slice()) {
+            (Some(known), [only]) => known.same.push(only.clone()),
+            (Some(known), [first, .., last]) => known.same.push(format!("{first} to {last}")),
+            _ => shown.push(wanted),
         }
     }
-    let (Some(first), Some(last)) = (distinct.first(), distinct.last()) else {
-        return String::new();
-    };
-    if distinct.len() == 1 {
-        return (*first).to_owned();
-    }
-    let around = |frame: &str| {
-        let (head, rest) = frame.rsplit_once('[')?;
-        let (index, tail) = rest.split_once(']')?;
-        Some((head.to_owned(), index.to_owned(), tail.to_owned()))
-    };
-    match (around(first), around(last)) {
-        (Some((head, from, tail)), Some((_, to, _)))
-            if distinct
-                .iter()
-                .all(|f| around(f).is_some_and(|(h, _, t)| h == head && t == tail)) =>
-        {
-            format!("{head}[{from}…{to}]{tail}")
-        }
-        _ => distinct.join(", "),
-    }
+    shown
 }
 
-/// Orbits of the journals' pins, if the model has journals.
-pub(crate) fn orbits(outcome: &RunOutcome) -> Option<Orbits> {
-    let results = &outcome.results;
-    let angle = results
-        .column(CYCLE_ANGLE)
-        .map_or_else(Vec::new, Column::shown);
-    let orbits: Vec<Orbit> = outcome
+/// The paths of the pins in their shells; `None` if no journal records one.
+fn paths_of_pins(run: &Run<'_>) -> Option<Picture> {
+    let analysis = run.results.analysis();
+    let recorded = |journal: &&JournalGeometry| {
+        let column = |axis| {
+            run.results
+                .column(&format!("{}.eccentricity.{axis}", journal.path))
+        };
+        column("x").is_some() && column("y").is_some()
+    };
+    let journals: Vec<(String, String)> = run
         .machine
         .journals
         .iter()
-        .enumerate()
-        .filter_map(|(index, journal)| {
-            let x = results.column(&format!("{}.eccentricity.x", journal.path))?;
-            let y = results.column(&format!("{}.eccentricity.y", journal.path))?;
-            Some(Orbit {
-                name: format!("{} {}", journal_letter(index), journal.path),
-                frame: x.frame.clone(),
-                clearance: journal.radial_clearance,
-                x: x.values.clone(),
-                y: y.values.clone(),
-                angle: angle.clone(),
-            })
-        })
+        .filter(recorded)
+        .map(|journal| (analysis.to_owned(), journal.path.clone()))
         .collect();
-    if orbits.is_empty() {
+    (!journals.is_empty()).then_some(Picture::Orbit(journals, None))
+}
+
+/// The paths of the pins in their shells, if the model has journals.
+pub(crate) fn orbits(run: &Run<'_>) -> Option<Wanted> {
+    Some(Wanted {
+        name: format!("{}-orbits", run.results.analysis()),
+        title: "Orbits of the pins in their shells".to_owned(),
+        paths: Vec::new(),
+        same: Vec::new(),
+        dimension: Dimension::LENGTH,
+        figure: plan::Figure {
+            quantity: "Eccentricity".to_owned(),
+            display: DisplayUnit {
+                symbol: "µm".to_owned(),
+                scale: 1e-6,
+                offset: 0.0,
+            },
+            picture: paths_of_pins(run)?,
+        },
+    })
+}
+
+/// The loads of the pins on their shells, −force on the pin: in the axes of the shells, and in those of the pins
+/// where their [`TURN`] is known.
+pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
+    let analysis = run.results.analysis();
+    let vector = |journal: &JournalGeometry, turned: bool| {
+        let known = |path: String| run.results.column(&path).map(|_| channel(analysis, &path));
+        let load = |axis: &str| {
+            let force = known(format!("{}.force.{axis}", journal.path))?;
+            Some(Expression::Map(Function::Negate, Box::new(force)))
+        };
+        Some(Vector {
+            analysis: analysis.to_owned(),
+            path: journal.path.clone(),
+            load: true,
+            x: load("x")?,
+            y: load("y")?,
+            turned_by: match turned {
+                true => Some(known(format!("{}.{TURN}", journal.path))?),
+                false => None,
+            },
+        })
+    };
+    // small loads would be all zeros in kN
+    let large = |vector: &Vector| {
+        let mut found = false;
+        for part in [&vector.x, &vector.y] {
+            part.channels(&mut |_, path| {
+                let values = run.results.column(path).map(|column| column.values.iter());
+                found |= values.into_iter().flatten().any(|v| v.abs() >= 1e3);
+            });
+        }
+        found
+    };
+    let figure = |turned: bool| {
+        let journals = run.machine.journals.iter();
+        let vectors: Vec<Vector> = journals.filter_map(|j| vector(j, turned)).collect();
+        let (symbol, scale) = match vectors.iter().any(large) {
+            true => ("kN", 1e3),
+            false => ("N", 1.0),
+        };
+        (!vectors.is_empty()).then(|| Wanted {
+            name: format!("{analysis}-loads"),
+            title: "Load of the pins on their shells".to_owned(),
+            paths: Vec::new(),
+            same: Vec::new(),
+            dimension: force(),
+            figure: plan::Figure {
+                quantity: "load".to_owned(),
+                display: DisplayUnit {
+                    symbol: symbol.to_owned(),
+                    scale,
+                    offset: 0.0,
+                },
+                picture: Picture::Polar(vectors, None),
+            },
+        })
+    };
+    [figure(false), figure(true)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+/// The spectra of the curves of a history that vary; `None` if none of them does, and for other quantities than
+/// forces and accelerations.
+pub(crate) fn spectrum(of: &Wanted, run: &Run<'_>) -> Option<Wanted> {
+    if ![force(), acceleration()].contains(&of.dimension) {
         return None;
     }
-    Some(Orbits {
-        title: "Orbits of the pins in their shells".to_owned(),
-        // the orbits show the whole run, while the table of journals shows the last cycle
-        subtitle: format!("{}; ε ≤: over the whole run", about(results)),
-        period: outcome.machine.cycle_period.map_or(360.0, f64::to_degrees),
-        upright: outcome.machine.upright,
-        orbits,
+    let analysis = run.results.analysis();
+    let paths: Vec<String> = of
+        .paths
+        .iter()
+        .filter(|path| run.results.column(path).is_some_and(varies))
+        .cloned()
+        .collect();
+    let members: Vec<Member> = paths.iter().map(|path| member(analysis, path)).collect();
+    let axis = match run.results.column(CYCLE_ANGLE) {
+        Some(_) => Axis::Order,
+        None => Axis::Frequency,
+    };
+    let settings = SpectrumSettings {
+        axis,
+        up_to: (axis == Axis::Order).then_some(ORDERS),
+        logarithmic: true,
+        ..settings(run)
+    };
+    (!members.is_empty()).then(|| Wanted {
+        name: format!("{}-spectrum", of.name),
+        title: format!("Spectrum: {}", of.title),
+        paths,
+        figure: plan::Figure {
+            picture: Picture::Spectrum(members, settings),
+            ..of.figure.clone()
+        },
+        ..of.clone()
     })
+}
+
+fn varies(column: &Column) -> bool {
+    let values = column.values.iter().copied();
+    let size = values.clone().fold(0.0f64, |most, x| most.max(x.abs()));
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.fold(f64::NEG_INFINITY, f64::max);
+    high - low > STILL * size
+}
+
+/// Spectra over frequency, in one block: the window is rectangular if the cycle repeats, else Hann.
+fn settings(run: &Run<'_>) -> SpectrumSettings {
+    SpectrumSettings {
+        window: match run.machine.periodic {
+            true => Window::Rectangular,
+            false => Window::Hann,
+        },
+        axis: Axis::Frequency,
+        up_to: None,
+        block: None,
+        overlap: 0.5,
+        averaging: Averaging::RootMeanSquare,
+        remove_mean: true,
+        logarithmic: false,
+        reference: None,
+    }
+}
+
+/// The Campbell diagram of a column over the speeds of several runs, in levels over 1 µN or 1 µm/s² (ISO 1683),
+/// with the natural frequencies of linear analyses. `None` for other quantities.
+pub(crate) fn campbell(path: &str, runs: &[Run<'_>], modes: Vec<String>) -> Option<Wanted> {
+    let first = runs.first()?;
+    let column = varying(path, runs)?;
+    let symbol = match column.dimension {
+        dimension if dimension == force() => "N",
+        dimension if dimension == acceleration() => "m/s^2",
+        _ => return None,
+    };
+    let settings = SpectrumSettings {
+        reference: Some(1e-6),
+        ..settings(first)
+    };
+    let quantity = path.replace('_', " ");
+    Some(Wanted {
+        name: format!("campbell-{path}"),
+        title: format!("Campbell diagram: {quantity}"),
+        paths: vec![path.to_owned()],
+        same: Vec::new(),
+        dimension: column.dimension,
+        figure: plan::Figure {
+            quantity,
+            display: DisplayUnit {
+                symbol: symbol.to_owned(),
+                scale: 1.0,
+                offset: 0.0,
+            },
+            picture: Picture::Campbell {
+                members: over_runs(path, runs),
+                settings,
+                orders: None,
+                modes,
+            },
+        },
+    })
+}
+
+/// The waterfall of a force or an acceleration over the speeds of several runs, up to a frequency (Hz). `None` for
+/// other quantities.
+pub(crate) fn waterfall(path: &str, runs: &[Run<'_>], up_to: Option<f64>) -> Option<Wanted> {
+    let first = runs.first()?;
+    let column = varying(path, runs)?;
+    if ![force(), acceleration()].contains(&column.dimension) {
+        return None;
+    }
+    let settings = SpectrumSettings {
+        up_to,
+        ..settings(first)
+    };
+    let quantity = path.replace('_', " ");
+    Some(Wanted {
+        name: format!("waterfall-{path}"),
+        title: format!("Waterfall: {quantity}"),
+        paths: vec![path.to_owned()],
+        same: Vec::new(),
+        dimension: column.dimension,
+        figure: plan::Figure {
+            quantity,
+            display: column.display.clone(),
+            picture: Picture::Waterfall(over_runs(path, runs), settings),
+        },
+    })
+}
+
+/// The column of the first run in which it varies.
+fn varying<'r>(path: &str, runs: &[Run<'r>]) -> Option<&'r Column> {
+    let columns = runs.iter().filter_map(|run| run.results.column(path));
+    columns.into_iter().find(|column| varies(column))
+}
+
+fn over_runs(path: &str, runs: &[Run<'_>]) -> Vec<Member> {
+    let analyses = runs.iter().map(|run| run.results.analysis());
+    analyses.map(|analysis| member(analysis, path)).collect()
+}
+
+fn force() -> Dimension {
+    Dimension::MASS.times(acceleration())
+}
+
+fn acceleration() -> Dimension {
+    Dimension::LENGTH
+        .over(Dimension::TIME)
+        .over(Dimension::TIME)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::Machine;
+    use eng_report::figure::{Abscissa, History, Upright};
+    use std::f64::consts::TAU;
 
-    #[test]
-    fn frames_are_named_together() {
-        assert_eq!(common_frame(&["ground", "ground"]), "ground");
-        assert_eq!(common_frame(&["", ""]), "");
-        let shells = ["block.main[1]", "block.main[2]", "block.main[5]"];
-        assert_eq!(common_frame(&shells), "block.main[1…5]");
-        assert_eq!(common_frame(&["a", "b"]), "a, b");
+    fn machine(period: Option<f64>) -> Machine {
+        Machine {
+            journals: Vec::new(),
+            cycle_period: period,
+            periodic: period.is_some(),
+            upright: Upright::Y,
+            firing: Vec::new(),
+        }
+    }
+
+    fn column(path: &str, dimension: Dimension, values: Vec<f64>) -> Column {
+        Column {
+            path: path.to_owned(),
+            dimension,
+            display: DisplayUnit::si(dimension),
+            ..Column::time(values)
+        }
     }
 
     #[test]
@@ -351,17 +477,52 @@ mod tests {
             "crank_torque",
             "main[1].force.x",
         ] {
-            let mut column = Column::time(vec![1.0]);
-            column.path = path.to_owned();
-            results.push(column).unwrap();
+            results.push(column(path, force(), vec![1.0])).unwrap();
         }
-        let found: Vec<(String, usize)> = families(&results)
+        let machine = machine(None);
+        let found: Vec<(String, usize)> = histories(&Run::new(&results, &machine))
             .into_iter()
-            .map(|f| (f.quantity, f.paths.len()))
+            .map(|wanted| (wanted.title, wanted.paths.len()))
             .collect();
         assert_eq!(
             found,
-            [("vertical".to_owned(), 2), ("crank torque".to_owned(), 1)]
+            [("Vertical".to_owned(), 2), ("Crank torque".to_owned(), 1)]
         );
+    }
+
+    /// One cycle of two revolutions at 3000 rpm: 5 N of the fourth order about 2 N.
+    #[test]
+    fn a_wave_stands_at_its_order_and_a_constant_has_no_spectrum() {
+        let angles: Vec<f64> = (0..=720).map(|i| f64::from(i).to_radians()).collect();
+        let wave = angles.iter().map(|a| 5.0 * libm::cos(4.0 * a) + 2.0);
+        let (wave, still) = (wave.collect(), vec![2.0; angles.len()]);
+        let times = angles.iter().map(|a| a / TAU / 50.0).collect();
+        let mut results = Results::new("a", "M");
+        results.push(Column::time(times)).unwrap();
+        results.push(column("push[1]", force(), wave)).unwrap();
+        results.push(column("push[2]", force(), still)).unwrap();
+        results.push(Column::cycle_angle(angles)).unwrap();
+        let machine = machine(Some(2.0 * TAU));
+        let run = Run::new(&results, &machine);
+        let history = &histories(&run)[0];
+        let spectrum = spectrum(history, &run).expect("a spectrum");
+        let Ok(Figure::History(History {
+            panels,
+            abscissa,
+            subtitle,
+            ..
+        })) = spectrum.draw(&[run])
+        else {
+            panic!("{spectrum:?}");
+        };
+        assert_eq!(abscissa, Abscissa::OrderAt { speed: 50.0 });
+        assert!(subtitle.contains("rectangular window, resolution 0.5000 orders"));
+        assert_eq!(panels[0].curves.len(), 1);
+        let values = &panels[0].curves[0].values;
+        for (order, value) in panels[0].x.iter().zip(values) {
+            let due = if *order == 4.0 { 5.0 } else { 0.0 };
+            assert!((value - due).abs() < 1e-10, "{order}: {value}");
+        }
+        assert!((panels[0].x.last().unwrap() - ORDERS).abs() < 1e-9);
     }
 }

@@ -136,7 +136,7 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
     }
     // the same values are drawn once
     assert!(!captions.iter().any(|c| c.contains("Journal force x")));
-    assert!(page.contains("the same as main[1].force.x to main[5].force.x"));
+    assert!(page.contains("The same as main[1].force.x to main[5].force.x."));
     // a spectrum in orders with the frequencies above
     let spectra = captions
         .iter()

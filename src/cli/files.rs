@@ -3,7 +3,9 @@
 use super::arguments::RunArguments;
 use super::terminal::Terminal;
 use super::{Stop, USAGE_OR_SYSTEM};
+use crate::figures::Wanted;
 use crate::plot;
+use crate::post::Run;
 use crate::results::{failed_twin, stem_of};
 use std::path::{Path, PathBuf};
 
@@ -33,6 +35,29 @@ pub(super) fn draw(
         }
     }
     Ok(())
+}
+
+/// Draws figures that no `report` block states. A figure that the results do not give is named on the console.
+pub(super) fn draw_all(
+    wanted: &[Wanted],
+    runs: &[Run<'_>],
+    failed: bool,
+    folder: &Path,
+    arguments: &RunArguments,
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
+    let mut figures = Vec::new();
+    for wanted in wanted {
+        match wanted.draw(runs) {
+            Ok(figure) => figures.push((wanted.name.clone(), figure.to_svg())),
+            Err(error) => writeln!(
+                console.errors,
+                "warning: {} is not drawn: {error}",
+                wanted.title
+            )?,
+        }
+    }
+    draw(figures, failed, folder, arguments, console)
 }
 
 /// Prints the names of written files.

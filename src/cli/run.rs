@@ -1,7 +1,7 @@
 //! `eng run`.
 
 use super::arguments::{RunArguments, Setting};
-use super::files::{draw, results_folder, told_of, wrote};
+use super::files::{draw_all, results_folder, told_of, wrote};
 use super::open::checked;
 use super::outputs::{Output, apart};
 use super::progress::Bars;
@@ -11,6 +11,7 @@ use super::{MODEL_WRONG, Refusal, Stop, USAGE_OR_SYSTEM, post};
 use crate::analysis::Analysis;
 use crate::error::Error;
 use crate::figures;
+use crate::post::Run;
 use crate::program::Program;
 use crate::quantity::{Quantity, QuantityError};
 use crate::render::visible_name;
@@ -57,15 +58,16 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
         over_points(&family, &failures, arguments, &folder, console)?;
     }
     if !arguments.no_plots {
-        let compared: Vec<&RunOutcome> = outcomes
+        let compared: Vec<Run<'_>> = outcomes
             .iter()
             .filter(|o| o.point.is_empty() && !o.results.are_modes() && !o.results.is_state())
+            .map(|o| Run::new(&o.results, &o.machine))
             .collect();
         // without the failed analyses these figures differ from those of all analyses, so their names mark
         // them as failed
         let failed = !failures.is_empty();
-        let figures = figures::comparisons(&compared);
-        draw(figures, failed, &folder, arguments, console)?;
+        let wanted = figures::comparisons(&compared);
+        draw_all(&wanted, &compared, failed, &folder, arguments, console)?;
     }
     let holds = post::reports(&outcomes, arguments, &program, &folder, console)?;
     if !failures.is_empty() || !holds {

@@ -1,11 +1,12 @@
 //! The output of a run for each analysis that ends: messages, tables, files.
 
 use super::arguments::RunArguments;
-use super::files::{draw, told_of, wrote};
+use super::files::{draw_all, told_of, wrote};
 use super::terminal::Terminal;
 use super::{Refusal, Stop};
 use crate::analysis::Failed;
 use crate::figures;
+use crate::post::Run;
 use crate::program::Program;
 use crate::run::RunOutcome;
 use crate::tables::{JournalSummary, journal_table, modes, state};
@@ -122,8 +123,9 @@ impl<'a> Told<'a> {
         let moves = !results.are_modes() && !results.is_state();
         if !arguments.no_plots && outcome.point.is_empty() && moves {
             let failed = results.failure().is_some();
-            let figures = figures::of_analysis(outcome);
-            draw(figures, failed, folder, arguments, console)?;
+            let run = Run::new(results, &outcome.machine);
+            let wanted = figures::of_run(&run);
+            draw_all(&wanted, &[run], failed, folder, arguments, console)?;
         }
         Ok(())
     }

@@ -5,9 +5,6 @@
 mod font;
 mod png;
 
-pub use eng_report::figure::{
-    Abscissa, Curve, History, Mark, Orbit, Orbits, Ordinate, Panel, Scale, Upright,
-};
 pub use png::to_png;
 
 use std::path::PathBuf;

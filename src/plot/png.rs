@@ -60,16 +60,16 @@ mod tests {
 
     #[test]
     fn figures_without_data_are_drawn() {
-        let history = crate::plot::History {
+        let history = eng_report::figure::History {
             title: "Nothing".to_owned(),
             subtitle: String::new(),
-            abscissa: crate::plot::Abscissa::Time,
-            ordinate: crate::plot::Ordinate {
+            abscissa: eng_report::figure::Abscissa::Time,
+            ordinate: eng_report::figure::Ordinate {
                 quantity: "Force".to_owned(),
                 unit: "N".to_owned(),
                 frame: String::new(),
             },
-            scale: crate::plot::Scale::Linear,
+            scale: eng_report::figure::Scale::Linear,
             marks: Vec::new(),
             panels: Vec::new(),
         };

@@ -36,9 +36,7 @@ mod spectra;
 mod table;
 mod track;
 
-pub(crate) use natural::Natural;
-pub(crate) use picture::{ORDERS, main_orders, over_speed, with_floor};
-pub(crate) use sampling::{Sampled, on, sampled};
+pub(crate) use picture::{ORDERS, capital};
 pub(crate) use section::section;
 pub use table::text;
 
@@ -229,8 +227,8 @@ pub enum PostError {
 /// The results of an analysis with the machine behind them.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'r> {
-    results: &'r Results,
-    machine: &'r Machine,
+    pub(crate) results: &'r Results,
+    pub(crate) machine: &'r Machine,
 }
 
 impl<'r> Run<'r> {
@@ -391,6 +389,18 @@ pub fn evaluate(report: &Report, runs: &[Run<'_>]) -> EvaluatedReport {
         entries,
         partial,
     }
+}
+
+/// Draws a figure of results.
+///
+/// # Errors
+/// Results that do not give it.
+pub fn draw(
+    figure: &eng_system::report::Figure,
+    title: &str,
+    runs: &[Run<'_>],
+) -> Result<Figure, PostError> {
+    picture::figure(figure, title, &Evaluator::new(runs))
 }
 
 fn outcome(kind: &EntryKind, title: &str, evaluator: &Evaluator<'_>) -> Result<Outcome, PostError> {

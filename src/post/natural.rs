@@ -2,7 +2,6 @@
 
 use super::PostError;
 use super::evaluate::Evaluator;
-use crate::Results;
 use eng_system::recorded::{CYCLE_SPEED, DAMPING_RATIO, FREQUENCY};
 use std::f64::consts::TAU;
 
@@ -24,7 +23,7 @@ struct Oscillation {
 
 /// Lightly damped oscillations of one linear analysis, or of several at other speeds.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Natural {
+pub(super) struct Natural {
     names: Vec<String>,
     oscillations: Vec<Oscillation>,
 }
@@ -39,22 +38,6 @@ impl Natural {
             natural.push(name, column(FREQUENCY)?, damping, speeds);
         }
         Ok(natural)
-    }
-
-    /// Of results of linear analyses; those without the columns are left out.
-    pub(crate) fn of_results<'r>(all: impl Iterator<Item = &'r Results>) -> Natural {
-        let mut natural = Natural::default();
-        for results in all {
-            let column = |path| crate::modes::values(results, path);
-            if let (Some(frequencies), Some(damping), Some(speeds)) = (
-                column(FREQUENCY),
-                column(DAMPING_RATIO),
-                column(CYCLE_SPEED),
-            ) {
-                natural.push(results.analysis(), frequencies, damping, speeds);
-            }
-        }
-        natural
     }
 
     fn push(&mut self, name: &str, frequencies: &[f64], damping: &[f64], speeds: &[f64]) {
@@ -80,7 +63,7 @@ impl Natural {
     }
 
     /// Where all are of one speed, each with its name (Hz): drawn across the others, where it is about the same.
-    pub(crate) fn lines(&self) -> Vec<(String, f64)> {
+    pub(super) fn lines(&self) -> Vec<(String, f64)> {
         let modes = self.oscillations.iter();
         match self.one_speed() {
             Some(_) => modes
@@ -91,13 +74,13 @@ impl Natural {
     }
 
     /// Speed (rpm) and frequency (Hz) of each.
-    pub(crate) fn marks(&self) -> Vec<(f64, f64)> {
+    pub(super) fn marks(&self) -> Vec<(f64, f64)> {
         let modes = self.oscillations.iter();
         modes.map(|o| (o.speed, o.frequency)).collect()
     }
 
     /// What is drawn, in words; nothing where there is nothing.
-    pub(crate) fn said(&self) -> Option<String> {
+    pub(super) fn said(&self) -> Option<String> {
         let names = match self.names.as_slice() {
             [] => return None,
             [one] => one.clone(),

@@ -10,7 +10,7 @@ const EVEN: f64 = 1e-4;
 
 /// How samples lie: how many are of one period, and the shaft's mean speed (1/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sampled {
+pub(super) struct Sampled {
     /// Evenly in angle or in time.
     pub sampling: Sampling,
     /// How many lie so: all, or all but the last, where a run ends between two.
@@ -24,7 +24,7 @@ pub(crate) struct Sampled {
 /// How samples lie: evenly in cycle angle (rad), else in time (s); the other way round where an axis of frequencies is
 /// `preferred`. Where they lie evenly in neither, all but the last may: a run that is no whole number of samples long has one at its
 /// end. `None` where not even they do.
-pub(crate) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> Option<Sampled> {
+pub(super) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> Option<Sampled> {
     all_sampled(time, angle, preferred).or_else(|| {
         let even = time.len().checked_sub(1).filter(|n| *n >= FEWEST)?;
         let but_last = angle.and_then(|angle| angle.get(..even));
@@ -83,7 +83,7 @@ fn even_step(values: &[f64]) -> Option<f64> {
 }
 
 /// A spectrum on another axis, by the shaft's mean speed (1/s).
-pub(crate) fn on(axis: Axis, spectrum: &Spectrum, speed: Option<f64>) -> Option<Spectrum> {
+pub(super) fn on(axis: Axis, spectrum: &Spectrum, speed: Option<f64>) -> Option<Spectrum> {
     let speed = speed.map(f64::abs).filter(|s| s.is_finite() && *s > 0.0);
     match (spectrum.axis, axis) {
         (Axis::Order, Axis::Frequency) => Some(Spectrum {

@@ -241,11 +241,15 @@ pub(super) fn told_apart<'m>(
     let first = members.clone().next();
     let one_analysis = members.clone().all(|(a, _)| Some(a) == first.map(|f| f.0));
     let one_channel = members.clone().all(|(_, c)| Some(c) == first.map(|f| f.1));
-    // `main[1]` of `main[1].force` where all end alike
-    let tail = |channel: &'m str| channel.rsplit_once(']').map(|(_, tail)| tail);
-    let ending = first.and_then(|(_, channel)| tail(channel));
-    let ends_alike = ending.is_some() && members.clone().all(|(_, c)| tail(c) == ending);
-    let cut = ending.filter(|_| ends_alike && !one_channel).unwrap_or("");
+    // `main[1]` of `main[1].force.x` if all paths end alike
+    let ends = |tail: &&str| {
+        let longer = |channel: &str| channel.len() > tail.len() && channel.ends_with(*tail);
+        members.clone().all(|(_, channel)| longer(channel))
+    };
+    let path = first.map(|(_, channel)| channel);
+    let path = path.filter(|path| !path.contains(' ')).unwrap_or("");
+    let mut tails = path.match_indices('.').filter_map(|(at, _)| path.get(at..));
+    let cut = tails.find(ends).filter(|_| !one_channel).unwrap_or("");
     members
         .map(|(a, c)| (a, c.strip_suffix(cut).unwrap_or(c)))
         .map(|(analysis, channel)| match (one_analysis, one_channel) {
@@ -296,6 +300,8 @@ mod tests {
         assert_eq!(pairs(&paths), ["m[1]", "m[2]"]);
         let others = [("a", "m[1].force.x"), ("a", "m[1].force.y")];
         assert_eq!(pairs(&others), ["m[1].force.x", "m[1].force.y"]);
+        let unlike = [("a", "big.force.x"), ("a", "small.force.x")];
+        assert_eq!(pairs(&unlike), ["big", "small"]);
         assert_eq!(pairs(&[("a", "x"), ("b", "x")]), ["a", "b"]);
         assert_eq!(pairs(&[("a", "x"), ("b", "y")]), ["a x", "b y"]);
         let made = [

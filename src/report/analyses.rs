@@ -1,61 +1,11 @@
 //! The section of one analysis: journals, histories, orbits and loads, spectra, energy.
 
-use super::{Entry, ReportError, loads, spectra::spectra_of, tables};
-use crate::figures::{Pictured, histories, orbits};
-use crate::results::Results;
+use super::drawn::drawn;
+use super::{Entry, ReportError, tables};
+use crate::figures::{distinct, histories, loads, orbits, spectrum};
+use crate::post::Run;
 use crate::run::RunOutcome;
 use eng_report::page::Section;
-use eng_system::Dimension;
-
-pub(super) fn force() -> Dimension {
-    Dimension::MASS.times(acceleration())
-}
-
-pub(super) fn acceleration() -> Dimension {
-    Dimension::LENGTH
-        .over(Dimension::TIME)
-        .over(Dimension::TIME)
-}
-
-/// Whether two figures show the same columns' values.
-fn same(a: &Pictured, b: &Pictured, results: &Results) -> bool {
-    let column = |path: &String| results.column(path).map(|c| &c.values);
-    let pairs = || a.paths.iter().zip(&b.paths);
-    a.dimension == b.dimension
-        && a.paths.len() == b.paths.len()
-        && pairs().all(|(a, b)| column(a).is_some() && column(a) == column(b))
-}
-
-/// `main[1].force.x` to `main[5].force.x`.
-fn range(paths: &[String]) -> String {
-    match paths {
-        [] => String::new(),
-        [only] => only.clone(),
-        [first, .., last] => format!("{first} to {last}"),
-    }
-}
-
-/// Figures of the same values once: what else each of them shows stands under its title. A force that is an output of the model, too,
-/// is drawn as that.
-pub(super) fn distinct(pictured: Vec<Pictured>, results: &Results) -> Vec<Pictured> {
-    let mut shown: Vec<(Pictured, Vec<String>)> = Vec::new();
-    for pictured in pictured {
-        match shown.iter_mut().find(|(s, _)| same(s, &pictured, results)) {
-            Some((_, others)) => others.push(range(&pictured.paths)),
-            None => shown.push((pictured, Vec::new())),
-        }
-    }
-    shown
-        .into_iter()
-        .map(|(mut pictured, others)| {
-            if !others.is_empty() {
-                let subtitle = &mut pictured.figure.subtitle;
-                *subtitle = format!("{subtitle}; the same as {}", others.join(", "));
-            }
-            pictured
-        })
-        .collect()
-}
 
 /// Which figures an analysis has of its own.
 pub(super) enum Detail {
@@ -95,50 +45,48 @@ pub(super) fn section(
         _ => &[],
     };
     if !matches!(detail, Detail::Numbers) {
-        let mut spectra = Vec::new();
-        for pictured in distinct(histories(cut), results) {
-            let history = pictured.figure;
-            if elsewhere.contains(&history.title) {
-                continue;
-            }
-            // a sweep is compared point by point; its spectra would be most of the page
-            let wanted = [force(), acceleration()].contains(&pictured.dimension);
-            if wanted && entry.point.is_empty() {
-                spectra.extend(spectra_of(
-                    &history,
-                    results,
-                    entry.described.machine.periodic,
-                ));
-            }
-            let caption = format!("{}, {}. {span}.", history.title, entry.name());
-            section = section.figure(history, caption);
+        let run = Run::new(results, &cut.machine);
+        let histories: Vec<_> = distinct(histories(&run), results)
+            .into_iter()
+            .filter(|history| !elsewhere.contains(&history.title))
+            .collect();
+        let captioned = |title: &str| format!("{title}, {}. {span}.", entry.name());
+        let mut figures = Vec::new();
+        for history in &histories {
+            let caption = captioned(&history.title) + &history.same_as();
+            figures.push((history.clone(), caption));
         }
-        if let Some(orbits) = orbits(&entry.outcome) {
+        section = drawn(section, &figures, &[run]);
+        let whole = Run::new(&entry.outcome.results, &cut.machine);
+        if let Some(orbits) = orbits(&whole) {
             let caption = format!(
-                "{}, {}, seen against their z. The last cycle is drawn strongly; the circle is the radial clearance.",
+                "{}, {}, seen against their z. The last cycle is drawn strongly; the circle is the radial clearance, and ε is the largest of the whole run.",
                 orbits.title,
                 entry.name()
             );
-            section = section.figure(orbits, caption);
+            section = drawn(section, &[(orbits, caption)], &[whole]);
         }
+        // a sweep is compared point by point; its loads and spectra would be most of the page
         if entry.point.is_empty() {
-            for polar in loads::polar(entry, cut)? {
+            let mut figures = Vec::new();
+            for load in loads(&run) {
                 let caption = format!(
                     "{}, {}, in the axes above each diagram, seen against their z. The tip points at the side that carries the load. {span}.",
-                    polar.title,
+                    load.title,
                     entry.name()
                 );
-                section = section.figure(polar, caption);
+                figures.push((load, caption));
             }
+            for spectrum in histories.iter().filter_map(|of| spectrum(of, &run)) {
+                let caption = captioned(&spectrum.title);
+                figures.push((spectrum, caption));
+            }
+            section = drawn(section, &figures, &[run]);
         }
         if !elsewhere.is_empty() {
             section = section.paragraph(
                 "Its other histories stand beside those of the other points, under Comparisons.",
             );
-        }
-        for figure in spectra {
-            let caption = format!("{}, {}. {span}.", figure.title, entry.name());
-            section = section.figure(figure, caption);
         }
     }
     if let Some(audit) = tables::energy(results) {

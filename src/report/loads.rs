@@ -1,68 +1,33 @@
-//! Polar diagrams of journals: where shell and pin are loaded, from the forces of the results and the turning of the motion.
+//! The turning of pins in their shells, from the motion of the bodies.
 
 use super::Entry;
 use super::describe::MarkerAxes;
-use crate::figures::about;
+use crate::figures::TURN;
 use crate::motion::{BodyMotion, moments};
-use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
-use crate::run::RunOutcome;
-use eng_report::figure::{FixedTo, Polar, PolarCurve, journal_letter};
+use crate::results::{Column, Results, ResultsError, TIME};
 use eng_runtime::rotation::{M3, matrix};
+use eng_system::{Dimension, DisplayUnit};
 
-/// Newtons a unit of the diagrams.
-const KILO: f64 = 1e3;
-
-/// The load that each pin puts on its shell, −force on the pin, over the last cycle: in the shell's axes, and in the pin's where the
-/// motion was kept. The tip points at the side of shell and pin that carries it.
-pub(super) fn polar(entry: &Entry, cut: &RunOutcome) -> Result<Vec<Polar>, ResultsError> {
-    let results = &cut.results;
-    let Some(time) = results.column(TIME) else {
-        return Ok(Vec::new());
+/// Adds the angle by which each pin has turned in its shell, where the motion was kept and covers the samples.
+/// Its frame are the axes of the pin, in which a load then stands.
+pub(super) fn add_turns(entry: &Entry, results: &mut Results) -> Result<(), ResultsError> {
+    let (Some(time), Some(motion)) = (results.column(TIME), &entry.outcome.motion) else {
+        return Ok(());
     };
-    let angle = results
-        .column(CYCLE_ANGLE)
-        .map_or_else(Vec::new, Column::shown);
-    let (mut housing, mut journal) = (Vec::new(), Vec::new());
-    for (index, geometry) in cut.machine.journals.iter().enumerate() {
-        let column = |axis: &str| results.column(&format!("{}.force.{axis}", geometry.path));
-        let (Some(x), Some(y)) = (column("x"), column("y")) else {
-            continue;
-        };
-        let load = |column: &Column| column.values.iter().map(|v| -v / KILO).collect();
-        let curve = PolarCurve {
-            name: format!("{} {}", journal_letter(index), geometry.path),
-            frame: x.frame.clone(),
-            x: load(x),
-            y: load(y),
-            angle: angle.clone(),
-        };
-        if let (Some(motion), Some(axes)) = (&entry.outcome.motion, entry.described.axes.get(index))
-            && let Some(turn) = turn(motion, &axes.pin, &axes.shell, &time.values)?
-        {
-            journal.push(curve.turned(&turn, &axes.pin.marker));
+    let time = time.values.clone();
+    let journals = entry.described.machine.journals.iter();
+    for (journal, axes) in journals.zip(&entry.described.axes) {
+        if let Some(turn) = turn(motion, &axes.pin, &axes.shell, &time)? {
+            results.push(Column {
+                path: format!("{}.{TURN}", journal.path),
+                dimension: Dimension::ANGLE,
+                display: DisplayUnit::si(Dimension::ANGLE),
+                frame: axes.pin.marker.clone(),
+                values: turn.iter().map(|degrees| degrees.to_radians()).collect(),
+            })?;
         }
-        housing.push(curve);
     }
-    let figure = |fixed_to, curves: Vec<PolarCurve>| {
-        (!curves.is_empty()).then(|| Polar {
-            title: "Load of the pins on their shells".to_owned(),
-            subtitle: format!("{}, last cycle", about(results)),
-            quantity: "load".to_owned(),
-            unit: "kN".to_owned(),
-            fixed_to,
-            period: cut.machine.cycle_period.map_or(360.0, f64::to_degrees),
-            upright: cut.machine.upright,
-            limit: None,
-            curves,
-        })
-    };
-    Ok([
-        figure(FixedTo::Housing, housing),
-        figure(FixedTo::Journal, journal),
-    ]
-    .into_iter()
-    .flatten()
-    .collect())
+    Ok(())
 }
 
 /// Angle (°) of the pin's x axis from the shell's about the shell's z at each of `times` (s): that of the motion's samples, unwrapped,
@@ -133,7 +98,6 @@ fn orientations(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eng_system::{Dimension, DisplayUnit};
 
     /// A body that turns about z by `angle(time)` (rad).
     fn turning(times: &[f64], angle: impl Fn(f64) -> f64) -> Results {

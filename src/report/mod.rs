@@ -6,6 +6,8 @@
 mod analyses;
 mod collapse;
 mod describe;
+mod drawn;
+mod last_cycle;
 mod loads;
 mod page;
 mod provenance;
@@ -13,7 +15,6 @@ mod scene;
 mod series;
 mod settings;
 mod shapes;
-mod spectra;
 mod stress;
 mod surface;
 mod sweeps;

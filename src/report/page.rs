@@ -1,17 +1,17 @@
 //! The page: which sections, in which order.
 
-use super::analyses::{Detail, distinct};
+use super::analyses::Detail;
 use super::describe::Matter;
+use super::drawn::drawn;
+use super::last_cycle::of_last_cycle;
 use super::scene::{Scene, scene};
-use super::spectra::of_last_cycle;
 use super::stress::At;
 use super::{Entry, ReportError, analyses, mixed, provenance, sweeps, tables};
 use crate::Reduction;
-use crate::figures::compared;
+use crate::figures::{self, Wanted, distinct};
 use crate::post::{self, Run};
 use crate::repetition::Repetition;
 use crate::run::RunOutcome;
-use eng_report::figure::History;
 use eng_report::page::{Page, Section};
 use eng_system::report::Report;
 
@@ -143,7 +143,7 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     if let Some(section) = flexible(entries) {
         page = page.section(section);
     }
-    for section in sweeps::sections(entries, modes, &cut) {
+    for section in sweeps::sections(modes, &cut) {
         page = page.section(section);
     }
     let compared = comparisons(entries, &cut);
@@ -156,12 +156,12 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
             let titles = compared
                 .iter()
                 .filter(|c| c.names.iter().any(|n| n == entry.name()));
-            Detail::Point(titles.map(|c| c.figure.title.clone()).collect())
+            Detail::Point(titles.map(|c| c.wanted.title.clone()).collect())
         };
         page = page.section(analyses::section(entry, own, &detail)?);
     }
     if !compared.is_empty() {
-        page = page.section(comparison(compared));
+        page = page.section(comparison(compared, &cut));
     }
     if let Some(section) = motion(scenes) {
         page = page.section(section);
@@ -293,12 +293,12 @@ fn one_of_many(entry: &Entry, entries: &[Entry]) -> bool {
 /// A figure of several analyses.
 struct Compared {
     names: Vec<String>,
-    figure: History,
+    wanted: Wanted,
 }
 
 /// Analyses of a model beside each other; and the points of a short sweep.
 fn comparisons(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Compared> {
-    let mut groups: Vec<(&str, Vec<&RunOutcome>)> = Vec::new();
+    let mut groups: Vec<(&str, Vec<Run<'_>>)> = Vec::new();
     let moving = entries.iter().zip(cut);
     for (entry, cut) in moving.filter(|(_, cut)| !cut.results.is_state()) {
         let group = if entry.point.is_empty() {
@@ -306,37 +306,46 @@ fn comparisons(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Compared> {
         } else {
             entry.name().split('[').next().unwrap_or_default()
         };
+        let run = Run::new(&cut.results, &cut.machine);
         match groups.iter_mut().find(|(name, _)| *name == group) {
-            Some((_, members)) => members.push(cut),
-            None => groups.push((group, vec![cut])),
+            Some((_, members)) => members.push(run),
+            None => groups.push((group, vec![run])),
         }
     }
     let mut found = Vec::new();
-    for (_, members) in groups {
-        let Some(results) = members.first().map(|m| &m.results) else {
+    for (_, runs) in groups {
+        let Some(results) = runs.first().map(|run| run.results) else {
             continue;
         };
-        for pictured in distinct(compared(&members), results) {
+        for wanted in distinct(figures::comparisons(&runs), results) {
             found.push(Compared {
-                names: members
+                names: runs
                     .iter()
-                    .filter(|m| m.results.model() == results.model())
-                    .map(|m| m.results.analysis().to_owned())
+                    .filter(|run| run.results.model() == results.model())
+                    .map(|run| run.results.analysis().to_owned())
                     .collect(),
-                figure: pictured.figure,
+                wanted,
             });
         }
     }
     found
 }
 
-fn comparison(compared: Vec<Compared>) -> Section {
-    let mut section = Section::new("Comparisons");
-    for Compared { names, figure } in compared {
-        let caption = format!("{}: {}. Last cycle.", figure.title, names.join(", "));
-        section = section.figure(figure, caption);
-    }
-    section
+fn comparison(compared: Vec<Compared>, cut: &[RunOutcome]) -> Section {
+    let runs: Vec<Run<'_>> = cut
+        .iter()
+        .map(|cut| Run::new(&cut.results, &cut.machine))
+        .collect();
+    let captioned = compared.into_iter().map(|Compared { names, wanted }| {
+        let names = names.join(", ");
+        let caption = format!("{}: {names}. Last cycle.{}", wanted.title, wanted.same_as());
+        (wanted, caption)
+    });
+    drawn(
+        Section::new("Comparisons"),
+        &captioned.collect::<Vec<_>>(),
+        &runs,
+    )
 }
 
 fn motion(scenes: Vec<(&Entry, Scene)>) -> Option<Section> {

@@ -1,19 +1,17 @@
 //! The section of a sweep: what its points come to, side by side, and their spectra over speed.
 
 use super::Entry;
-use super::analyses::{acceleration, force};
-use super::spectra::{Hertz, in_hertz};
-use crate::post::{Natural, ORDERS, main_orders, over_speed, with_floor};
-use crate::results::{Column, Results};
+use super::drawn::drawn;
+use crate::figures::{campbell, waterfall};
+use crate::post::{ORDERS, Run};
+use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use crate::run::RunOutcome;
 use crate::tables::sweep::{families, table};
 use eng_report::figure::{
-    Abscissa, Campbell, Curve, History, Ordinate, Panel, Scale, SweepFigure, Waterfall,
-    journal_letter,
+    Abscissa, Curve, Figure, History, Ordinate, Panel, Scale, journal_letter,
 };
 use eng_report::page::{self as pages, Cell, Section, Table};
 use eng_report::readable_unit;
-use eng_report::signal::{Level, Spectrum, sweep_map};
 use eng_system::Dimension;
 use std::f64::consts::TAU;
 
@@ -24,8 +22,8 @@ const FEW: usize = 6;
 /// Columns of the table of more points.
 const COLUMNS: usize = 13;
 
-/// A section a sweep. `cut` are the last cycles of the entries, `modes` the linear analyses.
-pub(super) fn sections(entries: &[Entry], modes: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
+/// A section for each sweep. `cut` are the last cycles of the analyses, `modes` the linear analyses.
+pub(super) fn sections(modes: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
     families(cut)
         .into_iter()
         .map(|family| {
@@ -45,14 +43,7 @@ pub(super) fn sections(entries: &[Entry], modes: &[Entry], cut: &[RunOutcome]) -
                 );
                 section = section.figure(figure, caption);
             }
-            let own = family.first().and_then(|first| {
-                let name = first.results.analysis();
-                entries.iter().find(|e| e.name() == name)
-            });
-            match own {
-                Some(entry) => maps(section, entry, modes, &family),
-                None => section,
-            }
+            maps(section, modes, &family)
         })
         .collect()
 }
@@ -200,139 +191,105 @@ fn lettered(path: &str, journals: &[&str]) -> String {
     }
 }
 
-/// A column of all points as spectra over the mean speed.
-struct Spectra {
-    column: Column,
-    /// Speed (rpm) and spectrum (Hz).
-    runs: Vec<(f64, Spectrum)>,
-    made: String,
-    largest: f64,
-}
-
-/// Waterfalls and Campbell diagrams of the model's own forces and accelerations: of those of one name and different index the one
-/// with the largest amplitude at any speed.
-fn maps(mut section: Section, entry: &Entry, modes: &[Entry], family: &[&RunOutcome]) -> Section {
-    let Some(first) = family.first() else {
+/// Waterfalls and Campbell diagrams of the model's own forces and accelerations over the speeds of the points. Of
+/// outputs with one name and different indices, the one with the largest amplitude at any speed is shown.
+fn maps(section: Section, modes: &[Entry], family: &[&RunOutcome]) -> Section {
+    let speeds: Vec<f64> = family
+        .iter()
+        .filter_map(|o| mean_speed(&o.results))
+        .collect();
+    let highest = speeds.iter().copied().fold(0.0, f64::max);
+    // a sweep of another variable than the speed has no maps; one rpm is no difference of speeds
+    let apart = |(k, speed): (usize, &f64)| {
+        let mut before = speeds.iter().take(k);
+        before.all(|other| (other - speed).abs() > 1.0 / 60.0)
+    };
+    let all_apart = speeds.len() == family.len() && speeds.iter().enumerate().all(apart);
+    let Some(first) = family
+        .first()
+        .filter(|_| all_apart && speeds.len() >= SPEEDS)
+    else {
         return section;
     };
-    let mut chosen: Vec<(String, Spectra)> = Vec::new();
+    let natural = natural(modes, first.results.model());
+    let runs: Vec<Run<'_>> = family
+        .iter()
+        .map(|o| Run::new(&o.results, &o.machine))
+        .chain(
+            modes
+                .iter()
+                .map(|m| Run::new(&m.outcome.results, &m.outcome.machine)),
+        )
+        .collect();
+    let points = runs.get(..family.len()).unwrap_or_default();
+    let mut chosen: Vec<(&str, f64, &str)> = Vec::new();
     for column in first.results.columns() {
-        if column.path.contains('.') || ![force(), acceleration()].contains(&column.dimension) {
+        let path = column.path.as_str();
+        if path.contains('.') {
             continue;
         }
-        let found: Vec<Hertz> = family
-            .iter()
-            .filter_map(|point| {
-                let column = point.results.column(&column.path)?;
-                in_hertz(column, &point.results, entry.described.machine.periodic)
-            })
-            .collect();
-        let made = found.first().map(|f| f.made.clone()).unwrap_or_default();
-        let runs: Vec<(f64, Spectrum)> = found
-            .into_iter()
-            .map(|f| (60.0 * f.speed, f.spectrum))
-            .collect();
-        let largest = runs
-            .iter()
-            .flat_map(|(_, s)| &s.amplitudes)
-            .fold(0.0f64, |most, a| most.max(*a));
-        let spectra = Spectra {
-            column: column.clone(),
-            runs,
-            made,
-            largest,
+        let Some(wanted) = waterfall(path, points, None) else {
+            continue;
         };
-        let base = column.path.split('[').next().unwrap_or_default().to_owned();
-        match chosen.iter_mut().find(|(name, _)| *name == base) {
-            Some((_, other)) if other.largest < largest => *other = spectra,
+        let largest = match wanted.draw(&runs) {
+            Ok(Figure::Waterfall(drawn)) => {
+                let amplitudes = drawn.figure.map.amplitudes.iter().flatten();
+                amplitudes.copied().fold(0.0, f64::max)
+            }
+            // refused again, with its reason, where it is drawn
+            _ => 0.0,
+        };
+        let base = path.split('[').next().unwrap_or_default();
+        match chosen.iter_mut().find(|(name, ..)| *name == base) {
+            Some(known) if known.1 < largest => *known = (base, largest, path),
             Some(_) => {}
-            None => chosen.push((base, spectra)),
+            None => chosen.push((base, largest, path)),
         }
     }
-    for (_, spectra) in chosen {
-        // speeds that are equal make no map
-        let Ok(map) = sweep_map(&spectra.runs) else {
-            continue;
-        };
-        if map.speeds.len() < SPEEDS {
-            continue;
-        }
-        let limit = map.speeds.last().map(|speed| ORDERS * speed / 60.0);
-        let name = first
-            .results
-            .analysis()
-            .split('[')
-            .next()
-            .unwrap_or_default();
-        let title = spectra.column.path.replace('_', " ");
-        let figure = SweepFigure {
-            title: format!("Waterfall: {title}"),
-            subtitle: spectra.made,
-            quantity: format!("{title}, 0-peak"),
-            unit: readable_unit(&spectra.column.display.symbol),
-            frame: spectra.column.frame.clone(),
-            limit,
-            map,
-        };
-        let natural = natural(modes, first.results.model());
-        let described = &entry.described;
-        let orders = main_orders(
-            described.machine.cycle_period,
-            described.machine.firing.len(),
-        );
-        let campbell = campbell(&figure, &spectra.column, &title, (orders, &natural));
-        section = section.figure(
-            Waterfall { figure },
-            format!(
+    let name = first
+        .results
+        .analysis()
+        .split('[')
+        .next()
+        .unwrap_or_default();
+    let mut figures = Vec::new();
+    for (_, _, path) in chosen {
+        let title = path.replace('_', " ");
+        if let Some(wanted) = waterfall(path, points, Some(ORDERS * highest)) {
+            let caption = format!(
                 "Waterfall of {title}, sweep {name}: spectra of the last cycle of each point, over its mean speed."
-            ),
-        );
-        if let Some(campbell) = campbell {
-            section = section.figure(
-                campbell,
-                format!(
-                    "Campbell diagram of {title}, sweep {name}, with the lines of the main orders."
-                ),
             );
+            figures.push((wanted, caption));
+        }
+        if let Some(wanted) = campbell(path, points, natural.clone()) {
+            let caption = format!(
+                "Campbell diagram of {title}, sweep {name}, with the lines of the main orders."
+            );
+            figures.push((wanted, caption));
         }
     }
-    section
+    drawn(section, &figures, &runs)
 }
 
-/// Natural frequencies of a model: of the first sweep of a linear analysis, else of the first linear analysis.
-fn natural(modes: &[Entry], model: &str) -> Natural {
+/// The mean speed of the cycle (revolutions a second), if it turns.
+fn mean_speed(results: &Results) -> Option<f64> {
+    let span = |path| {
+        let values = &results.column(path)?.values;
+        Some(values.last()? - values.first()?)
+    };
+    let speed = (span(CYCLE_ANGLE)? / span(TIME)? / TAU).abs();
+    (speed > 0.0 && speed.is_finite()).then_some(speed)
+}
+
+/// Linear analyses for the natural frequencies of a model: its first sweep of a linear analysis, else its first
+/// linear analysis.
+fn natural(modes: &[Entry], model: &str) -> Vec<String> {
     let root = |entry: &Entry| entry.name().split('[').next().map(str::to_owned);
     let own = || modes.iter().filter(|m| m.outcome.results.model() == model);
     let first = own().find(|m| !m.point.is_empty()).or(own().next());
     let name = first.and_then(root);
-    Natural::of_results(
-        own()
-            .filter(|m| root(m) == name)
-            .map(|m| &m.outcome.results),
-    )
-}
-
-/// Levels of a waterfall's amplitudes; the reference is 1 µm/s² or 1 µN (ISO 1683).
-fn campbell(
-    figure: &SweepFigure,
-    column: &Column,
-    title: &str,
-    (orders, natural): (Vec<f64>, &Natural),
-) -> Option<Campbell> {
-    let unit = if column.dimension == force() {
-        "N"
-    } else {
-        "m/s²"
-    };
-    let level = Level::new(1e-6, unit).ok()?;
-    let mut figure = SweepFigure {
-        title: format!("Campbell diagram: {title}"),
-        quantity: format!("{title}, 0-peak"),
-        unit: level.label(),
-        ..figure.clone()
-    };
-    for shown in figure.map.amplitudes.iter_mut().flatten() {
-        *shown = level.of(*shown * column.display.scale);
-    }
-    with_floor(&mut figure).then(|| over_speed(figure, orders, natural))
+    own()
+        .filter(|m| root(m) == name)
+        .map(|m| m.name().to_owned())
+        .collect()
 }

@@ -1,20 +1,22 @@
 //! Figures of reports.
 
+mod labels;
 mod orders;
 mod plane;
 
-pub(crate) use orders::{ORDERS, main_orders, over_speed, with_floor};
+pub(crate) use labels::capital;
+pub(crate) use orders::ORDERS;
 
 use super::evaluate::{Evaluator, filter_of};
 use super::track::{Track, told_apart};
 use super::{PostError, Run};
-use crate::figures::{capital, common_frame, firing_marks, letters};
 use eng_report::figure::{
     Abscissa, Curve, Figure, History, Mark, Ordinate, Panel, Scale, Waterfall,
 };
 use eng_report::readable_unit;
 use eng_system::DisplayUnit;
 use eng_system::report::{self as plan, Expression, Member, Picture};
+use labels::{common_frame, letters};
 
 /// Draws a figure.
 pub(super) fn figure(
@@ -124,10 +126,10 @@ impl Drawer<'_> {
     }
 
     /// The axes that components are along.
-    fn frame(&self, members: &[&Member]) -> String {
+    fn frame<'e>(&self, expressions: impl IntoIterator<Item = &'e Expression>) -> String {
         let mut frames = Vec::new();
-        for member in members {
-            member.expression.channels(&mut |analysis, path| {
+        for expression in expressions {
+            expression.channels(&mut |analysis, path| {
                 let run = self.evaluator.run(analysis).ok();
                 if let Some(column) = run.and_then(|run| run.results.column(path)) {
                     frames.push(column.frame.as_str());
@@ -141,7 +143,7 @@ impl Drawer<'_> {
         Ordinate {
             quantity: capital(&self.figure.quantity),
             unit: readable_unit(&self.display().symbol),
-            frame: self.frame(members),
+            frame: self.frame(members.iter().map(|member| &member.expression)),
         }
     }
 
@@ -192,7 +194,11 @@ impl Drawer<'_> {
         let Some(period) = first.cycle_period.filter(|_| same) else {
             return Ok(Vec::new());
         };
-        Ok(firing_marks(&first.firing, period))
+        let period = period.to_degrees();
+        let firing = first.firing.iter();
+        Ok(firing
+            .map(|(cylinder, angle)| Mark::firing_tdc(*cylinder, angle.to_degrees(), period))
+            .collect())
     }
 
     fn history(&self, panels: &[Vec<Member>], by_time: bool) -> Result<Figure, PostError> {

@@ -243,7 +243,7 @@ pub(crate) const ORDERS: f64 = 30.0;
 const DYNAMIC: f64 = 80.0;
 
 /// A map with the lines of orders and with natural frequencies, which its subtitle names.
-pub(crate) fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Natural) -> Campbell {
+fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Natural) -> Campbell {
     if let Some(said) = natural.said() {
         figure.subtitle = format!("{}; {said}", figure.subtitle);
     }
@@ -255,14 +255,14 @@ pub(crate) fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Na
     }
 }
 
-/// Raises levels (dB) to 80 dB below the largest, and says so; `false` where there is none. What is no number stays a gap.
-pub(crate) fn with_floor(figure: &mut SweepFigure) -> bool {
+/// Raises levels (dB) to 80 dB below the largest, and the unit says so. A value that is not a number stays a gap.
+fn with_floor(figure: &mut SweepFigure) {
     let levels = || figure.map.amplitudes.iter().flatten().copied();
     let largest = levels()
         .filter(|l| l.is_finite())
         .fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {
-        return false;
+        return;
     }
     let lowest = largest - DYNAMIC;
     for level in figure.map.amplitudes.iter_mut().flatten() {
@@ -271,11 +271,10 @@ pub(crate) fn with_floor(figure: &mut SweepFigure) -> bool {
         }
     }
     figure.unit.push_str(&format!(", at least {lowest:.0}"));
-    true
 }
 
 /// Multiples of the firing order: firings a revolution; of a machine that does not fire the first orders. `period`: of its cycle (rad).
-pub(crate) fn main_orders(period: Option<f64>, firings: usize) -> Vec<f64> {
+fn main_orders(period: Option<f64>, firings: usize) -> Vec<f64> {
     let revolutions = period.map_or(1.0, |period| period / std::f64::consts::TAU);
     let main = match firings {
         0 => 1.0,

@@ -1,11 +1,12 @@
 //! Orbits and polar diagrams.
 
+use super::labels::capital;
 use super::{Drawer, degrees};
-use crate::figures::{capital, common_frame};
-use crate::plot::Upright;
 use crate::post::PostError;
 use crate::post::track::{Track, told_apart};
-use eng_report::figure::{Figure, FixedTo, Orbit, Orbits, Polar, PolarCurve, journal_letter};
+use eng_report::figure::{
+    Figure, FixedTo, Orbit, Orbits, Polar, PolarCurve, Upright, journal_letter,
+};
 use eng_report::readable_unit;
 use eng_system::report::{Expression, Part, Vector};
 
@@ -54,7 +55,7 @@ impl Drawer<'_> {
         let (period, upright) = self.view(&analyses)?;
         Ok(Orbits {
             title: self.title.to_owned(),
-            subtitle: format!("{}, not filtered", self.about(&analyses)?),
+            subtitle: format!("{}{}, not filtered", self.about(&analyses)?, part(cycles)),
             period,
             upright,
             orbits,
@@ -77,20 +78,12 @@ impl Drawer<'_> {
         let mut curves = Vec::new();
         for (vector, name) in vectors.iter().zip(names) {
             let (x, y) = self.plane(&vector.x, &vector.y, cycles)?;
-            let mut frames = Vec::new();
-            vector.x.channels(&mut |analysis, path| {
-                let run = self.evaluator.run(analysis).ok();
-                if let Some(column) = run.and_then(|run| run.results.column(path)) {
-                    frames.push(column.frame.as_str());
-                }
-            });
-            let frame = common_frame(&frames);
             let mut curve = PolarCurve {
                 name: match self.letter(&vector.x).filter(|_| vectors.len() > 1) {
                     Some(letter) => format!("{letter} {name}"),
                     None => name,
                 },
-                frame,
+                frame: self.frame([&vector.x]),
                 angle: degrees(&x),
                 // a vector has no shifted zero
                 x: x.values.iter().map(|v| v / display.scale).collect(),
@@ -106,7 +99,10 @@ impl Drawer<'_> {
                     });
                 }
                 let turn: Vec<f64> = turn.values.iter().map(|v| v.to_degrees()).collect();
-                let frame = format!("{}, turned about z", curve.frame);
+                let frame = match self.frame([turned_by]) {
+                    turning if turning.is_empty() => format!("{}, turned about z", curve.frame),
+                    turning => turning,
+                };
                 curve = curve.turned(&turn, frame);
                 fixed_to = FixedTo::Journal;
             }
@@ -121,7 +117,11 @@ impl Drawer<'_> {
         };
         Ok(Polar {
             title: self.title.to_owned(),
-            subtitle: format!("{}, not filtered; {said}", self.about(&analyses)?),
+            subtitle: format!(
+                "{}{}, not filtered; {said}",
+                self.about(&analyses)?,
+                part(cycles)
+            ),
             quantity: capital(&self.figure.quantity),
             unit: readable_unit(&display.symbol),
             fixed_to,
@@ -157,5 +157,14 @@ impl Drawer<'_> {
         let machine = self.evaluator.run(first)?.machine;
         let period = machine.cycle_period.map_or(360.0, f64::to_degrees);
         Ok((period, machine.upright))
+    }
+}
+
+/// The part of the results that is drawn, after the name of the analysis.
+fn part(cycles: Option<u32>) -> String {
+    match cycles {
+        None => String::new(),
+        Some(1) => ", last cycle".to_owned(),
+        Some(count) => format!(", last {count} cycles"),
     }
 }
