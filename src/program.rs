@@ -99,7 +99,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
 /// The block of a declaration.
 fn block_of(declaration: &Declaration) -> Option<&Block> {
     match &declaration.form {
-        Form::Class { block, .. } | Form::Plain { block } => Some(block),
+        Form::Class { block, .. } | Form::Plain { block, .. } => Some(block),
         Form::Instance { block, .. } => block.as_ref(),
     }
 }

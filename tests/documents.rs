@@ -68,6 +68,43 @@ fn the_flexible_body_of_the_reference_is_one() {
 }
 
 /// The reference names every kind of analysis and each of its arguments.
+/// The model in a chapter of the reference, which runs without a message.
+#[test]
+fn the_interface_of_the_reference_runs() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/language.md");
+    let reference = std::fs::read_to_string(path).expect("the reference");
+    let (_, chapter) = reference
+        .split_once("### Interfaces\n")
+        .expect("the chapter");
+    let (_, block) = chapter.split_once("```eng\n").expect("its model");
+    let (text, _) = block.split_once("```").expect("its end");
+    let checked = eng::check(&eng::Sources::from_text("bench.eng", text), "bench.eng");
+    assert!(
+        checked.report().diagnostics().is_empty(),
+        "{}",
+        checked.report()
+    );
+    let program = checked
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"));
+    let drop = program
+        .analysis("drop")
+        .unwrap_or_else(|error| panic!("{error}"));
+    let outcome = drop
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    let load = &outcome
+        .results
+        .column("stop.load")
+        .expect("an output")
+        .values;
+    // it falls 4 mm in 28.6 ms; the energy m g (4 mm + d) = k (d^2/2 + d^4/(4 full^2)) gives d = 2.6389 mm at
+    // the turning point, and the load there
+    assert!(load.iter().take(280).all(|load| *load == 0.0), "{load:?}");
+    let most = load.iter().copied().fold(0.0, f64::max);
+    assert!((most - 144.661).abs() < 0.2, "{most}");
+}
+
 #[test]
 fn the_reference_names_all_analyses_and_their_arguments() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/language.md");

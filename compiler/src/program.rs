@@ -135,16 +135,43 @@ impl Program {
         self.lookup(module as u32, name)
     }
 
-    /// The interface that a class of a module declares to fill: `: JournalLaw`.
-    pub fn interface_of(&self, module: u32, class: &ast::Declaration) -> Option<DefinitionId> {
-        let ast::Form::Class {
-            interface: Some(name),
-            ..
-        } = &class.form
-        else {
-            return None;
-        };
-        self.lookup(module, &name.text)
+    /// The definition behind an id.
+    pub fn declaration(&self, id: DefinitionId) -> Option<&ast::Declaration> {
+        match &self.item(id)?.kind {
+            ast::ItemKind::Declaration(declaration) => Some(declaration),
+            _ => None,
+        }
+    }
+
+    /// The interface that a class, a record or an interface names after its colon: `: JournalLaw`.
+    pub fn interface_of(&self, id: DefinitionId) -> Option<DefinitionId> {
+        let name = interface_name(self.declaration(id)?)?;
+        let interface = self.lookup(id.module, &name.text)?;
+        (self.declaration(interface)?.kind == ast::Kind::Interface).then_some(interface)
+    }
+
+    /// The definitions whose text makes up a definition: its interfaces, the eldest first, then itself.
+    pub fn lineage(&self, id: DefinitionId) -> Vec<DefinitionId> {
+        let mut found = vec![id];
+        let mut youngest = id;
+        // an interface extends one that extends none, so a class has two interfaces at most
+        for _ in 0..2 {
+            let Some(interface) = self.interface_of(youngest) else {
+                break;
+            };
+            // interfaces that extend each other in a circle are reported by the checker
+            if found.contains(&interface) {
+                break;
+            }
+            found.insert(0, interface);
+            youngest = interface;
+        }
+        found
+    }
+
+    /// Whether a definition is an interface, or fills or extends it.
+    pub fn fills(&self, id: DefinitionId, interface: DefinitionId) -> bool {
+        self.lineage(id).contains(&interface)
     }
 
     /// Names of all lints that a text may accept: of the language, and of the `advise`s of all modules.
@@ -197,6 +224,16 @@ impl Program {
     }
 }
 
+/// The name after the colon of a class, a record or an interface.
+pub fn interface_name(declaration: &ast::Declaration) -> Option<&ast::Name> {
+    match &declaration.form {
+        ast::Form::Class { interface, .. } | ast::Form::Plain { interface, .. } => {
+            interface.as_ref()
+        }
+        ast::Form::Instance { .. } => None,
+    }
+}
+
 fn lints_of<'p>(items: &'p [ast::Item], names: &mut BTreeSet<&'p str>) {
     for item in items {
         match &item.kind {
@@ -213,7 +250,7 @@ fn lints_of<'p>(items: &'p [ast::Item], names: &mut BTreeSet<&'p str>) {
                     .map(|name| name.text.as_str()),
             ),
             ast::ItemKind::Declaration(declaration) => {
-                if let ast::Form::Class { block, .. } | ast::Form::Plain { block } =
+                if let ast::Form::Class { block, .. } | ast::Form::Plain { block, .. } =
                     &declaration.form
                 {
                     lints_of(&block.items, names);

@@ -118,9 +118,10 @@ fn a_law_that_does_not_fill_the_interface_is_no_journal() {
         refused("journal", "radial_clearance", ""),
         "E0421 the journal `OwnFilm` does not say that it fills `JournalLaw`"
     );
+    // the parameter that it does not repeat is that of the interface, and is due at the use
     assert_eq!(
         refused("journal", "clearance", ": JournalLaw"),
-        "E0407 `OwnFilm` lacks the parameter `radial_clearance: Length` of `JournalLaw`"
+        "E0402 `OwnFilm` needs `radial_clearance`"
     );
 }
 
@@ -188,4 +189,144 @@ fn what_fires_is_told_by_its_interface() {
     );
     assert_eq!(firings("dead_centre", ""), [gas()]);
     assert_eq!(firings("firing", ""), [gas()]);
+}
+
+/// A law by an interface that extends another one, and the same law as one class.
+const STOP: &str = "
+interface Contact {
+    param a: Marker
+    param b: Marker
+    param stiffness: Stiffness
+    param gap: Length = 2 mm
+    fn bound(depth: Length) -> Length
+    output load: Force
+    output depth: Length
+}
+interface Pushing : Contact {
+    param damping: Damping = 0.02*s_of(stiffness)
+    fn s_of(k: Stiffness) -> Damping = k*1 s
+    state heat: Energy = 0 J scale 1 J
+    let inside = dot(b.origin - a.origin, b.z) - gap
+    let speed = der(inside)
+    let push = stiffness*bound(inside) + damping*speed
+    der(heat) = damping*speed*speed
+    apply force push*b.z on a against b
+    output load = push as N
+    output depth = inside as mm
+    output lost = heat as J
+    require stiffness > 0 N/m else \"a stiffness of {stiffness as N/mm}\"
+}
+force Split(reach: Length = 2*gap) : Pushing {
+    fn bound(depth: Length) -> Length { let damping = 3 mm; depth*norm([depth/reach, 1]) + 0*damping }
+    output share = bound(inside)/reach
+}
+force Whole(a: Marker, b: Marker, stiffness: Stiffness, gap: Length = 2 mm, damping: Damping = stiffness*0.02 s, reach: Length = 2*gap) {
+    state heat: Energy = 0 J scale 1 J
+    let inside = dot(b.origin - a.origin, b.z) - gap
+    let speed = der(inside)
+    let push = stiffness*(inside*norm([inside/reach, 1])) + damping*speed
+    der(heat) = damping*speed*speed
+    apply force push*b.z on a against b
+    output load = push as N
+    output depth = inside as mm
+    output lost = heat as J
+    output share = inside*norm([inside/reach, 1])/reach
+}
+/// A name of the module of the class, which the text of its interface must not see.
+fn speed() -> Velocity = 1 m/s
+component Pair(law: Contact, a: Marker, b: Marker) {
+    force stop = law(a, b, 3 N/mm)
+    output twice = 2*stop.load
+}
+model Rotor {
+    gravity = [0, -9.81, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    body one { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+    body two { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+    force split = Split(one.origin, wall, stiffness: 2 N/mm)
+    force whole = Whole(two.origin, wall, stiffness: 2 N/mm)
+    part pair = Pair(law: Split, a: one.origin, b: wall)
+}
+analysis a = assemble(Rotor())";
+
+#[test]
+fn a_class_of_two_interfaces_is_the_class_of_all_their_text() {
+    let made = elaborated(STOP).expect("no mistake");
+    let paths = |of: &str| -> Vec<String> {
+        let owner = format!("{of}.");
+        let channels = made.system.channels.iter();
+        channels
+            .filter_map(|channel| channel.path.strip_prefix(&owner).map(str::to_owned))
+            .collect()
+    };
+    assert_eq!(paths("split"), ["load", "depth", "lost", "share"]);
+    assert_eq!(paths("split"), paths("whole"));
+    let parameters = |of: &str| -> Vec<(String, u64)> {
+        let none = vec![None; made.system.parameters.len()];
+        let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
+        let owner = format!("{of}.");
+        let all = made.system.parameters.iter().zip(&bound.parameters);
+        let mut found: Vec<(String, u64)> = all
+            .filter_map(|(p, value)| {
+                let name = p.origin.path.strip_prefix(&owner)?;
+                Some((name.to_owned(), value.to_bits()))
+            })
+            .collect();
+        found.sort();
+        found
+    };
+    assert_eq!(parameters("split").len(), 4);
+    assert_eq!(parameters("split"), parameters("whole"));
+    // the same operations of the same numbers: their residuals are one function
+    let residual = |of: &str| {
+        let element = made.system.elements.iter().find(|e| e.origin.path == of);
+        let class = element.expect("the element").class as usize;
+        let functions = &made.classes[class];
+        let residual = functions
+            .get(eng_system::code::Function::Residual)
+            .to_string();
+        residual.split_once('\n').expect("its lines").1.to_owned()
+    };
+    assert_eq!(residual("split"), residual("whole"));
+}
+
+const OILS: &str = "
+interface Oil {
+    fn viscosity(t: Temperature, rate: Frequency = 0 Hz) -> DynamicViscosity
+    fn thinner(t: Temperature) -> DynamicViscosity = viscosity(t)/2
+}
+record Constant : Oil {
+    let value: DynamicViscosity
+    fn viscosity(t: Temperature, rate: Frequency = 0 Hz) -> DynamicViscosity = value
+}
+record Thinning : Oil {
+    let value: DynamicViscosity
+    let at: Frequency
+    fn viscosity(t: Temperature, rate: Frequency = 0 Hz) -> DynamicViscosity = value/(1 + rate/at)
+}
+const Light = Constant(value: 8 mPa*s)
+const Cross = Thinning(value: 12 mPa*s, at: 1e6 Hz)
+force Drag(a: Marker, b: Marker, oil: Oil) {
+    let d = oil.viscosity(80 degC, rate: 1e6 Hz)*1 m + oil.thinner(80 degC)*1 m
+    apply force -d*(a.velocity - b.velocity) on a against b
+    output damping = d as N*s/m
+}
+model Rotor {
+    const oil: Oil = Light
+    gravity = [0, 0, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    body one { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+    let chosen = [Light, Cross]
+    force drag[i in 1..2] = Drag(one.origin, wall, oil: chosen[i])
+    force own = Drag(one.origin, wall, oil: oil)
+    output sum = drag[1].damping + drag[2].damping + own.damping as N*s/m
+}
+analysis a = assemble(Rotor(oil: Cross))";
+
+#[test]
+fn records_fill_an_interface_of_functions() {
+    elaborated(OILS).expect("no mistake");
+    let wrong = OILS.replace("oil: chosen[i]", "oil: 3 mm");
+    let refused = elaborated(&wrong).expect_err("a mistake");
+    assert!(refused[0].contains("`oil` of `Drag`"), "{refused:?}");
 }

@@ -200,8 +200,8 @@ pub struct Function {
     pub lets: Vec<Binding>,
     /// Conditions on the arguments, in the block form.
     pub requirements: Vec<Requirement>,
-    /// The value.
-    pub value: Expr,
+    /// The value; absent in an interface whose classes give the function.
+    pub value: Option<Expr>,
 }
 
 /// `require condition else "message"` in a function.
@@ -339,8 +339,10 @@ pub enum Form {
         /// Additions at the use.
         block: Option<Block>,
     },
-    /// `body rod { … }`, `model Inline4 { … }`, `interface JournalLaw { … }`.
+    /// `body rod { … }`, `model Inline4 { … }`, `interface PiFilm : JournalLaw { … }`.
     Plain {
+        /// After `:`. Only an interface or a record has it.
+        interface: Option<Name>,
         /// The parts.
         block: Block,
     },

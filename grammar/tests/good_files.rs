@@ -22,7 +22,7 @@ fn check(name: &str, text: &str) -> File {
 #[test]
 fn fixtures_have_no_mistake() {
     for (name, text, items) in [
-        ("joints", include_str!("good/joints.eng"), 28),
+        ("joints", include_str!("good/joints.eng"), 30),
         ("slider_crank", include_str!("good/slider_crank.eng"), 4),
         ("inline4", include_str!("good/inline4.eng"), 9),
         ("v6_split_pins", include_str!("good/v6_split_pins.eng"), 10),

@@ -10,6 +10,7 @@ use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::listing;
 use crate::typed::Callee;
+use crate::typed::lineage::parameters;
 use eng_grammar::ast::{Argument, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
 
@@ -210,19 +211,24 @@ impl<'p> Checker<'p> {
             return Vec::new();
         };
         let mut slots = Vec::new();
-        if let Form::Class { parameters, .. } = &declaration.form {
-            for parameter in parameters {
-                let name = &parameter.name;
-                let ty = self.member_type(id, &name.text, Member::Parameter(parameter), name.span);
+        if matches!(declaration.form, Form::Class { .. }) || declaration.kind == Kind::Interface {
+            for parameter in parameters(self.program, id) {
+                let name = parameter.name;
+                // a repeated name was reported, and has the type of its first place
+                let ty = match self.held(parameter.home, &name.text) {
+                    Some(held) => self.member_type(held.home, &name.text, held.member, name.span),
+                    None => Type::Error,
+                };
                 slots.push(Slot {
                     name: name.text.clone(),
                     ty,
                     optional: parameter.default.is_some(),
                     span: Some(name.span),
-                    unit: parameter.default.as_ref().and_then(written_unit),
+                    unit: parameter.default.and_then(written_unit),
                     named_only: false,
                 });
             }
+            return slots;
         }
         for binding in crate::typed::settable(declaration) {
             let name = &binding.name;
@@ -400,7 +406,7 @@ impl<'p> Checker<'p> {
         due: &Due,
     ) -> Type {
         let (interface_name, class_name) = (self.class_name(interface), self.class_name(class));
-        if self.interface_of(class) != Some(interface) {
+        if !self.program.fills(class, interface) {
             let mut message = Diagnostic::error(
                 codes::NOT_OF_INTERFACE,
                 format!(
@@ -426,7 +432,9 @@ impl<'p> Checker<'p> {
                 .collect();
             let mut fitting = Vec::new();
             for id in all {
-                if self.interface_of(id) == Some(interface) {
+                let declaration = self.declaration(id);
+                let is_class = declaration.is_some_and(|d| matches!(d.form, Form::Class { .. }));
+                if is_class && self.program.fills(id, interface) {
                     fitting.push(self.class_name(id));
                 }
             }

@@ -19,7 +19,10 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
         kind,
         Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
     );
-    let constrains = matches!(kind, Kind::Joint | Kind::Drive);
+    // an interface may have what a class has; which kind of class can fill it is checked there
+    let interface = kind == Kind::Interface;
+    let class = class || interface;
+    let constrains = matches!(kind, Kind::Joint | Kind::Drive) || interface;
     let (allowed, what, help) = match item {
         ItemKind::Error => (true, "", ""),
         ItemKind::Use(_) => (false, "a `use`", "it belongs at the top of the file"),
@@ -28,11 +31,7 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
             "a dimension or unit",
             "it belongs at the top of the file",
         ),
-        ItemKind::Function(_) => (
-            kind != Kind::Interface,
-            "a function",
-            "an interface has parameters and outputs",
-        ),
+        ItemKind::Function(_) => (true, "", ""),
         ItemKind::Table(_) => (
             holds_parts || class,
             "a table",
@@ -45,7 +44,7 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
                 "the values of a record are its `let`s",
             ),
             BindingKind::Param => (
-                holds_parts || kind == Kind::Interface,
+                holds_parts || interface,
                 "a `param`",
                 if kind == Kind::Record {
                     "the values of a record are its `let`s"
@@ -53,11 +52,7 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
                     "the parameters of a class stand in the parentheses after its name"
                 },
             ),
-            BindingKind::Let => (
-                kind != Kind::Interface,
-                "a `let`",
-                "an interface has parameters and outputs",
-            ),
+            BindingKind::Let => (true, "", ""),
             BindingKind::State => (class, "a state", "it belongs into a class"),
             BindingKind::Output => (
                 kind != Kind::Record,
@@ -186,9 +181,9 @@ impl<'p> Checker<'p> {
             );
         }
         let table = self.class_table(id);
-        for (name, member) in &table.members {
-            if let Some(span) = member.span() {
-                self.member_type(id, name, *member, span);
+        for (name, held) in &table.members {
+            if let Some(span) = held.member.span() {
+                self.member_type(held.home, name, held.member, span);
             }
         }
         let scope = Scope::of(id);

@@ -5,8 +5,9 @@ use super::mismatch::Due;
 use super::scope::{Found, Member, Scope};
 use super::types::{Dim, FunctionParameter, Kind as PointKind, Quantity, Signature, Type};
 use crate::codes;
-use crate::program::{DefinitionId, unit_text};
+use crate::program::unit_text;
 use crate::resolve::suggest::{EXPLAINED, nearest};
+use crate::typed::lineage::{has_functions_only, is_parameter};
 use eng_grammar::ast::{
     Binding, BindingKind, Expr, ExprKind, IndexArgument, ItemKind, Kind, Name, Parameter, TypeExpr,
     TypeExprKind,
@@ -153,6 +154,10 @@ impl<'p> Checker<'p> {
         {
             match &item.kind {
                 ItemKind::Declaration(declaration) => match declaration.kind {
+                    // records fill an interface of functions
+                    Kind::Interface if has_functions_only(self.program, id) => {
+                        return Type::InstanceOf(id);
+                    }
                     Kind::Interface => return Type::ClassOf(id),
                     Kind::Model | Kind::Analysis | Kind::Default | Kind::Flexible => {}
                     _ => return Type::Instance(id),
@@ -460,6 +465,24 @@ impl<'p> Checker<'p> {
             .and_then(|id| self.declaration(id))
             .map(|d| d.kind);
         let name = &binding.name;
+        let needs_type = || {
+            (
+                "needs a type",
+                format!("for instance `{}: Length`", name.text),
+            )
+        };
+        if binding.value.is_some()
+            && binding.ty.is_none()
+            && around == Some(Kind::Interface)
+            && is_parameter(binding)
+        {
+            let (what, help) = needs_type();
+            self.report(
+                Diagnostic::error(codes::MISSING_VALUE, format!("`{}` {what}", name.text))
+                    .at(name.span, what)
+                    .with_help(help),
+            );
+        }
         if binding.value.is_none() {
             let in_interface = around == Some(Kind::Interface);
             let without_value = match binding.kind {
@@ -472,10 +495,7 @@ impl<'p> Checker<'p> {
             };
             let missing = match (without_value, &binding.ty) {
                 (true, Some(_)) => None,
-                (true, None) => Some((
-                    "needs a type",
-                    format!("for instance `{}: Length`", name.text),
-                )),
+                (true, None) => Some(needs_type()),
                 (false, _) => Some(("needs a value", format!("write `{} = …`", name.text))),
             };
             if let Some((what, help)) = missing {
@@ -521,11 +541,12 @@ impl<'p> Checker<'p> {
         ty: Type,
     ) -> Type {
         let Some(frame) = &binding.frame else {
-            let in_interface = outer
-                .definition
-                .and_then(|id| self.declaration(id))
-                .is_some_and(|d| d.kind == Kind::Interface);
-            if binding.kind == BindingKind::Output && !in_interface {
+            let asked_for = binding.value.is_none()
+                && outer
+                    .definition
+                    .and_then(|id| self.declaration(id))
+                    .is_some_and(|d| d.kind == Kind::Interface);
+            if binding.kind == BindingKind::Output && !asked_for {
                 let mut element = &ty;
                 while let Type::List { element: inner, .. } = element {
                     element = inner;
@@ -622,20 +643,6 @@ impl<'p> Checker<'p> {
             self.expect(scope, high, &ty, &due);
         }
         ty
-    }
-
-    /// The interface that a class declares to fill.
-    pub(super) fn interface_of(&mut self, class: DefinitionId) -> Option<DefinitionId> {
-        let declaration = self.declaration(class)?;
-        let eng_grammar::ast::Form::Class {
-            interface: Some(name),
-            ..
-        } = &declaration.form
-        else {
-            return None;
-        };
-        let id = self.find_top(class.module, &name.text)?;
-        (self.declaration(id)?.kind == Kind::Interface).then_some(id)
     }
 }
 

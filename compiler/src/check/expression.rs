@@ -5,8 +5,8 @@ use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{Misfit, Quantity, Rows, Type};
 use crate::codes;
-use crate::program::unit_text;
-use eng_grammar::ast::{Binder, Expr, ExprKind, IndexArgument, UnaryOp, UnitExpr};
+use crate::program::{DefinitionId, unit_text};
+use eng_grammar::ast::{Binder, Expr, ExprKind, IndexArgument, Kind, UnaryOp, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
 
 /// The number of elements of a range or list, if it is written in plain numbers.
@@ -325,15 +325,20 @@ impl<'p> Checker<'p> {
                 };
             }
             (Type::Body(_), Type::Body(_)) if a != b => return Type::Body(None),
-            // A choice between classes has the type of their common interface.
-            (Type::Class(c), Type::Class(d)) if c != d => {
-                let (c, d) = (self.interface_of(*c), self.interface_of(*d));
-                if let (Some(c), Some(d)) = (c, d)
-                    && c == d
-                {
-                    return Type::ClassOf(c);
+            // A choice between classes or records has the type of their youngest common interface.
+            (Type::Class(c) | Type::ClassOf(c), Type::Class(d) | Type::ClassOf(d)) if c != d => {
+                match self.common_interface(*c, *d) {
+                    Some(interface) => return Type::ClassOf(interface),
+                    None => Err(Misfit::Dimension),
                 }
-                Err(Misfit::Dimension)
+            }
+            (Type::Instance(c) | Type::InstanceOf(c), Type::Instance(d) | Type::InstanceOf(d))
+                if c != d =>
+            {
+                match self.common_interface(*c, *d) {
+                    Some(interface) => return Type::InstanceOf(interface),
+                    None => Err(Misfit::Dimension),
+                }
             }
             _ => match (a.quantity(), b.quantity()) {
                 (Some(p), Some(q)) => p.join(&q).map(Type::Scalar),
@@ -359,6 +364,17 @@ impl<'p> Checker<'p> {
                 Type::Error
             }
         }
+    }
+
+    /// The youngest interface that two definitions fill.
+    fn common_interface(&self, a: DefinitionId, b: DefinitionId) -> Option<DefinitionId> {
+        let of_b = self.program.lineage(b);
+        let is_interface = |id: &DefinitionId| {
+            self.declaration(*id)
+                .is_some_and(|d| d.kind == Kind::Interface)
+        };
+        let of_a = self.program.lineage(a).into_iter().rev();
+        of_a.filter(is_interface).find(|id| of_b.contains(id))
     }
 
     /// The scope with the names of binders.

@@ -6,7 +6,7 @@ use super::types::{FunctionParameter, Signature, Type};
 use super::{Checker, Progress};
 use crate::codes;
 use eng_grammar::Diagnostic;
-use eng_grammar::ast::{Function, TypeExprKind};
+use eng_grammar::ast::{Function, Kind, TypeExprKind};
 use std::sync::Arc;
 
 impl<'p> Checker<'p> {
@@ -97,11 +97,17 @@ impl<'p> Checker<'p> {
                 if let Some(ty) = &function.result {
                     due = due.declared(ty.span, "declared here");
                 }
-                self.expect(&scope, &function.value, &declared, &due);
+                if let Some(value) = &function.value {
+                    self.expect(&scope, value, &declared, &due);
+                }
                 declared
             }
-            None => self.infer(&scope, &function.value),
+            None => match &function.value {
+                Some(value) => self.infer(&scope, value),
+                None => Type::Error,
+            },
         };
+        self.function_needs(&scope, function);
         self.depth -= 1;
         let signature = Arc::new(Signature {
             name: function.name.text.clone(),
@@ -111,6 +117,42 @@ impl<'p> Checker<'p> {
         self.signatures
             .insert(key, Progress::Done(signature.clone()));
         signature
+    }
+
+    /// Checks that a function has a value, or the types with which an interface asks for it.
+    fn function_needs(&mut self, scope: &Scope<'p>, function: &Function) {
+        if function.value.is_some() {
+            return;
+        }
+        let name = &function.name;
+        let around = scope.definition.and_then(|id| self.declaration(id));
+        let missing = if around.is_none_or(|around| around.kind != Kind::Interface) {
+            ("needs a value", format!("write `fn {}(…) = …`", name.text))
+        } else if function.result.is_none() {
+            (
+                "needs a type",
+                format!(
+                    "state the type of the value: `fn {}(…) -> Length`",
+                    name.text
+                ),
+            )
+        } else if !function.generics.is_empty() {
+            (
+                "needs a value",
+                "a function that an interface asks for has no dimension variables".to_owned(),
+            )
+        } else {
+            return;
+        };
+        let (what, help) = missing;
+        self.report(
+            Diagnostic::error(
+                codes::MISSING_VALUE,
+                format!("the function `{}` {what}", name.text),
+            )
+            .at(name.span, what)
+            .with_help(help),
+        );
     }
 
     /// Checks the `let`s of a function and adds them to its locals.

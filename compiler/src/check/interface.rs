@@ -1,106 +1,329 @@
-//! Interfaces: whether a class has the parameters and outputs that its interface promises.
+//! Interfaces: whether a class gives the outputs and functions that its interface asks for.
 
 use super::Checker;
-use super::scope::Member;
-use super::types::Type;
+use super::class::{item_place, placing};
+use super::describe::{kind_word, with_article};
+use super::scope::{Held, Member, Scope};
+use super::types::{Signature, Type};
 use crate::codes;
-use crate::program::DefinitionId;
+use crate::program::{DefinitionId, interface_name};
 use crate::resolve::JOURNAL_LAW;
 use crate::resolve::suggest::{listing, nearest};
-use eng_grammar::Diagnostic;
-use eng_grammar::ast::{Binding, BindingKind, Declaration, Form, ItemKind, Kind, Name};
+use crate::typed::lineage::{Level, asks, has_functions_only, is_parameter, levels};
+use eng_grammar::ast::{
+    Binding, BindingKind, Declaration, Function, ItemKind, Kind, Name, Statement,
+};
+use eng_grammar::{Diagnostic, Span};
 
 impl<'p> Checker<'p> {
-    /// Checks that a class fills its interface.
+    /// Checks that a class, record or interface fills the interface after its colon.
     pub(super) fn conformity(&mut self, id: DefinitionId, declaration: &'p Declaration) {
-        let Form::Class { interface, .. } = &declaration.form else {
+        let Some(name) = interface_name(declaration) else {
+            self.is_film(id, declaration);
             return;
         };
-        let Some(name) = interface else {
-            self.is_film(id, declaration, None);
-            return;
+        // the name counts as read, right or wrong
+        let found = self.find_top(id.module, &name.text);
+        let Some(interface) = self.program.interface_of(id) else {
+            return self.no_interface(id, name, found);
         };
-        let Some(interface) = self.interface_of(id) else {
-            match self.find_top(id.module, &name.text) {
-                Some(other) => {
-                    let message = Diagnostic::error(
-                        codes::INTERFACE,
-                        format!("`{}` is no interface", name.text),
-                    )
-                    .at(name.span, "an interface stands here");
-                    let message = match self.declaration(other) {
-                        Some(other) => message.also(other.name.span, "defined here"),
-                        None => message,
-                    };
-                    self.report(message);
-                }
-                None => {
-                    let mut interfaces: Vec<&str> = self
-                        .program
-                        .modules
-                        .iter()
-                        .flat_map(|module| &module.file.items)
-                        .filter_map(|item| match &item.kind {
-                            ItemKind::Declaration(d) if d.kind == Kind::Interface => {
-                                Some(d.name.text.as_str())
-                            }
-                            _ => None,
-                        })
-                        .collect();
-                    let mut message = Diagnostic::error(
-                        codes::UNKNOWN_TYPE,
-                        format!("there is no interface `{}`", name.text),
-                    )
-                    .at(name.span, "not known");
-                    interfaces.extend(self.program.offered.keys().map(String::as_str));
-                    if let Some(offered) = self.program.offered.get(&name.text) {
-                        message = self.offer_use(message, id.module, &offered.module, &name.text);
-                    } else if let Some(near) = nearest(&name.text, interfaces) {
-                        message = message.meant(name.span, near);
-                    }
-                    self.report(message);
-                }
-            }
-            return;
-        };
-        if !self.is_film(id, declaration, Some(interface)) {
+        if !self.is_film(id, declaration) || !self.may_fill(declaration, interface, name) {
             return;
         }
-        for promise in self.promises(interface) {
-            match self.kept(id, promise) {
-                Some(member) => self.as_promised(id, declaration, interface, promise, member),
-                None => {
-                    let (word, text) = (word(promise), self.promise_text(promise));
-                    let class = &declaration.name;
-                    self.report(
-                        Diagnostic::error(
-                            codes::INTERFACE,
-                            format!("`{}` lacks the {word} `{text}` of `{}`", class.text, name.text),
-                        )
-                        .at(class.span, format!("no {word} `{}`", promise.name.text))
-                        .also(promise.name.span, "promised here")
-                        .with_help(format!(
-                            "a class of `{}` gives its {word}s the interface's names: it is known by them",
-                            name.text
-                        )),
-                    );
+        let levels = levels(self.program, id);
+        self.lints_once(&levels);
+        for level in levels.iter().filter(|level| level.definition != id) {
+            for item in level.block.items.iter().filter(|item| asks(&item.kind)) {
+                match &item.kind {
+                    ItemKind::Binding(asked) => self.bound_as_asked(id, declaration, *level, asked),
+                    ItemKind::Function(asked) => {
+                        self.function_as_asked(id, declaration, *level, asked);
+                    }
+                    _ => {}
                 }
             }
         }
     }
 
-    /// The parameters and outputs of an interface, in its order.
-    fn promises(&mut self, interface: DefinitionId) -> Vec<&'p Binding> {
-        let declaration = self.declaration(interface);
-        let block = declaration.and_then(super::scope::block_of);
-        block
-            .into_iter()
-            .flat_map(|block| &block.items)
+    /// Reports a name after a colon that is no interface.
+    fn no_interface(&mut self, id: DefinitionId, name: &Name, found: Option<DefinitionId>) {
+        if let Some(other) = found {
+            let message =
+                Diagnostic::error(codes::INTERFACE, format!("`{}` is no interface", name.text))
+                    .at(name.span, "an interface stands here");
+            let message = match self.declaration(other) {
+                Some(other) => message.also(other.name.span, "defined here"),
+                None => message,
+            };
+            return self.report(message);
+        }
+        let mut interfaces: Vec<&str> = self
+            .program
+            .modules
+            .iter()
+            .flat_map(|module| &module.file.items)
             .filter_map(|item| match &item.kind {
-                ItemKind::Binding(binding) => Some(binding),
+                ItemKind::Declaration(d) if d.kind == Kind::Interface => Some(d.name.text.as_str()),
                 _ => None,
             })
-            .collect()
+            .collect();
+        let mut message = Diagnostic::error(
+            codes::UNKNOWN_TYPE,
+            format!("there is no interface `{}`", name.text),
+        )
+        .at(name.span, "not known");
+        interfaces.extend(self.program.offered.keys().map(String::as_str));
+        if let Some(offered) = self.program.offered.get(&name.text) {
+            message = self.offer_use(message, id.module, &offered.module, &name.text);
+        } else if let Some(near) = nearest(&name.text, interfaces) {
+            message = message.meant(name.span, near);
+        }
+        self.report(message);
+    }
+
+    /// Whether a definition of this kind can fill the interface. Reports one that cannot.
+    fn may_fill(
+        &mut self,
+        declaration: &'p Declaration,
+        interface: DefinitionId,
+        name: &Name,
+    ) -> bool {
+        let kind = declaration.kind;
+        let (class, kind_name) = (&declaration.name.text, with_article(kind_word(kind)));
+        let elders = levels(self.program, interface);
+        let message = Diagnostic::error(
+            codes::INTERFACE,
+            format!("`{class}` cannot fill `{}`", name.text),
+        );
+        let only_functions = has_functions_only(self.program, interface);
+        let message = if kind == Kind::Interface {
+            match elders.as_slice() {
+                [own] if own.declaration.name.span == declaration.name.span => message
+                    .at(name.span, "this is the interface itself")
+                    .with_help("leave the colon away"),
+                [.., eldest, parent] => message
+                    .at(
+                        name.span,
+                        format!("it extends `{}`", eldest.declaration.name.text),
+                    )
+                    .also(parent.declaration.name.span, "defined here")
+                    .with_help(
+                        "an interface extends one that extends none: put what both need into it",
+                    ),
+                _ => return true,
+            }
+        } else if (kind == Kind::Record) != only_functions {
+            let other = elders
+                .iter()
+                .flat_map(|level| &level.block.items)
+                .find(|item| !matches!(item.kind, ItemKind::Function(_)));
+            match other {
+                Some(item) => message
+                    .at(name.span, "it has more than functions")
+                    .also(item_place(item), "for instance this")
+                    .with_help("a record fills an interface that has nothing but functions; one with parameters, loads or outputs is filled by a class"),
+                None => message
+                    .at(name.span, "it has nothing but functions")
+                    .with_help("a record fills such an interface: `record Name : Interface { … }`"),
+            }
+        } else {
+            let misfit = elders
+                .iter()
+                .flat_map(|level| &level.block.items)
+                .find_map(|item| {
+                    let stands = matches!(&item.kind, ItemKind::Binding(b) if is_parameter(b));
+                    let (what, _) = placing(kind, &item.kind).filter(|_| !stands)?;
+                    Some((item, what))
+                });
+            match misfit {
+                Some((item, what)) => message
+                    .at(name.span, format!("{kind_name} cannot have {what}"))
+                    .also(item_place(item), "the interface has it here"),
+                None => return true,
+            }
+        };
+        self.report(message);
+        false
+    }
+
+    /// Reports a lint that has the name of a lint of an interface.
+    fn lints_once(&mut self, levels: &[Level<'p>]) {
+        let mut known: Vec<(DefinitionId, &'p Name)> = Vec::new();
+        for level in levels {
+            for item in &level.block.items {
+                let ItemKind::Statement(Statement::Require {
+                    name: Some(name), ..
+                }) = &item.kind
+                else {
+                    continue;
+                };
+                let elder = known
+                    .iter()
+                    .find(|(home, elder)| *home != level.definition && elder.text == name.text);
+                if let Some((_, first)) = elder {
+                    let first = first.span;
+                    self.defined_twice(&name.text, name.span, first);
+                }
+                known.push((level.definition, name));
+            }
+        }
+    }
+
+    /// Checks the parameter or output that an interface asks for.
+    fn bound_as_asked(
+        &mut self,
+        id: DefinitionId,
+        declaration: &'p Declaration,
+        level: Level<'p>,
+        asked: &'p Binding,
+    ) {
+        let Some(held) = self.held(id, &asked.name.text) else {
+            return;
+        };
+        if held.home != level.definition {
+            return self.as_promised(declaration, level.definition, asked, held);
+        }
+        // a parameter need not be repeated, and an interface hands on what it asks for
+        if is_parameter(asked) || declaration.kind == Kind::Interface {
+            return;
+        }
+        let text = self.promise_text(asked);
+        self.lacking(
+            id,
+            declaration,
+            level,
+            &asked.name,
+            &format!("output `{text}`"),
+        );
+    }
+
+    /// Reports an output or function that a class does not give.
+    fn lacking(
+        &mut self,
+        id: DefinitionId,
+        declaration: &Declaration,
+        level: Level<'p>,
+        asked: &Name,
+        what: &str,
+    ) {
+        // a member of another kind with this name was reported
+        let own = self.own_members(id);
+        if own.iter().any(|(name, _)| name.text == asked.text) {
+            return;
+        }
+        let (class, interface) = (&declaration.name, &level.declaration.name.text);
+        let word = what.split(' ').next().unwrap_or_default();
+        self.report(
+            Diagnostic::error(
+                codes::INTERFACE,
+                format!("`{}` lacks the {what} of `{interface}`", class.text),
+            )
+            .at(class.span, format!("no {word} `{}`", asked.text))
+            .also(asked.span, "promised here")
+            .with_help(format!(
+                "a class of `{interface}` gives its {word}s the interface's names: it is known by them"
+            )),
+        );
+    }
+
+    /// Checks the function that an interface asks for: the parameters and their types, and the value.
+    fn function_as_asked(
+        &mut self,
+        id: DefinitionId,
+        declaration: &'p Declaration,
+        level: Level<'p>,
+        asked: &'p Function,
+    ) {
+        let name = &asked.name;
+        let text = self.sources.text(function_head(asked)).to_owned();
+        let Some(Held {
+            home,
+            member: Member::Function(own),
+        }) = self.held(id, &name.text)
+        else {
+            return;
+        };
+        if home == level.definition {
+            if declaration.kind != Kind::Interface {
+                self.lacking(id, declaration, level, name, &format!("function `{text}`"));
+            }
+            return;
+        }
+        let wanted = self.function(&Scope::of(level.definition), asked);
+        let given = self.function(&Scope::of(home), own);
+        let fault = if !own.generics.is_empty() {
+            Some((own.name.span, "it has dimension variables".to_owned()))
+        } else if own.result.is_none() {
+            Some((
+                own.name.span,
+                "it does not state the type of its value".to_owned(),
+            ))
+        } else {
+            self.other_parameters(&wanted, &given, own).or_else(|| {
+                let fits = self.assignable(&given.result, &wanted.result);
+                let place = own.result.as_ref().map_or(own.name.span, |ty| ty.span);
+                let unknown = given.result.is_error() || wanted.result.is_error();
+                (!fits && !unknown).then(|| {
+                    let found = self.describe(&given.result);
+                    (place, format!("its value is {found}"))
+                })
+            })
+        };
+        if let Some((place, fault)) = fault {
+            let (class, interface) = (&declaration.name.text, &level.declaration.name.text);
+            self.report(
+                Diagnostic::error(
+                    codes::INTERFACE,
+                    format!(
+                        "the function `{}` of `{class}` is not as `{interface}` asks for it",
+                        name.text
+                    ),
+                )
+                .at(place, fault)
+                .also(function_head(asked), "asked for here")
+                .with_help(format!("write `fn {text} = …`")),
+            );
+        }
+    }
+
+    /// The first parameter in which a function differs from the one that is asked for. The function may have
+    /// more parameters, with defaults.
+    fn other_parameters(
+        &self,
+        wanted: &Signature,
+        given: &Signature,
+        own: &Function,
+    ) -> Option<(Span, String)> {
+        for (index, due) in wanted.parameters.iter().enumerate() {
+            let Some(found) = given.parameters.get(index) else {
+                return Some((
+                    own.name.span,
+                    format!("it lacks the parameter `{}`", due.name),
+                ));
+            };
+            let fault = if found.name != due.name {
+                format!("it has `{}` in the place of `{}`", found.name, due.name)
+            } else if !self.assignable(&due.ty, &found.ty)
+                && !due.ty.is_error()
+                && !found.ty.is_error()
+            {
+                format!("`{}` is {}", found.name, self.describe(&found.ty))
+            } else if due.optional && !found.optional {
+                format!(
+                    "`{}` has no default, and calls may leave it out",
+                    found.name
+                )
+            } else {
+                continue;
+            };
+            return Some((found.span, fault));
+        }
+        let more = given.parameters.iter().skip(wanted.parameters.len());
+        let required = more.into_iter().find(|parameter| !parameter.optional)?;
+        Some((
+            required.span,
+            format!("`{}` is one more, without a default", required.name),
+        ))
     }
 
     /// `radial_clearance: Length`.
@@ -112,31 +335,20 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The member of a class with which it keeps a promise.
-    fn kept(&mut self, class: DefinitionId, promise: &Binding) -> Option<Member<'p>> {
-        let own = self.member(class, &promise.name.text)?;
-        let fits = match (promise.kind, own) {
-            (BindingKind::Output, Member::Binding(b)) => b.kind == BindingKind::Output,
-            (BindingKind::Output, Member::Reaction(_)) => true,
-            (_, own) => matches!(own, Member::Parameter(_)),
-        };
-        fits.then_some(own)
-    }
-
     /// Reports a difference between a member and its promise.
     fn as_promised(
         &mut self,
-        id: DefinitionId,
         declaration: &Declaration,
         interface: DefinitionId,
         promise: &'p Binding,
-        own: Member<'p>,
+        held: Held<'p>,
     ) {
+        let (home, own) = (held.home, held.member);
         let name = &promise.name.text;
         let wanted = Member::Binding(promise);
         let wanted_type = self.member_type(interface, name, wanted, promise.name.span);
         let own_span = own.span().unwrap_or(declaration.name.span);
-        let own_type = self.member_type(id, name, own, own_span);
+        let own_type = self.member_type(home, name, own, own_span);
         if own_type.is_error() || wanted_type.is_error() {
             return;
         }
@@ -189,24 +401,22 @@ impl<'p> Checker<'p> {
 
     /// Whether a class is not a journal, or a journal that fills the interface of films. Reports a journal
     /// that does not declare this interface.
-    fn is_film(
-        &mut self,
-        id: DefinitionId,
-        declaration: &Declaration,
-        interface: Option<DefinitionId>,
-    ) -> bool {
+    fn is_film(&mut self, id: DefinitionId, declaration: &Declaration) -> bool {
         let Some(law) = self.program.journal_law() else {
             return true;
         };
-        if declaration.kind != Kind::Journal || interface == Some(law) {
+        if declaration.kind != Kind::Journal || self.program.fills(id, law) {
             return true;
         }
         let Name { text, span } = &declaration.name;
-        let promises = self.promises(law);
         let mut lacking = Vec::new();
-        for promise in promises {
-            if self.kept(id, promise).is_none() {
-                lacking.push(self.promise_text(promise));
+        for level in levels(self.program, law) {
+            for item in level.block.items.iter().filter(|item| asks(&item.kind)) {
+                if let ItemKind::Binding(asked) = &item.kind
+                    && !self.named_alike(id, asked)
+                {
+                    lacking.push(self.promise_text(asked));
+                }
             }
         }
         let (module, name) = JOURNAL_LAW;
@@ -227,7 +437,7 @@ impl<'p> Checker<'p> {
                 "a journal gives what tables, orbits and the start read of a film",
             )
         };
-        let message = match interface {
+        let message = match self.program.interface_of(id) {
             Some(other) => message.with_note(format!(
                 "it fills `{}`, which is another interface",
                 self.class_name(other)
@@ -239,6 +449,16 @@ impl<'p> Checker<'p> {
         )));
         false
     }
+
+    /// Whether a class has a parameter or output of this name.
+    fn named_alike(&mut self, class: DefinitionId, asked: &Binding) -> bool {
+        match (asked.kind, self.member(class, &asked.name.text)) {
+            (_, None) => false,
+            (BindingKind::Output, Some(Member::Binding(b))) => b.kind == BindingKind::Output,
+            (BindingKind::Output, Some(own)) => matches!(own, Member::Reaction(_)),
+            (_, Some(own)) => matches!(own, Member::Parameter(_)),
+        }
+    }
 }
 
 fn word(promise: &Binding) -> &'static str {
@@ -246,4 +466,11 @@ fn word(promise: &Binding) -> &'static str {
         BindingKind::Output => "output",
         _ => "parameter",
     }
+}
+
+/// `response(film: Attitude) -> Vector2<1>`, the head of a function.
+fn function_head(function: &Function) -> Span {
+    let last = function.parameters.last().map(|parameter| parameter.span);
+    let end = function.result.as_ref().map(|ty| ty.span).or(last);
+    end.map_or(function.name.span, |end| function.name.span.to(end))
 }

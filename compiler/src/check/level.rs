@@ -4,11 +4,12 @@
 //! This pass runs after the types of all definitions are right. Every value gets its level. Functions are
 //! followed with the levels of their arguments. Each statement has a highest permitted level.
 
-use super::scope::{Found, Member, Scope, block_of};
+use super::scope::{Found, Held, Member, Scope, block_of, is_asked};
 use super::types::Type;
 use super::{Checker, Progress};
 use crate::codes;
 use crate::program::DefinitionId;
+use crate::typed::lineage::{is_parameter, levels};
 use eng_grammar::ast::{
     Argument, Binder, Binding, BindingKind, Expr, ExprKind, Function, IndexArgument, ItemKind,
     Kind, Name, Statement,
@@ -113,6 +114,8 @@ impl Abstract<'_> {
 #[derive(Clone)]
 struct Place<'p> {
     scope: Scope<'p>,
+    /// The class that gives what the surrounding interface asks for.
+    class: Option<DefinitionId>,
     locals: Vec<(String, Abstract<'p>)>,
 }
 
@@ -120,7 +123,16 @@ impl<'p> Place<'p> {
     fn of(scope: Scope<'p>) -> Place<'p> {
         Place {
             scope,
+            class: None,
             locals: Vec::new(),
+        }
+    }
+
+    /// The text of a definition as part of a class.
+    fn in_class(definition: DefinitionId, class: DefinitionId) -> Place<'p> {
+        Place {
+            class: Some(class),
+            ..Place::of(Scope::of(definition))
         }
     }
 }
@@ -135,7 +147,7 @@ struct Levels<'c, 'p> {
 /// Checks all statements of all definitions.
 pub(super) fn check(checker: &mut Checker<'_>) {
     let program = checker.program;
-    let mut levels = Levels {
+    let mut following = Levels {
         checker,
         known: BTreeMap::new(),
         calls: 0,
@@ -143,24 +155,32 @@ pub(super) fn check(checker: &mut Checker<'_>) {
     };
     for (module, file) in program.modules.iter().enumerate() {
         for (item, content) in file.file.items.iter().enumerate() {
-            let ItemKind::Declaration(declaration) = &content.kind else {
+            if !matches!(content.kind, ItemKind::Declaration(_)) {
                 continue;
-            };
+            }
             let id = DefinitionId {
                 module: module as u32,
                 item: item as u32,
             };
-            let place = Place::of(Scope::of(id));
-            for item in block_of(declaration).into_iter().flat_map(|b| &b.items) {
+            // the functions of a class decide the levels of the statements of its interface
+            let texts = levels(program, id);
+            for (home, item) in texts.iter().flat_map(|level| {
+                level
+                    .block
+                    .items
+                    .iter()
+                    .map(|item| (level.definition, item))
+            }) {
+                let place = Place::in_class(home, id);
                 match &item.kind {
-                    ItemKind::Statement(statement) => levels.statement(&place, statement),
+                    ItemKind::Statement(statement) => following.statement(&place, statement),
                     ItemKind::Declaration(inner)
                         if matches!(
                             inner.kind,
                             Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
                         ) =>
                     {
-                        levels.block_of_use(&place, inner);
+                        following.block_of_use(&place, inner);
                     }
                     _ => {}
                 }
@@ -359,7 +379,19 @@ impl<'p> Levels<'_, 'p> {
         match self.checker.find(&place.scope, name) {
             Some(Found::Local(_)) => Abstract::Number(FREE),
             Some(Found::BodyMarker(_)) => Abstract::Marker,
-            Some(Found::Member(id, member)) => self.member(id, name, member, span),
+            Some(Found::Member(home, member)) => {
+                let classes = [place.class, place.scope.at_use];
+                let class = classes
+                    .into_iter()
+                    .flatten()
+                    .find(|class| self.checker.program.fills(*class, home))
+                    .unwrap_or(home);
+                let held = self
+                    .checker
+                    .held(class, name)
+                    .unwrap_or(Held { home, member });
+                self.member(class, name, held, span)
+            }
             Some(Found::Top(id)) => self.top(id),
             None => match name {
                 "ground" | "origin" => Abstract::Marker,
@@ -409,14 +441,20 @@ impl<'p> Levels<'_, 'p> {
         value
     }
 
+    /// A member of a class, in the text of the class or of its interface.
     fn member(
         &mut self,
-        id: DefinitionId,
+        class: DefinitionId,
         name: &str,
-        member: Member<'p>,
+        held: Held<'p>,
         span: Span,
     ) -> Abstract<'p> {
-        let place = Place::of(Scope::of(id));
+        let Held { home: id, member } = held;
+        let place = Place::in_class(id, class);
+        let of_interface = self
+            .checker
+            .declaration(id)
+            .is_some_and(|home| home.kind == Kind::Interface);
         match member {
             Member::Parameter(parameter) => {
                 let ty = self
@@ -426,7 +464,9 @@ impl<'p> Levels<'_, 'p> {
             }
             Member::Binding(binding) => match binding.kind {
                 BindingKind::State => Abstract::Number(Level::new(1, span, Cause::State)),
-                BindingKind::Param | BindingKind::Const if binding.value.is_none() => {
+                BindingKind::Param | BindingKind::Const
+                    if binding.value.is_none() || of_interface && is_parameter(binding) =>
+                {
                     let ty = self
                         .checker
                         .member_type(id, name, member, binding.name.span);
@@ -436,8 +476,10 @@ impl<'p> Levels<'_, 'p> {
                 BindingKind::Output if binding.value.is_none() => {
                     Abstract::Number(Level::new(1, span, Cause::Velocity))
                 }
-                _ => self.remembered(id, name, |levels| levels.binding(&place, binding)),
+                _ => self.remembered(class, name, |levels| levels.binding(&place, binding)),
             },
+            // the class gives it, and no class is known here
+            Member::Function(_) if is_asked(member) => Abstract::Unknown,
             Member::Function(function) => Abstract::Function(function, Rc::new(place)),
             Member::Table(_) => Abstract::Unknown,
             Member::Reaction(_) => Abstract::Number(Level::new(2, span, Cause::Reaction)),
@@ -499,20 +541,21 @@ impl<'p> Levels<'_, 'p> {
                 if let Some(value) = fields.get(&name.text) {
                     return value.clone();
                 }
-                let place = Place {
-                    scope: Scope::of(id),
-                    locals: fields.iter().map(|(n, v)| (n.clone(), v.clone())).collect(),
+                let Some(Held { home, member }) = self.checker.held(id, &name.text) else {
+                    return Abstract::Number(FREE);
                 };
-                match self.checker.member(id, &name.text) {
-                    Some(Member::Function(function)) => {
-                        Abstract::Function(function, Rc::new(place))
-                    }
-                    Some(Member::Binding(binding)) => self.binding(&place, binding),
+                let place = Place {
+                    locals: fields.iter().map(|(n, v)| (n.clone(), v.clone())).collect(),
+                    ..Place::in_class(home, id)
+                };
+                match member {
+                    Member::Function(function) => Abstract::Function(function, Rc::new(place)),
+                    Member::Binding(binding) => self.binding(&place, binding),
                     _ => Abstract::Number(FREE),
                 }
             }
-            Abstract::Instance(id) => match self.checker.member(id, &name.text) {
-                Some(member) => self.member(id, &name.text, member, name.span),
+            Abstract::Instance(id) => match self.checker.held(id, &name.text) {
+                Some(held) => self.member(id, &name.text, held, name.span),
                 None => Abstract::Number(FREE),
             },
             Abstract::Class(_) | Abstract::Function(..) | Abstract::Unknown => {
@@ -626,7 +669,10 @@ impl<'p> Levels<'_, 'p> {
             let value = self.binding(&inner, binding);
             inner.locals.push((binding.name.text.clone(), value));
         }
-        let value = self.value(&inner, &function.value);
+        let value = match &function.value {
+            Some(value) => self.value(&inner, value),
+            None => Abstract::Number(all),
+        };
         self.depth -= 1;
         value
     }

@@ -193,13 +193,16 @@ impl<'p> Checker<'p> {
             | (Type::Cycle, Type::Cycle)
             | (Type::ModeSet, Type::ModeSet) => found.clone(),
             (Type::Instance(a), Type::Instance(b)) if a == b => found.clone(),
-            (Type::InstanceOf(a), Type::InstanceOf(b)) if a == b => found.clone(),
-            (Type::InstanceOf(interface), Type::Instance(class))
-                if self.interface_of(*class) == Some(*interface) =>
+            (Type::InstanceOf(interface), Type::Instance(own) | Type::InstanceOf(own))
+                if self.program.fills(*own, *interface) =>
             {
                 expected.clone()
             }
-            (Type::ClassOf(a), Type::ClassOf(b)) if a == b => found.clone(),
+            (Type::ClassOf(interface), Type::ClassOf(own))
+                if self.program.fills(*own, *interface) =>
+            {
+                expected.clone()
+            }
             (Type::ClassOf(interface), Type::Class(class)) => {
                 self.class_for(expr, *interface, *class, due)
             }
@@ -309,6 +312,19 @@ impl<'p> Checker<'p> {
                 },
             ) => (m.is_none() || n.is_none() || m == n) && self.assignable(b, a),
             (Type::Body(_), Type::Body(_)) => true,
+            (Type::Function(wanted), Type::Function(given)) => {
+                wanted.parameters.len() == given.parameters.len()
+                    && wanted
+                        .parameters
+                        .iter()
+                        .zip(&given.parameters)
+                        .all(|(wanted, given)| self.assignable(&wanted.ty, &given.ty))
+                    && self.assignable(&given.result, &wanted.result)
+            }
+            (Type::ClassOf(interface), Type::ClassOf(own) | Type::Class(own))
+            | (Type::InstanceOf(interface), Type::InstanceOf(own) | Type::Instance(own)) => {
+                self.program.fills(*own, *interface)
+            }
             (a, b) => a == b,
         }
     }

@@ -248,13 +248,13 @@ impl<'p> Checker<'p> {
     fn name_types(&mut self) {
         let named = &mut self.findings.named;
         for (id, table) in &self.tables {
-            for (name, member) in &table.members {
-                if !matches!(member, Member::Parameter(_) | Member::Binding(_)) {
+            for (name, held) in &table.members {
+                if !matches!(held.member, Member::Parameter(_) | Member::Binding(_)) {
                     continue;
                 }
-                let key = (*id, (*name).to_owned());
-                if let Some(Progress::Done(ty)) = self.values.get(&key) {
-                    named.insert(key, ty.exported());
+                let at_home = (held.home, (*name).to_owned());
+                if let Some(Progress::Done(ty)) = self.values.get(&at_home) {
+                    named.insert((*id, at_home.1), ty.exported());
                 }
             }
         }

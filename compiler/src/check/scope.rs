@@ -44,9 +44,16 @@ impl Member<'_> {
     }
 }
 
-/// The named members of a definition.
+/// A member with the definition whose text has it: the class itself or one of its interfaces.
+#[derive(Clone, Copy)]
+pub(super) struct Held<'p> {
+    pub(super) home: DefinitionId,
+    pub(super) member: Member<'p>,
+}
+
+/// The named members of a definition, with those of its interfaces.
 pub(super) struct ClassTable<'p> {
-    pub(super) members: BTreeMap<&'p str, Member<'p>>,
+    pub(super) members: BTreeMap<&'p str, Held<'p>>,
 }
 
 /// The surroundings of a place that decide the meaning of names.
@@ -99,7 +106,7 @@ impl<'p> Scope<'p> {
 /// The block of a definition's or body's declaration.
 pub(super) fn block_of(declaration: &Declaration) -> Option<&Block> {
     match &declaration.form {
-        Form::Class { block, .. } | Form::Plain { block } => Some(block),
+        Form::Class { block, .. } | Form::Plain { block, .. } => Some(block),
         Form::Instance { block, .. } => block.as_ref(),
     }
 }
@@ -109,52 +116,41 @@ pub(super) const BUILT_IN_NAMES: [&str; 4] = ["pi", "time", "ground", "cycle"];
 
 impl<'p> Checker<'p> {
     pub(super) fn declaration(&self, id: DefinitionId) -> Option<&'p Declaration> {
-        match &self.program.item(id)?.kind {
-            ItemKind::Declaration(declaration) => Some(declaration),
-            _ => None,
-        }
+        self.program.declaration(id)
     }
 
-    /// The members of a definition. Making the table reports repeated names.
+    /// The members of a definition and of its interfaces. A member that an interface only asks for is that
+    /// of the class that gives it. Making the table reports repeated names.
     pub(super) fn class_table(&mut self, id: DefinitionId) -> Rc<ClassTable<'p>> {
         if let Some(table) = self.tables.get(&id) {
             return table.clone();
         }
-        let mut members: BTreeMap<&'p str, Member<'p>> = BTreeMap::new();
-        let mut twice: Vec<(&'p Name, Span)> = Vec::new();
-        let mut add = |name: &'p Name, member: Member<'p>| match members
-            .get(name.text.as_str())
-            .and_then(Member::span)
-        {
-            Some(first) => twice.push((name, first)),
-            None => {
-                members.insert(&name.text, member);
-            }
-        };
-        if let Some(declaration) = self.declaration(id) {
-            if let Form::Class { parameters, .. } = &declaration.form {
-                for parameter in parameters {
-                    add(&parameter.name, Member::Parameter(parameter));
+        let mut members: BTreeMap<&'p str, Held<'p>> = BTreeMap::new();
+        for home in self.program.lineage(id) {
+            for (name, member) in self.own_members(home) {
+                let elder = members.get(name.text.as_str()).copied();
+                if elder.is_none_or(|elder| elder.home != home && gives(member, elder.member)) {
+                    members.insert(&name.text, Held { home, member });
+                } else if let Some(elder) = elder {
+                    self.named_before(home, name, elder);
                 }
-            }
-            for item in block_of(declaration).into_iter().flat_map(|b| &b.items) {
-                match &item.kind {
-                    ItemKind::Binding(binding) => add(&binding.name, Member::Binding(binding)),
-                    ItemKind::Function(function) => add(&function.name, Member::Function(function)),
-                    ItemKind::Table(table) => add(&table.name, Member::Table(table)),
-                    ItemKind::Declaration(inner) if inner.kind != Kind::Cycle => {
-                        add(&inner.name, Member::Declaration(inner));
-                    }
-                    _ => {}
-                }
-            }
-            if matches!(declaration.kind, Kind::Joint | Kind::Drive) {
-                members.entry("force").or_insert(Member::Reaction(false));
-                members.entry("torque").or_insert(Member::Reaction(true));
             }
         }
-        for (name, first) in twice {
-            self.defined_twice(&name.text, name.span, first);
+        if self
+            .declaration(id)
+            .is_some_and(|d| matches!(d.kind, Kind::Joint | Kind::Drive))
+        {
+            for (name, torque) in [("force", false), ("torque", true)] {
+                let reaction = Member::Reaction(torque);
+                // a reaction is the output that an interface asks for
+                if members.get(name).is_none_or(|held| is_asked(held.member)) {
+                    let held = Held {
+                        home: id,
+                        member: reaction,
+                    };
+                    members.insert(name, held);
+                }
+            }
         }
         self.reactions_are_taken(id, &members);
         let table = Rc::new(ClassTable { members });
@@ -162,20 +158,86 @@ impl<'p> Checker<'p> {
         table
     }
 
+    /// The members in the text of a definition, in their order.
+    pub(super) fn own_members(&self, id: DefinitionId) -> Vec<(&'p Name, Member<'p>)> {
+        let mut found = Vec::new();
+        let Some(declaration) = self.declaration(id) else {
+            return found;
+        };
+        if let Form::Class { parameters, .. } = &declaration.form {
+            let parameters = parameters.iter();
+            found.extend(parameters.map(|p| (&p.name, Member::Parameter(p))));
+        }
+        for item in block_of(declaration).into_iter().flat_map(|b| &b.items) {
+            match &item.kind {
+                ItemKind::Binding(binding) => {
+                    found.push((&binding.name, Member::Binding(binding)));
+                }
+                ItemKind::Function(function) => {
+                    found.push((&function.name, Member::Function(function)));
+                }
+                ItemKind::Table(table) => found.push((&table.name, Member::Table(table))),
+                ItemKind::Declaration(inner) if inner.kind != Kind::Cycle => {
+                    found.push((&inner.name, Member::Declaration(inner)));
+                }
+                _ => {}
+            }
+        }
+        found
+    }
+
+    /// Reports a name that the definition or one of its interfaces has already.
+    fn named_before(&mut self, home: DefinitionId, name: &'p Name, elder: Held<'p>) {
+        let Some(first) = elder.member.span() else {
+            return;
+        };
+        if elder.home == home {
+            return self.defined_twice(&name.text, name.span, first);
+        }
+        let (class, interface) = (self.class_name(home), self.class_name(elder.home));
+        let (text, message) = (
+            &name.text,
+            Diagnostic::error(
+                codes::REPLACED,
+                format!(
+                    "`{}` of `{class}` is in its interface `{interface}` already",
+                    name.text
+                ),
+            )
+            .at(name.span, "again here"),
+        );
+        let message = if is_asked(elder.member) {
+            message
+                .also(first, "asked for here as something else")
+                .with_help(format!(
+                    "give what `{interface}` asks for: {}",
+                    kind_of(elder.member)
+                ))
+        } else {
+            message
+                .also(first, "it has its value here")
+                .with_help(format!(
+                    "a class adds to its interface and replaces nothing: give `{text}` another name, or take it away"
+                ))
+        };
+        self.report(message);
+    }
+
     /// Refuses members of joints and drives called `force` or `torque`: these names are their reactions.
-    fn reactions_are_taken(&mut self, id: DefinitionId, members: &BTreeMap<&'p str, Member<'p>>) {
+    fn reactions_are_taken(&mut self, id: DefinitionId, members: &BTreeMap<&'p str, Held<'p>>) {
         let Some(declaration) = self.declaration(id) else {
             return;
         };
-        let constrains = block_of(declaration)
-            .into_iter()
-            .flat_map(|block| &block.items)
+        let levels = crate::typed::lineage::levels(self.program, id);
+        let constrains = levels
+            .iter()
+            .flat_map(|level| &level.block.items)
             .any(|item| matches!(item.kind, ItemKind::Statement(Statement::Constrain(_))));
         if !constrains || !matches!(declaration.kind, Kind::Joint | Kind::Drive) {
             return;
         }
         for name in ["force", "torque"] {
-            let Some(own) = members.get(name).and_then(Member::span) else {
+            let Some(own) = members.get(name).and_then(|held| held.member.span()) else {
                 continue;
             };
             let word = super::describe::with_article(super::describe::kind_word(declaration.kind));
@@ -203,6 +265,11 @@ impl<'p> Checker<'p> {
     }
 
     pub(super) fn member(&mut self, id: DefinitionId, name: &str) -> Option<Member<'p>> {
+        self.held(id, name).map(|held| held.member)
+    }
+
+    /// A member with the definition whose text has it.
+    pub(super) fn held(&mut self, id: DefinitionId, name: &str) -> Option<Held<'p>> {
         self.class_table(id).members.get(name).copied()
     }
 
@@ -216,9 +283,9 @@ impl<'p> Checker<'p> {
             return Some(Found::BodyMarker(marker));
         }
         for definition in [scope.at_use, scope.definition].into_iter().flatten() {
-            if let Some(member) = self.member(definition, name) {
-                self.used.insert((definition, name.to_owned()));
-                return Some(Found::Member(definition, member));
+            if let Some(Held { home, member }) = self.held(definition, name) {
+                self.used.insert((home, name.to_owned()));
+                return Some(Found::Member(home, member));
             }
         }
         self.find_top(scope.module, name).map(Found::Top)
@@ -421,7 +488,7 @@ impl<'p> Checker<'p> {
         })
     }
 
-    /// The type of a member of a definition, seen from inside the definition.
+    /// The type of a member, seen from inside the definition whose text has it.
     pub(super) fn member_type(
         &mut self,
         id: DefinitionId,
@@ -521,7 +588,7 @@ impl<'p> Checker<'p> {
         name: &Name,
         by_interface: bool,
     ) -> Type {
-        let Some(member) = self.member(id, &name.text) else {
+        let Some(Held { home, member }) = self.held(id, &name.text) else {
             let table = self.class_table(id);
             let class = self
                 .declaration(id)
@@ -534,8 +601,8 @@ impl<'p> Checker<'p> {
             self.no_member(what, name, table.members.keys().copied());
             return Type::Error;
         };
-        self.used.insert((id, name.text.clone()));
-        let ty = self.member_type(id, &name.text, member, name.span);
+        self.used.insert((home, name.text.clone()));
+        let ty = self.member_type(home, &name.text, member, name.span);
         // From outside, an output's vectors have the axes that the class states.
         match (member, ty) {
             (Member::Binding(binding), Type::Vector { quantity, .. })
@@ -589,6 +656,41 @@ impl<'p> Checker<'p> {
             ));
         }
         self.report(message);
+    }
+}
+
+/// Whether an interface only asks for a member.
+pub(super) fn is_asked(member: Member<'_>) -> bool {
+    match member {
+        Member::Binding(binding) => binding.value.is_none(),
+        Member::Function(function) => function.value.is_none(),
+        _ => false,
+    }
+}
+
+/// Whether a member gives what an elder one of its interface asks for. Their types are compared later.
+fn gives(own: Member<'_>, elder: Member<'_>) -> bool {
+    let is_parameter = |member: Member<'_>| match member {
+        Member::Parameter(_) => true,
+        Member::Binding(binding) => crate::typed::lineage::is_parameter(binding),
+        _ => false,
+    };
+    let is_output =
+        |member: Member<'_>| matches!(member, Member::Binding(b) if b.kind == BindingKind::Output);
+    is_asked(elder)
+        && match elder {
+            Member::Function(_) => matches!(own, Member::Function(_)),
+            elder if is_parameter(elder) => is_parameter(own),
+            elder => is_output(elder) && is_output(own),
+        }
+}
+
+/// What a member is, in a message.
+fn kind_of(member: Member<'_>) -> &'static str {
+    match member {
+        Member::Function(_) => "a function",
+        Member::Binding(binding) if binding.kind == BindingKind::Output => "an output",
+        _ => "a parameter",
     }
 }
 

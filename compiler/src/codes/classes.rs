@@ -28,7 +28,7 @@ eng_grammar::codes! {
         "force Push(a: Marker) { param load: Force = 3 N }",
         "force Push(a: Marker, load: Force = 3 N) { apply force load*a.x on a }";
     INTERFACE = "E0407", "a class does not give what its interface promises",
-        "After the colon stands an interface: the class has all its parameters and outputs, of the same types.",
+        "After the colon stands an interface: the class gives each output and function that it asks for, of the same types. A class may repeat a parameter or output with its type, and an interface extends one that extends none.",
         "journal Film(pin: Marker) : JournalLaw { }",
         "journal Film(pin: Marker) { output height = dot(pin.origin, ground.y) as mm }";
     NOT_OF_INTERFACE = "E0408", "a class does not belong to the interface that is due",
@@ -87,4 +87,8 @@ eng_grammar::codes! {
         "Errors of a state are held to 1e-5 of the larger of its scale and its largest value so far. A start that is not zero is its own scale; a zero tells of no size, and a state that wakes later would be followed from its first 1e-300 on. State the size from which on it matters.",
         "state lift: Length = 0 mm",
         "state lift: Length = 0 mm scale 0.1 mm";
+    REPLACED = "E0426", "a class replaces something of its interface",
+        "A class has everything that its interface has, and adds to it. It gives what the interface asks for without a value. It replaces nothing, so each name has one meaning in the class and its interface.",
+        "interface Law { let gain = 3 }\nforce Push(a: Marker) : Law { let gain = 4; apply force gain*1 N*a.x on a }",
+        "interface Law { let gain = 3 }\nforce Push(a: Marker) : Law { let own_gain = 4; apply force own_gain*gain*1 N*a.x on a }";
 }

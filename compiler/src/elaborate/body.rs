@@ -307,7 +307,7 @@ impl<'a> Elaborator<'a, '_> {
         declaration: &'a ast::Declaration,
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        let Form::Plain { block } = &declaration.form else {
+        let Form::Plain { block, .. } = &declaration.form else {
             return self.checked(None, declaration.name.span, "a body without a block");
         };
         let name = &declaration.name.text;

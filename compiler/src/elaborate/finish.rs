@@ -152,14 +152,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             }
             Structural::Class(id) => Value::Definition(*id),
             Structural::Record(id, fields) => {
-                let module = self.module_scopes.get(id.module as usize).copied();
-                let own = self.new_scope(module, id.module, String::new());
-                if let Some(ItemKind::Declaration(declaration)) =
-                    self.program.item(*id).map(|i| &i.kind)
-                    && let Form::Plain { block } = &declaration.form
-                {
-                    self.register(&block.items, own);
-                }
+                let own = self.record_scope(*id);
                 for (name, value) in fields {
                     let value = self.structural_value(value);
                     self.define(own, name, Entry::Value(value));
@@ -176,7 +169,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
     ) -> Eval<Elaborated> {
         let (name, span, items) = match self.program.item(model).map(|i| &i.kind) {
             Some(ItemKind::Declaration(d)) if d.kind == Kind::Model => match &d.form {
-                Form::Plain { block } => (d.name.text.clone(), d.name.span, &block.items),
+                Form::Plain { block, .. } => (d.name.text.clone(), d.name.span, &block.items),
                 _ => return self.checked(None, d.name.span, "a model without a block"),
             },
             _ => return Err(Reported),

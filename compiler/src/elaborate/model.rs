@@ -1,5 +1,6 @@
 //! Blocks of models and components: parameters, bodies, parts, elements, starts, outputs.
 
+use super::element::ClassScope;
 use super::output::Columns;
 use super::scalar::{ElementBuilder, Scalar, Stage};
 use super::value::{ScopeId, Value};
@@ -259,7 +260,7 @@ impl<'a> Elaborator<'a, '_> {
             e.count_instance(declaration.name.span)?;
             let path = format!("{base}{}", index_text(position));
             let (class, arguments) = e.class_called(value, inner)?;
-            let bound = e.bind_arguments(class, arguments, inner, &path, value.span)?;
+            let bound = e.bind_arguments(&class, arguments, inner, &path, value.span)?;
             let source = ElementSource {
                 definition: class.definition,
                 arguments: bound,
@@ -282,14 +283,18 @@ impl<'a> Elaborator<'a, '_> {
                     .with_help("give the component the markers, and measure inside it"),
                 ));
             }
-            let own = e.class_scope(&source, class, &path)?;
-            e.lasting(own);
+            let ClassScope { own, texts } = e.class_scope(&source, &class, &path)?;
+            for (_, scope) in &texts {
+                e.lasting(*scope);
+            }
             if let Some(block) = block {
                 e.accepted_in(&block.items, &path);
             }
             e.deeper(value.span, |e| {
                 let outer = std::mem::replace(&mut e.in_part, true);
-                e.block(&class.block.items, own);
+                for (items, scope) in &texts {
+                    e.block(items, *scope);
+                }
                 e.in_part = outer;
                 Ok(())
             })?;
@@ -320,20 +325,10 @@ impl<'a> Elaborator<'a, '_> {
         arguments: &'a [ast::Argument],
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
-        let record = match self.program.item(id).map(|item| &item.kind) {
-            Some(ItemKind::Declaration(declaration)) => match &declaration.form {
-                Form::Plain { block } => Some((declaration, block)),
-                Form::Class { .. } | Form::Instance { .. } => None,
-            },
-            _ => None,
-        };
-        let (declaration, block) = self.checked(record, span, "a class is no value")?;
-        let own = self.new_scope(
-            Some(self.module_scopes[id.module as usize]),
-            id.module,
-            String::new(),
-        );
-        self.register(&block.items, own);
+        let is_record = |d: &&ast::Declaration| d.kind == Kind::Record;
+        let record = self.program.declaration(id).filter(is_record);
+        let declaration = self.checked(record, span, "a class is no value")?;
+        let own = self.record_scope(id);
         let fields: Vec<&'a ast::Binding> = settable(declaration).collect();
         let places = self.call_at(span)?;
         for (argument, place) in arguments.iter().zip(places.iter()) {

@@ -147,7 +147,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Adds the outputs `force` and `torque` of joints and drives: the wrench of the constraints on the first
     /// marker, at its origin, in the second marker's axes.
-    pub fn reaction_outputs(&mut self, class: Class<'a>, draft: &mut Draft) -> Eval<()> {
+    pub fn reaction_outputs(&mut self, class: &Class<'a>, draft: &mut Draft) -> Eval<()> {
         if !matches!(class.declaration.kind, Kind::Joint | Kind::Drive) {
             return Ok(());
         }
@@ -198,7 +198,7 @@ impl<'a> Elaborator<'a, '_> {
         let second = element.markers[1];
         let torque = self.rotate(0, &torque);
         let mut markers = Vec::new();
-        for parameter in class.parameters {
+        for parameter in class.parameters.iter() {
             if is_marker(&self.type_at(parameter.ty.span)?) {
                 markers.push(&parameter.name.text);
             }
@@ -392,7 +392,9 @@ impl<'a> Elaborator<'a, '_> {
         if asks {
             self.asked_from = Some((name.span, format!("{path}.{}", name.text)));
         }
-        let own = self.class_scope(&source, class, &path);
+        let own = self
+            .class_scope(&source, &class, &path)
+            .map(|scope| scope.own);
         let value = own.and_then(
             |own| match self.scope(own).entries.contains_key(&name.text) {
                 true => self.entry(own, &name.text, name.span),

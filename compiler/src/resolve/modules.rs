@@ -258,7 +258,7 @@ fn has_support(item: &Item) -> bool {
     let ItemKind::Declaration(declaration) = &item.kind else {
         return false;
     };
-    let (Form::Class { block, .. } | Form::Plain { block }) = &declaration.form else {
+    let (Form::Class { block, .. } | Form::Plain { block, .. }) = &declaration.form else {
         return false;
     };
     block.items.iter().any(|inner| match &inner.kind {

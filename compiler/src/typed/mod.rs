@@ -9,6 +9,7 @@
 //! its dimension variables. Each use of the function has a `types::Solution` with the dimensions of these
 //! variables.
 
+pub(crate) mod lineage;
 pub(crate) mod types;
 
 use crate::functions::BuiltIn;
@@ -65,7 +66,7 @@ impl Findings {
 /// parameters, or of a record. The block of a class with parameters has none.
 pub(crate) fn settable(declaration: &Declaration) -> impl Iterator<Item = &Binding> {
     let items = match &declaration.form {
-        Form::Plain { block } => block.items.as_slice(),
+        Form::Plain { block, .. } => block.items.as_slice(),
         Form::Class { .. } | Form::Instance { .. } => &[],
     };
     let record = declaration.kind == Kind::Record;

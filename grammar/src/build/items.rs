@@ -356,10 +356,7 @@ impl<'t> Builder<'t, '_> {
             result: None,
             lets: Vec::new(),
             requirements: Vec::new(),
-            value: Expr {
-                span,
-                kind: ExprKind::Error,
-            },
+            value: None,
         };
         for part in pair.into_inner() {
             match part.as_rule() {
@@ -367,7 +364,7 @@ impl<'t> Builder<'t, '_> {
                 Rule::generics => function.generics = self.names(part),
                 Rule::parameters => function.parameters = self.parameters(part, depth),
                 Rule::type_expression => function.result = Some(self.type_expression(part, depth)),
-                Rule::expression => function.value = self.expression(part, depth),
+                Rule::expression => function.value = Some(self.expression(part, depth)),
                 Rule::function_block => self.function_block(part, depth, &mut function),
                 _ => {}
             }
@@ -413,7 +410,7 @@ impl<'t> Builder<'t, '_> {
                         });
                     }
                 }
-                Rule::expression => function.value = self.expression(part, depth + 1),
+                Rule::expression => function.value = Some(self.expression(part, depth + 1)),
                 _ => {}
             }
         }
@@ -655,7 +652,12 @@ impl<'t> Builder<'t, '_> {
                 block,
             },
             (Rule::instance_form, Some(value), block) => Form::Instance { value, block },
-            (Rule::plain_form, _, Some(block)) => Form::Plain { block },
+            (Rule::plain_form, _, Some(block)) => {
+                if let (Some(kind), Some(name)) = (kind, &interface) {
+                    self.fills_nothing(kind, word.as_str(), name);
+                }
+                Form::Plain { interface, block }
+            }
             _ => return ItemKind::Error,
         };
         match kind {
@@ -668,6 +670,21 @@ impl<'t> Builder<'t, '_> {
             }),
             None => ItemKind::Error,
         }
+    }
+
+    /// Reports an interface after a declaration that cannot fill one.
+    fn fills_nothing(&mut self, kind: Kind, word: &str, interface: &Name) {
+        if matches!(kind, Kind::Interface | Kind::Record) {
+            return;
+        }
+        self.report(
+            Diagnostic::error(
+                codes::UNEXPECTED,
+                format!("a {word} without parameters fills no interface"),
+            )
+            .at(interface.span, "not here")
+            .with_help("classes, records and interfaces may name an interface after a colon; a class has a list of parameters, which may be empty: `force Push() : Law { … }`"),
+        );
     }
 
     /// Of a `block`.

@@ -118,7 +118,12 @@ fn write_declaration(out: &mut String, declaration: &Declaration, level: usize) 
             let _ = write!(head, " = {}", expr(value));
             block.as_ref()
         }
-        Form::Plain { block } => Some(block),
+        Form::Plain { interface, block } => {
+            if let Some(interface) = interface {
+                let _ = write!(head, " : {}", interface.text);
+            }
+            Some(block)
+        }
     };
     let _ = write!(out, "{pad}({head}");
     if let Some(block) = block {
@@ -186,7 +191,7 @@ fn item_text(kind: &ItemKind) -> String {
                     .as_ref()
                     .map_or(String::new(), |ty| format!(" -> {}", type_text(ty))),
                 lets.join(" "),
-                expr(&item.value)
+                item.value.as_ref().map_or(String::from("-"), expr)
             )
         }
         ItemKind::Table(item) => format!(

@@ -4,8 +4,10 @@ use super::super::binding::Stated;
 use super::super::scalar::{Scalar, Stage};
 use super::super::value::{Closure, ScopeId, Value};
 use super::super::{Argument, Elaborator, ElementSource, Entry, Eval, Lazy};
-use super::Class;
+use super::{Class, ClassScope};
 use crate::codes;
+use crate::program::DefinitionId;
+use crate::typed::lineage::{self, ClassParameter};
 use crate::typed::types::Type;
 use eng_grammar::ast::{BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span, ast};
@@ -14,7 +16,7 @@ impl<'a> Elaborator<'a, '_> {
     /// Evaluates the arguments of a class. Numbers become parameters of the instance.
     pub fn bind_arguments(
         &mut self,
-        class: Class<'a>,
+        class: &Class<'a>,
         arguments: &'a [ast::Argument],
         scope: ScopeId,
         path: &str,
@@ -53,7 +55,7 @@ impl<'a> Elaborator<'a, '_> {
                     let stated = Stated {
                         expr: &argument.value,
                         dimension: self.dimension_at(parameter.ty.span, scope)?,
-                        limits: parameter.limits.as_ref(),
+                        limits: parameter.limits,
                         span: argument.value.span,
                         scope,
                     };
@@ -89,57 +91,124 @@ impl<'a> Elaborator<'a, '_> {
     pub fn class_scope(
         &mut self,
         source: &ElementSource<'a>,
-        class: Class<'a>,
+        class: &Class<'a>,
         path: &str,
-    ) -> Eval<ScopeId> {
-        let own = self.new_scope(None, class.definition.module, path.to_owned());
+    ) -> Eval<ClassScope<'a>> {
+        let mut texts = Vec::with_capacity(class.levels.len());
+        for level in class.levels.iter() {
+            let scope = self.new_scope(None, level.definition.module, path.to_owned());
+            texts.push((level.block.items.as_slice(), scope));
+        }
+        let last = texts.last().map(|(_, scope)| *scope);
+        let own = self.checked(last, class.declaration.name.span, "a class without a text")?;
+        let home = |parameter: &ClassParameter<'a>| {
+            let levels = class.levels.iter().zip(&texts);
+            let mut at = levels.filter(|(level, _)| level.definition == parameter.home);
+            at.next().map_or(own, |(_, (_, scope))| *scope)
+        };
         for (name, argument) in &source.arguments {
             let value = match argument {
                 Argument::Value(v) => v.clone(),
                 Argument::Again(expr) => self.evaluate(expr, source.caller)?,
             };
             let parameter = class.parameters.iter().find(|p| p.name.text == *name);
-            let value = self.declared(value, parameter.map(|p| &p.ty))?;
+            let value = self.declared(value, parameter.map(|p| p.ty))?;
+            let scope = parameter.map_or(own, home);
+            self.define(scope, name, Entry::Value(value));
+        }
+        for (items, scope) in &texts {
+            self.register(items, *scope);
+        }
+        self.link(&texts);
+        for parameter in class.parameters.iter() {
+            let scope = home(parameter);
+            if !self.scope(scope).entries.contains_key(&parameter.name.text) {
+                self.default_of(parameter, scope, path)?;
+                // the defaults that follow may read it in another text
+                self.link(&texts);
+            }
+        }
+        Ok(ClassScope { own, texts })
+    }
+
+    /// Defines a parameter without an argument, in the scope of its text. A default becomes a parameter of the
+    /// instance at its first use.
+    fn default_of(&mut self, parameter: &ClassParameter<'a>, own: ScopeId, path: &str) -> Eval<()> {
+        let name = &parameter.name.text;
+        let parameter_path = format!("{path}.{name}");
+        let known = self
+            .parameters
+            .iter()
+            .position(|p| p.origin.path == parameter_path);
+        if let Some(index) = known {
+            let node = self.bench.bind.graph.input(index as u32);
+            let value = Value::Scalar(Scalar {
+                stage: Stage::Bind,
+                node,
+            });
+            self.define(own, name, Entry::Value(value));
+        } else if let Some(default) = parameter.default {
+            let value = self.evaluate(default, own)?;
+            let ty = self.type_at(parameter.ty.span)?;
+            let value = if is_structural(&ty) {
+                value
+            } else {
+                let stated = Stated {
+                    expr: default,
+                    dimension: self.dimension_at(parameter.ty.span, own)?,
+                    limits: parameter.limits,
+                    span: parameter.span,
+                    scope: own,
+                };
+                self.parameterise(value, &parameter_path, stated)?
+            };
+            let value = self.read_as(value, &ty);
             self.define(own, name, Entry::Value(value));
         }
-        for parameter in class.parameters {
-            let name = &parameter.name.text;
-            if !self.scope(own).entries.contains_key(name) {
-                // a default becomes a parameter of the instance at its first use
-                let parameter_path = format!("{path}.{name}");
-                let known = self
-                    .parameters
-                    .iter()
-                    .position(|p| p.origin.path == parameter_path);
-                if let Some(index) = known {
-                    let node = self.bench.bind.graph.input(index as u32);
-                    let value = Value::Scalar(Scalar {
-                        stage: Stage::Bind,
-                        node,
-                    });
-                    self.define(own, name, Entry::Value(value));
-                } else if let Some(default) = &parameter.default {
-                    let value = self.evaluate(default, own)?;
-                    let ty = self.type_at(parameter.ty.span)?;
-                    let value = if is_structural(&ty) {
-                        value
-                    } else {
-                        let stated = Stated {
-                            expr: default,
-                            dimension: self.dimension_at(parameter.ty.span, own)?,
-                            limits: parameter.limits.as_ref(),
-                            span: parameter.span,
-                            scope: own,
-                        };
-                        self.parameterise(value, &parameter_path, stated)?
-                    };
-                    let value = self.read_as(value, &ty);
-                    self.define(own, name, Entry::Value(value));
+        Ok(())
+    }
+
+    /// Links the scopes of the texts of a class or record. A younger text sees all names of the elder ones. An
+    /// elder text sees what it asks for where a younger one gives it, and no other name of a younger one.
+    fn link(&mut self, texts: &[(&'a [ast::Item], ScopeId)]) {
+        for (younger, (_, scope)) in texts.iter().enumerate() {
+            for (_, elder) in texts.iter().take(younger).rev() {
+                let names: Vec<String> = self.scope(*elder).entries.keys().cloned().collect();
+                for name in names {
+                    if !self.scope(*scope).entries.contains_key(&name) {
+                        self.define(*scope, &name, Entry::In(*elder));
+                    }
                 }
             }
         }
-        self.register(&class.block.items, own);
-        Ok(own)
+        for (elder, (items, scope)) in texts.iter().enumerate() {
+            for name in items.iter().filter_map(named) {
+                let has = |e: &Self, scope: ScopeId| e.scope(scope).entries.contains_key(name);
+                let mut younger = texts.iter().skip(elder + 1).map(|(_, scope)| *scope);
+                if !has(self, *scope)
+                    && let Some(gives) = younger.find(|younger| has(self, *younger))
+                {
+                    self.define(*scope, name, Entry::In(gives));
+                }
+            }
+        }
+    }
+
+    /// A scope with the functions and values of a record and its interface, before its fields are set.
+    pub fn record_scope(&mut self, id: DefinitionId) -> ScopeId {
+        let mut texts = Vec::new();
+        for level in lineage::levels(self.program, id) {
+            let module = level.definition.module;
+            let around = self.module_scopes.get(module as usize).copied();
+            let scope = self.new_scope(around, module, String::new());
+            self.register(&level.block.items, scope);
+            texts.push((level.block.items.as_slice(), scope));
+        }
+        self.link(&texts);
+        match texts.last() {
+            Some((_, own)) => *own,
+            None => self.new_scope(None, id.module, String::new()),
+        }
     }
 
     /// Registers lets, consts, outputs, functions and tables of a block. They are evaluated at their first
@@ -151,11 +220,12 @@ impl<'a> Elaborator<'a, '_> {
                     if matches!(
                         b.kind,
                         BindingKind::Let | BindingKind::Const | BindingKind::Output
-                    ) && !self.scope(scope).entries.contains_key(&b.name.text) =>
+                    ) && b.value.is_some()
+                        && !self.scope(scope).entries.contains_key(&b.name.text) =>
                 {
                     self.define(scope, &b.name.text, Entry::Lazy(Lazy::Binding(b)));
                 }
-                ItemKind::Function(function) => self.define(
+                ItemKind::Function(function) if function.value.is_some() => self.define(
                     scope,
                     &function.name.text,
                     Entry::Value(Value::Closure(Closure {
@@ -190,6 +260,15 @@ impl<'a> Elaborator<'a, '_> {
             Value::List(items) => items.into_iter().try_for_each(|v| self.touch(v)),
             _ => Ok(()),
         }
+    }
+}
+
+/// The name of a value or function.
+fn named(item: &ast::Item) -> Option<&str> {
+    match &item.kind {
+        ItemKind::Binding(binding) => Some(&binding.name.text),
+        ItemKind::Function(function) => Some(&function.name.text),
+        _ => None,
     }
 }
 

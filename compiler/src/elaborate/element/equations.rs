@@ -4,7 +4,7 @@ use super::super::binding::{Asked, Message, Part};
 use super::super::scalar::{Flag, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
 use super::super::value::{ScopeId, Value};
 use super::super::{Check, Elaborator, Entry, Eval, MessagePart as Told, Reported, location};
-use super::{Class, Draft};
+use super::Draft;
 use crate::codes;
 use crate::ir::Node;
 use eng_grammar::ast::{BindingKind, ExprKind, ItemKind, Statement};
@@ -15,12 +15,12 @@ use eng_system::system::{Condition, ConditionKind, Location, MessagePart, Row};
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn states(
         &mut self,
-        class: Class<'a>,
+        items: &'a [ast::Item],
         own: ScopeId,
         path: &str,
         used_at: Option<Location>,
     ) -> Eval<()> {
-        for item in &class.block.items {
+        for item in items {
             let ItemKind::Binding(b) = &item.kind else {
                 continue;
             };

@@ -5,6 +5,7 @@ use super::super::value::ScopeId;
 use super::super::{Elaborator, Eval};
 use super::Class;
 use crate::codes;
+use crate::program::DefinitionId;
 use eng_grammar::Diagnostic;
 use eng_system::system::{FiringInfo, JournalInfo, Slot};
 
@@ -17,11 +18,14 @@ pub(super) struct Known {
 
 impl<'a> Elaborator<'a, '_> {
     /// The role of an element by the interface that its class declares. Names are those of the interface.
-    pub(super) fn by_interface(&mut self, class: Class<'a>, own: ScopeId) -> Eval<Known> {
-        let module = class.definition.module;
-        let interface = self.program.interface_of(module, class.declaration);
+    pub(super) fn by_interface(&mut self, class: &Class<'a>, own: ScopeId) -> Eval<Known> {
+        let fills = |interface: Option<DefinitionId>| {
+            interface.is_some_and(|interface| self.program.fills(class.definition, interface))
+        };
+        let is_film = fills(self.program.journal_law());
+        let fires = fills(self.program.gas_law());
         let mut known = Known::default();
-        if interface.is_some() && interface == self.program.journal_law() {
+        if is_film {
             known.journal = Some(JournalInfo {
                 element: 0,
                 diameter: self.measure(class, own, "diameter")?,
@@ -31,7 +35,7 @@ impl<'a> Elaborator<'a, '_> {
                 shell: self.marker_of_law(class, own, "shell")?,
             });
         }
-        if interface.is_some() && interface == self.program.gas_law() {
+        if fires {
             known.firing = Some(FiringInfo {
                 element: 0,
                 angle: self.measure(class, own, "firing")?,
@@ -54,7 +58,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// A number of the interface.
-    fn measure(&mut self, class: Class<'a>, own: ScopeId, name: &str) -> Eval<Slot> {
+    fn measure(&mut self, class: &Class<'a>, own: ScopeId, name: &str) -> Eval<Slot> {
         let class_name = &class.declaration.name;
         let value = self.entry(own, name, class_name.span)?;
         let number = self.as_scalar(value, class_name.span)?;
@@ -73,7 +77,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// A marker of the interface, by its index in the element.
-    fn marker_of_law(&mut self, class: Class<'a>, own: ScopeId, name: &str) -> Eval<u32> {
+    fn marker_of_law(&mut self, class: &Class<'a>, own: ScopeId, name: &str) -> Eval<u32> {
         let span = class.declaration.name.span;
         let value = self.entry(own, name, span)?;
         let marker = self.as_marker(value, span)?;

@@ -13,17 +13,28 @@ use super::{
 };
 use crate::ir::Node;
 use crate::program::DefinitionId;
+use crate::typed::lineage::{self, ClassParameter, Level};
 use eng_grammar::Span;
-use eng_grammar::ast::{self, ExprKind, Form, ItemKind};
+use eng_grammar::ast::{self, ExprKind, Form};
 use eng_system::system::{Condition, ConditionKind, Origin, OutputInfo, Role};
+use std::rc::Rc;
 
-/// A class's parts, found in its definition.
-#[derive(Clone, Copy)]
+/// A class's parts, found in its definition and its interfaces.
+#[derive(Clone)]
 pub(crate) struct Class<'a> {
     pub definition: DefinitionId,
     pub declaration: &'a ast::Declaration,
-    pub parameters: &'a [ast::Parameter],
-    pub block: &'a ast::Block,
+    pub parameters: Rc<[ClassParameter<'a>]>,
+    /// The texts of its interfaces, the eldest first, then its own.
+    pub levels: Rc<[Level<'a>]>,
+}
+
+/// The names of one instance of a class.
+pub(crate) struct ClassScope<'a> {
+    /// The names in the class's own text, which has those of its interfaces.
+    pub own: ScopeId,
+    /// The items of each text with the scope of its names.
+    pub texts: Vec<(&'a [ast::Item], ScopeId)>,
 }
 
 /// The data of an element while it is lowered.
@@ -40,20 +51,15 @@ pub(crate) struct Draft {
 
 impl<'a> Elaborator<'a, '_> {
     pub fn class_of(&mut self, id: DefinitionId, span: Span) -> Eval<Class<'a>> {
-        let found = match self.program.item(id).map(|item| &item.kind) {
-            Some(ItemKind::Declaration(declaration)) => match &declaration.form {
-                Form::Class {
-                    parameters, block, ..
-                } => Some(Class {
-                    definition: id,
-                    declaration,
-                    parameters,
-                    block,
-                }),
-                _ => None,
-            },
-            _ => None,
-        };
+        let program = self.program;
+        let is_class = |d: &&ast::Declaration| matches!(d.form, Form::Class { .. });
+        let declaration = program.declaration(id).filter(is_class);
+        let found = declaration.map(|declaration| Class {
+            definition: id,
+            declaration,
+            parameters: lineage::parameters(program, id).into(),
+            levels: lineage::levels(program, id).into(),
+        });
         self.checked(found, span, "this is no class")
     }
 
@@ -126,14 +132,14 @@ impl<'a> Elaborator<'a, '_> {
         let (class, arguments) = self.class_called(value, scope)?;
         self.bench.element = Some(ElementBuilder::default());
         self.bench.bind.owner.clone_from(&path);
-        let bound = self.bind_arguments(class, arguments, scope, &path, value.span)?;
-        self.element_of_class(class, bound, block, scope, path, declaration.name.span)
+        let bound = self.bind_arguments(&class, arguments, scope, &path, value.span)?;
+        self.element_of_class(&class, bound, block, scope, path, declaration.name.span)
     }
 
     /// An instance of a class with its arguments.
     pub fn element_of_class(
         &mut self,
-        class: Class<'a>,
+        class: &Class<'a>,
         bound: Vec<(String, Argument<'a>)>,
         block: Option<&'a ast::Block>,
         scope: ScopeId,
@@ -152,15 +158,17 @@ impl<'a> Elaborator<'a, '_> {
             arguments: bound,
             caller: scope,
         };
-        let own = self.class_scope(&source, class, &path)?;
+        let ClassScope { own, texts } = self.class_scope(&source, class, &path)?;
         // marker parameters come first, so that their local indices follow the order of the parameters
-        for parameter in class.parameters {
+        for parameter in class.parameters.iter() {
             if is_marker(&self.type_at(parameter.ty.span)?) {
                 let value = self.entry(own, &parameter.name.text, parameter.span)?;
                 self.touch(value)?;
             }
         }
-        self.states(class, own, &path, used_at)?;
+        for (items, scope) in &texts {
+            self.states(items, *scope, &path, used_at)?;
+        }
         let at_use = block.map(|b| (b, self.use_scope(own, scope)));
         let mut draft = Draft {
             conditions: Vec::new(),
@@ -170,7 +178,9 @@ impl<'a> Elaborator<'a, '_> {
             frames: Vec::new(),
             copied: Vec::new(),
         };
-        self.equations(&class.block.items, own, &path, used_at, &mut draft)?;
+        for (items, scope) in &texts {
+            self.equations(items, *scope, &path, used_at, &mut draft)?;
+        }
         if let Some((b, use_scope)) = at_use {
             self.equations(&b.items, use_scope, &path, used_at, &mut draft)?;
         }
@@ -191,8 +201,9 @@ impl<'a> Elaborator<'a, '_> {
             self.rates = Some(rates);
         }
         self.in_output = true;
-        let outputs = self
-            .class_outputs(&class.block.items, own, &mut draft)
+        let outputs = texts
+            .iter()
+            .try_for_each(|(items, scope)| self.class_outputs(items, *scope, &mut draft))
             .and_then(|()| match at_use {
                 Some((b, use_scope)) => self.class_outputs(&b.items, use_scope, &mut draft),
                 None => Ok(()),

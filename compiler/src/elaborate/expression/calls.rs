@@ -95,7 +95,9 @@ impl<'a> Elaborator<'a, '_> {
             for requirement in &function.requirements {
                 e.require_in_function(requirement, inner, call)?;
             }
-            let value = e.evaluate(&function.value, inner)?;
+            let value = function.value.as_ref();
+            let value = e.checked(value, call, "a function without a value is called")?;
+            let value = e.evaluate(value, inner)?;
             e.declared(value, function.result.as_ref())
         })
     }

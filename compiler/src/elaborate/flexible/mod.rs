@@ -360,7 +360,7 @@ impl<'a> Elaborator<'a, '_> {
                 ),
             ];
             let caller = self.module_scopes[class.definition.module as usize];
-            let made = self.element_of_class(class, bound, None, caller, path, span);
+            let made = self.element_of_class(&class, bound, None, caller, path, span);
             self.bench.element = None;
             let entry = match made {
                 Ok(element) => Entry::Value(Value::Element(element)),
