@@ -13,7 +13,8 @@ mod addresses;
 mod plan;
 
 use crate::codegen_error::CodegenError;
-use crate::ir::interpret::{Interpreter, look_up};
+use crate::ir::interpret::Interpreter;
+use crate::ir::look_up::{Orders, look_up};
 use crate::ir::{ClassFunctions, Function, Node, Op};
 use addresses::Addresses;
 use cranelift::codegen::ir::{ConstantData, Endianness, FuncRef};
@@ -21,7 +22,7 @@ use cranelift::jit::{JITBuilder, JITModule};
 use cranelift::module::{FuncId, Linkage, Module, ModuleError};
 use cranelift::prelude::*;
 use eng_system::code::{ElementCode, Function as Which, Pair};
-use eng_system::table::{Outside, Table};
+use eng_system::table::{MOST_ARGUMENTS, Outside, Table};
 use plan::{Area, Constants, Place, Step, plan};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -238,20 +239,24 @@ in_place_two! {
 ///
 /// # Safety
 ///
-/// `io` points to two pairs, `context` to the tables of the call that is running.
-unsafe extern "C" fn table_pair(io: *mut [Pair; 2], context: *const Surroundings, order: u64) {
-    // SAFETY: generated code passes two pairs of its own stack slot, which is aligned for them.
-    let io = unsafe { &mut *io };
+/// `io` points to a pair and one more for each argument that `orders` counts, `context` to the tables of the call
+/// that is running.
+unsafe extern "C" fn table_pair(io: *mut Pair, context: *const Surroundings, orders: u64) {
+    let orders = Orders::unpacked(orders);
+    // SAFETY: generated code passes this many pairs of its own stack slot, which is aligned for them.
+    let io = unsafe { std::slice::from_raw_parts_mut(io, 1 + orders.arguments()) };
     // SAFETY: generated code hands on the pointer that `call` gave it, which lives as long as the call.
     let context = unsafe { &*context };
     // SAFETY: made from a slice in `call`, which borrows it for the call.
     let tables = unsafe { std::slice::from_raw_parts(context.tables, context.count) };
-    let [handles, arguments] = *io;
-    let order = order.min(u64::from(u8::MAX)) as u8;
-    io[0] = [
-        look_up(tables, handles[0], arguments[0], order),
-        look_up(tables, handles[1], arguments[1], order),
-    ];
+    let lane = |io: &[Pair], k: usize| {
+        let mut arguments = [0.0; MOST_ARGUMENTS];
+        for (argument, pair) in arguments.iter_mut().zip(&io[1..]) {
+            *argument = pair[k];
+        }
+        look_up(tables, io[0][k], &arguments, orders)
+    };
+    io[0] = [lane(io, 0), lane(io, 1)];
 }
 
 /// Functions outside the generated code, by their names in it. Each works in place.
@@ -635,8 +640,8 @@ impl Body<'_, '_> {
 
     /// Calls a function on both lanes. Operands and result are in the stack room.
     fn external(&mut self, op: Op, first: u32) -> Result<(), String> {
-        let (name, order) = match op {
-            Op::Table(_, _, order) => (TABLE, Some(order)),
+        let (name, orders) = match op {
+            Op::Table(_, _, orders) => (TABLE, Some(orders)),
             op => (op.mnemonic(), None),
         };
         let (name, id) = self
@@ -653,12 +658,13 @@ impl Body<'_, '_> {
             }
         };
         let address = self.addresses.in_room(&mut self.builder, first)?;
-        match order {
-            Some(order) => {
-                let order = self.builder.ins().iconst(types::I64, i64::from(order));
+        match orders {
+            Some(orders) => {
+                let packed = orders.packed() as i64;
+                let orders = self.builder.ins().iconst(types::I64, packed);
                 self.builder
                     .ins()
-                    .call(function, &[address, self.surroundings, order]);
+                    .call(function, &[address, self.surroundings, orders]);
             }
             None => {
                 self.builder.ins().call(function, &[address]);

@@ -15,6 +15,9 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("std.journals", include_str!("../../stdlib/journals.eng")),
 ];
 
+/// Data files of the library's tables, by the names that its texts give to `csv`.
+pub const FILES: &[(&str, &str)] = &[];
+
 #[cfg(test)]
 mod tests {
     use super::LIBRARY;

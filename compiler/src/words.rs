@@ -1,6 +1,22 @@
-//! The words of flexible bodies, with their arguments. The checker and elaboration read the same tables.
+//! The words of flexible bodies and tables, with their arguments. The checker and elaboration read the same tables.
 
 use eng_system::mesh_files::{ElementRules, MeshUnits, ShapeFormat, Stated};
+use eng_system::table::End;
+
+/// The continuations of a table beyond an end of an argument.
+pub(crate) const ENDS_OF_TABLES: [(&str, End); 5] = [
+    ("none", End::Open),
+    ("hold", End::Hold),
+    ("linear", End::Linear),
+    ("even", End::Even),
+    ("odd", End::Odd),
+];
+
+/// The continuation that a word names.
+pub(crate) fn end_of_table(word: &str) -> Option<End> {
+    let known = ENDS_OF_TABLES.iter().find(|(known, _)| *known == word);
+    known.map(|(_, end)| *end)
+}
 
 /// The kind of an argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

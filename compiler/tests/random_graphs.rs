@@ -28,7 +28,7 @@ fn expression(g: &mut Graph, random: &mut Random, layout: &InputLayout) -> (Node
         let positive = g.add(one, square);
         let bounded = g.unary(Op::Tanh, a);
         let difference = g.subtract(a, b);
-        let new = match random.bits() % 22 {
+        let new = match random.bits() % 24 {
             0 => g.add(a, b),
             1 => g.subtract(a, b),
             2 => g.multiply(a, b),
@@ -79,6 +79,14 @@ fn expression(g: &mut Graph, random: &mut Random, layout: &InputLayout) -> (Node
             20 => {
                 let x = g.multiply(half, bounded);
                 g.unary(Op::Tan, x)
+            }
+            21 => {
+                let handle = g.constant(2.0);
+                g.table(handle, &[a, b])
+            }
+            22 => {
+                let handle = g.constant(3.0);
+                g.table(handle, &[a, c, bounded])
             }
             _ => g.negate(a),
         };

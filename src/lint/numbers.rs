@@ -453,8 +453,8 @@ fn periods(system: &System, bound: &Bound) -> Vec<Finding> {
     system
         .tables
         .iter()
-        .filter_map(|table| {
-            let of_table = table.period_of_angle()?;
+        .flat_map(|table| table.periods_of_angles().map(move |period| (table, period)))
+        .filter_map(|(table, of_table)| {
             let times = period / of_table;
             let whole = libm::round(times);
             if whole >= 1.0 && (times - whole).abs() < 1e-6 * whole {

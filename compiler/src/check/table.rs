@@ -6,11 +6,17 @@ use super::types::{FunctionParameter, Kind, Quantity, Signature, Type};
 use super::{Checker, Progress};
 use crate::codes;
 use crate::resolve::suggest::nearest;
+use crate::words::{ENDS_OF_TABLES, end_of_table};
 use eng_grammar::ast::{Expr, ExprKind, Name, Table};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::table::MOST_ARGUMENTS;
 use std::sync::Arc;
 
+/// Options of a table of one argument.
 const OPTIONS: [&str; 4] = ["columns", "periodic", "interpolation", "extrapolation"];
+
+/// Help on the continuation of a table of several arguments.
+const ENDS: &str = "`hold`, `linear`, `even`, `odd`, `periodic(…)`, or two words for the ends: `[even, linear]`; `none` has no value beyond";
 
 impl<'p> Checker<'p> {
     /// Checks a table once, and gives its signature.
@@ -19,21 +25,29 @@ impl<'p> Checker<'p> {
         if let Some(Progress::Done(signature)) = self.signatures.get(&key) {
             return signature.clone();
         }
-        let argument = match table.parameters.as_slice() {
-            [parameter] => {
-                let ty = self.parameter(scope, parameter);
-                self.number_of_table(ty, parameter.ty.span)
-            }
-            _ => {
-                self.bad_table(
-                    table.name.span,
-                    "a table has one argument",
-                    &format!("it has {}", table.parameters.len()),
-                    "for instance `table lift(theta: CrankAngle) -> Length = …`",
-                );
-                Type::Error
-            }
-        };
+        let count = table.parameters.len();
+        if count == 0 || count > MOST_ARGUMENTS {
+            self.bad_table(
+                table.name.span,
+                "a table has one to three arguments",
+                &format!("it has {count}"),
+                "for instance `table lift(theta: CrankAngle) -> Length = …`",
+            );
+        }
+        let columns = table.parameters.iter().find(|p| p.name.text == "columns");
+        if let Some(parameter) = columns.filter(|_| count > 1) {
+            self.bad_table(
+                parameter.name.span,
+                "an argument of a table has a name that `csv` takes",
+                "`columns:` names the columns of a file",
+                "another name",
+            );
+        }
+        let mut arguments = Vec::with_capacity(count);
+        for parameter in &table.parameters {
+            let ty = self.parameter(scope, parameter);
+            arguments.push(self.number_of_table(ty, parameter.ty.span));
+        }
         let result = match &table.result {
             Some(ty) => {
                 let found = self.ty(scope, ty);
@@ -43,26 +57,27 @@ impl<'p> Checker<'p> {
                 self.bad_table(
                     table.name.span,
                     "a table says what it gives",
-                    "no `->` after its argument",
+                    "no `->` after its arguments",
                     "for instance `table lift(theta: CrankAngle) -> Length = …`",
                 );
                 Type::Error
             }
         };
-        self.source_of_table(scope, table, &argument, &result);
-        let parameters = match table.parameters.first() {
-            Some(parameter) if table.parameters.len() == 1 => vec![FunctionParameter {
-                name: parameter.name.text.clone(),
-                ty: argument,
-                optional: false,
-                span: parameter.name.span,
-            }],
-            _ => Vec::new(),
-        };
-        let broken = parameters.is_empty();
+        let broken = count == 0 || count > MOST_ARGUMENTS;
+        if !broken {
+            self.source_of_table(scope, table, &arguments, &result);
+        }
+        let described = table.parameters.iter().zip(arguments);
         let signature = Arc::new(Signature {
             name: table.name.text.clone(),
-            parameters,
+            parameters: described
+                .map(|(parameter, ty)| FunctionParameter {
+                    name: parameter.name.text.clone(),
+                    ty,
+                    optional: false,
+                    span: parameter.name.span,
+                })
+                .collect(),
             result: if broken { Type::Error } else { result },
         });
         self.signatures
@@ -99,7 +114,7 @@ impl<'p> Checker<'p> {
         &mut self,
         scope: &Scope<'p>,
         table: &Table,
-        argument: &Type,
+        parameters: &[Type],
         result: &Type,
     ) {
         if matches!(table.source.kind, ExprKind::Error) {
@@ -142,7 +157,10 @@ impl<'p> Checker<'p> {
                 );
             }
             seen.push(name);
-            self.option_of_table(scope, source, name, &given.value, argument);
+            match parameters {
+                [argument] => self.option_of_curve(scope, source, name, &given.value, argument),
+                _ => self.option_of_grid(scope, source, name, &given.value, (table, parameters)),
+            }
         }
         match (source, plain.as_slice()) {
             ("csv", [file]) => {
@@ -152,11 +170,11 @@ impl<'p> Checker<'p> {
                         table.source.span,
                         "`csv` must say which columns it reads",
                         "`columns:` is missing",
-                        "for instance `columns: [\"theta [deg]\", \"p [bar]\"]`, as in the file's header",
+                        "for instance `columns: [\"theta [deg]\", \"p [bar]\"]`, as in the file's header: the columns of the arguments, then that of the value",
                     );
                 }
             }
-            ("points", [xs, ys]) => {
+            ("points", [xs, ys]) if parameters.len() == 1 => {
                 let of = |ty: &Type| match ty {
                     Type::Error => Type::Error,
                     ty => Type::list(ty.clone(), None),
@@ -164,7 +182,8 @@ impl<'p> Checker<'p> {
                 let name = &table.name;
                 let due = Due::new(format!("the list of arguments of `{}`", name.text))
                     .declared(name.span, "the table");
-                let x = self.expect(scope, xs, &of(argument), &due);
+                let argument = parameters.first().cloned().unwrap_or(Type::Error);
+                let x = self.expect(scope, xs, &of(&argument), &due);
                 let due = Due::new(format!("the list of values of `{}`", name.text))
                     .declared(name.span, "the table");
                 let y = self.expect(scope, ys, &of(result), &due);
@@ -188,22 +207,160 @@ impl<'p> Checker<'p> {
                     );
                 }
             }
+            ("points", lists) if lists.len() == parameters.len() + 1 => {
+                self.points_of_grid(scope, table, lists, (parameters, result));
+            }
             ("csv", _) => self.bad_table(
                 table.source.span,
                 "`csv` takes one file",
                 &format!("{} arguments without a name", plain.len()),
                 "for instance `csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])`",
             ),
-            _ => self.bad_table(
+            _ if parameters.len() == 1 => self.bad_table(
                 table.source.span,
                 "`points` takes a list of arguments and a list of values",
                 &format!("{} lists", plain.len()),
                 "for instance `points([0, 10] mm, [0, 3] kN)`",
             ),
+            _ => self.bad_table(
+                table.source.span,
+                "`points` takes a list for each argument and the values",
+                &format!("{} lists for {} arguments", plain.len(), parameters.len()),
+                "for instance `points([0, 10] mm, [0, 90] deg, [[0, 3], [1, 4]] kN)`: a row of values for each point of the first argument",
+            ),
         }
     }
 
-    fn option_of_table(
+    /// The lists of `points` of a table of several arguments: values are lists in lists.
+    fn points_of_grid(
+        &mut self,
+        scope: &Scope<'p>,
+        table: &Table,
+        lists: &[&Expr],
+        (parameters, result): (&[Type], &Type),
+    ) {
+        let name = &table.name;
+        let Some((values, points)) = lists.split_last() else {
+            return;
+        };
+        let mut sizes = Vec::with_capacity(points.len());
+        for ((list, ty), parameter) in points.iter().zip(parameters).zip(&table.parameters) {
+            let argument = &parameter.name.text;
+            let due = Due::new(format!("the list of points of `{argument}`"))
+                .declared(parameter.name.span, "the argument");
+            let found = match ty {
+                Type::Error => self.infer(scope, list),
+                ty => self.expect(scope, list, &Type::list(ty.clone(), None), &due),
+            };
+            sizes.push(match found {
+                Type::List { length, .. } => length,
+                _ => None,
+            });
+        }
+        let mut due_type = result.clone();
+        if !matches!(due_type, Type::Error) {
+            for size in sizes.into_iter().rev() {
+                due_type = Type::list(due_type, size);
+            }
+        }
+        let due = Due::new(format!("the list of values of `{}`", name.text))
+            .declared(name.span, "the table");
+        self.expect(scope, values, &due_type, &due);
+    }
+
+    /// A named argument of the source of a table of several arguments.
+    fn option_of_grid(
+        &mut self,
+        scope: &Scope<'p>,
+        source: &str,
+        name: &Name,
+        value: &Expr,
+        (table, parameters): (&Table, &[Type]),
+    ) {
+        let names = || table.parameters.iter().map(|p| p.name.text.as_str());
+        if name.text == "columns" && source == "csv" {
+            let texts = Type::list(Type::Text, Some(parameters.len() as u32 + 1));
+            self.expect(scope, value, &texts, &Due::new("`columns`"));
+            return;
+        }
+        let argument = names().position(|known| known == name.text);
+        let Some(ty) = argument.and_then(|k| parameters.get(k)) else {
+            let of_curves = OPTIONS.contains(&name.text.as_str()) && name.text != "columns";
+            let mut message = Diagnostic::error(
+                codes::UNKNOWN_ARGUMENT,
+                format!("`{source}` has no parameter `{}` here", name.text),
+            );
+            if of_curves {
+                let first = names().next().unwrap_or_default();
+                message = message
+                    .at(name.span, "of tables of one argument")
+                    .with_note("a table of several arguments is a cubic spline in each of them")
+                    .with_help(format!(
+                        "name the argument: `{first}: hold`, `{first}: periodic(360 deg)`"
+                    ));
+            } else if let Some(near) = nearest(&name.text, names().chain(["columns"])) {
+                message = message
+                    .at(name.span, "no argument of this name")
+                    .meant(name.span, near);
+            } else {
+                message = message
+                    .at(name.span, "no argument of this name")
+                    .with_help(format!(
+                        "it takes `columns` (of a file) and each argument by its name: {ENDS}"
+                    ));
+            }
+            self.report(message);
+            return;
+        };
+        self.ends_of_argument(scope, value, ty);
+    }
+
+    /// The continuation beyond the ends of an argument.
+    fn ends_of_argument(&mut self, scope: &Scope<'p>, value: &Expr, argument: &Type) {
+        let is_end = |expr: &Expr| matches!(&expr.kind, ExprKind::Name(word) if end_of_table(word).is_some());
+        match &value.kind {
+            ExprKind::Name(_) if is_end(value) => return,
+            ExprKind::List { items, unit: None }
+                if items.len() == 2 && items.iter().all(is_end) =>
+            {
+                return;
+            }
+            ExprKind::Call { callee, arguments } => {
+                if let (ExprKind::Name(word), [period]) = (&callee.kind, arguments.as_slice())
+                    && word == "periodic"
+                    && period.name.is_none()
+                {
+                    self.period_of_table(scope, &period.value, argument);
+                    return;
+                }
+            }
+            _ => {}
+        }
+        let near = match &value.kind {
+            ExprKind::Name(word) => nearest(word, ENDS_OF_TABLES.iter().map(|(word, _)| *word)),
+            _ => None,
+        };
+        let mut message = Diagnostic::error(codes::TABLE, "this is no continuation of a table")
+            .at(value.span, "beyond the ends of this argument");
+        message = match near {
+            Some(near) => message.with_fix(format!("write `{near}`"), value.span, near),
+            None => message.with_help(ENDS),
+        };
+        self.report(message);
+    }
+
+    fn period_of_table(&mut self, scope: &Scope<'p>, value: &Expr, argument: &Type) {
+        let Some(quantity) = argument.quantity() else {
+            return;
+        };
+        let period = Type::Scalar(Quantity {
+            kind: Kind::Any,
+            ..quantity
+        });
+        self.expect(scope, value, &period, &Due::new("the period of this table"));
+    }
+
+    fn option_of_curve(
         &mut self,
         scope: &Scope<'p>,
         source: &str,
@@ -220,16 +377,7 @@ impl<'p> Checker<'p> {
                 let due = Due::new("`columns`");
                 self.expect(scope, value, &Type::list(Type::Text, Some(2)), &due);
             }
-            "periodic" => {
-                let Some(quantity) = argument.quantity() else {
-                    return;
-                };
-                let period = Type::Scalar(Quantity {
-                    kind: Kind::Any,
-                    ..quantity
-                });
-                self.expect(scope, value, &period, &Due::new("the period of this table"));
-            }
+            "periodic" => self.period_of_table(scope, value, argument),
             "interpolation" | "extrapolation" => {
                 let allowed: &[&str] = if name.text == "interpolation" {
                     &["cubic", "monotone"]

@@ -137,6 +137,9 @@ eng_grammar::codes! {
         "Absolute pressures count from vacuum and temperatures from 0 K: nothing lies below. The numbers are gauge pressures (`barg`), differences, or have another unit or sign.",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 180, 360] deg, [-0.2, 30, -0.2] bar, periodic: 360 deg)",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 180, 360] deg, [-0.2, 30, -0.2] barg, periodic: 360 deg)";
+    GRID = "E0535", "a file of a table of several arguments does not hold a complete grid",
+        "The file has one row for each combination of the points of all arguments, in any order, and no combination twice. Numbers that differ by a billionth of the column's span are one point.",
+        "", "";
     OTHER_AXES = "E0540", "components along different axes are taken together",
         "Components along a marker's axes are numbers: they are added to, multiplied with and shown as those along the same axes only. Vectors carry no axes and are added in space.",
         "output both = film[1].eccentricity + film[2].eccentricity in shell",

@@ -136,7 +136,7 @@ impl BindProgram {
                         false => waiting.push(*default),
                     }
                 }
-                Op::Table(handle, argument, _) => {
+                Op::Table(handle, ..) => {
                     let index = match graph.op(handle) {
                         Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
                         _ => graph.as_constant(handle),
@@ -149,7 +149,7 @@ impl BindProgram {
                             defined_at: None,
                         });
                     }
-                    waiting.push(argument);
+                    waiting.extend(graph.op(node).operands().skip(1));
                 }
                 op => waiting.extend(op.operands()),
             }

@@ -1,55 +1,49 @@
-//! Points of a table from a CSV file.
+//! Columns of numbers from a CSV file.
 
-use super::table::Points;
 use super::{Elaborator, Eval};
 use crate::codes;
 use eng_grammar::ast::{self, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::{Dimension, DisplayUnit};
 
+/// Columns of a file.
+pub(super) struct Columns {
+    /// Path of the file.
+    pub path: String,
+    /// Numbers (SI) of each column.
+    pub numbers: Vec<Vec<f64>>,
+    /// Unit of each column.
+    pub units: Vec<DisplayUnit>,
+    /// The line of each row.
+    pub lines: Vec<usize>,
+}
+
 impl<'a> Elaborator<'a, '_> {
-    /// The points in two columns of a file.
-    pub fn read_csv(
+    /// Columns of a file; `due` gives the dimension of each and the text of its type.
+    pub(super) fn read_csv(
         &mut self,
         file: &'a ast::Expr,
         columns: &'a ast::Expr,
         module: u32,
-        due: &[(Dimension, String); 2],
-    ) -> Eval<Points> {
+        due: &[(Dimension, String)],
+    ) -> Eval<Columns> {
         let ExprKind::Text(name) = &file.kind else {
             return self.not_a_source(file.span);
         };
-        let names: Vec<(String, Span)> = match &columns.kind {
+        let names: Vec<(&str, Span)> = match &columns.kind {
             ExprKind::List { items, .. } => items
                 .iter()
                 .filter_map(|i| match &i.kind {
-                    ExprKind::Text(t) => Some((t.clone(), i.span)),
+                    ExprKind::Text(t) => Some((t.as_str(), i.span)),
                     _ => None,
                 })
                 .collect(),
             _ => Vec::new(),
         };
-        let [x_name, y_name] = names.as_slice() else {
-            return self.checked(None, columns.span, "`columns` is no list of two texts");
-        };
-        // names of files are relative to the module's folder
-        let module_path = &self.program.modules[module as usize].path;
-        let path = match module_path.rsplit_once('.') {
-            Some((folder, _)) if !module_path.starts_with("std.") => {
-                format!("{}/{name}", folder.replace('.', "/"))
-            }
-            _ => name.clone(),
-        };
-        let text = match self.host.read_text(&path) {
-            Ok(text) => text,
-            Err(error) => {
-                return Err(self.report(
-                    Diagnostic::error(codes::FILE, format!("the file {path} cannot be read"))
-                        .at(file.span, error.to_string())
-                        .with_help("data files lie in the folder of the model, or below it"),
-                ));
-            }
-        };
+        if names.len() != due.len() {
+            return self.checked(None, columns.span, "`columns` is no list of as many texts");
+        }
+        let (path, text) = self.text_of_file(name, file.span, module)?;
         let text = text.trim_start_matches('\u{feff}');
         let mut lines = text
             .lines()
@@ -68,11 +62,10 @@ impl<'a> Elaborator<'a, '_> {
         } else {
             ','
         };
-        let header = cells(header, separator);
-        let mut index = [0; 2];
-        let mut units: Vec<DisplayUnit> = Vec::with_capacity(2);
-        for (k, (wanted, span)) in [x_name, y_name].into_iter().enumerate() {
-            index[k] = match header.iter().position(|h| h == wanted) {
+        let header: Vec<&str> = cells(header, separator).collect();
+        let mut wanted_columns: Vec<Wanted<'_>> = Vec::with_capacity(names.len());
+        for ((wanted, span), due) in names.iter().zip(due) {
+            let index = match header.iter().position(|h| h == wanted) {
                 Some(i) => i,
                 None => {
                     return Err(self.report(
@@ -96,26 +89,55 @@ impl<'a> Elaborator<'a, '_> {
                     .with_help("give each column of the file a name of its own"),
                 ));
             }
-            units.push(self.column_unit(wanted, *span, &due[k])?);
+            let unit = self.column_unit(wanted, *span, due)?;
+            wanted_columns.push(Wanted {
+                name: wanted,
+                unit,
+                index,
+            });
         }
-        let [x_unit, y_unit] = units.as_slice() else {
-            return self.checked(None, columns.span, "columns without units");
-        };
         let rows = Rows {
             path: &path,
             separator,
             header: header.len(),
-            wanted: [(&x_name.0, x_unit, index[0]), (&y_name.0, y_unit, index[1])],
+            wanted: &wanted_columns,
         };
-        let (columns, numbers) = self.rows_of_csv(lines, &rows, file.span)?;
-        let (x_unit, y_unit) = (x_unit.clone(), y_unit.clone());
-        let [x, y] = columns;
-        Ok(Points {
-            x,
-            y,
-            units: (x_unit, y_unit),
-            file: Some((path, numbers)),
+        let (numbers, row_lines) = self.rows_of_csv(lines, &rows, file.span)?;
+        let units = wanted_columns
+            .into_iter()
+            .map(|column| column.unit)
+            .collect();
+        Ok(Columns {
+            path,
+            numbers,
+            units,
+            lines: row_lines,
         })
+    }
+
+    /// Path and text of a file that a text names. The library's files are part of the program; names of other
+    /// files are relative to the module's folder.
+    fn text_of_file(&mut self, name: &str, place: Span, module: u32) -> Eval<(String, String)> {
+        let module_path = &self.program.modules[module as usize].path;
+        if module_path.starts_with("std.") {
+            let file = crate::library::FILES
+                .iter()
+                .find(|(known, _)| *known == name);
+            let (path, text) = self.checked(file, place, "the library has no such file")?;
+            return Ok(((*path).to_owned(), (*text).to_owned()));
+        }
+        let path = match module_path.rsplit_once('.') {
+            Some((folder, _)) => format!("{}/{name}", folder.replace('.', "/")),
+            None => name.to_owned(),
+        };
+        match self.host.read_text(&path) {
+            Ok(text) => Ok((path, text)),
+            Err(error) => Err(self.report(
+                Diagnostic::error(codes::FILE, format!("the file {path} cannot be read"))
+                    .at(place, error.to_string())
+                    .with_help("data files lie in the folder of the model, or below it"),
+            )),
+        }
     }
 
     /// The numbers (SI) of the wanted columns, and the line of each row.
@@ -124,18 +146,20 @@ impl<'a> Elaborator<'a, '_> {
         lines: impl Iterator<Item = (usize, &'t str)>,
         rows: &Rows<'_>,
         file: Span,
-    ) -> Eval<([Vec<f64>; 2], Vec<usize>)> {
+    ) -> Eval<(Vec<Vec<f64>>, Vec<usize>)> {
         let Rows {
             path,
             separator,
             header,
             wanted,
         } = rows;
-        let mut columns: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
         let mut numbers = Vec::new();
+        let mut row: Vec<&str> = Vec::with_capacity(*header);
         for (number, line) in lines {
             let number = number + 1;
-            let row = cells(line, *separator);
+            row.clear();
+            row.extend(cells(line, *separator));
             numbers.push(number);
             // cells beyond the header, except empty ones after a separator at the end
             if row.iter().skip(*header).any(|cell| !cell.is_empty()) {
@@ -156,15 +180,15 @@ impl<'a> Elaborator<'a, '_> {
                     told.with_help("name each column in the first row")
                 }));
             }
-            for ((name, unit, place), column) in wanted.iter().zip(&mut columns) {
-                let cell = row.get(*place).map_or("", String::as_str);
+            for (Wanted { name, unit, index }, column) in wanted.iter().zip(&mut columns) {
+                let cell = row.get(*index).copied().unwrap_or_default();
                 // a comma is a decimal sign if it does not separate cells
-                let plain = if *separator == ',' {
-                    cell.to_owned()
+                let parsed = if *separator != ',' && cell.contains(',') {
+                    cell.replace(',', ".").parse::<f64>()
                 } else {
-                    cell.replace(',', ".")
+                    cell.parse::<f64>()
                 };
-                match plain.parse::<f64>() {
+                match parsed {
                     Ok(v) if v.is_finite() => column.push(unit.to_si(v)),
                     _ => {
                         return Err(self.report(
@@ -273,15 +297,21 @@ struct Rows<'r> {
     separator: char,
     /// Number of columns in the first row.
     header: usize,
-    /// Name, unit and position of the columns to read.
-    wanted: [(&'r str, &'r DisplayUnit, usize); 2],
+    /// The columns to read.
+    wanted: &'r [Wanted<'r>],
+}
+
+/// A column to read: its name, its unit, its position in the rows.
+struct Wanted<'r> {
+    name: &'r str,
+    unit: DisplayUnit,
+    index: usize,
 }
 
 /// The cells of a row without their quotes.
-fn cells(line: &str, separator: char) -> Vec<String> {
+fn cells(line: &str, separator: char) -> impl Iterator<Item = &str> {
     line.split(separator)
-        .map(|cell| cell.trim().trim_matches('"').trim().to_owned())
-        .collect()
+        .map(|cell| cell.trim().trim_matches('"').trim())
 }
 
 /// A line of a file, shortened for a message.

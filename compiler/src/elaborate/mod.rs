@@ -14,6 +14,7 @@ mod element;
 mod expression;
 mod finish;
 mod flexible;
+mod grid;
 mod model;
 mod output;
 mod reference;

@@ -424,15 +424,16 @@ impl Workbench {
     }
 
     /// A table look-up.
-    pub fn table(&mut self, handle: Node, x: Scalar) -> Scalar {
-        let handle = match x.stage {
-            Stage::Bind => handle,
-            Stage::Motion => self.lift(Stage::Bind, handle),
+    pub fn table(&mut self, handle: Node, arguments: &[Scalar]) -> Scalar {
+        let moves = arguments.iter().any(|x| x.stage == Stage::Motion);
+        let stage = if moves { Stage::Motion } else { Stage::Bind };
+        let mut raised = |from: Stage, node: Node| match (from, stage) {
+            (Stage::Bind, Stage::Motion) => self.lift(Stage::Bind, node),
+            _ => node,
         };
-        let node = self.graph(x.stage).table(handle, x.node, 0);
-        Scalar {
-            stage: x.stage,
-            node,
-        }
+        let handle = raised(Stage::Bind, handle);
+        let nodes: Vec<Node> = arguments.iter().map(|x| raised(x.stage, x.node)).collect();
+        let node = self.graph(stage).table(handle, &nodes);
+        Scalar { stage, node }
     }
 }

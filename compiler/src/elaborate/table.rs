@@ -1,34 +1,62 @@
-//! Tables: numbers from a CSV file of the model or from the text.
+//! Tables: their points from a CSV file or from the text, and tables of one argument.
 
 use super::value::{ScopeId, Value};
-use super::{Elaborator, Eval};
+use super::{Elaborator, Eval, Reported};
 use crate::codes;
 use eng_grammar::ast::{self, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::table::{Extrapolation, Interpolation, Table, TableError};
 use eng_system::{Dimension, DisplayUnit};
 
-/// Points of a table.
-pub(crate) struct Points {
-    /// Arguments (SI).
-    pub x: Vec<f64>,
-    /// Values (SI).
-    pub y: Vec<f64>,
-    /// Display units of arguments and values in messages.
-    pub units: (DisplayUnit, DisplayUnit),
-    /// The file of the points, and the line of each.
+/// Points of a table (SI).
+pub(super) struct Points {
+    /// Arguments: of every value in a table of one argument and in a file, else once each.
+    pub arguments: Vec<Vec<f64>>,
+    pub values: Vec<f64>,
+    /// Display units of the arguments in messages.
+    pub units: Vec<DisplayUnit>,
+    /// Display unit of the values in messages.
+    pub unit: DisplayUnit,
+    /// The file of the points, and the line of each value.
     pub file: Option<(String, Vec<usize>)>,
 }
 
-/// The data of a table for lints (SI).
-struct Measured<'p> {
-    argument: &'p [f64],
-    value: &'p [f64],
-    /// The period of a closed spline.
-    period: Option<f64>,
-    is_pressure: bool,
+impl Points {
+    /// The place of a value in messages; rows count from 0.
+    pub fn place(&self, row: usize) -> String {
+        match &self.file {
+            Some((path, lines)) => match lines.get(row) {
+                Some(line) => format!("{path}:{line}"),
+                None => path.clone(),
+            },
+            None => format!("point {}", row + 1),
+        }
+    }
+}
+
+/// The source of a table: its word, its arguments without a name, and the columns of a file.
+pub(super) struct Source<'a> {
+    word: &'a str,
+    plain: Vec<&'a ast::Expr>,
+    columns: Option<&'a ast::Expr>,
+}
+
+impl Source<'_> {
     /// The place of the values.
-    stated: Span,
+    fn values(&self) -> Option<&ast::Expr> {
+        match self.word {
+            "points" => self.plain.last().copied(),
+            _ => None,
+        }
+    }
+}
+
+/// What a table of one argument states besides its points.
+struct Options {
+    interpolation: Interpolation,
+    extrapolation: Option<Extrapolation>,
+    /// The period (SI).
+    period: Option<f64>,
 }
 
 fn pressure() -> Dimension {
@@ -45,115 +73,179 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
         module: u32,
     ) -> Eval<Value<'a>> {
-        let argument = match table.parameters.first() {
-            Some(p) => self.dimension_at(p.ty.span, scope)?,
-            None => Dimension::ONE,
-        };
-        let result = match &table.result {
-            Some(ty) => self.dimension_at(ty.span, scope)?,
-            None => Dimension::ONE,
-        };
-        let source = &table.source;
-        let (callee, arguments) = self.called(source)?;
-        let ExprKind::Name(kind) = &callee.kind else {
-            return self.not_a_source(source.span);
-        };
-        let mut interpolation = Interpolation::Cubic;
-        let mut extrapolation = None;
-        let mut period = None;
-        let mut columns: Option<&'a ast::Expr> = None;
-        let mut plain = Vec::new();
-        for a in arguments {
-            match a.name.as_ref().map(|n| n.text.as_str()) {
-                None => plain.push(&a.value),
-                Some("columns") => columns = Some(&a.value),
-                Some("periodic") => {
-                    let value = self.evaluate(&a.value, scope)?;
-                    let s = self.as_scalar(value, a.value.span)?;
-                    period = Some(self.structural(s, a.value.span)?);
-                }
-                Some("interpolation") => {
-                    interpolation = match &a.value.kind {
-                        ExprKind::Name(n) if n == "cubic" => Interpolation::Cubic,
-                        ExprKind::Name(n) if n == "monotone" => Interpolation::Monotone,
-                        _ => return self.checked(None, a.value.span, "no interpolation"),
-                    }
-                }
-                Some("extrapolation") => {
-                    extrapolation = match &a.value.kind {
-                        ExprKind::Name(n) if n == "hold" => Some(Extrapolation::Hold),
-                        ExprKind::Name(n) if n == "linear" => Some(Extrapolation::Linear),
-                        _ => return self.checked(None, a.value.span, "no extrapolation"),
-                    }
-                }
-                Some(_) => return self.checked(None, a.value.span, "no argument of a table"),
-            }
+        let mut due = Vec::with_capacity(table.parameters.len() + 1);
+        let types = table.parameters.iter().map(|p| &p.ty);
+        for ty in types.chain(table.result.as_ref()) {
+            let dimension = self.dimension_at(ty.span, scope)?;
+            due.push((dimension, self.sources.text(ty.span).to_owned()));
         }
-        let points = match (kind.as_str(), plain.as_slice()) {
-            ("points", [xs, ys]) => {
+        let (callee, arguments) = self.called(&table.source)?;
+        let ExprKind::Name(word) = &callee.kind else {
+            return self.not_a_source(table.source.span);
+        };
+        let named = |name: &str| {
+            let is = |a: &&'a ast::Argument| a.name.as_ref().is_some_and(|n| n.text == name);
+            arguments.iter().find(is).map(|a| &a.value)
+        };
+        let source = Source {
+            word,
+            plain: arguments
+                .iter()
+                .filter(|a| a.name.is_none())
+                .map(|a| &a.value)
+                .collect(),
+            columns: named("columns"),
+        };
+        let points = self.points_of(table, &source, &due, (scope, module))?;
+        self.refuse_below_zero(table, &source, &points, &due)?;
+        let stated = source.columns.or(source.values());
+        self.doubtful_peak(table, stated, &points, &due);
+        let made = if table.parameters.len() == 1 {
+            let options = self.options_of_curve(&named, scope)?;
+            self.curve(table, points, options)?
+        } else {
+            let mut ends = Vec::with_capacity(table.parameters.len());
+            for parameter in &table.parameters {
+                ends.push(self.ends_of(named(&parameter.name.text), scope)?);
+            }
+            self.grid(table, points, ends)?
+        };
+        self.tables.push(made);
+        Ok(self.table_handle(self.tables.len() - 1))
+    }
+
+    /// The points of a table from its source.
+    fn points_of(
+        &mut self,
+        table: &'a ast::Table,
+        source: &Source<'a>,
+        due: &[(Dimension, String)],
+        (scope, module): (ScopeId, u32),
+    ) -> Eval<Points> {
+        let place = table.source.span;
+        match (source.word, source.plain.as_slice()) {
+            ("points", lists) if lists.len() == due.len() => {
                 // the units of the text, for messages
-                let unit = |e: &Self, list: &ast::Expr, dimension| {
-                    e.literal_unit(list)
-                        .unwrap_or_else(|| e.natural_unit(dimension))
-                };
-                Points {
-                    x: self.numbers(xs, scope)?,
-                    y: self.numbers(ys, scope)?,
-                    units: (unit(self, xs, argument), unit(self, ys, result)),
-                    file: None,
+                let mut units: Vec<DisplayUnit> = lists
+                    .iter()
+                    .zip(due)
+                    .map(|(list, (dimension, _))| {
+                        self.literal_unit(list)
+                            .unwrap_or_else(|| self.natural_unit(*dimension))
+                    })
+                    .collect();
+                let mut numbers = Vec::with_capacity(lists.len());
+                for list in lists {
+                    numbers.push(self.numbers(list, scope)?);
                 }
+                if let ([x, y], [xs, ys]) = (numbers.as_slice(), lists)
+                    && x.len() != y.len()
+                {
+                    return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
+                }
+                let unit = self.checked(units.pop(), place, "a table without values")?;
+                Ok(Points {
+                    values: self.checked(numbers.pop(), place, "a table without values")?,
+                    arguments: numbers,
+                    units,
+                    unit,
+                    file: None,
+                })
             }
             ("csv", [file]) => {
-                let columns = self.checked(columns, source.span, "`csv` without its columns")?;
-                let text = |ty: Option<&ast::TypeExpr>| {
-                    ty.map_or("a number", |t| self.sources.text(t.span))
-                        .to_owned()
-                };
-                let due = [
-                    (argument, text(table.parameters.first().map(|p| &p.ty))),
-                    (result, text(table.result.as_ref())),
-                ];
-                self.read_csv(file, columns, module, &due)?
+                let columns = self.checked(source.columns, place, "`csv` without its columns")?;
+                let mut read = self.read_csv(file, columns, module, due)?;
+                let unit = read.units.pop();
+                let values = read.numbers.pop();
+                Ok(Points {
+                    values: self.checked(values, columns.span, "no column of values")?,
+                    arguments: read.numbers,
+                    units: read.units,
+                    unit: self.checked(unit, columns.span, "no column of values")?,
+                    file: Some((read.path, read.lines)),
+                })
             }
-            _ => return self.not_a_source(source.span),
-        };
-        let Points { x, y, units, file } = points;
-        if let ([xs, ys], true) = (plain.as_slice(), x.len() != y.len()) {
-            return Err(self.lengths(x.len(), xs.span, y.len(), ys.span));
+            _ => self.not_a_source(place),
         }
-        self.refuse_below_zero(table, (result, &y, &units.1), (&plain, file.as_ref()))?;
-        let measured = Measured {
-            argument: &x,
-            value: &y,
-            period: period.filter(|_| matches!(interpolation, Interpolation::Cubic)),
-            is_pressure: result == pressure(),
-            stated: columns
-                .or(plain.get(1).copied())
-                .map_or(source.span, |e| e.span),
+    }
+
+    fn options_of_curve(
+        &mut self,
+        named: &dyn Fn(&str) -> Option<&'a ast::Expr>,
+        scope: ScopeId,
+    ) -> Eval<Options> {
+        let word = |expr: &'a ast::Expr| match &expr.kind {
+            ExprKind::Name(word) => word.as_str(),
+            _ => "",
         };
-        self.doubtful(table, &measured, &units);
-        match Table::new(
-            table.name.text.clone(),
-            x,
-            y,
+        let interpolation = match named("interpolation").map(|e| (word(e), e.span)) {
+            None | Some(("cubic", _)) => Interpolation::Cubic,
+            Some(("monotone", _)) => Interpolation::Monotone,
+            Some((_, place)) => return self.checked(None, place, "no interpolation"),
+        };
+        let extrapolation = match named("extrapolation").map(|e| (word(e), e.span)) {
+            None => None,
+            Some(("hold", _)) => Some(Extrapolation::Hold),
+            Some(("linear", _)) => Some(Extrapolation::Linear),
+            Some((_, place)) => return self.checked(None, place, "no extrapolation"),
+        };
+        let period = match named("periodic") {
+            Some(expr) => Some(self.structural_number(expr, scope)?),
+            None => None,
+        };
+        Ok(Options {
             interpolation,
             extrapolation,
             period,
-        ) {
-            Ok(t) => {
-                let place = super::location(table.name.span);
-                self.tables.push(t.written(place, units.0));
-                let index = self.tables.len() - 1;
-                Ok(self.table_handle(index))
-            }
-            Err(error) => Err(self.report(
-                Diagnostic::error(
-                    codes::TABLE_POINTS,
-                    format!("the points of table `{}` make no function", table.name.text),
-                )
-                .at(source.span, points_text(&error, &units, file.as_ref())),
-            )),
+        })
+    }
+
+    /// A number of the text, which parameters do not change.
+    pub(super) fn structural_number(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<f64> {
+        let value = self.evaluate(expr, scope)?;
+        let number = self.as_scalar(value, expr.span)?;
+        self.structural(number, expr.span)
+    }
+
+    /// A table of one argument.
+    fn curve(&mut self, table: &'a ast::Table, points: Points, options: Options) -> Eval<Table> {
+        let place = table.source.span;
+        let x = self.checked(points.arguments.first(), place, "a table without arguments")?;
+        let units = (
+            self.checked(points.units.first(), place, "a table without arguments")?
+                .clone(),
+            points.unit.clone(),
+        );
+        if let (Interpolation::Cubic, Some(period)) = (options.interpolation, options.period) {
+            self.doubtful_gap(table, x, period, &units.0);
         }
+        let name = table.name.text.clone();
+        let made = Table::new(
+            name,
+            x.clone(),
+            points.values.clone(),
+            options.interpolation,
+            options.extrapolation,
+            options.period,
+        );
+        match made {
+            Ok(made) => Ok(made.written(super::location(table.name.span), points.units)),
+            Err(error) => {
+                let text = points_text(&error, &units, &points);
+                Err(self.no_function(table, text))
+            }
+        }
+    }
+
+    /// The error for points that make no function.
+    pub(super) fn no_function(&mut self, table: &ast::Table, text: String) -> Reported {
+        self.report(
+            Diagnostic::error(
+                codes::TABLE_POINTS,
+                format!("the points of table `{}` make no function", table.name.text),
+            )
+            .at(table.source.span, text),
+        )
     }
 
     /// Refuses negative absolute pressures and temperatures. Cycle angles are points too, but may be
@@ -161,9 +253,12 @@ impl<'a> Elaborator<'a, '_> {
     fn refuse_below_zero(
         &mut self,
         table: &ast::Table,
-        (result, values, unit): (Dimension, &[f64], &DisplayUnit),
-        (arguments, file): (&[&ast::Expr], Option<&(String, Vec<usize>)>),
+        source: &Source<'_>,
+        points: &Points,
+        due: &[(Dimension, String)],
     ) -> Eval<()> {
+        let result = due.last().map_or(Dimension::ONE, |(result, _)| *result);
+        let (values, unit) = (&points.values, &points.unit);
         let declared = table.result.as_ref().map(|t| self.sources.text(t.span));
         let named = declared.and_then(|name| self.program.dimensions.get(name));
         let is_point = named.is_some_and(|named| named.point_of.is_some());
@@ -176,15 +271,15 @@ impl<'a> Elaborator<'a, '_> {
             return Ok(());
         };
         let value = unit.text(values.get(index).copied().unwrap_or_default());
-        let span = match arguments.get(1).map(|list| (&list.kind, list.span)) {
-            Some((ExprKind::List { items, .. }, span)) => {
+        let span = match source.values().map(|list| (&list.kind, list.span)) {
+            Some((ExprKind::List { items, .. }, span)) if table.parameters.len() == 1 => {
                 items.get(index).map_or(span, |item| item.span)
             }
             Some((_, span)) => span,
-            None => arguments.first().map_or(table.source.span, |e| e.span),
+            None => source.plain.first().map_or(table.source.span, |e| e.span),
         };
-        let place = match file.and_then(|(path, lines)| Some((path, lines.get(index)?))) {
-            Some((path, line)) => format!("{path}:{line} holds {value}"),
+        let place = match points.file {
+            Some(_) => format!("{} holds {value}", points.place(index)),
             None => format!("this is {value}"),
         };
         Err(self.report(
@@ -201,81 +296,96 @@ impl<'a> Elaborator<'a, '_> {
         ))
     }
 
-    /// Lints on the points of a table.
-    fn doubtful(
+    /// The lint on pressures that no engine part stands.
+    fn doubtful_peak(
         &mut self,
         table: &ast::Table,
-        points: &Measured<'_>,
-        units: &(DisplayUnit, DisplayUnit),
+        stated: Option<&ast::Expr>,
+        points: &Points,
+        due: &[(Dimension, String)],
     ) {
-        let peak = points.value.iter().copied().fold(0.0, f64::max);
-        if points.is_pressure && peak > MOST_PRESSURE {
+        let is_pressure = due.last().is_some_and(|(result, _)| *result == pressure());
+        let peak = points.values.iter().copied().fold(0.0, f64::max);
+        if is_pressure && peak > MOST_PRESSURE {
+            let unit = &points.unit;
             self.diagnostics.push(
                 Diagnostic::warning(
                     codes::TABLE_PEAK,
-                    format!("table `{}` reaches {}", table.name.text, units.1.text(peak)),
+                    format!("table `{}` reaches {}", table.name.text, unit.text(peak)),
                 )
                 .at(table.name.span, "no engine part stands this pressure")
-                .also(points.stated, format!("read in {}", units.1.symbol))
+                .also(
+                    stated.map_or(table.source.span, |e| e.span),
+                    format!("read in {}", unit.symbol),
+                )
                 .with_help("see which unit the numbers have: a column in pascal is `p [Pa]`"),
             );
         }
-        let gap = points
-            .period
-            .and_then(|period| period_gap(points.argument, period));
-        if let Some((last, next, usual)) = gap {
-            self.diagnostics.push(
-                Diagnostic::warning(
-                    codes::PERIOD_GAP,
-                    format!(
-                        "the points of table `{}` leave out a part of its period",
-                        table.name.text
-                    ),
-                )
-                .at(
-                    table.source.span,
-                    format!(
-                        "none from {} to {}, where the next period begins",
-                        units.0.text(last),
-                        units.0.text(next)
-                    ),
-                )
-                .with_note(format!(
-                    "elsewhere they are {} apart; the spline bridges the gap by a curve of its own",
-                    units.0.text(usual)
-                ))
-                .with_help(
-                    "state points over the whole period, or take `interpolation: monotone`, which stays between the two values",
+    }
+
+    /// The lint on a part of a period without points.
+    fn doubtful_gap(&mut self, table: &ast::Table, x: &[f64], period: f64, unit: &DisplayUnit) {
+        let Some((last, next, usual)) = period_gap(x, period) else {
+            return;
+        };
+        self.diagnostics.push(
+            Diagnostic::warning(
+                codes::PERIOD_GAP,
+                format!(
+                    "the points of table `{}` leave out a part of its period",
+                    table.name.text
                 ),
-            );
-        }
+            )
+            .at(
+                table.source.span,
+                format!(
+                    "none from {} to {}, where the next period begins",
+                    unit.text(last),
+                    unit.text(next)
+                ),
+            )
+            .with_note(format!(
+                "elsewhere they are {} apart; the spline bridges the gap by a curve of its own",
+                unit.text(usual)
+            ))
+            .with_help(
+                "state points over the whole period, or take `interpolation: monotone`, which stays between the two values",
+            ),
+        );
     }
 
     pub fn not_a_source<T>(&mut self, span: Span) -> Eval<T> {
         self.checked(None, span, "neither `csv(…)` nor `points(…)`")
     }
 
+    /// The numbers of a list, or of lists in a list, in the order of the text.
     fn numbers(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<Vec<f64>> {
         let value = self.evaluate(expr, scope)?;
-        let components = self.as_components(value, expr.span)?;
-        components
-            .into_iter()
-            .map(|s| self.structural(s, expr.span))
-            .collect()
+        let mut numbers = Vec::new();
+        self.collect_numbers(value, expr.span, &mut numbers)?;
+        Ok(numbers)
+    }
+
+    fn collect_numbers(&mut self, value: Value<'a>, place: Span, to: &mut Vec<f64>) -> Eval<()> {
+        let nested =
+            matches!(&value, Value::List(items) if matches!(items.first(), Some(Value::List(_))));
+        if nested {
+            let items: Vec<Value<'a>> = self.read(value, place)?;
+            for item in items {
+                self.collect_numbers(item, place, to)?;
+            }
+            return Ok(());
+        }
+        for component in self.as_components(value, place)? {
+            to.push(self.structural(component, place)?);
+        }
+        Ok(())
     }
 }
 
 /// The message about wrong points, in their units and at their line.
-fn points_text(
-    error: &TableError,
-    (x, y): &(DisplayUnit, DisplayUnit),
-    file: Option<&(String, Vec<usize>)>,
-) -> String {
-    let place = |row: &usize| match file.and_then(|(path, lines)| Some((path, lines.get(row - 1)?)))
-    {
-        Some((path, line)) => format!("{path}:{line}"),
-        None => format!("point {row}"),
-    };
+fn points_text(error: &TableError, (x, y): &(DisplayUnit, DisplayUnit), points: &Points) -> String {
+    let place = |row: &usize| points.place(row.saturating_sub(1));
     match error {
         TableError::NotRising {
             row, before, after, ..

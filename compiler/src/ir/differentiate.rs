@@ -9,7 +9,7 @@
 //!   the result is not finite. Laws keep away from there by a floor.
 //! * `power(b, e)`: the slope over b is e·power(b, e − 1), finite at b = 0 for e ≥ 1; the slope over e is
 //!   power(b, e)·log b for b > 0 and taken as zero for b ≤ 0.
-//! * The fourth derivative of a table is zero.
+//! * The fourth derivative of a table in one argument is zero.
 
 use super::graph::{Graph, Node, Op};
 use super::optimise::dependencies;
@@ -133,10 +133,14 @@ pub(crate) fn partials(graph: &mut Graph, node: Node) -> Vec<(Node, Node)> {
             list
         }
         Op::Select(flag, then, otherwise) => choice(graph, flag, then, otherwise),
-        Op::Table(handle, argument, order) if order < 3 => {
-            vec![(argument, graph.table(handle, argument, order + 1))]
+        Op::Table(handle, arguments, orders) => {
+            let slope = |(k, argument): (usize, &Node)| {
+                let slope = Op::Table(handle, arguments, orders.raised(k)?);
+                Some((*argument, graph.push(slope)))
+            };
+            let list = arguments.iter().take(orders.arguments()).enumerate();
+            list.filter_map(slope).collect()
         }
-        Op::Table(..) => Vec::new(),
     }
 }
 

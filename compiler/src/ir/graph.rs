@@ -1,5 +1,7 @@
 //! The graph and its builder.
 
+use super::look_up::Orders;
+use eng_system::table::MOST_ARGUMENTS;
 use std::collections::HashMap;
 
 /// A value of a [`Graph`].
@@ -48,8 +50,9 @@ pub enum Op {
     Not(Node),
     /// flag, value if set, value if not.
     Select(Node, Node, Node),
-    /// Table look-up: handle (a float with the table's index), argument, order of the derivative.
-    Table(Node, Node, u8),
+    /// Table look-up: handle (a float with the table's index), arguments, orders of the derivative. Node 0 fills the
+    /// places of arguments that the table does not have.
+    Table(Node, [Node; MOST_ARGUMENTS], Orders),
 }
 
 impl Op {
@@ -57,7 +60,7 @@ impl Op {
     pub fn operands(self) -> impl DoubleEndedIterator<Item = Node> + Clone {
         let none = Node(0);
         let (list, count) = match self {
-            Op::Input(_) | Op::Constant(_) => ([none; 3], 0),
+            Op::Input(_) | Op::Constant(_) => ([none; 4], 0),
             Op::Negate(a)
             | Op::Abs(a)
             | Op::Sqrt(a)
@@ -70,7 +73,7 @@ impl Op {
             | Op::Tanh(a)
             | Op::Exp(a)
             | Op::Log(a)
-            | Op::Not(a) => ([a, none, none], 1),
+            | Op::Not(a) => ([a, none, none, none], 1),
             Op::Add(a, b)
             | Op::Subtract(a, b)
             | Op::Multiply(a, b)
@@ -83,9 +86,9 @@ impl Op {
             | Op::LessEqual(a, b)
             | Op::Equal(a, b)
             | Op::And(a, b)
-            | Op::Or(a, b)
-            | Op::Table(a, b, _) => ([a, b, none], 2),
-            Op::Select(a, b, c) => ([a, b, c], 3),
+            | Op::Or(a, b) => ([a, b, none, none], 2),
+            Op::Select(a, b, c) => ([a, b, c, none], 3),
+            Op::Table(handle, [a, b, c], orders) => ([handle, a, b, c], 1 + orders.arguments()),
         };
         list.into_iter().take(count)
     }
@@ -121,7 +124,13 @@ impl Op {
             Op::Or(a, b) => Op::Or(f(a), f(b)),
             Op::Not(a) => Op::Not(f(a)),
             Op::Select(a, b, c) => Op::Select(f(a), f(b), f(c)),
-            Op::Table(a, b, order) => Op::Table(f(a), f(b), order),
+            Op::Table(handle, mut arguments, orders) => {
+                let handle = f(handle);
+                for argument in arguments.iter_mut().take(orders.arguments()) {
+                    *argument = f(*argument);
+                }
+                Op::Table(handle, arguments, orders)
+            }
         }
     }
 
@@ -604,13 +613,17 @@ impl Graph {
             Op::Or(a, b) => self.or(a, b),
             Op::Not(a) => self.not(a),
             Op::Select(flag, then, otherwise) => self.select(flag, then, otherwise),
-            Op::Table(handle, argument, order) => self.table(handle, argument, order),
+            Op::Table(..) => self.push(op),
         }
     }
 
-    /// Table look-up.
-    pub fn table(&mut self, handle: Node, argument: Node, order: u8) -> Node {
-        self.push(Op::Table(handle, argument, order))
+    /// The value of a table; arguments beyond the largest number of a table do not count.
+    pub fn table(&mut self, handle: Node, arguments: &[Node]) -> Node {
+        let mut list = [Node(0); MOST_ARGUMENTS];
+        for (place, argument) in list.iter_mut().zip(arguments) {
+            *place = *argument;
+        }
+        self.push(Op::Table(handle, list, Orders::of_value(arguments.len())))
     }
 }
 

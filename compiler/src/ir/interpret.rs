@@ -5,6 +5,7 @@
 
 use super::class::ClassFunctions;
 use super::graph::{Function, Node, Op};
+use super::look_up;
 use eng_system::code::{ElementCode, Function as Which, Pair};
 use eng_system::table::{Outside, Table};
 use std::sync::{Mutex, PoisonError};
@@ -124,9 +125,13 @@ pub(crate) fn operate(op: Op, values: &[Pair], tables: &[Table]) -> Pair {
             let pick = |k: usize| if f[k] != 0.0 { a[k] } else { b[k] };
             [pick(0), pick(1)]
         }
-        Op::Table(handle, argument, order) => both(of(handle), of(argument), |h, x| {
-            look_up(tables, h, x, order)
-        }),
+        Op::Table(handle, arguments, orders) => {
+            let handle = of(handle);
+            let lane = |k: usize| {
+                look_up::look_up(tables, handle[k], &arguments.map(|a| of(a)[k]), orders)
+            };
+            [lane(0), lane(1)]
+        }
     }
 }
 
@@ -139,17 +144,6 @@ fn flag(set: bool) -> f64 {
     if set { 1.0 } else { 0.0 }
 }
 
-/// The value of a table by its handle; NaN if there is none.
-pub(crate) fn look_up(tables: &[Table], handle: f64, argument: f64, order: u8) -> f64 {
-    // the comparison also excludes NaN
-    if !(handle >= 0.0 && handle < tables.len() as f64) {
-        return f64::NAN;
-    }
-    tables
-        .get(handle as usize)
-        .map_or(f64::NAN, |table| table.evaluate(argument, order))
-}
-
 /// The first table that is evaluated outside its points, for each instance. `values` are those of the
 /// operations.
 pub(crate) fn outside(
@@ -159,12 +153,14 @@ pub(crate) fn outside(
 ) -> [Option<Outside>; 2] {
     [0, 1].map(|lane| {
         operations.iter().find_map(|op| {
-            let Op::Table(handle, argument, _) = *op else {
+            let Op::Table(handle, arguments, orders) = *op else {
                 return None;
             };
-            let of = |node: Node| values.get(node.0 as usize).map(|pair| pair[lane]);
-            let handle = of(handle).filter(|h| *h >= 0.0 && *h < tables.len() as f64)?;
-            tables.get(handle as usize)?.outside(of(argument)?)
+            let of = |node: Node| {
+                let pair = values.get(node.0 as usize);
+                pair.map_or(f64::NAN, |pair| pair[lane])
+            };
+            look_up::outside(tables, of(handle), &arguments.map(of), orders)
         })
     })
 }

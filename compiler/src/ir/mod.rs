@@ -9,6 +9,7 @@ pub mod differentiate;
 pub mod graph;
 pub mod interpret;
 mod linearise;
+pub mod look_up;
 pub mod optimise;
 mod print;
 
@@ -18,4 +19,5 @@ pub use differentiate::{
 };
 pub use graph::{Function, Graph, Node, Op};
 pub use interpret::{InterpretedClass, Interpreter};
+pub use look_up::Orders;
 pub use optimise::{copy_into, optimise};

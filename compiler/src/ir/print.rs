@@ -23,8 +23,11 @@ impl Function {
                     for (i, operand) in op.operands().enumerate() {
                         write!(f, "{} v{}", if i == 0 { "" } else { "," }, operand.0)?;
                     }
-                    if let Op::Table(_, _, order) = op {
-                        write!(f, ", order {order}")?;
+                    if let Op::Table(_, _, orders) = op {
+                        write!(f, ", order")?;
+                        for order in orders.each() {
+                            write!(f, " {order}")?;
+                        }
                     }
                 }
             }

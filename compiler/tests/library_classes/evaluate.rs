@@ -75,7 +75,14 @@ fn operate(op: Op, values: &[Double], inputs: &[Double], tables: &[Table]) -> Do
                 of(b)
             }
         }
-        Op::Table(handle, x, order) => cubic(&tables[of(handle).high as usize], of(x), order),
+        Op::Table(handle, arguments, orders) => {
+            let arguments = arguments.map(of);
+            let (table, x) = (
+                &tables[of(handle).high as usize],
+                &arguments[..orders.arguments()],
+            );
+            cubic(table, x, orders.each(), &mut Vec::new())
+        }
     }
 }
 
@@ -87,15 +94,21 @@ fn grid(x: f64) -> [f64; 4] {
     [-1.0, 0.0, 1.0, 2.0].map(|k| start + k * SPACING)
 }
 
-/// A table's value by the cubic through four of its own values (Lagrange); derivatives are taken by the table itself.
-fn cubic(table: &Table, x: Double, order: u8) -> Double {
-    let points = grid(x.high);
+/// A table's value by the cubic through four of its own values along each argument (Lagrange); derivatives are taken by the table
+/// itself. `fixed` holds the points of the first arguments.
+fn cubic(table: &Table, x: &[Double], orders: &[u8], fixed: &mut Vec<f64>) -> Double {
+    let Some(here) = x.get(fixed.len()) else {
+        return Double::from(table.evaluate(fixed, orders));
+    };
+    let points = grid(here.high);
     let mut sum = Double::ZERO;
     for (i, a) in points.iter().enumerate() {
-        let mut term = Double::from(table.evaluate(*a, order));
+        fixed.push(*a);
+        let mut term = cubic(table, x, orders, fixed);
+        fixed.pop();
         for (j, b) in points.iter().enumerate() {
             if i != j {
-                term = term * (x - (*b).into()) / (a - b).into();
+                term = term * (*here - (*b).into()) / (a - b).into();
             }
         }
         sum = sum + term;
@@ -133,13 +146,25 @@ pub fn nearest_kink(function: &Function, inputs: &[Double], tables: &[Table]) ->
             Op::Abs(a) => of(a).abs(),
             Op::Atan2(y, x) if of(x) < 0.0 => of(y).abs() / of(x).abs(),
             Op::Asin(a) | Op::Acos(a) => 1.0 - of(a).abs(),
-            Op::Table(handle, x, _) => {
+            Op::Table(handle, arguments, orders) => {
                 let table = &tables[of(handle) as usize];
-                let here = table.evaluate(of(x), 3);
-                let one_piece = grid(of(x))
-                    .iter()
-                    .all(|p| table.evaluate(*p, 3).to_bits() == here.to_bits());
-                if one_piece { f64::INFINITY } else { 0.0 }
+                let arguments = arguments.map(of);
+                let x = &arguments[..orders.arguments()];
+                let one_piece = |k: usize| {
+                    let mut third = vec![0; x.len()];
+                    third[k] = 3;
+                    let here = table.evaluate(x, &third);
+                    let mut moved = x.to_vec();
+                    grid(x[k]).iter().all(|p| {
+                        moved[k] = *p;
+                        table.evaluate(&moved, &third).to_bits() == here.to_bits()
+                    })
+                };
+                if (0..x.len()).all(one_piece) {
+                    f64::INFINITY
+                } else {
+                    0.0
+                }
             }
             _ => f64::INFINITY,
         };

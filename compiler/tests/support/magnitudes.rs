@@ -61,11 +61,19 @@ pub fn with_magnitudes_from(
                     + if slope.is_finite() { slope } else { 0.0 }
                     + (value * libm::log(v(b).abs())).abs() * m(e)
             }
-            Op::Table(handle, x, order) => {
-                let slope = tables
-                    .get(v(handle) as usize)
-                    .map_or(0.0, |t| t.evaluate(v(x), order + 1));
-                value + slope.abs() * m(x)
+            Op::Table(handle, arguments, orders) => {
+                let count = orders.arguments();
+                let x = &arguments.map(v)[..count];
+                let mut size = value;
+                for k in 0..count {
+                    let mut raised = orders.each().to_vec();
+                    raised[k] += 1;
+                    let slope = tables
+                        .get(v(handle) as usize)
+                        .map_or(0.0, |t| t.evaluate(x, &raised));
+                    size += slope.abs() * m(arguments[k]);
+                }
+                size
             }
             _ => value,
         };

@@ -6,7 +6,7 @@ pub mod magnitudes;
 use eng_compiler::ir::{ClassBody, Graph, Node, Op};
 use eng_system::code::{ElementCode, Function, Pair};
 use eng_system::layout::InputLayout;
-use eng_system::table::{Extrapolation, Interpolation, Table};
+use eng_system::table::{Argument, End, Ends, Extrapolation, Interpolation, Table};
 
 pub type Vector = [Node; 3];
 
@@ -182,7 +182,7 @@ pub fn cam(plain: bool) -> ClassBody {
     let angle = b.g.atan2(s, c);
     let error = b.g.subtract(angle, phase);
     let second = b.g.unary(Op::Sin, error);
-    let lift = b.g.table(table, angle, 0);
+    let lift = b.g.table(table, &[angle]);
     let bz = b.axis(1, 2);
     let height = b.dot(e, bz);
     let third = b.g.subtract(height, lift);
@@ -334,7 +334,7 @@ pub fn bushing(plain: bool) -> ClassBody {
     let third = b.c(1.3);
     let stiff = b.g.power(side, third);
     let bent = b.g.power(grown, quotient);
-    let looked = b.g.table(table, d[1], 0);
+    let looked = b.g.table(table, &[d[1]]);
     let lower = b.g.less_equal(d[1], d[2]);
     let fast = b.g.less(v[0], v[1]);
     let same = b.g.equal(v[0], v[2]);
@@ -391,7 +391,40 @@ pub fn tables() -> Vec<Table> {
             None,
         )
         .expect("valid points"),
+        surface(&[]),
+        surface(&[-1.1, -0.2, 0.4, 1.2]),
     ]
+}
+
+/// A table with a period in its first argument and mirrors in its second, and a third argument if it has points.
+fn surface(third: &[f64]) -> Table {
+    use core::f64::consts::{FRAC_PI_2, TAU};
+    let argument = |name: &str, points: Vec<f64>, ends| Argument {
+        name: name.to_owned(),
+        points,
+        ends,
+    };
+    let x: Vec<f64> = (0..9).map(|i| TAU * f64::from(i) / 9.0).collect();
+    let y: Vec<f64> = (0..7).map(|i| FRAC_PI_2 * f64::from(i) / 6.0).collect();
+    let over = if third.is_empty() { &[0.0] } else { third };
+    let mut values = Vec::new();
+    for x in &x {
+        for y in &y {
+            values.extend(over.iter().map(|z| {
+                let bend = 0.2 * libm::sin(*x) * libm::cos(3.0 * y) * (1.0 + z * z);
+                libm::cos(*y) * (1.0 + 0.3 * libm::cos(*x)) + bend
+            }));
+        }
+    }
+    let mut arguments = vec![
+        argument("x", x, Ends::Periodic(TAU)),
+        argument("y", y, Ends::Each([End::Even, End::Odd])),
+    ];
+    if !third.is_empty() {
+        let ends = Ends::Each([End::Hold, End::Linear]);
+        arguments.push(argument("z", third.to_vec(), ends));
+    }
+    Table::grid("surface", arguments, values).expect("a grid")
 }
 
 /// Splitmix64.

@@ -38,10 +38,17 @@ impl<'a> Elaborator<'a, '_> {
                 self.apply(&closure, values, expr.span, scope)
             }
             Value::Table(table) => {
-                let first = self.checked(arguments.first(), expr.span, "it has no argument")?;
-                let value = self.evaluate(&first.value, scope)?;
-                let x = self.as_scalar(value, first.value.span)?;
-                Ok(Value::Scalar(self.look_up_table(table, x)))
+                let places = self.call_at(expr.span)?;
+                let mut given: Vec<Option<Scalar>> = vec![None; arguments.len()];
+                for (argument, place) in arguments.iter().zip(places.iter()) {
+                    let value = self.evaluate(&argument.value, scope)?;
+                    let x = self.as_scalar(value, argument.value.span)?;
+                    let place = given.get_mut(*place as usize);
+                    *self.checked(place, argument.value.span, "no such argument")? = Some(x);
+                }
+                let all: Option<Vec<Scalar>> = given.into_iter().collect();
+                let all = self.checked(all, expr.span, "an argument of a table is missing")?;
+                Ok(Value::Scalar(self.look_up_table(table, &all)))
             }
             Value::Definition(id) => self.construct(id, expr.span, arguments, scope),
             other => {
@@ -51,8 +58,8 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    pub fn look_up_table(&mut self, table: TableValue, x: Scalar) -> Scalar {
-        self.bench.table(table.handle, x)
+    pub fn look_up_table(&mut self, table: TableValue, arguments: &[Scalar]) -> Scalar {
+        self.bench.table(table.handle, arguments)
     }
 
     /// Calls a function of the text with the values of the arguments, in their order at the call.

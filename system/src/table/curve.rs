@@ -1,7 +1,7 @@
-//! Interpolated tables of one argument.
+//! Tables of one argument: piecewise cubics.
 
-use crate::dimension::DisplayUnit;
-use crate::place::Location;
+use super::spline::{Closing, moments, monotone_slopes, periodic_moments, pieces};
+use super::{CLOSURE, PAST_END};
 
 /// How values between the points are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,68 +21,15 @@ pub enum Extrapolation {
     Linear,
 }
 
-/// A table of one argument: piecewise cubic, evaluated with its derivatives.
-///
-/// Argument and value are plain numbers here (SI, by the compiler); a derivative of order n has the unit
-/// value/argumentⁿ.
+/// The numbers of a table of one argument.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
-    name: String,
+pub struct Curve {
     /// Ends of the intervals; for a periodic table the last is first + period.
     x: Vec<f64>,
     /// Coefficients of each interval in powers of (x − x_i).
     coefficients: Vec<[f64; 4]>,
     period: Option<f64>,
     extrapolation: Option<Extrapolation>,
-    /// Place in the texts and unit of the argument, for messages.
-    written: Option<(Location, DisplayUnit)>,
-}
-
-/// A table that is read outside its points and states no extrapolation.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outside {
-    /// Table.
-    pub name: String,
-    /// Where it is read (in its argument's unit).
-    pub argument: f64,
-    /// Its first and last point.
-    pub domain: (f64, f64),
-    /// How arguments are shown; SI where it is not known.
-    pub unit: Option<DisplayUnit>,
-    /// Place in the texts.
-    pub at: Option<Location>,
-}
-
-impl std::fmt::Display for Outside {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (first, last) = self.domain;
-        let shown = |x: f64| match &self.unit {
-            Some(unit) => unit.text(x),
-            None => format!("{x}"),
-        };
-        let (side, end) = if self.argument < first {
-            ("before its first point", first)
-        } else {
-            ("beyond its last point", last)
-        };
-        write!(f, "table {} is read {side}: ", self.name)?;
-        let (at, end_text) = (shown(self.argument), shown(end));
-        if at == end_text {
-            // four digits do not tell them apart
-            let scale = self.unit.as_ref().map_or(1.0, |unit| unit.scale);
-            let symbol = self.unit.as_ref().map_or("", |unit| unit.symbol.as_str());
-            let past = (self.argument - end).abs() / scale;
-            write!(f, "{past:.1e} {symbol} past {end_text}")?;
-        } else {
-            write!(f, "at {at}")?;
-        }
-        write!(
-            f,
-            "; its points go from {} to {}",
-            shown(first),
-            shown(last)
-        )
-    }
 }
 
 /// A table that cannot be built.
@@ -154,55 +101,47 @@ pub enum TableError {
     },
 }
 
-/// Within this relative distance the last argument counts as the first plus the period, and their values
-/// count as equal. It allows for the rounding error of unit conversion.
-const CLOSURE: f64 = 1e-9;
-
-/// An argument may be past an end by this share of the span and still has the value of the last interval. It
-/// allows for the rounding error of positions over many steps.
-const PAST_END: f64 = 1e-9;
-
-impl Table {
-    /// Its place in the text, if a text states it.
-    pub fn stated_at(&self) -> Option<Location> {
-        self.written.as_ref().map(|(at, _)| *at)
-    }
-
+impl Curve {
     /// Builds the interpolant through the points (x, y).
     ///
     /// With a period, the point at x₀ + period may be given (its value must then equal the first) or left
     /// out; the spline is periodic with all the derivatives it has. Without a stated extrapolation a value
     /// outside is NaN.
     pub fn new(
-        name: impl Into<String>,
+        name: &str,
         mut x: Vec<f64>,
         mut y: Vec<f64>,
         interpolation: Interpolation,
         extrapolation: Option<Extrapolation>,
         period: Option<f64>,
-    ) -> Result<Table, TableError> {
-        let name = name.into();
+    ) -> Result<Curve, TableError> {
         if x.len() != y.len() {
             return Err(TableError::Lengths {
-                name,
+                name: name.into(),
                 arguments: x.len(),
                 values: y.len(),
             });
         }
         let count = x.len();
         let (Some(&first), Some(&last), true) = (x.first(), x.last(), count >= 2) else {
-            return Err(TableError::TooFew { name, count });
+            return Err(TableError::TooFew {
+                name: name.into(),
+                count,
+            });
         };
         if let Some(row) = x
             .iter()
             .zip(&y)
             .position(|(x, y)| !x.is_finite() || !y.is_finite())
         {
-            return Err(TableError::NotFinite { name, row: row + 1 });
+            return Err(TableError::NotFinite {
+                name: name.into(),
+                row: row + 1,
+            });
         }
         if let Some((row, pair)) = x.windows(2).enumerate().find(|(_, w)| w[0] >= w[1]) {
             return Err(TableError::NotRising {
-                name,
+                name: name.into(),
                 row: row + 2,
                 before: pair[0],
                 after: pair[1],
@@ -212,13 +151,17 @@ impl Table {
             let span = last - first;
             // also refuses a period that is not a positive number
             if !(span <= period * (1.0 + CLOSURE) && period.is_finite()) {
-                return Err(TableError::PeriodTooShort { name, span, period });
+                return Err(TableError::PeriodTooShort {
+                    name: name.into(),
+                    span,
+                    period,
+                });
             }
             if span >= period * (1.0 - CLOSURE) {
                 let largest = y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
                 if (y[count - 1] - y[0]).abs() > CLOSURE * largest {
                     return Err(TableError::NotPeriodic {
-                        name,
+                        name: name.into(),
                         row: count,
                         first: y[0],
                         last: y[count - 1],
@@ -228,7 +171,11 @@ impl Table {
                 y[count - 1] = y[0];
             } else if first + period <= last {
                 // the gap is smaller than the last digit of the arguments
-                return Err(TableError::PeriodTooShort { name, span, period });
+                return Err(TableError::PeriodTooShort {
+                    name: name.into(),
+                    span,
+                    period,
+                });
             } else {
                 x.push(first + period);
                 y.push(y[0]);
@@ -244,19 +191,9 @@ impl Table {
             Interpolation::Cubic => {
                 let moments = match period {
                     Some(_) => periodic_moments(&widths, &secants),
-                    None => natural_moments(&widths, &secants),
+                    None => moments(&widths, &secants, [Closing::Straight; 2]),
                 };
-                (0..widths.len())
-                    .map(|i| {
-                        let (h, m0, m1) = (widths[i], moments[i], moments[i + 1]);
-                        [
-                            y[i],
-                            secants[i] - h * (2.0 * m0 + m1) / 6.0,
-                            0.5 * m0,
-                            (m1 - m0) / (6.0 * h),
-                        ]
-                    })
-                    .collect()
+                pieces(&y, &widths, &secants, &moments)
             }
             Interpolation::Monotone => {
                 let slopes = monotone_slopes(&secants, period.is_some());
@@ -273,40 +210,20 @@ impl Table {
                     .collect()
             }
         };
-        Ok(Table {
-            name,
+        Ok(Curve {
             x,
             coefficients,
             period,
             extrapolation,
-            written: None,
         })
     }
 
-    /// Adds its place in the texts and the unit of its argument.
-    pub fn written(mut self, at: Location, argument: DisplayUnit) -> Table {
-        self.written = Some((at, argument));
-        self
-    }
-
-    /// The error for an argument without a value.
-    pub fn outside(&self, argument: f64) -> Option<Outside> {
-        let without_value = self.period.is_none()
+    /// Whether an argument has no value although it is a number.
+    pub fn is_outside(&self, argument: f64) -> bool {
+        self.period.is_none()
             && self.extrapolation.is_none()
             && argument.is_finite()
-            && !self.within(argument);
-        without_value.then(|| Outside {
-            name: self.name.clone(),
-            argument,
-            domain: self.domain(),
-            unit: self.written.as_ref().map(|(_, unit)| unit.clone()),
-            at: self.written.as_ref().map(|(at, _)| *at),
-        })
-    }
-
-    /// Its name.
-    pub fn name(&self) -> &str {
-        &self.name
+            && !self.within(argument)
     }
 
     /// First and last argument; for a periodic table one period.
@@ -327,18 +244,6 @@ impl Table {
     /// The period, if it has one.
     pub fn period(&self) -> Option<f64> {
         self.period
-    }
-
-    /// The period of a table over an angle (rad).
-    pub fn period_of_angle(&self) -> Option<f64> {
-        let (_, unit) = self.written.as_ref()?;
-        let angle = matches!(unit.symbol.as_str(), "deg" | "rad" | "rev");
-        self.period.filter(|_| angle)
-    }
-
-    /// The extrapolation. It has no meaning for a periodic table.
-    pub fn extrapolation(&self) -> Option<Extrapolation> {
-        self.extrapolation
     }
 
     /// The value (order 0) or a derivative with respect to the argument; orders above 3 are zero.
@@ -396,129 +301,12 @@ impl Table {
     }
 }
 
-/// Second derivatives at the points of the natural cubic spline (zero at the ends), by the tridiagonal system
-/// `h₋ M₋ + 2 (h₋ + h) M + h M₊ = 6 (d − d₋)` (de Boor, A Practical Guide to Splines, ch. IV).
-fn natural_moments(widths: &[f64], secants: &[f64]) -> Vec<f64> {
-    let intervals = widths.len();
-    let mut moments = vec![0.0; intervals + 1];
-    if intervals < 2 {
-        return moments;
-    }
-    let inner = intervals - 1;
-    let diagonal: Vec<f64> = (0..inner)
-        .map(|i| 2.0 * (widths[i] + widths[i + 1]))
-        .collect();
-    let right: Vec<f64> = (0..inner)
-        .map(|i| 6.0 * (secants[i + 1] - secants[i]))
-        .collect();
-    moments[1..intervals].copy_from_slice(&tridiagonal(&widths[1..inner], &diagonal, &right));
-    moments
-}
-
-/// Second derivatives at the points of the periodic cubic spline; the last repeats the first. The cyclic
-/// system is solved by Sherman–Morrison (Press et al., Numerical Recipes, §2.7).
-fn periodic_moments(widths: &[f64], secants: &[f64]) -> Vec<f64> {
-    let n = widths.len();
-    let before = |i: usize| (i + n - 1) % n;
-    let diagonal: Vec<f64> = (0..n)
-        .map(|i| 2.0 * (widths[before(i)] + widths[i]))
-        .collect();
-    let right: Vec<f64> = (0..n)
-        .map(|i| 6.0 * (secants[i] - secants[before(i)]))
-        .collect();
-    let mut moments = match n {
-        0 | 1 => vec![0.0; n],
-        2 => {
-            // both neighbours of the point are the same point
-            let side = widths[0] + widths[1];
-            let determinant = diagonal[0] * diagonal[1] - side * side;
-            vec![
-                (right[0] * diagonal[1] - side * right[1]) / determinant,
-                (diagonal[0] * right[1] - side * right[0]) / determinant,
-            ]
-        }
-        _ => {
-            let corner = widths[n - 1];
-            let shift = -diagonal[0];
-            let mut core = diagonal;
-            core[0] -= shift;
-            core[n - 1] -= corner * corner / shift;
-            let mut column = vec![0.0; n];
-            column[0] = shift;
-            column[n - 1] = corner;
-            let y = tridiagonal(&widths[..n - 1], &core, &right);
-            let z = tridiagonal(&widths[..n - 1], &core, &column);
-            let factor =
-                (y[0] + corner * y[n - 1] / shift) / (1.0 + z[0] + corner * z[n - 1] / shift);
-            y.iter().zip(&z).map(|(y, z)| y - factor * z).collect()
-        }
-    };
-    moments.push(moments.first().copied().unwrap_or(0.0));
-    moments
-}
-
-/// Solves a symmetric, diagonally dominant tridiagonal system (no pivoting needed).
-fn tridiagonal(off_diagonal: &[f64], diagonal: &[f64], right: &[f64]) -> Vec<f64> {
-    let n = diagonal.len();
-    let mut pivots = diagonal.to_vec();
-    let mut solution = right.to_vec();
-    for i in 1..n {
-        let factor = off_diagonal[i - 1] / pivots[i - 1];
-        pivots[i] -= factor * off_diagonal[i - 1];
-        solution[i] -= factor * solution[i - 1];
-    }
-    for i in (0..n).rev() {
-        if i + 1 < n {
-            solution[i] -= off_diagonal[i] * solution[i + 1];
-        }
-        solution[i] /= pivots[i];
-    }
-    solution
-}
-
-/// Slopes at the points that keep the interpolant monotone where the points are: mean of the neighbouring
-/// secants, zero at turning points, then limited to α² + β² ≤ 9 (Fritsch & Carlson, SIAM J. Numer. Anal. 17,
-/// 1980, §4, region S₂).
-fn monotone_slopes(secants: &[f64], periodic: bool) -> Vec<f64> {
-    let n = secants.len();
-    let mean = |a: f64, b: f64| if a * b <= 0.0 { 0.0 } else { 0.5 * (a + b) };
-    let mut slopes: Vec<f64> = (0..=n)
-        .map(|i| match (i, periodic) {
-            (0, false) => secants[0],
-            (i, false) if i == n => secants[n - 1],
-            (i, _) => mean(secants[(i + n - 1) % n], secants[i % n]),
-        })
-        .collect();
-    for (i, d) in secants.iter().enumerate() {
-        // in a periodic table the last point is the first
-        let next = if periodic { (i + 1) % n } else { i + 1 };
-        if *d == 0.0 {
-            slopes[i] = 0.0;
-            slopes[next] = 0.0;
-            continue;
-        }
-        let (alpha, beta) = (slopes[i] / d, slopes[next] / d);
-        let square = alpha * alpha + beta * beta;
-        if square > 9.0 {
-            let factor = 3.0 / square.sqrt();
-            slopes[i] *= factor;
-            if next != i {
-                slopes[next] *= factor;
-            }
-        }
-    }
-    if periodic {
-        slopes[n] = slopes[0];
-    }
-    slopes
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn table(x: &[f64], y: &[f64], interpolation: Interpolation, period: Option<f64>) -> Table {
-        Table::new("t", x.to_vec(), y.to_vec(), interpolation, None, period).expect("valid points")
+    fn table(x: &[f64], y: &[f64], interpolation: Interpolation, period: Option<f64>) -> Curve {
+        Curve::new("t", x.to_vec(), y.to_vec(), interpolation, None, period).expect("valid points")
     }
 
     #[test]
@@ -671,14 +459,14 @@ mod tests {
     fn rounding_at_an_end_is_inside() {
         let x = vec![0.0, 1e-3, 2e-3];
         let y = vec![0.0, 1.0, 4.0];
-        let table = Table::new("t", x, y, Interpolation::Cubic, None, None).unwrap();
+        let table = Curve::new("t", x, y, Interpolation::Cubic, None, None).unwrap();
         for (end, past) in [(2e-3, 1e-15), (0.0, -1e-15)] {
             let (at, beyond) = (table.evaluate(end, 0), table.evaluate(end + past, 0));
             // the slope of the spline, at most 4000, over the rounding
             assert!((beyond - at).abs() <= 5e-12, "{at} {beyond}");
-            assert_eq!(table.outside(end + past), None);
+            assert!(!table.is_outside(end + past));
             let far = end + 1e7 * past;
-            assert!(table.evaluate(far, 0).is_nan() && table.outside(far).is_some());
+            assert!(table.evaluate(far, 0).is_nan() && table.is_outside(far));
         }
     }
 
@@ -686,7 +474,7 @@ mod tests {
     fn outside_follows_what_is_stated() {
         let build = |e| {
             let (x, y) = (vec![0.0, 1.0, 2.0], vec![0.0, 1.0, 4.0]);
-            Table::new("t", x, y, Interpolation::Cubic, e, None).expect("valid points")
+            Curve::new("t", x, y, Interpolation::Cubic, e, None).expect("valid points")
         };
         assert!(build(None).evaluate(2.1, 0).is_nan() && build(None).evaluate(-0.1, 1).is_nan());
         let hold = build(Some(Extrapolation::Hold));
@@ -702,7 +490,7 @@ mod tests {
     #[test]
     fn wrong_points_are_refused() {
         let build = |x: &[f64], y: &[f64], period| {
-            Table::new(
+            Curve::new(
                 "t",
                 x.to_vec(),
                 y.to_vec(),
