@@ -240,7 +240,12 @@ fn outside_table(message: Diagnostic, outside: &Outside) -> Diagnostic {
         Some(at) => message.also(span(at), "its points are stated here"),
         None => message,
     };
-    message.with_help("state points further, or `periodic:`, or what holds outside: `extrapolation: hold` or `linear`")
+    message.with_help(match &outside.of {
+        None => "state points further, or `periodic:`, or what holds outside: `extrapolation: hold` or `linear`".to_owned(),
+        Some(of) => format!(
+            "state points further, or what follows beyond them: `{of}: hold`, `linear`, `even`, `odd` or `periodic(…)`"
+        ),
+    })
 }
 
 /// Redundant equations. Each joint gets one label and one note, however many of its equations repeat others.
