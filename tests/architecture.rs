@@ -6,12 +6,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The crates with the folders of their sources.
-const CRATES: [(&str, &str); 7] = [
+const CRATES: [(&str, &str); 8] = [
     ("eng", "src"),
     ("eng-grammar", "grammar/src"),
     ("eng-system", "system/src"),
     ("eng-compiler", "compiler/src"),
     ("eng-flexible", "flexible/src"),
+    ("eng-film", "film/src"),
     ("eng-runtime", "runtime/src"),
     ("eng-report", "report/src"),
 ];

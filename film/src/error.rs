@@ -1,0 +1,155 @@
+//! Errors of film models and of their solution.
+
+use thiserror::Error;
+
+/// A place in the film: angle from the shell's x about its z, and distance across from mid width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Angle, rad, in [0, 2π).
+    pub angle: f64,
+    /// Distance from mid width along the axis, m.
+    pub across: f64,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (degrees, millimetres) = (self.angle.to_degrees(), self.across * 1e3);
+        write!(f, "{degrees:.1}° and {millimetres:.2} mm from mid width")
+    }
+}
+
+/// A film that cannot be made of its data.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SourceError {
+    /// A number out of its range.
+    #[error("the {name} of a film is {value}: it must be {range}")]
+    Range {
+        /// Name of the number.
+        name: &'static str,
+        /// Its value, SI.
+        value: f64,
+        /// The allowed range.
+        range: &'static str,
+    },
+    /// Less cells than the grid needs.
+    #[error("a film has {cells} cells {direction}, and its openings need at least {needed}")]
+    TooFewCells {
+        /// `around` or `across`.
+        direction: &'static str,
+        /// Stated number.
+        cells: usize,
+        /// Least number.
+        needed: usize,
+    },
+    /// An opening without reach.
+    #[error(
+        "opening {opening} of a film reaches from {from} to {to} {direction}: the second must lie above the first"
+    )]
+    EmptyOpening {
+        /// Number of the opening, from 1.
+        opening: usize,
+        /// `around (rad)` or `across (m)`.
+        direction: &'static str,
+        /// First edge.
+        from: f64,
+        /// Second edge.
+        to: f64,
+    },
+    /// An opening beside the bearing.
+    #[error(
+        "opening {opening} of a film lies beyond the ends of the bearing, whose width is {width} m"
+    )]
+    BesideBearing {
+        /// Number of the opening, from 1.
+        opening: usize,
+        /// Width of the bearing, m.
+        width: f64,
+    },
+    /// An edge of an opening on an open end: the flow at its corners is infinite.
+    #[error(
+        "opening {opening} of a film ends exactly at an open end of the bearing, where the flow at its corners is infinite: \
+         let it end inside the bearing, or reach over the end"
+    )]
+    OpeningAtEnd {
+        /// Number of the opening, from 1.
+        opening: usize,
+    },
+    /// Two openings at the same place.
+    #[error("openings {first} and {second} of a film overlap: join them, or move one")]
+    Overlap {
+        /// Number of the one, from 1.
+        first: usize,
+        /// Number of the other.
+        second: usize,
+    },
+    /// Data of a half bearing that are not symmetric.
+    #[error("a film of half width needs {part} symmetric about mid width")]
+    NotSymmetric {
+        /// `openings`, `profiles` or `shapes`.
+        part: &'static str,
+    },
+}
+
+/// A film that has no solution, or none that may be trusted, at its inputs.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FilmError {
+    /// An input that is no number.
+    #[error("input {input} of a film is {value}")]
+    NotFinite {
+        /// Place of the input.
+        input: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// An input out of its range.
+    #[error("the {name} of a film is {value}: it must be {range}")]
+    Range {
+        /// Name of the input.
+        name: &'static str,
+        /// Its value, SI.
+        value: f64,
+        /// The allowed range.
+        range: &'static str,
+    },
+    /// Surfaces that touch.
+    #[error("the surfaces touch: the gap is {gap} m at {place}")]
+    NoGap {
+        /// The gap, m.
+        gap: f64,
+        /// The place.
+        place: Place,
+    },
+    /// A mass-conserving film without supply.
+    #[error(
+        "a mass-conserving film needs oil: no opening and no end has a pressure above the cavitation pressure, so the film runs \
+         dry and its steady state is not unique; state a supply pressure or flooded ends, or use the rule `reynolds`"
+    )]
+    NoOil,
+    /// A pressure at which oil by Barus' law is solid.
+    #[error(
+        "α q is {reached} at {place}: beyond 0.98 the viscosity by Barus' law exceeds fifty times its value at rest; \
+         lower the load, or state a smaller pressure coefficient"
+    )]
+    Piezo {
+        /// Value of α q.
+        reached: f64,
+        /// The place.
+        place: Place,
+    },
+    /// Tilt at a half film.
+    #[error("a film of half width has no tilt: state the full width")]
+    TiltOfHalf,
+    /// A cavity whose edge found no place.
+    #[error(
+        "the edge of the cavity is not found within {rounds} rounds: it still moves at {place}; a shorter step has less to move"
+    )]
+    NotConverged {
+        /// Rounds of the active set.
+        rounds: usize,
+        /// A cell that still changes sides.
+        place: Place,
+    },
+    /// Numbers beyond what floating point holds.
+    #[error("the pressure of a film overflows")]
+    Overflow,
+}

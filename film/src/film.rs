@@ -1,0 +1,394 @@
+//! A film: its grids, its solution at given inputs, its memory.
+
+use crate::band::RingMatrix;
+use crate::error::{FilmError, SourceError};
+use crate::grid::Grid;
+use crate::inputs::{END_PRESSURE, SHAPE_FORCE, SUPPLY, TILT, TILT_RATE, VISCOSITY};
+use crate::source::{Cavitation, Feed, FilmSource, Lines};
+
+/// Least numbers of cells of a coarse grid. It serves a first guess of the cavity's edge alone.
+const COARSEST: [usize; 2] = [12, 3];
+
+/// A film on its cells. It holds no state: the same film may be solved at many places at once, each with its
+/// own [`Work`].
+#[derive(Clone, Debug)]
+pub struct Film {
+    pub(crate) source: FilmSource,
+    /// The finest first; each coarser one has about half of the cells in each direction.
+    pub(crate) levels: Vec<Level>,
+}
+
+/// A grid, and how the next coarser one lies below it.
+#[derive(Clone, Debug)]
+pub(crate) struct Level {
+    pub grid: Grid,
+    /// Of each cell the cell of the next coarser grid that holds its middle.
+    below: Vec<usize>,
+    /// Shapes at the links, in the middles of the cells, and their means over the cells; shape by shape.
+    pub shapes: [Vec<f64>; 3],
+}
+
+/// Memory for solutions of one film. After a solution it holds what [`Film::tangent`], [`Film::accept`] and
+/// [`Film::summary`] read.
+#[derive(Clone, Debug)]
+pub struct Work {
+    pub(crate) levels: Vec<LevelWork>,
+    pub(crate) inputs: Vec<f64>,
+    pub(crate) step: Option<f64>,
+    /// Content of the cells at the begin of the step.
+    pub(crate) before: Vec<f64>,
+    /// Whether the finest level holds the set of an earlier solution.
+    warm: bool,
+    /// Rounds of the last solution on the finest grid.
+    pub(crate) rounds: usize,
+}
+
+/// What a solution needs on one grid.
+#[derive(Clone, Debug)]
+pub(crate) struct LevelWork {
+    pub link_gap: Vec<f64>,
+    /// Change of the gap at a link with the pin's turn, m/rad.
+    pub link_turn: Vec<f64>,
+    /// Weight times `h³/12μ`, and its slope by h.
+    pub conductance: Vec<[f64; 2]>,
+    pub cell_gap: Vec<f64>,
+    /// Change of the gap in the middle of a cell with the pin's turn, m/rad.
+    pub cell_turn: Vec<f64>,
+    pub cell_rate: Vec<f64>,
+    /// Mean slope of the pin's profile by θ over a cell, and its change with the pin's turn.
+    pub pin_slope: Vec<[f64; 2]>,
+    /// Cells without cavity.
+    pub full: Vec<bool>,
+    /// q of cells and fixed places: pressure, by Barus' law transformed.
+    pub q: Vec<f64>,
+    /// Content of cells and fixed places.
+    pub content: Vec<f64>,
+    /// Pressure of cells and fixed places, cut where the rule cuts, and its slope by q.
+    pub pressure: Vec<[f64; 2]>,
+    pub matrix: RingMatrix,
+    pub unknown: Vec<f64>,
+    pub scratch: Vec<f64>,
+    /// Outflow that a cell at rest would need, and the size of its parts.
+    pub slack: Vec<[f64; 2]>,
+    /// Diagonal of cavitated cells.
+    pub diagonal: Vec<f64>,
+    /// Adjoint numbers of cells and fixed places.
+    pub adjoint: Vec<f64>,
+}
+
+impl LevelWork {
+    fn new(level: &Level, fixed: usize) -> Self {
+        let (cells, links) = (level.grid.cells.len(), level.grid.links.len());
+        LevelWork {
+            link_gap: vec![0.0; links],
+            link_turn: vec![0.0; links],
+            conductance: vec![[0.0; 2]; links],
+            cell_gap: vec![0.0; cells],
+            cell_turn: vec![0.0; cells],
+            cell_rate: vec![0.0; cells],
+            pin_slope: vec![[0.0; 2]; cells],
+            full: vec![true; cells],
+            q: vec![0.0; cells + fixed],
+            content: vec![1.0; cells + fixed],
+            pressure: vec![[0.0; 2]; cells + fixed],
+            matrix: RingMatrix::new(level.grid.around, level.grid.across),
+            unknown: vec![0.0; cells],
+            scratch: vec![0.0; cells],
+            slack: vec![[0.0; 2]; cells],
+            diagonal: vec![0.0; cells],
+            adjoint: vec![0.0; cells + fixed],
+        }
+    }
+}
+
+impl Film {
+    /// A film of its data.
+    ///
+    /// # Errors
+    /// If a number is out of its range, or the openings fit neither the bearing nor the cells.
+    pub fn new(source: FilmSource) -> Result<Self, SourceError> {
+        source.check()?;
+        let mut grids = vec![Grid::new(&source, &source.around, &source.across)?];
+        while let Some(last) = grids.last() {
+            let (around, across) = (last.around / 2, last.across.div_ceil(2));
+            if around < COARSEST[0] || (last.across > 1 && across < COARSEST[1]) {
+                break;
+            }
+            match Grid::new(&source, &Lines::Equal(around), &Lines::Equal(across)) {
+                Ok(grid) => grids.push(grid),
+                // the openings need more cells than a still coarser grid has
+                Err(_) => break,
+            }
+        }
+        let half = source.width / 2.0;
+        let mut levels = Vec::with_capacity(grids.len());
+        for (at, grid) in grids.iter().enumerate() {
+            let below = match grids.get(at + 1) {
+                Some(coarse) => grid
+                    .cells
+                    .iter()
+                    .map(|cell| coarse.cell_at(cell.angle, cell.z))
+                    .collect(),
+                None => Vec::new(),
+            };
+            let mut shapes = [Vec::new(), Vec::new(), Vec::new()];
+            for shape in &source.shapes {
+                shapes[0].extend(
+                    grid.links
+                        .iter()
+                        .map(|link| shape.value(link.angle, link.z / half)),
+                );
+                shapes[1].extend(
+                    grid.cells
+                        .iter()
+                        .map(|cell| shape.value(cell.angle, cell.z / half)),
+                );
+                shapes[2].extend(
+                    grid.cells
+                        .iter()
+                        .map(|c| shape.value(c.angle, c.z / half) * shape.mean(c.sector)),
+                );
+            }
+            levels.push(Level {
+                grid: grid.clone(),
+                below,
+                shapes,
+            });
+        }
+        Ok(Film { source, levels })
+    }
+
+    /// The data of the film.
+    #[must_use]
+    pub fn source(&self) -> &FilmSource {
+        &self.source
+    }
+
+    /// Number of inputs: see [`crate::inputs`].
+    #[must_use]
+    pub fn inputs(&self) -> usize {
+        SUPPLY + self.source.openings.len() + 2 * self.source.shapes.len()
+    }
+
+    /// Number of outputs: see [`crate::inputs`].
+    #[must_use]
+    pub fn outputs(&self) -> usize {
+        SHAPE_FORCE + self.source.shapes.len()
+    }
+
+    /// Numbers of the film's memory: with the rule [`Cavitation::MassConserving`] the content of each cell,
+    /// else none.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        match self.source.cavitation {
+            Cavitation::MassConserving => self.levels[0].grid.cells.len(),
+            Cavitation::Reynolds | Cavitation::Half => 0,
+        }
+    }
+
+    /// Cells around and across, of a half bearing those of its half. Cells are numbered across first.
+    #[must_use]
+    pub fn cells(&self) -> [usize; 2] {
+        [self.levels[0].grid.around, self.levels[0].grid.across]
+    }
+
+    /// Lines of the grid around (rad) and across (m), with both ends.
+    #[must_use]
+    pub fn lines(&self) -> [&[f64]; 2] {
+        [&self.levels[0].grid.angles, &self.levels[0].grid.heights]
+    }
+
+    /// Memory for solutions.
+    #[must_use]
+    pub fn work(&self) -> Work {
+        let fixed = self.source.openings.len() + 1;
+        Work {
+            levels: self
+                .levels
+                .iter()
+                .map(|level| LevelWork::new(level, fixed))
+                .collect(),
+            inputs: vec![0.0; self.inputs()],
+            step: None,
+            before: vec![1.0; self.memory()],
+            warm: false,
+            rounds: 0,
+        }
+    }
+
+    /// Solves the film at inputs and writes its outputs.
+    ///
+    /// Without `step` the film is steady in the shell's frame: nothing but the gap changes. With `step` (s),
+    /// a film of the rule [`Cavitation::MassConserving`] has content that changed over this step from the
+    /// content in `memory`; of the other rules the pressure does not depend on the past, and both give the
+    /// same. The gap's rate is always that of the inputs.
+    ///
+    /// `work` holds the cavity of its last solution, from where the search for the next begins. The solution
+    /// is unique, so it depends on it by rounding alone.
+    ///
+    /// # Errors If an input is out of range, the surfaces touch, the film has no oil, or the step is too long
+    /// for its content.
+    ///
+    /// # Panics
+    /// If a slice has another length than the film states.
+    pub fn solve(
+        &self,
+        inputs: &[f64],
+        step: Option<f64>,
+        memory: &[f64],
+        work: &mut Work,
+        outputs: &mut [f64],
+    ) -> Result<(), FilmError> {
+        assert_eq!(inputs.len(), self.inputs(), "inputs of the film");
+        assert_eq!(outputs.len(), self.outputs(), "outputs of the film");
+        let conserving = self.source.cavitation == Cavitation::MassConserving;
+        work.inputs.copy_from_slice(inputs);
+        work.step = step.filter(|_| conserving);
+        if work.step.is_some() {
+            work.before.copy_from_slice(memory);
+        }
+        let solved = self.check_inputs(work).and_then(|()| self.find(work));
+        // a search that failed says nothing about the next cavity
+        work.warm = solved.is_ok();
+        solved?;
+        self.integrate(work, outputs);
+        match outputs.iter().all(|output| output.is_finite()) {
+            true => Ok(()),
+            false => {
+                work.warm = false;
+                Err(FilmError::Overflow)
+            }
+        }
+    }
+
+    /// Forgets the cavity of the last solution: the next search begins on the coarsest grid, whatever was
+    /// solved before.
+    pub fn forget(&self, work: &mut Work) {
+        work.warm = false;
+    }
+
+    /// Steady film at inputs: its content becomes the memory.
+    ///
+    /// # Errors
+    /// As [`Film::solve`].
+    pub fn start(
+        &self,
+        inputs: &[f64],
+        work: &mut Work,
+        memory: &mut [f64],
+    ) -> Result<(), FilmError> {
+        let mut outputs = vec![0.0; self.outputs()];
+        self.solve(inputs, None, &[], work, &mut outputs)?;
+        self.accept(work, memory);
+        Ok(())
+    }
+
+    /// Writes the content of the last solution to the memory.
+    pub fn accept(&self, work: &Work, memory: &mut [f64]) {
+        let count = memory.len();
+        memory.copy_from_slice(&work.levels[0].content[..count]);
+    }
+
+    fn check_inputs(&self, work: &Work) -> Result<(), FilmError> {
+        let x = &work.inputs;
+        if let Some(input) = x.iter().position(|value| !value.is_finite()) {
+            return Err(FilmError::NotFinite {
+                input,
+                value: x[input],
+            });
+        }
+        if x[VISCOSITY] <= 0.0 {
+            return Err(FilmError::Range {
+                name: "viscosity",
+                value: x[VISCOSITY],
+                range: "a positive number",
+            });
+        }
+        if let Some(step) = work.step.filter(|step| !(*step > 0.0 && step.is_finite())) {
+            return Err(FilmError::Range {
+                name: "step",
+                value: step,
+                range: "a positive number",
+            });
+        }
+        let openings = self.source.openings.len();
+        for pressure in &x[END_PRESSURE..SUPPLY + openings] {
+            if *pressure < 0.0 {
+                let range = "at least the cavitation pressure";
+                return Err(FilmError::Range {
+                    name: "pressure of an opening or end",
+                    value: *pressure,
+                    range,
+                });
+            }
+        }
+        if self.source.half_width && x[TILT..TILT_RATE + 2] != [0.0; 4] {
+            return Err(FilmError::TiltOfHalf);
+        }
+        let pressed = |(opening, pressure): (&crate::source::Opening, &f64)| match opening.feed {
+            Feed::Pressure => *pressure > 0.0,
+            Feed::Content(content) => content > 0.0,
+        };
+        let flooded = self.source.ends == crate::source::Ends::Open && x[END_PRESSURE] > 0.0;
+        let oil = flooded || self.source.openings.iter().zip(&x[SUPPLY..]).any(pressed);
+        if self.source.cavitation == Cavitation::MassConserving && work.step.is_none() && !oil {
+            return Err(FilmError::NoOil);
+        }
+        Ok(())
+    }
+
+    /// Finds the cavity and the pressure.
+    fn find(&self, work: &mut Work) -> Result<(), FilmError> {
+        let rule = self.source.cavitation;
+        for (level, state) in self.levels.iter().zip(&mut work.levels) {
+            self.set_gap(level, state, &work.inputs);
+            self.set_fixed(level, state, &work.inputs);
+        }
+        self.check_gap(&work.levels[0])?;
+        if !work.warm {
+            // content that an earlier step left has no coarse grid: there the guess is the cavity of the rule
+            // without memory
+            let guess = if work.step.is_some() {
+                Cavitation::Reynolds
+            } else {
+                rule
+            };
+            for at in (1..self.levels.len()).rev() {
+                self.guess(at, &mut work.levels);
+                // the finest grid alone decides: a coarse one that ends without its cavity is a guess all the
+                // same
+                let _ = self.search(
+                    &self.levels[at],
+                    &mut work.levels[at],
+                    guess,
+                    &work.inputs,
+                    None,
+                );
+            }
+            self.guess(0, &mut work.levels);
+        }
+        let past = work.step.map(|step| (step, work.before.as_slice()));
+        work.rounds = self.search(
+            &self.levels[0],
+            &mut work.levels[0],
+            rule,
+            &work.inputs,
+            past,
+        )?;
+        self.set_pressure(work)
+    }
+
+    /// Takes the cavity of the next coarser grid, or none on the coarsest.
+    fn guess(&self, at: usize, levels: &mut [LevelWork]) {
+        let (fine, coarse) = levels.split_at_mut(at + 1);
+        let full = &mut fine[at].full;
+        match coarse.first() {
+            Some(coarse) => {
+                for (cell, below) in full.iter_mut().zip(&self.levels[at].below) {
+                    *cell = coarse.full[*below];
+                }
+            }
+            None => full.fill(true),
+        }
+    }
+}

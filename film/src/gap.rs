@@ -1,0 +1,150 @@
+//! The gap at links and cells, its rates, and the pressures of the fixed places.
+
+use crate::error::FilmError;
+use crate::film::{Film, Level, LevelWork};
+use crate::grid::place;
+use crate::inputs::{
+    ECCENTRICITY, END_PRESSURE, RATE, SPIN, SUPPLY, TILT, TILT_RATE, TURN, VISCOSITY,
+};
+use crate::source::{Cavitation, Feed};
+
+impl Film {
+    /// Gap, its rate and the conductance of the links:
+    ///
+    /// ```text
+    /// h = c + s(θ, z) − (e + z t)·n + s_p(θ − φ, z) + Σ b ψ
+    /// ḣ = −(ė + z ṫ)·n − ω ∂s_p/∂θ + Σ ḃ ψ                 means over a cell
+    /// ```
+    pub(crate) fn set_gap(&self, level: &Level, state: &mut LevelWork, x: &[f64]) {
+        let [ex, ey] = [x[ECCENTRICITY], x[ECCENTRICITY + 1]];
+        let [tx, ty] = [x[TILT], x[TILT + 1]];
+        let eccentric =
+            |normal: [f64; 2], z: f64| (ex + z * tx) * normal[0] + (ey + z * ty) * normal[1];
+        let grid = &level.grid;
+        for (gap, link) in state.link_gap.iter_mut().zip(&grid.links) {
+            *gap = link.base - eccentric(link.normal, link.z);
+        }
+        for (gap, cell) in state.cell_gap.iter_mut().zip(&grid.cells) {
+            *gap = cell.base - eccentric(cell.normal, cell.z);
+        }
+        for (rate, cell) in state.cell_rate.iter_mut().zip(&grid.cells) {
+            let [x_rate, y_rate] = [
+                x[RATE] + cell.z * x[TILT_RATE],
+                x[RATE + 1] + cell.z * x[TILT_RATE + 1],
+            ];
+            *rate = -x_rate * cell.mean_normal[0] - y_rate * cell.mean_normal[1];
+        }
+        self.add_pin_profile(level, state, x);
+        let shapes = self.source.shapes.len();
+        let first = SUPPLY + self.source.openings.len();
+        for shape in 0..shapes {
+            let (amplitude, rate) = (x[first + shape], x[first + shapes + shape]);
+            let add = |sums: &mut [f64], factor: f64, values: &[f64]| {
+                let first = shape * sums.len();
+                for (sum, value) in sums.iter_mut().zip(&values[first..]) {
+                    *sum += factor * value;
+                }
+            };
+            add(&mut state.link_gap, amplitude, &level.shapes[0]);
+            add(&mut state.cell_gap, amplitude, &level.shapes[1]);
+            add(&mut state.cell_rate, rate, &level.shapes[2]);
+        }
+        let factor = 1.0 / (12.0 * x[VISCOSITY]);
+        for ((conductance, gap), link) in state
+            .conductance
+            .iter_mut()
+            .zip(&state.link_gap)
+            .zip(&grid.links)
+        {
+            let slope = link.weight * factor * gap * gap;
+            *conductance = [slope * gap, 3.0 * slope];
+        }
+    }
+
+    fn add_pin_profile(&self, level: &Level, state: &mut LevelWork, x: &[f64]) {
+        if self.source.pin_profile.is_empty() {
+            return;
+        }
+        let (grid, half, turn) = (&level.grid, self.source.width / 2.0, x[TURN]);
+        for (at, link) in grid.links.iter().enumerate() {
+            let (value, slope) = self.source.pin_profile(link.angle - turn, link.z / half);
+            state.link_gap[at] += value;
+            state.link_turn[at] = -slope;
+        }
+        for (at, cell) in grid.cells.iter().enumerate() {
+            let zeta = cell.z / half;
+            let (value, slope) = self.source.pin_profile(cell.angle - turn, zeta);
+            state.cell_gap[at] += value;
+            state.cell_turn[at] = -slope;
+            let west = self
+                .source
+                .pin_profile(cell.angle - cell.sector / 2.0 - turn, zeta);
+            let east = self
+                .source
+                .pin_profile(cell.angle + cell.sector / 2.0 - turn, zeta);
+            state.pin_slope[at] = [
+                (east.0 - west.0) / cell.sector,
+                (west.1 - east.1) / cell.sector,
+            ];
+            state.cell_rate[at] -= x[SPIN] * state.pin_slope[at][0];
+        }
+    }
+
+    /// Pressure and content of openings and ends.
+    pub(crate) fn set_fixed(&self, level: &Level, state: &mut LevelWork, x: &[f64]) {
+        let first = level.grid.cells.len();
+        for (at, opening) in self.source.openings.iter().enumerate() {
+            let (pressure, content) = match opening.feed {
+                Feed::Pressure => (x[SUPPLY + at], 1.0),
+                // rules without content take the gap as full
+                Feed::Content(_) if self.source.cavitation != Cavitation::MassConserving => {
+                    (0.0, 1.0)
+                }
+                Feed::Content(content) => (0.0, content),
+            };
+            state.q[first + at] = self.transformed(pressure);
+            state.content[first + at] = content;
+        }
+        let ends = first + self.source.openings.len();
+        state.q[ends] = self.transformed(x[END_PRESSURE]);
+        state.content[ends] = 1.0;
+        for (cell, data) in level.grid.cells.iter().enumerate() {
+            if let Some(opening) = data.held {
+                state.q[cell] = state.q[first + opening];
+                state.content[cell] = state.content[first + opening];
+                state.full[cell] = true;
+            }
+        }
+    }
+
+    /// q of a pressure: with Barus' oil, `μ = μ₀ exp(α p)`, the unknown `q = (1 − exp(−α p))/α` makes `∇p/μ =
+    /// ∇q/μ₀`.
+    fn transformed(&self, pressure: f64) -> f64 {
+        match self.source.piezo {
+            0.0 => pressure,
+            piezo => -libm::expm1(-piezo * pressure) / piezo,
+        }
+    }
+
+    /// Refuses surfaces that touch at a face or in the middle of a cell.
+    pub(crate) fn check_gap(&self, state: &LevelWork) -> Result<(), FilmError> {
+        let grid = &self.levels[0].grid;
+        let links = grid
+            .links
+            .iter()
+            .map(|link| place(link.angle, link.z))
+            .zip(&state.link_gap);
+        let cells = grid
+            .cells
+            .iter()
+            .map(|cell| place(cell.angle, cell.z))
+            .zip(&state.cell_gap);
+        match links
+            .chain(cells)
+            .min_by(|one, other| one.1.total_cmp(other.1))
+        {
+            Some((place, gap)) if *gap <= 0.0 => Err(FilmError::NoGap { gap: *gap, place }),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,399 @@
+//! Cells of a film and the links between them.
+//!
+//! A cell has its number `column*across + row`. A link is a face through which oil flows from its side `a` to
+//! its side `b`; a side is a cell or a place with fixed pressure. Fixed places have the numbers after the
+//! cells: the openings in their order, then the ends.
+
+use crate::error::{Place, SourceError};
+use crate::source::{Ends, FilmSource, Lines, Opening, mean_of_wave};
+
+/// A face between two cells, or between a cell and a fixed place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link {
+    /// Side before the face: west, or towards negative z.
+    pub a: usize,
+    /// Side behind it.
+    pub b: usize,
+    /// Length of the face over the distance of its sides; an edge of an opening or an end has half a cell of
+    /// distance.
+    pub weight: f64,
+    /// ½RΔz at faces that cross the motion, 0 at the others, m²; times ω and the gap it is the flow that the
+    /// surfaces carry, m³/s.
+    pub carry: f64,
+    /// Angle, rad.
+    pub angle: f64,
+    /// Distance from mid width, m.
+    pub z: f64,
+    /// cos θ and sin θ.
+    pub normal: [f64; 2],
+    /// Clearance and profile of the shell, m.
+    pub base: f64,
+}
+
+/// A cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    /// m².
+    pub area: f64,
+    /// Angle of its middle, rad.
+    pub angle: f64,
+    /// Its width around, rad.
+    pub sector: f64,
+    /// Distance of its middle from mid width, m.
+    pub z: f64,
+    /// cos θ and sin θ in its middle.
+    pub normal: [f64; 2],
+    /// Their means over the cell. So a turning eccentricity squeezes a cell exactly as much as it carries oil
+    /// into it.
+    pub mean_normal: [f64; 2],
+    /// Clearance and profile of the shell, m.
+    pub base: f64,
+    /// The opening that covers it.
+    pub held: Option<usize>,
+}
+
+/// Cells and links of one size.
+#[derive(Clone, Debug)]
+pub(crate) struct Grid {
+    pub around: usize,
+    pub across: usize,
+    /// Lines around, rad: `around + 1`, the last a turn after the first.
+    pub angles: Vec<f64>,
+    /// Lines across, m: `across + 1`.
+    pub heights: Vec<f64>,
+    pub cells: Vec<Cell>,
+    pub links: Vec<Link>,
+}
+
+impl Grid {
+    /// The grid of a film with so many cells, or with the lines that the source states.
+    pub(crate) fn new(
+        source: &FilmSource,
+        around: &Lines,
+        across: &Lines,
+    ) -> Result<Self, SourceError> {
+        let angles = lines_around(source, around)?;
+        let heights = lines_across(source, across)?;
+        let (columns, rows) = (angles.len() - 1, heights.len() - 1);
+        let half = source.width / 2.0;
+        let mut cells = Vec::with_capacity(columns * rows);
+        for column in 0..columns {
+            let angle = (angles[column] + angles[column + 1]) / 2.0;
+            let sector = angles[column + 1] - angles[column];
+            let (sin, cos) = libm::sincos(angle);
+            let mean = mean_of_wave(sector / 2.0);
+            for row in 0..rows {
+                let z = (heights[row] + heights[row + 1]) / 2.0;
+                cells.push(Cell {
+                    area: source.radius * sector * (heights[row + 1] - heights[row]),
+                    angle,
+                    sector,
+                    z,
+                    normal: [cos, sin],
+                    mean_normal: [cos * mean, sin * mean],
+                    base: source.clearance + source.shell_profile(angle, z / half),
+                    held: source
+                        .openings
+                        .iter()
+                        .position(|opening| covers(opening, angle, z)),
+                });
+            }
+        }
+        let mut grid = Grid {
+            around: columns,
+            across: rows,
+            angles,
+            heights,
+            cells,
+            links: Vec::new(),
+        };
+        grid.link(source);
+        Ok(grid)
+    }
+
+    /// Place of the ends among the fixed places and cells.
+    pub(crate) fn ends(&self, source: &FilmSource) -> usize {
+        self.cells.len() + source.openings.len()
+    }
+
+    /// Place of a cell's middle.
+    pub(crate) fn place(&self, cell: usize) -> Place {
+        place(self.cells[cell].angle, self.cells[cell].z)
+    }
+
+    /// Makes all links.
+    fn link(&mut self, source: &FilmSource) {
+        let (columns, rows, count) = (self.around, self.across, self.cells.len());
+        let half = source.width / 2.0;
+        let side = |cell: usize, held: Option<usize>| held.map_or(cell, |opening| count + opening);
+        let face = |a, b, weight, carry, angle: f64, z: f64| {
+            let (sin, cos) = libm::sincos(angle);
+            let base = source.clearance + source.shell_profile(angle, z / half);
+            Link {
+                a,
+                b,
+                weight,
+                carry,
+                angle,
+                z,
+                normal: [cos, sin],
+                base,
+            }
+        };
+        for column in 0..columns {
+            let angle = self.angles[column + 1];
+            for row in 0..rows {
+                let (west, east) = (column * rows + row, (column + 1) % columns * rows + row);
+                let (before, behind) = (&self.cells[west], &self.cells[east]);
+                let high = self.heights[row + 1] - self.heights[row];
+                let [from, to] = [before.held, behind.held];
+                let reach = |cell: &Cell| {
+                    if cell.held.is_some() {
+                        0.0
+                    } else {
+                        cell.sector / 2.0
+                    }
+                };
+                let carry = source.radius * high / 2.0;
+                let weight = |distance: f64| high / (source.radius * distance);
+                let line = source
+                    .openings
+                    .iter()
+                    .position(|o| is_line(o, angle, before.z));
+                if from.is_some() && to.is_some() {
+                    continue;
+                }
+                let (z, a, b) = (before.z, side(west, from), side(east, to));
+                match line.filter(|_| from.is_none() && to.is_none()) {
+                    Some(line) => {
+                        self.links.push(face(
+                            a,
+                            count + line,
+                            weight(reach(before)),
+                            carry,
+                            angle,
+                            z,
+                        ));
+                        self.links.push(face(
+                            count + line,
+                            b,
+                            weight(reach(behind)),
+                            carry,
+                            angle,
+                            z,
+                        ));
+                    }
+                    None => {
+                        let distance = reach(before) + reach(behind);
+                        self.links
+                            .push(face(a, b, weight(distance), carry, angle, z));
+                    }
+                }
+            }
+            for line in 0..=rows {
+                let below = line.checked_sub(1).map(|row| column * rows + row);
+                let above = (line < rows).then_some(column * rows + line);
+                let reach = |cell: Option<usize>| match cell {
+                    Some(cell) if self.cells[cell].held.is_none() => {
+                        (self.heights[cell % rows + 1] - self.heights[cell % rows]) / 2.0
+                    }
+                    _ => 0.0,
+                };
+                let distance = reach(below) + reach(above);
+                let inner = below.is_some() && above.is_some();
+                let middle = source.half_width && line == 0;
+                if distance == 0.0 || (!inner && (source.ends == Ends::Sealed || middle)) {
+                    continue;
+                }
+                let end = self.ends(source);
+                let number = |cell: Option<usize>| {
+                    cell.map_or(end, |cell| side(cell, self.cells[cell].held))
+                };
+                let middle_cell = &self.cells[column * rows];
+                let weight = source.radius * middle_cell.sector / distance;
+                self.links.push(face(
+                    number(below),
+                    number(above),
+                    weight,
+                    0.0,
+                    middle_cell.angle,
+                    self.heights[line],
+                ));
+            }
+        }
+    }
+
+    /// The cell in which a place lies.
+    pub(crate) fn cell_at(&self, angle: f64, z: f64) -> usize {
+        let turn = std::f64::consts::TAU;
+        let from_first = (angle - self.angles[0]).rem_euclid(turn) + self.angles[0];
+        let column = self
+            .angles
+            .partition_point(|line| *line <= from_first)
+            .clamp(1, self.around)
+            - 1;
+        let row = self
+            .heights
+            .partition_point(|line| *line <= z)
+            .clamp(1, self.across)
+            - 1;
+        column * self.across + row
+    }
+}
+
+/// A place with its angle in one turn.
+pub(crate) fn place(angle: f64, across: f64) -> Place {
+    Place {
+        angle: angle.rem_euclid(std::f64::consts::TAU),
+        across,
+    }
+}
+
+/// Angles closer than this are one line of the grid, rad.
+const SAME_ANGLE: f64 = 1e-9;
+
+/// Whether an opening covers the middle of a cell.
+fn covers(opening: &Opening, angle: f64, z: f64) -> bool {
+    let [from, to] = opening.around;
+    let [low, high] = opening.across;
+    to > from && low < z && z < high && (angle - from).rem_euclid(std::f64::consts::TAU) < to - from
+}
+
+/// Whether an opening is a line at this angle.
+fn is_line(opening: &Opening, angle: f64, z: f64) -> bool {
+    let [from, to] = opening.around;
+    let [low, high] = opening.across;
+    let turn = std::f64::consts::TAU;
+    let beside = (angle - from + turn / 2.0).rem_euclid(turn) - turn / 2.0;
+    to == from && low < z && z < high && beside.abs() < SAME_ANGLE
+}
+
+/// Cells for each stretch between edges, so that the largest cell becomes as small as it can.
+fn share(stretches: &[f64], cells: usize) -> Vec<usize> {
+    let mut shares = vec![1; stretches.len()];
+    for _ in stretches.len()..cells {
+        let size = |at: &usize| stretches[*at] / shares[*at] as f64;
+        let largest = (0..stretches.len()).reduce(|best, at| {
+            if size(&at) > size(&best) * (1.0 + 1e-9) {
+                at
+            } else {
+                best
+            }
+        });
+        if let Some(largest) = largest {
+            shares[largest] += 1;
+        }
+    }
+    shares
+}
+
+/// Lines of equal cells between edges; the first and the last edge are lines too.
+fn between(edges: &[f64], cells: usize) -> Vec<f64> {
+    let stretches: Vec<f64> = edges.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut lines = Vec::with_capacity(cells + 1);
+    for (stretch, share) in edges.windows(2).zip(share(&stretches, cells)) {
+        for line in 0..share {
+            lines.push(stretch[0] + (stretch[1] - stretch[0]) * line as f64 / share as f64);
+        }
+    }
+    lines.extend(edges.last());
+    lines
+}
+
+/// Stated lines that rise from one number to another and meet all edges.
+fn stated(
+    name: &'static str,
+    lines: &[f64],
+    from: f64,
+    to: f64,
+    edges: &[f64],
+    least: usize,
+) -> Result<Vec<f64>, SourceError> {
+    let near = 1e-9 * (to - from);
+    let rise = lines.windows(2).all(|pair| pair[1] > pair[0]);
+    let ends = lines.first().zip(lines.last());
+    let meets = |edge: &f64| lines.iter().any(|line| (line - edge).abs() <= near);
+    if lines.len() <= least
+        || !rise
+        || !ends.is_some_and(|(a, b)| (a - from).abs() <= near && (b - to).abs() <= near)
+    {
+        return Err(SourceError::Range {
+            name,
+            value: lines.len() as f64,
+            range: "lines that rise from end to end",
+        });
+    }
+    if let Some(edge) = edges.iter().find(|edge| !meets(edge)) {
+        return Err(SourceError::Range {
+            name,
+            value: *edge,
+            range: "a set of lines that holds the edges of all openings",
+        });
+    }
+    Ok(lines.to_vec())
+}
+
+/// Least number of cells around: with two, both neighbours of a cell would be one.
+const LEAST_AROUND: usize = 4;
+
+fn lines_around(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceError> {
+    let turn = std::f64::consts::TAU;
+    let mut edges: Vec<f64> = source
+        .openings
+        .iter()
+        .filter(|opening| opening.around[1] - opening.around[0] < turn - SAME_ANGLE)
+        .flat_map(|opening| opening.around)
+        .map(|edge| edge.rem_euclid(turn))
+        .map(|edge| if turn - edge < SAME_ANGLE { 0.0 } else { edge })
+        .collect();
+    edges.sort_by(f64::total_cmp);
+    edges.dedup_by(|next, edge| *next - *edge < SAME_ANGLE);
+    match lines {
+        Lines::At(lines) => stated("lines around", lines, 0.0, turn, &edges, LEAST_AROUND),
+        Lines::Equal(cells) => {
+            let needed = edges.len().max(LEAST_AROUND);
+            if *cells < needed {
+                return Err(SourceError::TooFewCells {
+                    direction: "around",
+                    cells: *cells,
+                    needed,
+                });
+            }
+            let first = edges.first().copied().unwrap_or(0.0);
+            if edges.is_empty() {
+                edges.push(first);
+            }
+            edges.push(first + turn);
+            Ok(between(&edges, *cells))
+        }
+    }
+}
+
+fn lines_across(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceError> {
+    let high = source.width / 2.0;
+    let low = if source.half_width { 0.0 } else { -high };
+    let near = 1e-9 * source.width;
+    let mut edges: Vec<f64> = source
+        .openings
+        .iter()
+        .flat_map(|opening| opening.across)
+        .collect();
+    edges.retain(|edge| *edge > low + near && *edge < high - near);
+    edges.extend([low, high]);
+    edges.sort_by(f64::total_cmp);
+    edges.dedup_by(|next, edge| *next - *edge < near);
+    match lines {
+        Lines::At(lines) => stated("lines across", lines, low, high, &edges, 1),
+        Lines::Equal(cells) => {
+            let needed = edges.len() - 1;
+            if *cells < needed {
+                return Err(SourceError::TooFewCells {
+                    direction: "across",
+                    cells: *cells,
+                    needed,
+                });
+            }
+            Ok(between(&edges, *cells))
+        }
+    }
+}

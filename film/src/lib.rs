@@ -1,0 +1,43 @@
+//! Oil films of journal bearings: Reynolds' equation on cells of the unwrapped gap.
+//!
+//! A [`Film`] is made of plain numbers ([`FilmSource`]). [`Film::solve`] turns inputs (place of the pin, its
+//! rates, spin, viscosity, pressures) into force, moment and torque on the pin; [`Film::tangent`] gives their
+//! exact derivatives, and [`Film::summary`] the pressures, flows and powers. All numbers are SI and in the
+//! shell's frame; `docs/theory.md` has the equations with their signs.
+//!
+//! ```
+//! use eng_film::{Cavitation, Film, FilmSource, Inputs};
+//!
+//! let film = Film::new(FilmSource::plain(27e-3, 24e-3, 27e-6, Cavitation::Reynolds, [72, 13]))?;
+//! let mut work = film.work();
+//! let mut outputs = vec![0.0; film.outputs()];
+//! let inputs = Inputs { eccentricity: [20e-6, 0.0], spin: 400.0, ..Inputs::still(8e-3) };
+//! film.solve(&inputs.write(), None, &[], &mut work, &mut outputs)?;
+//! assert!(outputs[0] < 0.0 && outputs[1] > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Invariants of this crate:
+//! - It knows no marker, body, element, file, thread or integrator, but a step's length and [`Film::accept`].
+//! - A film keeps no state. A solution allocates nothing: it works in its [`Work`].
+//! - The same input gives the same bits.
+#![forbid(unsafe_code)]
+// Tests may call the standard library's functions, to compare with them.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+
+mod active;
+mod band;
+mod error;
+mod film;
+mod gap;
+mod grid;
+pub mod inputs;
+mod results;
+mod source;
+mod tangent;
+
+pub use error::{FilmError, Place, SourceError};
+pub use film::{Film, Work};
+pub use inputs::Inputs;
+pub use results::{Quantity, Summary};
+pub use source::{Cavitation, Ends, Feed, FilmSource, Lines, Opening, Profile, Shape};

@@ -1,0 +1,378 @@
+//! Forces and the other results of a solution.
+
+use crate::error::{FilmError, Place};
+use crate::film::{Film, Level, LevelWork, Work};
+use crate::grid::place;
+use crate::inputs::{
+    ECCENTRICITY, END_PRESSURE, FORCE, MOMENT, SHAPE_FORCE, SPIN, SUPPLY, TILT, TORQUE, VISCOSITY,
+};
+use crate::source::{Cavitation, Ends, Feed};
+
+/// α q beyond which Barus' oil is refused.
+const PIEZO_LIMIT: f64 = 0.98;
+
+/// Results of a solution beside its outputs. Flows of the rule [`Cavitation::Half`] are those of its cut
+/// pressure: they conserve nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Highest pressure over the cavitation pressure, of a parabola through the highest cell and its
+    /// neighbours, Pa.
+    pub maximum_pressure: f64,
+    /// Its place.
+    pub maximum_pressure_at: Place,
+    /// Least gap, over cells, faces and ends, m.
+    pub minimum_gap: f64,
+    /// Its place.
+    pub minimum_gap_at: Place,
+    /// Net flow out of the ends at negative and at positive z, m³/s.
+    pub end_flow: [f64; 2],
+    /// Flow out of both ends where it leaves, m³/s.
+    pub outflow: f64,
+    /// Flow into both ends where it enters (flooded ends), m³/s.
+    pub inflow: f64,
+    /// Flow from each opening into the bearing, with the oil that fills the gap over the opening itself,
+    /// m³/s.
+    pub supply_flow: Vec<f64>,
+    /// Torque of the shear alone, `T_c = μ₀ R² ω ∫ ϑ e^(α p)/h dA`, N m.
+    pub shear_torque: f64,
+    /// Power of the shear, `T_c ω`, W.
+    pub shear_power: f64,
+    /// Power of the pressure flow, `∫ h³/12μ |∇p|² dA`, W.
+    pub pressure_power: f64,
+    /// Power of the supply and of flooded ends, `Σ p_s Q_s − p_end Q_end`, W.
+    pub pumping_power: f64,
+    /// Share of the area in the cavity.
+    pub cavitated: f64,
+    /// Mean content.
+    pub content: f64,
+    /// Volume of oil, `∫ ϑ h dA`, m³.
+    pub volume: f64,
+    /// Rounds of the search for the cavity.
+    pub rounds: usize,
+}
+
+/// A field over the cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Pressure over the cavitation pressure, Pa.
+    Pressure,
+    /// Film content.
+    Content,
+    /// Gap, m.
+    Gap,
+}
+
+impl Film {
+    /// Number of halves that the cells make the whole bearing of.
+    pub(crate) fn halves(&self) -> f64 {
+        if self.source.half_width { 2.0 } else { 1.0 }
+    }
+
+    /// Pressure of cells and fixed places from q.
+    pub(crate) fn set_pressure(&self, work: &mut Work) -> Result<(), FilmError> {
+        let (piezo, state) = (self.source.piezo, &mut work.levels[0]);
+        for (at, (pressure, q)) in state.pressure.iter_mut().zip(&state.q).enumerate() {
+            // what the rule `half` cuts has no force and no slope
+            *pressure = if *q <= 0.0 && self.source.cavitation == Cavitation::Half {
+                [0.0, 0.0]
+            } else if piezo == 0.0 {
+                [*q, 1.0]
+            } else if piezo * q < PIEZO_LIMIT {
+                [-libm::log1p(-piezo * q) / piezo, 1.0 / (1.0 - piezo * q)]
+            } else {
+                let grid = &self.levels[0].grid;
+                let place = if at < grid.cells.len() {
+                    grid.place(at)
+                } else {
+                    place(0.0, 0.0)
+                };
+                return Err(FilmError::Piezo {
+                    reached: piezo * q,
+                    place,
+                });
+            };
+        }
+        Ok(())
+    }
+
+    /// Factor of the shear in a cell, `ϑ exp(α p)`; of rules without content, ϑ is 1, as is usual.
+    pub(crate) fn shear_factor(&self, state: &LevelWork, cell: usize) -> f64 {
+        state.content[cell] * state.pressure[cell][1].max(1.0)
+    }
+
+    /// Writes the outputs:
+    ///
+    /// ```text
+    /// F = −∫ p n dA     M_x = ∫ p z sin θ dA     M_y = −∫ p z cos θ dA
+    /// T = μ₀ R² ω ∫ ϑ e^(α p)/h dA − ½ ∫ p ∂h/∂θ dA + ∫ p ∂s_p/∂θ dA
+    /// ```
+    pub(crate) fn integrate(&self, work: &Work, outputs: &mut [f64]) {
+        let (level, state, x) = (&self.levels[0], &work.levels[0], &work.inputs);
+        outputs.fill(0.0);
+        let shear = x[VISCOSITY] * self.source.radius * self.source.radius * x[SPIN];
+        for (at, cell) in level.grid.cells.iter().enumerate() {
+            let load = cell.area * state.pressure[at][0];
+            let [cos, sin] = cell.mean_normal;
+            outputs[FORCE] -= load * cos;
+            outputs[FORCE + 1] -= load * sin;
+            outputs[MOMENT] += load * cell.z * sin;
+            outputs[MOMENT + 1] -= load * cell.z * cos;
+            outputs[TORQUE] += shear * self.shear_factor(state, at) * cell.area
+                / state.cell_gap[at]
+                + load * state.pin_slope[at][0];
+        }
+        // −½ ∫ p ∂h/∂θ dA, summed by parts: what the surfaces carry through a face against the pressure
+        for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
+            outputs[TORQUE] -=
+                link.carry * gap * (state.pressure[link.a][0] - state.pressure[link.b][0]);
+        }
+        let count = level.grid.cells.len();
+        for (shape, force) in outputs[SHAPE_FORCE..].iter_mut().enumerate() {
+            for (at, cell) in level.grid.cells.iter().enumerate() {
+                *force += cell.area * state.pressure[at][0] * level.shapes[2][shape * count + at];
+            }
+        }
+        for output in outputs.iter_mut() {
+            *output *= self.halves();
+        }
+        if self.source.half_width {
+            outputs[MOMENT..MOMENT + 2].fill(0.0);
+        }
+    }
+
+    /// A field of the last solution, cell by cell.
+    pub fn field(&self, which: Quantity, work: &Work, out: &mut [f64]) {
+        let state = &work.levels[0];
+        for (at, out) in out.iter_mut().enumerate() {
+            *out = match which {
+                Quantity::Pressure => state.pressure[at][0],
+                Quantity::Content => state.content[at],
+                Quantity::Gap => state.cell_gap[at],
+            };
+        }
+    }
+
+    /// Results of the last solution.
+    #[must_use]
+    pub fn summary(&self, work: &Work) -> Summary {
+        let (level, state, x) = (&self.levels[0], &work.levels[0], &work.inputs);
+        let (maximum_pressure, maximum_pressure_at) = self.highest(level, state);
+        let (minimum_gap, minimum_gap_at) = self.thinnest(state, x);
+        let mut summary = Summary {
+            maximum_pressure,
+            maximum_pressure_at,
+            minimum_gap,
+            minimum_gap_at,
+            end_flow: [0.0; 2],
+            outflow: 0.0,
+            inflow: 0.0,
+            supply_flow: vec![0.0; self.source.openings.len()],
+            shear_torque: 0.0,
+            shear_power: 0.0,
+            pressure_power: 0.0,
+            pumping_power: 0.0,
+            cavitated: 0.0,
+            content: 0.0,
+            volume: 0.0,
+            rounds: work.rounds,
+        };
+        self.add_flows(&mut summary, level, state, x);
+        let shear = x[VISCOSITY] * self.source.radius * self.source.radius * x[SPIN];
+        let mut area = 0.0;
+        for (at, cell) in level.grid.cells.iter().enumerate() {
+            area += cell.area;
+            summary.shear_torque +=
+                shear * self.shear_factor(state, at) * cell.area / state.cell_gap[at];
+            summary.content += cell.area * state.content[at];
+            summary.volume += cell.area * state.content[at] * state.cell_gap[at];
+            if !state.full[at] || (self.source.cavitation == Cavitation::Half && state.q[at] <= 0.0)
+            {
+                summary.cavitated += cell.area;
+            }
+        }
+        summary.cavitated /= area;
+        summary.content /= area;
+        let halves = self.halves();
+        summary.volume *= halves;
+        summary.shear_torque *= halves;
+        summary.shear_power = summary.shear_torque * x[SPIN];
+        summary
+    }
+
+    fn add_flows(&self, summary: &mut Summary, level: &Level, state: &LevelWork, x: &[f64]) {
+        let count = level.grid.cells.len();
+        let (ends, halves) = (level.grid.ends(&self.source), self.halves());
+        for (at, link) in level.grid.links.iter().enumerate() {
+            let carried = x[SPIN] * link.carry * state.link_gap[at];
+            let upwind = if carried >= 0.0 { link.a } else { link.b };
+            // the cut pressure of the rule `half` is the pressure, not q
+            let q = |side: usize| {
+                if state.pressure[side][1] == 0.0 {
+                    0.0
+                } else {
+                    state.q[side]
+                }
+            };
+            let pressed = state.conductance[at][0] * (q(link.a) - q(link.b));
+            let flow = carried * state.content[upwind] + pressed;
+            let drop = state.pressure[link.a][0] - state.pressure[link.b][0];
+            summary.pressure_power += halves * pressed * drop;
+            for (side, sign) in [(link.a, 1.0), (link.b, -1.0)] {
+                let entering = halves * sign * flow;
+                if side == ends {
+                    let positive = usize::from(link.z > 0.0);
+                    summary.end_flow[positive] -= entering;
+                    summary.outflow += (-entering).max(0.0);
+                    summary.inflow += entering.max(0.0);
+                } else if side >= count {
+                    summary.supply_flow[side - count] += entering;
+                }
+            }
+        }
+        for (at, cell) in level.grid.cells.iter().enumerate() {
+            if let Some(opening) = cell.held {
+                summary.supply_flow[opening] +=
+                    halves * cell.area * state.cell_rate[at] * state.content[at];
+            }
+        }
+        if self.source.half_width {
+            let flow = summary.end_flow[1] / 2.0;
+            summary.end_flow = [flow, flow];
+        }
+        for (at, opening) in self.source.openings.iter().enumerate() {
+            if opening.feed == Feed::Pressure {
+                summary.pumping_power += x[SUPPLY + at] * summary.supply_flow[at];
+            }
+        }
+        if self.source.ends == Ends::Open {
+            summary.pumping_power -= x[END_PRESSURE] * (summary.end_flow[0] + summary.end_flow[1]);
+        }
+    }
+
+    /// Highest pressure and its place: the highest cell, and parabolas through it and its neighbours in both
+    /// directions.
+    fn highest(&self, level: &Level, state: &LevelWork) -> (f64, Place) {
+        let grid = &level.grid;
+        let pressure = |cell: usize| state.pressure[cell][0];
+        let count = grid.cells.len();
+        let top = (0..count).fold(0, |best, cell| {
+            if pressure(cell) > pressure(best) {
+                cell
+            } else {
+                best
+            }
+        });
+        let (column, row) = (top / grid.across, top % grid.across);
+        let cell = &grid.cells[top];
+        let (mut highest, mut at) = (pressure(top), place(cell.angle, cell.z));
+        if cell.held.is_some() {
+            return (highest, at);
+        }
+        let west = (column + grid.around - 1) % grid.around * grid.across + row;
+        let east = (column + 1) % grid.around * grid.across + row;
+        let before = -(grid.cells[west].sector + cell.sector) / 2.0;
+        let behind = (grid.cells[east].sector + cell.sector) / 2.0;
+        let (shift, rise) = vertex(
+            [before, behind],
+            [pressure(west), pressure(top), pressure(east)],
+        );
+        highest += rise;
+        at = place(cell.angle + shift, at.across);
+        let mirrored =
+            (row == 0 && self.source.half_width).then_some((-2.0 * cell.z, pressure(top)));
+        let low = row
+            .checked_sub(1)
+            .map(|_| (grid.cells[top - 1].z - cell.z, pressure(top - 1)))
+            .or(mirrored);
+        let high =
+            (row + 1 < grid.across).then(|| (grid.cells[top + 1].z - cell.z, pressure(top + 1)));
+        if let (Some((before, low)), Some((behind, high))) = (low, high) {
+            let (shift, rise) = vertex([before, behind], [low, pressure(top), high]);
+            highest += rise;
+            at.across += shift;
+        }
+        (highest, at)
+    }
+
+    /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is
+    /// closest; of plain surfaces exactly.
+    fn thinnest(&self, state: &LevelWork, x: &[f64]) -> (f64, Place) {
+        let grid = &self.levels[0].grid;
+        let half = self.source.width / 2.0;
+        let plain = self.source.profile.is_empty()
+            && self.source.pin_profile.is_empty()
+            && self.source.shapes.is_empty();
+        if plain {
+            let end = |z: f64| {
+                let (ex, ey) = (
+                    x[ECCENTRICITY] + z * x[TILT],
+                    x[ECCENTRICITY + 1] + z * x[TILT + 1],
+                );
+                (
+                    self.source.clearance - libm::hypot(ex, ey),
+                    place(libm::atan2(ey, ex), z),
+                )
+            };
+            let (low, high) = (end(-half), end(half));
+            return if low.0 < high.0 { low } else { high };
+        }
+        let mut least = (f64::INFINITY, place(0.0, 0.0));
+        let mut look = |gap: f64, angle: f64, z: f64| {
+            if gap < least.0 {
+                least = (gap, place(angle, z));
+            }
+        };
+        for (link, gap) in grid.links.iter().zip(&state.link_gap) {
+            look(*gap, link.angle, link.z);
+        }
+        for (cell, gap) in grid.cells.iter().zip(&state.cell_gap) {
+            look(*gap, cell.angle, cell.z);
+        }
+        // sealed ends and lines at ends are no links
+        for z in [-half, half] {
+            for angle in grid.angles.iter().chain(
+                grid.cells
+                    .iter()
+                    .step_by(grid.across)
+                    .map(|cell| &cell.angle),
+            ) {
+                look(self.gap_at(x, *angle, z), *angle, z);
+            }
+        }
+        least
+    }
+
+    /// The gap at any place, m.
+    fn gap_at(&self, x: &[f64], angle: f64, z: f64) -> f64 {
+        let zeta = 2.0 * z / self.source.width;
+        let (sin, cos) = libm::sincos(angle);
+        let eccentric =
+            (x[ECCENTRICITY] + z * x[TILT]) * cos + (x[ECCENTRICITY + 1] + z * x[TILT + 1]) * sin;
+        let first = SUPPLY + self.source.openings.len();
+        let shapes = self.source.shapes.iter().zip(&x[first..]);
+        self.source.clearance + self.source.shell_profile(angle, zeta) - eccentric
+            + self
+                .source
+                .pin_profile(angle - x[crate::inputs::TURN], zeta)
+                .0
+            + shapes
+                .map(|(shape, amplitude)| amplitude * shape.value(angle, zeta))
+                .sum::<f64>()
+    }
+}
+
+/// Where a parabola through three points is highest, and by how much above the middle one; places count from
+/// the middle.
+fn vertex(places: [f64; 2], values: [f64; 3]) -> (f64, f64) {
+    let (before, behind) = (
+        (values[0] - values[1]) / places[0],
+        (values[2] - values[1]) / places[1],
+    );
+    let bend = (behind - before) / (places[1] - places[0]);
+    let slope = before - bend * places[0];
+    if bend >= 0.0 {
+        return (0.0, 0.0);
+    }
+    let shift = (-slope / (2.0 * bend)).clamp(places[0], places[1]);
+    (shift, slope * shift + bend * shift * shift)
+}

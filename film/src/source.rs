@@ -1,0 +1,397 @@
+//! Plain data of a film: geometry, rule, openings, profiles and cells. All numbers are SI.
+
+use crate::error::SourceError;
+
+/// The rule of the film where it would pull.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cavitation {
+    /// p ≥ 0, and ∂p/∂n = 0 at the edge of the cavity (Swift 1932, Stieber 1933): a linear complementarity
+    /// problem. Flow into the cavity is not followed further.
+    Reynolds,
+    /// The linear equation, whose negative pressures are cut off afterwards (Gümbel 1921). For comparison: it
+    /// conserves nothing.
+    Half,
+    /// p ≥ 0, ϑ ≤ 1, p (1 − ϑ) = 0 with the film content ϑ (Jakobsson & Floberg 1957, Olsson 1965): oil is
+    /// conserved everywhere.
+    MassConserving,
+}
+
+/// The oil at an opening.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Feed {
+    /// Full of oil at a pressure that is an input.
+    Pressure,
+    /// Starved: oil at the cavitation pressure fills this share of the gap.
+    Content(f64),
+}
+
+/// An opening in the shell that covers a rectangle of the film. Its edges become lines of the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opening {
+    /// Edges around, rad from the shell's x about its z; the second above the first, by 2π at most. Both may
+    /// be equal: a line.
+    pub around: [f64; 2],
+    /// Edges across, m from mid width. An edge beyond an end opens the end.
+    pub across: [f64; 2],
+    /// The oil in it.
+    pub feed: Feed,
+}
+
+impl Opening {
+    /// A groove along the axis: `at` rad, `length` m along the axis about mid width, `width` m around;
+    /// `radius` m that of the bearing.
+    #[must_use]
+    pub fn axial_groove(at: f64, length: f64, width: f64, radius: f64, feed: Feed) -> Self {
+        let half = width / (2.0 * radius);
+        Opening {
+            around: [at - half, at + half],
+            across: [-length / 2.0, length / 2.0],
+            feed,
+        }
+    }
+
+    /// A groove around, from an angle to another (rad), `width` m across about mid width.
+    #[must_use]
+    pub fn ring_groove(from: f64, to: f64, width: f64, feed: Feed) -> Self {
+        Opening {
+            around: [from, to],
+            across: [-width / 2.0, width / 2.0],
+            feed,
+        }
+    }
+
+    /// A round hole at an angle (rad) and a distance from mid width (m), as a square of the same logarithmic
+    /// capacity: the flow around both is the same some diameters away. The capacity of a disc is its radius,
+    /// that of a square 0.590170 of its side (Γ(1/4)²/(4 π^(3/2)); Pólya & Szegő, Isoperimetric Inequalities,
+    /// 1951), so the side is 0.847213 of the diameter.
+    #[must_use]
+    pub fn hole(at: f64, offset: f64, diameter: f64, radius: f64, feed: Feed) -> Self {
+        let half = 0.847_213_084_793_979 * diameter / 2.0;
+        Opening {
+            around: [at - half / radius, at + half / radius],
+            across: [offset - half, offset + half],
+            feed,
+        }
+    }
+}
+
+/// One change of the gap; positive numbers open it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Profile {
+    /// `depth cos²(θ − at)`: an elliptic ("lemon") bore, widest at `at` and opposite of it.
+    Lemon {
+        /// Opening at the widest place, m.
+        depth: f64,
+        /// Widest place, rad.
+        at: f64,
+    },
+    /// `distance cos(θ − at)`: a bore beside the axis.
+    Offset {
+        /// Distance of the centre, m.
+        distance: f64,
+        /// Direction of the centre, rad.
+        at: f64,
+    },
+    /// `depth (2z/B)²`: a barrel, or rounded ends.
+    Barrel {
+        /// Opening at both ends, m.
+        depth: f64,
+    },
+    /// `depth 2z/B`: a cone.
+    Taper {
+        /// Opening at the end with positive z, closing at the other, m.
+        depth: f64,
+    },
+    /// `depth cos²(π (θ − at)/(2 around))` within `around` of `at`, else nothing: relief at a split line.
+    Relief {
+        /// Opening at its middle, m.
+        depth: f64,
+        /// Reach to each side, rad.
+        around: f64,
+        /// Its middle, rad.
+        at: f64,
+    },
+}
+
+impl Profile {
+    /// Change of the gap (m) and its slope by θ (m/rad) at an angle and at ζ = 2z/B.
+    pub(crate) fn value(&self, angle: f64, zeta: f64) -> (f64, f64) {
+        match *self {
+            Profile::Lemon { depth, at } => {
+                let (sin, cos) = libm::sincos(angle - at);
+                (depth * cos * cos, -2.0 * depth * cos * sin)
+            }
+            Profile::Offset { distance, at } => {
+                let (sin, cos) = libm::sincos(angle - at);
+                (distance * cos, -distance * sin)
+            }
+            Profile::Barrel { depth } => (depth * zeta * zeta, 0.0),
+            Profile::Taper { depth } => (depth * zeta, 0.0),
+            Profile::Relief { depth, around, at } => {
+                let turn = std::f64::consts::TAU;
+                let turned = (angle - at + turn / 2.0).rem_euclid(turn) - turn / 2.0;
+                if turned.abs() >= around {
+                    return (0.0, 0.0);
+                }
+                let rate = std::f64::consts::FRAC_PI_2 / around;
+                let (sin, cos) = libm::sincos(rate * turned);
+                (depth * cos * cos, -2.0 * depth * rate * cos * sin)
+            }
+        }
+    }
+
+    /// Whether both halves of the bearing have the same.
+    pub(crate) fn symmetric(&self) -> bool {
+        !matches!(self, Profile::Taper { depth } if *depth != 0.0)
+    }
+}
+
+/// A radial deflection that is an input: `cos kθ` or `sin kθ` times Legendre's polynomial `P_l(ζ)`; positive
+/// opens the gap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// k, waves around.
+    pub around: u32,
+    /// `sin` instead of `cos`.
+    pub sine: bool,
+    /// l, degree across.
+    pub across: u32,
+}
+
+impl Shape {
+    /// Value at an angle (rad) and ζ = 2z/B.
+    pub(crate) fn value(&self, angle: f64, zeta: f64) -> f64 {
+        let (sin, cos) = libm::sincos(f64::from(self.around) * angle);
+        let (mut before, mut legendre) = (0.0, 1.0);
+        for degree in 0..self.across {
+            let degree = f64::from(degree);
+            let next = ((2.0 * degree + 1.0) * zeta * legendre - degree * before) / (degree + 1.0);
+            (before, legendre) = (legendre, next);
+        }
+        legendre * if self.sine { sin } else { cos }
+    }
+
+    /// Mean over a sector of cells of this width (rad), as a share of the value in its middle.
+    pub(crate) fn mean(&self, sector: f64) -> f64 {
+        mean_of_wave(f64::from(self.around) * sector / 2.0)
+    }
+}
+
+/// `sin x/x`.
+pub(crate) fn mean_of_wave(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { libm::sin(x) / x }
+}
+
+/// The ends of the bearing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ends {
+    /// Held at the end pressure, an input.
+    Open,
+    /// No flow through them: a film without end flow (the "infinitely long" bearing), or seals.
+    Sealed,
+}
+
+/// Cells of one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lines {
+    /// So many cells; of equal size between the edges of openings.
+    Equal(usize),
+    /// Stated lines, rising: around from 0 to 2π (rad), or across from one end to the other (m; of a half
+    /// bearing from 0).
+    At(Vec<f64>),
+}
+
+/// All of a film that does not change while it works.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmSource {
+    /// R, m.
+    pub radius: f64,
+    /// B, m.
+    pub width: f64,
+    /// Radial clearance c, m.
+    pub clearance: f64,
+    /// Rule where the film would pull.
+    pub cavitation: Cavitation,
+    /// Ends.
+    pub ends: Ends,
+    /// Openings in the shell.
+    pub openings: Vec<Opening>,
+    /// Sum of changes of the gap that belong to the shell.
+    pub profile: Vec<Profile>,
+    /// Sum of changes of the gap that turn with the pin; their angles count from the pin's x.
+    pub pin_profile: Vec<Profile>,
+    /// Deflections that are inputs.
+    pub shapes: Vec<Shape>,
+    /// α of Barus' law `μ exp(α p)`, 1/Pa; 0 for oil whose viscosity does not depend on pressure.
+    pub piezo: f64,
+    /// Cells around.
+    pub around: Lines,
+    /// Cells across; of a half bearing from mid width to its end.
+    pub across: Lines,
+    /// Solves the half z ≥ 0 of an aligned bearing that is symmetric about mid width.
+    pub half_width: bool,
+}
+
+impl FilmSource {
+    /// A plain bearing with open ends: `radius`, `width`, `clearance` (m) on equal cells around and across.
+    #[must_use]
+    pub fn plain(
+        radius: f64,
+        width: f64,
+        clearance: f64,
+        cavitation: Cavitation,
+        cells: [usize; 2],
+    ) -> Self {
+        FilmSource {
+            radius,
+            width,
+            clearance,
+            cavitation,
+            ends: Ends::Open,
+            openings: Vec::new(),
+            profile: Vec::new(),
+            pin_profile: Vec::new(),
+            shapes: Vec::new(),
+            piezo: 0.0,
+            around: Lines::Equal(cells[0]),
+            across: Lines::Equal(cells[1]),
+            half_width: false,
+        }
+    }
+
+    /// Sum of the shell's profile.
+    pub(crate) fn shell_profile(&self, angle: f64, zeta: f64) -> f64 {
+        self.profile
+            .iter()
+            .map(|profile| profile.value(angle, zeta).0)
+            .sum()
+    }
+
+    /// Sum of the pin's profile and of its slopes by θ; the angle counts from the pin's x.
+    pub(crate) fn pin_profile(&self, angle: f64, zeta: f64) -> (f64, f64) {
+        let mut sum = (0.0, 0.0);
+        for profile in &self.pin_profile {
+            let (value, slope) = profile.value(angle, zeta);
+            sum = (sum.0 + value, sum.1 + slope);
+        }
+        sum
+    }
+
+    /// Refuses numbers out of range and openings that no film can have.
+    pub(crate) fn check(&self) -> Result<(), SourceError> {
+        for (name, value) in [
+            ("radius", self.radius),
+            ("width", self.width),
+            ("radial clearance", self.clearance),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(SourceError::Range {
+                    name,
+                    value,
+                    range: "a positive number",
+                });
+            }
+        }
+        if !(self.piezo >= 0.0 && self.piezo.is_finite()) {
+            return Err(SourceError::Range {
+                name: "pressure coefficient",
+                value: self.piezo,
+                range: "0 or a positive number",
+            });
+        }
+        for (number, opening) in self.openings.iter().enumerate() {
+            self.check_opening(number + 1, opening)?;
+        }
+        for (second, other) in self.openings.iter().enumerate() {
+            for (first, opening) in self.openings[..second].iter().enumerate() {
+                if overlap(opening, other) {
+                    return Err(SourceError::Overlap {
+                        first: first + 1,
+                        second: second + 1,
+                    });
+                }
+            }
+        }
+        if !self.half_width {
+            return Ok(());
+        }
+        let mirrored =
+            |opening: &Opening| (opening.across[0] + opening.across[1]).abs() <= 1e-12 * self.width;
+        let part = if !self.openings.iter().all(mirrored) {
+            "openings"
+        } else if !self
+            .profile
+            .iter()
+            .chain(&self.pin_profile)
+            .all(Profile::symmetric)
+        {
+            "profiles"
+        } else if self.shapes.iter().any(|shape| shape.across % 2 == 1) {
+            "shapes"
+        } else {
+            return Ok(());
+        };
+        Err(SourceError::NotSymmetric { part })
+    }
+
+    fn check_opening(&self, number: usize, opening: &Opening) -> Result<(), SourceError> {
+        let [from, to] = opening.around;
+        let turn = std::f64::consts::TAU;
+        if !(to >= from && to - from <= turn * (1.0 + 1e-12) && from.is_finite()) {
+            return Err(SourceError::EmptyOpening {
+                opening: number,
+                direction: "around (rad)",
+                from,
+                to,
+            });
+        }
+        let [low, high] = opening.across;
+        if !(high > low && low.is_finite() && high.is_finite()) {
+            return Err(SourceError::EmptyOpening {
+                opening: number,
+                direction: "across (m)",
+                from: low,
+                to: high,
+            });
+        }
+        if let Feed::Content(content) = opening.feed
+            && !(0.0..=1.0).contains(&content)
+        {
+            return Err(SourceError::Range {
+                name: "content of an opening",
+                value: content,
+                range: "in 0 to 1",
+            });
+        }
+        let end = self.width / 2.0;
+        if high <= -end || low >= end {
+            return Err(SourceError::BesideBearing {
+                opening: number,
+                width: self.width,
+            });
+        }
+        // an edge closer than this cannot be told from the end after the rounding of a sum
+        let near = 1e-9 * self.width;
+        if self.ends == Ends::Open
+            && ((low + end).abs() < near || (high - end).abs() < near)
+            && to > from
+        {
+            return Err(SourceError::OpeningAtEnd { opening: number });
+        }
+        Ok(())
+    }
+}
+
+/// Whether two openings share more than an edge.
+fn overlap(one: &Opening, other: &Opening) -> bool {
+    let turn = std::f64::consts::TAU;
+    let across = one.across[0].max(other.across[0]) < one.across[1].min(other.across[1]);
+    let around = [-1.0, 0.0, 1.0].iter().any(|turns| {
+        let shift = turn * turns + ((one.around[0] - other.around[0]) / turn).round() * turn;
+        let (from, to) = (other.around[0] + shift, other.around[1] + shift);
+        let shared = one.around[1].min(to) - one.around[0].max(from);
+        // a line inside of a rectangle shares nothing but lies in it
+        shared > 1e-12 || (shared >= 0.0 && (to == from || one.around[0] == one.around[1]))
+    });
+    across && around
+}

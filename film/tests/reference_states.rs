@@ -1,0 +1,232 @@
+//! 61 states of an independent solver: forces, moments, highest pressure, flows and shear, on 144 × 24 cells
+//! and extrapolated.
+
+mod states;
+
+use eng_film::{Cavitation, FilmError, Inputs};
+use serde_json::Value;
+use states::{Solved, inputs, number, pair, reference, solved, source};
+
+/// The state on so many cells of the full width; the symmetric ones on half of it.
+fn on(state: &Value, cells: [usize; 2]) -> Solved {
+    let tilted = pair(state, "tilt") != [0.0; 2] || pair(state, "tilt_rate") != [0.0; 2];
+    let mut source = source(
+        state,
+        [cells[0], if tilted { cells[1] } else { cells[1] / 2 }],
+    );
+    source.half_width = !tilted;
+    let inputs = inputs(state, source.openings.len());
+    solved(source, inputs).unwrap_or_else(|error| panic!("{}: {error}", state["id"]))
+}
+
+/// Quantities that the reference gives: name, value, and the size that an error of it counts against.
+fn quantities(solved: &Solved, state: &Value) -> Vec<(&'static str, f64, f64)> {
+    let value = &state["value"];
+    let (fx, fy) = (number(value, "fx"), number(value, "fy"));
+    let (mx, my) = (number(value, "mx"), number(value, "my"));
+    // a pure moment has no force to compare with
+    let moment = mx.hypot(my);
+    let force = fx.hypot(fy).max(moment);
+    // a moment that vanishes by symmetry is compared with the load on half of the width
+    let arm = if moment < 1e-6 {
+        force * number(state, "width_over_diameter") / 2.0
+    } else {
+        moment
+    };
+    let summary = &solved.summary;
+    let shear = if state["rule"] == "jfo" {
+        "couette_content"
+    } else {
+        "couette_full"
+    };
+    let outputs = &solved.outputs;
+    let mut found = vec![
+        ("fx", outputs[0], force),
+        ("fy", outputs[1], force),
+        ("mx", outputs[2], arm),
+        ("my", outputs[3], arm),
+        ("pmax", summary.maximum_pressure, number(value, "pmax")),
+    ];
+    // the rule `half` conserves nothing: its flows tell nothing
+    if state["rule"] != "guembel" {
+        let size = number(value, "q_out");
+        found.push(("q_low", summary.end_flow[0], size));
+        found.push(("q_high", summary.end_flow[1], size));
+        found.push(("q_out", summary.outflow, size));
+    }
+    if solved.inputs[8] != 0.0 {
+        found.push((
+            shear,
+            summary.shear_torque / solved.inputs[8],
+            number(value, shear),
+        ));
+    }
+    found
+}
+
+/// Limits of the error relative to size: of 144 × 24 cells, and of its extrapolation with 288 × 48.
+fn limits(name: &str, state: &Value) -> [f64; 2] {
+    let openings = state["grooves"]
+        .as_array()
+        .is_some_and(|grooves| !grooves.is_empty());
+    let tilted = pair(state, "tilt") != [0.0; 2] || pair(state, "tilt_rate") != [0.0; 2];
+    let content = state["rule"] == "jfo";
+    match name {
+        "q_low" | "q_high" | "q_out" if openings => [0.02, 5e-3],
+        // the corners of openings make flow and content converge with less than second order
+        "couette_content" => [0.01, 2e-3],
+        "mx" | "my" => [0.05, 1e-3],
+        _ if openings => [0.025, 1e-3],
+        _ if tilted => [0.025, 9e-4],
+        "pmax" => [0.006, 9e-4],
+        _ if content => [0.006, 3e-4],
+        _ => [0.006, 1e-3],
+    }
+}
+
+#[test]
+fn states_of_the_reference() {
+    let mut worst = std::collections::BTreeMap::<&str, [f64; 2]>::new();
+    let mut states = 0;
+    let (mut plain, mut count) = ([0.0_f64; 2], 0.0);
+    for state in reference()["static"].as_array().expect("states") {
+        states += 1;
+        let (coarse, fine) = (on(state, [144, 24]), on(state, [288, 48]));
+        let pairs = quantities(&coarse, state)
+            .into_iter()
+            .zip(quantities(&fine, state));
+        for ((name, one, size), (_, two, _)) in pairs {
+            let wanted = number(&state["value"], name);
+            let errors = [
+                (one - wanted).abs() / size,
+                ((4.0 * two - one) / 3.0 - wanted).abs() / size,
+            ];
+            let known = worst.entry(name).or_default();
+            *known = [known[0].max(errors[0]), known[1].max(errors[1])];
+            if name.starts_with('f') {
+                plain = [
+                    plain[0] + errors[0] * errors[0],
+                    plain[1] + errors[1] * errors[1],
+                ];
+                count += 1.0;
+            }
+            let limits = limits(name, state);
+            assert!(
+                errors[0] < limits[0],
+                "{} {name} on 144 x 24: {:.1e}",
+                state["id"],
+                errors[0]
+            );
+            assert!(
+                errors[1] < limits[1],
+                "{} {name} extrapolated: {:.1e}",
+                state["id"],
+                errors[1]
+            );
+        }
+    }
+    assert_eq!(states, 61);
+    for (name, [coarse, fine]) in worst {
+        println!("{name:16} 144 x 24 {coarse:.1e}   extrapolated {fine:.1e}");
+    }
+    println!(
+        "force, rms: 144 x 24 {:.1e}, extrapolated {:.1e}",
+        (plain[0] / count).sqrt(),
+        (plain[1] / count).sqrt()
+    );
+}
+
+#[test]
+fn half_of_the_width_is_the_whole() {
+    for state in reference()["static"].as_array().expect("states") {
+        let id = state["id"].as_str().expect("a name");
+        if ![
+            "rotation_reynolds_07",
+            "squeeze_oblique_135_29",
+            "half_ring_groove_54",
+        ]
+        .contains(&id)
+        {
+            continue;
+        }
+        let (half, whole) = (on(state, [72, 16]), states::state(state, [72, 16]));
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-11 * (1.0 + b.abs());
+        assert!(
+            half.outputs
+                .iter()
+                .zip(&whole.outputs)
+                .all(|(a, b)| close(*a, *b)),
+            "{id}"
+        );
+        assert!(close(half.summary.outflow, whole.summary.outflow), "{id}");
+        assert!(
+            close(
+                half.summary.maximum_pressure,
+                whole.summary.maximum_pressure
+            ),
+            "{id}"
+        );
+        assert!(close(half.summary.volume, whole.summary.volume), "{id}");
+    }
+}
+
+#[test]
+fn limits_of_ocvirk_and_sommerfeld() {
+    // rule `half`, e along x, R = c = μ = ω = 1: F = B³ (−ε²/(1 − ε²)², π ε/(4 (1 − ε²)^1.5)); Ocvirk, NACA
+    // TN 2808 (1952)
+    for ratio in [0.3_f64, 0.6] {
+        let slenderness = 0.02;
+        let mut source =
+            eng_film::FilmSource::plain(1.0, 2.0 * slenderness, 1.0, Cavitation::Half, [360, 24]);
+        source.half_width = true;
+        let inputs = Inputs {
+            eccentricity: [ratio, 0.0],
+            spin: 1.0,
+            ..Inputs::still(1.0)
+        };
+        let short = solved(source, inputs.write()).expect("a film");
+        let room = 1.0 - ratio * ratio;
+        let size = (2.0 * slenderness).powi(3);
+        let wanted = [
+            -size * ratio * ratio / (room * room),
+            size * std::f64::consts::PI * ratio / (4.0 * room.powf(1.5)),
+        ];
+        for axis in [0, 1] {
+            let error = short.outputs[axis] / wanted[axis] - 1.0;
+            assert!(error.abs() < 2e-3, "short, {ratio}: {error:e}");
+        }
+        // no end flow, F = (0, 12 π ε/((2 + ε²) √(1 − ε²))) a width (Sommerfeld 1904); a supply so high that
+        // nothing is cut
+        let mut source = eng_film::FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [360, 1]);
+        source.ends = eng_film::Ends::Sealed;
+        source.openings.push(eng_film::Opening {
+            around: [std::f64::consts::PI; 2],
+            across: [-1.0, 1.0],
+            feed: eng_film::Feed::Pressure,
+        });
+        let supply = [100.0];
+        let inputs = Inputs {
+            eccentricity: [ratio, 0.0],
+            spin: 1.0,
+            supply: &supply,
+            ..Inputs::still(1.0)
+        };
+        let long = solved(source, inputs.write()).expect("a film");
+        let wanted = 12.0 * std::f64::consts::PI * ratio / ((2.0 + ratio * ratio) * room.sqrt());
+        assert!(
+            long.outputs[0].abs() < 1e-9 && (long.outputs[1] / wanted - 1.0).abs() < 2e-4,
+            "long, {ratio}"
+        );
+    }
+}
+
+#[test]
+fn mass_conservation_needs_oil() {
+    let source = eng_film::FilmSource::plain(1.0, 1.0, 1.0, Cavitation::MassConserving, [24, 5]);
+    let inputs = Inputs {
+        eccentricity: [0.5, 0.0],
+        spin: 1.0,
+        ..Inputs::still(1.0)
+    };
+    assert_eq!(solved(source, inputs.write()).err(), Some(FilmError::NoOil));
+}

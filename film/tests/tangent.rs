@@ -1,0 +1,295 @@
+//! Derivatives by adjoints against differences, and stiffness and damping of the reference.
+
+mod states;
+
+use eng_film::{
+    Cavitation, Feed, Film, FilmSource, Inputs, Opening, Profile, Quantity, Shape, inputs,
+};
+use states::{number, pair, reference};
+
+/// Derivatives of all outputs by an input: central differences of two steps, extrapolated. The steps are so
+/// small that no cell changes sides.
+fn differences(film: &Film, x: &[f64], input: usize, past: Option<(f64, &[f64])>) -> Vec<f64> {
+    let mut work = film.work();
+    let mut at = |shift: f64| {
+        let mut moved = x.to_vec();
+        moved[input] += shift;
+        let mut outputs = vec![0.0; film.outputs()];
+        let memory = past.map_or(&[][..], |(_, memory)| memory);
+        film.solve(
+            &moved,
+            past.map(|(step, _)| step),
+            memory,
+            &mut work,
+            &mut outputs,
+        )
+        .expect("a film");
+        let mut pressure = vec![0.0; film.cells()[0] * film.cells()[1]];
+        film.field(Quantity::Pressure, &work, &mut pressure);
+        (
+            outputs,
+            pressure
+                .iter()
+                .map(|pressure| *pressure > 0.0)
+                .collect::<Vec<_>>(),
+        )
+    };
+    let middle = at(0.0).1;
+    for share in [2e-4, 2e-5, 2e-6] {
+        let step = share * x[input].abs().max(0.05);
+        let points = [step, -step, step / 2.0, -step / 2.0].map(&mut at);
+        if points.iter().any(|(_, cavity)| *cavity != middle) {
+            continue;
+        }
+        let slope = |output: usize, up: usize, step: f64| {
+            (points[up].0[output] - points[up + 1].0[output]) / (2.0 * step)
+        };
+        return (0..film.outputs())
+            .map(|output| (4.0 * slope(output, 2, step / 2.0) - slope(output, 0, step)) / 3.0)
+            .collect();
+    }
+    panic!("a cell changes sides at input {input}");
+}
+
+/// Largest difference of tangent and differences, relative to the largest derivative of the output by the
+/// same input or to the output itself.
+fn check(name: &str, source: FilmSource, x: &[f64], past: Option<(f64, Vec<f64>)>) {
+    let film = Film::new(source).expect("a film");
+    let mut work = film.work();
+    let mut y = vec![0.0; film.outputs()];
+    let past = past
+        .as_ref()
+        .map(|(step, memory)| (*step, memory.as_slice()));
+    let memory = past.map_or(&[][..], |(_, memory)| memory);
+    film.solve(x, past.map(|(step, _)| step), memory, &mut work, &mut y)
+        .expect("a film");
+    let mut tangent = vec![0.0; film.outputs() * film.inputs()];
+    film.tangent(&mut work, &mut tangent);
+    let mut worst = 0.0_f64;
+    for input in 0..film.inputs() {
+        let exact: Vec<f64> = (0..film.outputs())
+            .map(|output| tangent[output * film.inputs() + input])
+            .collect();
+        let size = exact
+            .iter()
+            .chain(&y)
+            .fold(0.0_f64, |size, number| size.max(number.abs()));
+        let measured = differences(&film, x, input, past);
+        for (output, (exact, measured)) in exact.iter().zip(&measured).enumerate() {
+            let error = (exact - measured).abs() / size;
+            worst = worst.max(error);
+            assert!(
+                error < 1e-8,
+                "{name}: output {output} by input {input}: {exact} and {measured}"
+            );
+        }
+    }
+    println!("{name}: {worst:.1e}");
+}
+
+/// A film with all that a film can have, in units of R = c = μ = 1.
+fn everything(rule: Cavitation) -> FilmSource {
+    let mut source = FilmSource::plain(1.0, 1.2, 1.0, rule, [36, 9]);
+    source.openings = vec![
+        Opening {
+            around: [2.6, 3.3],
+            across: [-0.3, 0.35],
+            feed: Feed::Pressure,
+        },
+        Opening {
+            around: [4.0, 4.2],
+            across: [-0.1, 0.2],
+            feed: Feed::Content(0.7),
+        },
+    ];
+    source.profile = vec![
+        Profile::Lemon {
+            depth: 0.1,
+            at: 0.3,
+        },
+        Profile::Barrel { depth: 0.05 },
+    ];
+    source.pin_profile = vec![
+        Profile::Offset {
+            distance: 0.03,
+            at: 0.7,
+        },
+        Profile::Taper { depth: 0.02 },
+        Profile::Lemon {
+            depth: 0.04,
+            at: 1.0,
+        },
+    ];
+    source.shapes = vec![
+        Shape {
+            around: 2,
+            sine: false,
+            across: 0,
+        },
+        Shape {
+            around: 3,
+            sine: true,
+            across: 2,
+        },
+    ];
+    source
+}
+
+fn moving() -> Inputs<'static> {
+    Inputs {
+        eccentricity: [0.45, 0.2],
+        rate: [0.05, -0.1],
+        tilt: [0.1, -0.2],
+        tilt_rate: [0.03, 0.05],
+        spin: 0.9,
+        turn: 0.4,
+        viscosity: 1.1,
+        end_pressure: 0.1,
+        supply: &[0.5, 0.2],
+        deflection: &[0.05, -0.03],
+        deflection_rate: &[0.02, 0.03],
+    }
+}
+
+#[test]
+fn tangent_is_the_derivative() {
+    for rule in [
+        Cavitation::Reynolds,
+        Cavitation::Half,
+        Cavitation::MassConserving,
+    ] {
+        check(
+            &format!("{rule:?}"),
+            everything(rule),
+            &moving().write(),
+            None,
+        );
+        let mut piezo = everything(rule);
+        piezo.piezo = 0.3;
+        check(&format!("{rule:?}, Barus"), piezo, &moving().write(), None);
+        let backwards = Inputs {
+            spin: -0.7,
+            ..moving()
+        };
+        check(
+            &format!("{rule:?}, backwards"),
+            everything(rule),
+            &backwards.write(),
+            None,
+        );
+    }
+}
+
+#[test]
+fn tangent_within_a_step_is_the_derivative() {
+    let source = everything(Cavitation::MassConserving);
+    let film = Film::new(source.clone()).expect("a film");
+    let mut memory = vec![1.0; film.memory()];
+    let before = Inputs {
+        eccentricity: [0.4, 0.1],
+        ..moving()
+    };
+    film.start(&before.write(), &mut film.work(), &mut memory)
+        .expect("a film");
+    check("a step", source, &moving().write(), Some((0.05, memory)));
+}
+
+#[test]
+fn half_width_has_the_tangent_of_the_whole() {
+    let mut source = everything(Cavitation::Reynolds);
+    source.across = eng_film::Lines::Equal(10);
+    source.openings = vec![Opening {
+        around: [2.6, 3.3],
+        across: [-0.24, 0.24],
+        feed: Feed::Pressure,
+    }];
+    source.pin_profile.remove(1);
+    let x = Inputs {
+        tilt: [0.0; 2],
+        tilt_rate: [0.0; 2],
+        supply: &[0.5],
+        ..moving()
+    }
+    .write();
+    let tangent = |half: bool| {
+        let mut source = source.clone();
+        source.half_width = half;
+        if half {
+            source.across = eng_film::Lines::Equal(5);
+        }
+        let film = Film::new(source).expect("a film");
+        let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
+        film.solve(&x, None, &[], &mut work, &mut y)
+            .expect("a film");
+        let mut tangent = vec![0.0; film.outputs() * film.inputs()];
+        film.tangent(&mut work, &mut tangent);
+        (film.inputs(), tangent)
+    };
+    let (inputs, whole) = tangent(false);
+    for (at, (whole, half)) in whole.iter().zip(&tangent(true).1).enumerate() {
+        let (output, input) = (at / inputs, at % inputs);
+        let tilting = (inputs::TILT..inputs::SPIN).contains(&input)
+            || (inputs::MOMENT..inputs::TORQUE).contains(&output);
+        assert!(
+            tilting || (whole - half).abs() < 1e-10 * (1.0 + whole.abs()),
+            "{output} by {input}: {whole} and {half}"
+        );
+    }
+}
+
+#[test]
+fn stiffness_and_damping_of_the_reference() {
+    let mut worst = 0.0_f64;
+    for row in reference()["coefficients"]["rows"]
+        .as_array()
+        .expect("rows")
+    {
+        let on = |cells: [usize; 2]| {
+            let mut source = states::source(row, cells);
+            source.half_width = true;
+            let film = Film::new(source).expect("a film");
+            let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
+            let mut x = states::inputs(row, film.source().openings.len());
+            x[0..2].copy_from_slice(&pair(row, "eps"));
+            film.solve(&x, None, &[], &mut work, &mut y)
+                .expect("a film");
+            let mut tangent = vec![0.0; film.outputs() * film.inputs()];
+            film.tangent(&mut work, &mut tangent);
+            tangent
+        };
+        // content converges with first order
+        let fine = if row["rule"] == "jfo" { 2 } else { 1 };
+        let (coarse, fine) = (on([144 * fine, 12 * fine]), on([288 * fine, 24 * fine]));
+        let inputs = coarse.len() / 5;
+        for (name, place) in [("K", 0), ("C", 2)] {
+            let entry = |output: usize, input: usize| {
+                let at = output * inputs + place + input;
+                -(4.0 * fine[at] - coarse[at]) / 3.0
+            };
+            let matrix =
+                ["xx", "xy", "yx", "yy"].map(|key| number(&row["value"], &format!("{name}_{key}")));
+            let size = matrix
+                .iter()
+                .fold(0.0_f64, |size, number| size.max(number.abs()));
+            for (at, key) in ["xx", "xy", "yx", "yy"].iter().enumerate() {
+                let trust = number(&row["uncertainty"], &format!("{name}_{key}"));
+                let error = ((entry(at / 2, at % 2) - matrix[at]).abs() - trust).max(0.0) / size;
+                worst = worst.max(error);
+                assert!(
+                    error < 5e-3,
+                    "{name}_{key} {} and {}",
+                    entry(at / 2, at % 2),
+                    matrix[at]
+                );
+            }
+        }
+        let exact = |output: usize, input: usize| fine[output * inputs + input];
+        let skew = (exact(0, 3) - exact(1, 2)).abs();
+        match row["rule"].as_str() {
+            Some("reynolds") => assert!(skew < 1e-8, "C_xy − C_yx = {skew:e}"),
+            Some("guembel") => assert!(skew > 0.5, "the rule `half` has no symmetric damping"),
+            _ => {}
+        }
+    }
+    println!("K and C beyond their uncertainty: {worst:.1e} of the largest entry");
+}
