@@ -111,7 +111,6 @@ fn the_flexible_body_of_the_reference_is_one() {
     assert_eq!(codes, ["E0730"], "{report}");
 }
 
-/// The reference names every kind of analysis and each of its arguments.
 /// The model in a chapter of the reference, which runs without a message.
 #[test]
 fn the_interface_of_the_reference_runs() {
@@ -149,6 +148,7 @@ fn the_interface_of_the_reference_runs() {
     assert!((most - 144.661).abs() < 0.2, "{most}");
 }
 
+/// The reference names every kind of analysis and each of its arguments.
 #[test]
 fn the_reference_names_all_analyses_and_their_arguments() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/language.md");

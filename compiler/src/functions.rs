@@ -36,6 +36,8 @@ pub(crate) enum Kind {
     Vectors,
     /// The numbers of a list.
     List,
+    /// A function of one argument, and its argument.
+    Functions,
     /// The time derivative.
     Rate,
     /// A function of results, in reports alone.
@@ -185,7 +187,7 @@ const CAMPBELL: [&str; 11] = {
 };
 
 /// All functions.
-static FUNCTIONS: [BuiltIn; 49] = [
+static FUNCTIONS: [BuiltIn; 53] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
     function("norm", &["v"], Kind::Vectors)
@@ -218,6 +220,10 @@ static FUNCTIONS: [BuiltIn; 49] = [
     function("sum", &["x"], Kind::List).of(OfResults::Fold(Operator::Add)),
     function("length", &["v"], Kind::List),
     function("distinct", &["v"], Kind::List),
+    function("index_of", &["list", "value"], Kind::List),
+    function("slope", &["f", "x"], Kind::Functions),
+    function("curvature", &["f", "x"], Kind::Functions),
+    function("period", &["f"], Kind::Functions),
     reduction("minimum", Reduction::Minimum),
     reduction("maximum", Reduction::Maximum),
     // the checker replaces `false` if the place is a time: `over` and the model decide

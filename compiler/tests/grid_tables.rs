@@ -110,3 +110,52 @@ table total(x: Length, z: 1, y: 1) -> 1 = csv("map.csv", columns: ["x [mm]", "z"
     assert!((found["a"] - 36e3).abs() < 1e-8, "{}", found["a"]);
     assert!((found["c"] - 6.0).abs() < 1e-12 && (found["d"] - 12.0).abs() < 1e-12);
 }
+
+#[test]
+fn slopes_of_tables_and_functions_are_exact() {
+    let text = r#"
+table wave(t: Angle) -> Length = points([0, 90, 180, 270] deg, [0, 1, 0, -1] mm, periodic: 360 deg)
+fn cubic(x: Length) -> Force = 2 N/mm^3 * x^3
+fn scaled<D>(x: D) -> D^2 = 3*x^2
+fn twice(x: Length) -> Force/Length = slope(cubic, x)
+fn outer(x: Length) -> Length { let inside = x; inside*slope(own, x)*1 m }
+fn own(y: Length) -> 1 = y^2/1 m^2
+"#;
+    let asked = "
+    param x: Length = 2 mm
+    fn around(y: Length) -> Length^2 = x*y
+    param first: Stiffness = slope(cubic, x)
+    param second: Force/Length^2 = curvature(cubic, x)
+    param nested: Force/Length^2 = slope(twice, x)
+    param generic: Length = slope(scaled, x)
+    param captured: Length = slope(around, x)
+    param product = slope(outer, x)
+    param rise: Length/Angle = slope(wave, 0 deg)
+    param bend: Length/Angle^2 = curvature(wave, 90 deg)
+    param repeats: Angle = period(wave)
+    param never: Length = period(cubic)
+    param place = 1.5*index_of([3, 1, 2] mm, 2 mm)";
+    let found = parameters(text, asked, &[]);
+    // the periodic spline through sin at quarter turns: slope m at 0 with 4 m = 6/(pi/2), and moment -3 (2/pi)^2 at 90 deg
+    let quarter = core::f64::consts::FRAC_PI_2;
+    for (name, exact) in [
+        ("first", 24e3),
+        ("second", 24e6),
+        ("nested", 24e6),
+        ("generic", 12e-3),
+        ("captured", 2e-3),
+        // the slope of x·own'(x) by x = 2 x²: 4 x
+        ("product", 8e-3),
+        ("rise", 1.5e-3 / quarter),
+        ("bend", -3e-3 / (quarter * quarter)),
+        ("repeats", 4.0 * quarter),
+        ("never", 0.0),
+        ("place", 4.5),
+    ] {
+        let (value, size) = (found[name], f64::max(1e-9, f64::abs(exact)));
+        assert!(
+            (value - exact).abs() < 1e-12 * size.max(1e-3),
+            "{name}: {value} {exact}"
+        );
+    }
+}

@@ -27,6 +27,9 @@ impl<'p> Checker<'p> {
         span: Span,
         arguments: &[Argument],
     ) -> Type {
+        if matches!(function.kind, Kind::Functions) {
+            return self.of_function(scope, function, span, arguments);
+        }
         let mut typed: Vec<(&Expr, Type)> = Vec::new();
         for argument in arguments {
             typed.push((&argument.value, self.infer(scope, &argument.value)));
@@ -96,6 +99,7 @@ impl<'p> Checker<'p> {
             }
             ("min" | "max", _) => self.extreme(name, plain),
             ("sum", [x]) => self.total(x),
+            ("index_of", [list, value]) => self.index_of(list, value),
             ("length" | "distinct", [(expr, ty)]) => match ty {
                 Type::List { .. } | Type::Range(_) if name == "length" => Type::Int,
                 Type::List { element, .. } | Type::Range(element)
@@ -116,7 +120,30 @@ impl<'p> Checker<'p> {
         }
     }
 
-    fn not_a(&mut self, expr: &Expr, found: &Type, what: &str, wanted: &str) -> Type {
+    fn index_of(&mut self, list: &(&Expr, Type), value: &(&Expr, Type)) -> Type {
+        let element = match &list.1 {
+            Type::List { element, .. } | Type::Range(element) if element.quantity().is_some() => {
+                element.as_ref().clone()
+            }
+            other => {
+                let other = other.clone();
+                return self.not_a(
+                    list.0,
+                    &other,
+                    "the first argument of `index_of`",
+                    "a list of numbers",
+                );
+            }
+        };
+        let due = Due::new("the second argument of `index_of`")
+            .declared(list.0.span, "must be like these numbers");
+        match self.fit(value.0, &value.1, &element, &due) {
+            Type::Error => Type::Error,
+            _ => Type::Int,
+        }
+    }
+
+    pub(super) fn not_a(&mut self, expr: &Expr, found: &Type, what: &str, wanted: &str) -> Type {
         let found = self.describe(found);
         self.report(
             Diagnostic::error(

@@ -150,7 +150,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    fn call_of_function(
+    pub(super) fn call_of_function(
         &mut self,
         scope: &Scope<'p>,
         span: Span,

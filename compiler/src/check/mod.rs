@@ -26,6 +26,7 @@ mod operator;
 mod report;
 mod scope;
 mod signal;
+mod slope;
 mod state;
 mod statement;
 mod table;

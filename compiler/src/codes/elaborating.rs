@@ -140,6 +140,10 @@ eng_grammar::codes! {
     GRID = "E0535", "a file of a table of several arguments does not hold a complete grid",
         "The file has one row for each combination of the points of all arguments, in any order, and no combination twice. Numbers that differ by a billionth of the column's span are one point.",
         "", "";
+    NOT_IN_LIST = "E0536", "a list does not hold the number that is looked for",
+        "`index_of(list, value)` is the place of a number in a list, from 1; the list must hold it.",
+        "const first = index_of([1, 3, 4, 2], 5)",
+        "const first = index_of([1, 3, 4, 2], 3)";
     OTHER_AXES = "E0540", "components along different axes are taken together",
         "Components along a marker's axes are numbers: they are added to, multiplied with and shown as those along the same axes only. Vectors carry no axes and are added in space.",
         "output both = film[1].eccentricity + film[2].eccentricity in shell",

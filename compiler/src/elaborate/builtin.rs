@@ -93,6 +93,7 @@ impl<'a> Elaborator<'a, '_> {
             Kind::Numbers => self.of_numbers(name, values, span),
             Kind::Vectors => self.of_vectors(name, values, option, span),
             Kind::List => self.of_list(name, values, span),
+            Kind::Functions => self.of_functions(name, values, span, scope),
             Kind::Rate | Kind::Results => self.arguments(span),
         }
     }
@@ -289,6 +290,7 @@ impl<'a> Elaborator<'a, '_> {
                 Some((Value::Components(c, _), _)) => Ok(Value::Int(c.len() as i64)),
                 _ => self.arguments(span),
             },
+            "index_of" => self.index_of(values, span),
             "distinct" => match values.pop().map(|(v, s)| (Self::without_axes(v), s)) {
                 Some((Value::List(items), s)) => {
                     let mut seen: Vec<f64> = Vec::new();
@@ -306,6 +308,26 @@ impl<'a> Elaborator<'a, '_> {
             },
             _ => self.checked(None, span, &format!("there is no `{name}`")),
         }
+    }
+
+    /// The place of a number in a list, from 1. Numbers that differ by rounding alone are the same.
+    fn index_of(&mut self, values: Vec<(Value<'a>, Span)>, span: Span) -> Eval<Value<'a>> {
+        const ROUNDING: f64 = 1e-12;
+        let [list, value] = self.take::<2>(values, span)?;
+        let (place, value_place) = (list.1, value.1);
+        let value = self.as_scalar(value.0, value_place)?;
+        let value = self.structural(value, value_place)?;
+        for (index, item) in self.numbers_of(vec![list])?.into_iter().enumerate() {
+            let item = self.structural(item, place)?;
+            if (item - value).abs() <= ROUNDING * value.abs() {
+                return Ok(Value::Int(index as i64 + 1));
+            }
+        }
+        Err(self.report(
+            Diagnostic::error(codes::NOT_IN_LIST, "the list does not hold this number")
+                .at(value_place, "this number")
+                .also(place, "not in this list"),
+        ))
     }
 
     /// Reports `sum`, `min` or `max` of an empty list, which has no dimension.

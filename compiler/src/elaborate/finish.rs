@@ -122,6 +122,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             stated: BTreeMap::new(),
             named: Default::default(),
             turns_told: Default::default(),
+            unknowns: 0,
             gravity: None,
             cycle: None,
             pending: Vec::new(),

@@ -20,6 +20,7 @@ mod output;
 mod reference;
 mod repeat;
 mod scalar;
+mod slope;
 mod table;
 mod topology;
 mod transmit;
@@ -213,6 +214,8 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub stated: std::collections::BTreeMap<String, Location>,
     /// Calls of `sin` and similar functions that already have a message about a missing angle.
     pub turns_told: std::collections::HashSet<Span>,
+    /// Unknowns of derivatives that are being taken, one inside the other.
+    pub unknowns: u32,
     /// Places of the `let`s and `const`s of models and components, by scope and name.
     pub named: HashMap<(usize, String), Location>,
     pub gravity: Option<[crate::ir::Node; 3]>,

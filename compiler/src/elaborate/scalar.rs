@@ -423,6 +423,53 @@ impl Workbench {
         }
     }
 
+    /// The period of a table over its first argument; zero where it has none.
+    pub fn table_period(&mut self, handle: Node) -> Scalar {
+        self.table(handle, &[])
+    }
+
+    /// The derivative of a table of one argument.
+    pub fn slope_of_table(&mut self, handle: Node, x: Scalar, order: u8) -> Scalar {
+        let value = self.table(handle, &[x]);
+        let graph = self.graph(value.stage);
+        let mut node = value.node;
+        for _ in 0..order {
+            let slopes = crate::ir::differentiate::partials(graph, node);
+            node = slopes
+                .first()
+                .map_or(graph.constant(0.0), |(_, slope)| *slope);
+        }
+        Scalar { node, ..value }
+    }
+
+    /// An input that stands for an unknown until [`Workbench::derivative_at`] replaces it.
+    pub fn unknown(&mut self, stage: Stage, input: u32) -> Scalar {
+        let node = self.graph(stage).input(input);
+        Scalar { stage, node }
+    }
+
+    /// The derivative of a value with respect to an input, with x in the place of the input.
+    pub fn derivative_at(&mut self, value: Scalar, input: u32, order: u8, x: Node) -> Scalar {
+        let graph = self.graph(value.stage);
+        let one = graph.constant(1.0);
+        let mut node = value.node;
+        for _ in 0..order {
+            let seeds = |index: u32| (index == input).then_some(one);
+            let slopes = crate::ir::forward(graph, &[node], &seeds);
+            node = slopes.first().copied().unwrap_or(node);
+        }
+        let source = graph.clone();
+        let put_in = &mut |graph: &mut Graph, index: u32| match index == input {
+            true => x,
+            false => graph.input(index),
+        };
+        let copies = crate::ir::copy_into(&source, &[node], graph, put_in);
+        Scalar {
+            node: copies.first().copied().unwrap_or(node),
+            ..value
+        }
+    }
+
     /// A table look-up.
     pub fn table(&mut self, handle: Node, arguments: &[Scalar]) -> Scalar {
         let moves = arguments.iter().any(|x| x.stage == Stage::Motion);

@@ -61,15 +61,20 @@ fn table_of(tables: &[Table], handle: f64) -> Option<&Table> {
 }
 
 /// The value or a derivative of a table by its handle; NaN if there is none. Arguments beyond those of `orders`
-/// do not count.
+/// do not count. Without an argument it is the period over the first one, or zero where the table has none.
 pub(crate) fn look_up(
     tables: &[Table],
     handle: f64,
     arguments: &[f64; MOST_ARGUMENTS],
     orders: Orders,
 ) -> f64 {
-    let arguments = arguments.get(..orders.arguments()).unwrap_or_default();
-    table_of(tables, handle).map_or(f64::NAN, |table| table.evaluate(arguments, orders.each()))
+    let Some(table) = table_of(tables, handle) else {
+        return f64::NAN;
+    };
+    match arguments.get(..orders.arguments()) {
+        None | Some([]) => table.period(0).unwrap_or(0.0),
+        Some(arguments) => table.evaluate(arguments, orders.each()),
+    }
 }
 
 /// Whether a look-up is outside the points of its table.
@@ -79,6 +84,8 @@ pub(crate) fn outside(
     arguments: &[f64; MOST_ARGUMENTS],
     orders: Orders,
 ) -> Option<Outside> {
-    let arguments = arguments.get(..orders.arguments())?;
+    let arguments = arguments
+        .get(..orders.arguments())
+        .filter(|arguments| !arguments.is_empty())?;
     table_of(tables, handle)?.outside(arguments)
 }

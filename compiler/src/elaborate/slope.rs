@@ -1,0 +1,83 @@
+//! Functions of functions: `slope`, `curvature`, `period`.
+
+use super::scalar::{Scalar, Stage};
+use super::value::{Closure, ScopeId, Value};
+use super::{Elaborator, Eval};
+use eng_grammar::Span;
+
+/// A function of the text whose derivative is asked for.
+struct Asked<'a, 'c> {
+    function: &'c Closure<'a>,
+    /// The call of `slope` or `curvature`, and its scope.
+    call: Span,
+    scope: ScopeId,
+}
+
+impl<'a> Elaborator<'a, '_> {
+    pub(super) fn of_functions(
+        &mut self,
+        name: &str,
+        values: Vec<(Value<'a>, Span)>,
+        span: Span,
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        let mut values = values.into_iter();
+        let (function, _) = self.checked(values.next(), span, "no function is given")?;
+        if name == "period" {
+            return Ok(Value::Scalar(match function {
+                Value::Table(table) => self.bench.table_period(table.handle),
+                // a function of the text states no period
+                _ => self.bench.constant(0.0),
+            }));
+        }
+        let (x, place) = self.checked(values.next(), span, "no argument is given")?;
+        let x = self.as_scalar(x, place)?;
+        let order = if name == "slope" { 1 } else { 2 };
+        Ok(Value::Scalar(match function {
+            Value::Table(table) => self.bench.slope_of_table(table.handle, x, order),
+            Value::Closure(closure) => {
+                let asked = Asked {
+                    function: &closure,
+                    call: span,
+                    scope,
+                };
+                self.derivative(&asked, x, order)?
+            }
+            other => {
+                let what = format!("`{name}` of {}", other.kind());
+                return self.checked(None, span, &what);
+            }
+        }))
+    }
+
+    /// A derivative of a function of the text at x.
+    fn derivative(&mut self, asked: &Asked<'a, '_>, x: Scalar, order: u8) -> Eval<Scalar> {
+        // the value itself is not used, but its call asks for the function's conditions and tells the stage
+        let stage = self.value_of(asked, x)?.stage;
+        let x = match stage {
+            Stage::Bind => x.node,
+            Stage::Motion => self.bench.lift(x.stage, x.node),
+        };
+        // The derivative is taken at an input that nothing else uses: what x is made of may reach the function
+        // by its other names, too.
+        self.unknowns += 1;
+        let input = u32::MAX - self.unknowns;
+        let unknown = self.bench.unknown(stage, input);
+        let value = self.value_of(asked, unknown);
+        self.unknowns -= 1;
+        let mut value = value?;
+        if stage == Stage::Motion {
+            value = Scalar {
+                stage,
+                node: self.bench.lift(value.stage, value.node),
+            };
+        }
+        Ok(self.bench.derivative_at(value, input, order, x))
+    }
+
+    fn value_of(&mut self, asked: &Asked<'a, '_>, x: Scalar) -> Eval<Scalar> {
+        let arguments = vec![Value::Scalar(x)];
+        let value = self.apply(asked.function, arguments, asked.call, asked.scope)?;
+        self.as_scalar(value, asked.call)
+    }
+}
