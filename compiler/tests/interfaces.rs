@@ -290,6 +290,39 @@ fn a_class_of_two_interfaces_is_the_class_of_all_their_text() {
     assert_eq!(residual("split"), residual("whole"));
 }
 
+#[test]
+fn the_lengths_that_classes_resolve_are_the_units_of_position_errors() {
+    let stop = "force Stop(a: Marker, b: Marker, fine: Length) {
+        resolve fine/2
+        let depth = dot(b.origin - a.origin, b.z)
+        apply force depth*(1 N/mm)*b.z on a against b
+    }\n";
+    let text = stop.to_owned()
+        + &film("journal", "radial_clearance", ": JournalLaw").replace(
+            "}\nanalysis",
+            "    force stop = Stop(shaft.pin, shell, fine: 4 um)\n}\nanalysis",
+        );
+    let made = elaborated(&text).expect("no mistake");
+    let none = vec![None; made.system.parameters.len()];
+    let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
+    let resolutions = made.system.resolutions.iter();
+    let found: Vec<f64> = resolutions
+        .map(|slot| (bound.slots[slot.0 as usize] * 1e6).round())
+        .collect();
+    assert_eq!(found, [30.0, 20.0, 2.0]);
+    let made = elaborated(&text.replace("fine: 4 um", "fine: -4 um")).expect("no mistake");
+    let refused = made
+        .bind
+        .bind(&none, &made.system.tables)
+        .expect_err("below zero");
+    assert!(
+        refused
+            .to_string()
+            .contains("the length that positions resolve must be positive, not -2e-6 m"),
+        "{refused}"
+    );
+}
+
 const OILS: &str = "
 interface Oil {
     fn viscosity(t: Temperature, rate: Frequency = 0 Hz) -> DynamicViscosity

@@ -273,6 +273,8 @@ pub enum Statement {
         /// The text with `{expression as unit}` places, and its span.
         message: Name,
     },
+    /// `resolve radial_clearance`: the length that positions at the markers of a class must resolve.
+    Resolve(Expr),
     /// `accept usual, short`: accepts the lints of these names here.
     Accept(Vec<Name>),
     /// `der(p) = expr`.

@@ -18,8 +18,8 @@ pub struct Decay {
     /// Index of the channel.
     pub channel: usize,
     /// Largest difference from the last cycle, as a share of the channel's swing within a cycle. For a length
-    /// the swing counts as at least the smallest clearance, and for others as at least a hundredth of the
-    /// largest value of the dimension.
+    /// the swing counts as at least the smallest length that a class resolves, and for others as at least a
+    /// hundredth of the largest value of the dimension.
     pub change: f64,
     /// Factor and turn of such differences; from the third cycle on.
     pub mode: Option<Mode>,

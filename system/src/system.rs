@@ -358,6 +358,9 @@ pub struct System {
     pub journals: Vec<JournalInfo>,
     /// Cylinders that fire, for figures and orders.
     pub firings: Vec<FiringInfo>,
+    /// Lengths (m) that positions must resolve, as the classes state them. The smallest is the unit of
+    /// position errors.
+    pub resolutions: Vec<Slot>,
     /// Places of stated attributes, by path: `gravity`, `crank.inertia`. If an argument of a class is the
     /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,

@@ -86,6 +86,11 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
                 "this statement",
                 "it belongs into a joint, force, journal or drive",
             ),
+            Statement::Resolve(_) => (
+                class,
+                "a `resolve`",
+                "it belongs into a class: it says which length matters at the markers of the class",
+            ),
             Statement::Start { .. } | Statement::Guess { .. } => (
                 holds_parts,
                 "a start value",

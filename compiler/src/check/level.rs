@@ -233,7 +233,8 @@ impl<'p> Levels<'_, 'p> {
                 let level = self.level(place, condition);
                 self.bear(level, 1, condition.span, "a requirement");
             }
-            Statement::Accept(_) => {}
+            // elaboration asks for a length of parameters alone
+            Statement::Accept(_) | Statement::Resolve(_) => {}
             Statement::Rate { value, .. } => {
                 let level = self.level(place, value);
                 self.bear(level, 1, value.span, "the rate of a state");

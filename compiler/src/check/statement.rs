@@ -44,6 +44,11 @@ impl<'p> Checker<'p> {
                 }
             }
             Statement::Accept(names) => self.accept(names),
+            Statement::Resolve(length) => {
+                let due = Due::new("the length that positions resolve");
+                let length_type = Type::Scalar(Quantity::hard(Dimension::LENGTH));
+                self.expect(scope, length, &length_type, &due);
+            }
             Statement::Require {
                 advise,
                 condition,

@@ -116,6 +116,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             channels: Vec::new(),
             journals: Vec::new(),
             firings: Vec::new(),
+            resolutions: Vec::new(),
             accepted: Vec::new(),
             advised: Vec::new(),
             lints: program.lints(),
@@ -379,6 +380,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             cycle,
             journals: std::mem::take(&mut self.journals),
             firings: std::mem::take(&mut self.firings),
+            resolutions: std::mem::take(&mut self.resolutions),
             accepted: std::mem::take(&mut self.accepted),
             stated: std::mem::take(&mut self.stated),
         });

@@ -204,6 +204,8 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub channels: Vec<eng_system::system::Channel>,
     pub journals: Vec<eng_system::system::JournalInfo>,
     pub firings: Vec<eng_system::system::FiringInfo>,
+    /// Lengths that positions must resolve.
+    pub resolutions: Vec<eng_system::system::Slot>,
     pub accepted: Vec<eng_system::lint::Accepted>,
     /// Failed `advise`s on values known while compiling, with the paths of their subjects.
     pub advised: Vec<(Diagnostic, Vec<String>)>,

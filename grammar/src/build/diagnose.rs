@@ -30,7 +30,7 @@ pub(crate) struct Finding {
 const MAX_SPLITS: usize = 8;
 
 /// Words that begin an item and are not kinds.
-const ITEM_WORDS: [&str; 22] = [
+const ITEM_WORDS: [&str; 23] = [
     "use",
     "dimension",
     "unit",
@@ -49,6 +49,7 @@ const ITEM_WORDS: [&str; 22] = [
     "require",
     "advise",
     "accept",
+    "resolve",
     "der",
     "report",
     "figure",

@@ -510,6 +510,7 @@ impl<'t> Builder<'t, '_> {
                     },
                 }
             }
+            Rule::resolve => Statement::Resolve(self.next_expression(&mut inner, span, depth)),
             Rule::accept => Statement::Accept(
                 inner
                     .filter(|part| part.as_rule() == Rule::name)

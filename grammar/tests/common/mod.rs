@@ -263,6 +263,7 @@ fn statement_text(statement: &Statement) -> String {
             expr(condition),
             message.text
         ),
+        Statement::Resolve(e) => format!("(resolve {})", expr(e)),
         Statement::Accept(names) => {
             let names: Vec<_> = names.iter().map(|name| name.text.as_str()).collect();
             format!("(accept {})", names.join(" "))

@@ -16,10 +16,10 @@ use std::sync::Arc;
 /// Share of the largest radius of gyration below which the distances of markers are no measure of a model.
 const POINTLIKE: f64 = 1e-2;
 
-/// Position tolerance as a part of the smallest radial clearance of a journal.
-const OF_CLEARANCE: f64 = 1e-3;
+/// Position tolerance as a part of the smallest length that a class resolves.
+const OF_RESOLUTION: f64 = 1e-3;
 
-/// Position tolerance of a model without journals as a part of its length.
+/// Position tolerance of a model without such a length as a part of the model's length.
 const OF_LENGTH: f64 = 1e-6;
 
 fn malformed(what: impl Into<String>) -> RuntimeError {
@@ -56,7 +56,7 @@ impl Slots<'_> {
 impl Model {
     /// Binds a parameter set and checks that system and code fit together.
     ///
-    /// The position tolerance is 1e-3 of the smallest radial clearance of a journal, or 1e-6 of the model's length.
+    /// The position tolerance is 1e-3 of the smallest length that a class resolves, or 1e-6 of the model's length.
     ///
     /// # Errors
     /// Parameters that the bind graph refuses; bodies that cannot be; a system whose parts do not fit each other.
@@ -288,11 +288,9 @@ impl Model {
 /// The position tolerance (m) of a model of this length (m).
 fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64, RuntimeError> {
     let mut tolerance = f64::INFINITY;
-    for journal in &system.journals {
-        let clearance = slots.get(journal.radial_clearance)?;
-        if clearance > 0.0 {
-            tolerance = tolerance.min(OF_CLEARANCE * clearance);
-        }
+    for resolution in &system.resolutions {
+        // the compiler adds a condition that each is positive
+        tolerance = tolerance.min(OF_RESOLUTION * slots.get(*resolution)?);
     }
     Ok(if tolerance.is_finite() {
         tolerance

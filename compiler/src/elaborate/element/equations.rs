@@ -171,8 +171,8 @@ impl<'a> Elaborator<'a, '_> {
                         self.condition(flag, kind, name, message, condition.span, draft);
                     }
                 }
-                // read before the equations
-                Statement::Accept(_) => {}
+                // read before and after the equations
+                Statement::Accept(_) | Statement::Resolve(_) => {}
                 Statement::Rate { state, value } => {
                     let v = self.evaluate(value, scope)?;
                     let s = self.as_scalar(v, value.span)?;
@@ -186,6 +186,49 @@ impl<'a> Elaborator<'a, '_> {
                     return self.checked(None, target.span, "a start value in a class");
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// The lengths that positions at the markers of an element must resolve. They are read after its
+    /// equations, so that a message of its own about the same number comes first.
+    pub(super) fn resolutions(
+        &mut self,
+        items: &'a [ast::Item],
+        scope: ScopeId,
+        path: &str,
+        used_at: Option<Location>,
+    ) -> Eval<()> {
+        for item in items {
+            let ItemKind::Statement(Statement::Resolve(length)) = &item.kind else {
+                continue;
+            };
+            let value = self.evaluate(length, scope)?;
+            let number = self.as_scalar(value, length.span)?;
+            let node = self.bind_node(number, length.span)?;
+            let zero = self.bench.bind.graph.constant(0.0);
+            let positive = Flag {
+                stage: Stage::Bind,
+                node: self.bench.bind.graph.less(zero, node),
+            };
+            let holds = self.bench.flag_number(positive);
+            let display = self.natural_unit(Dimension::LENGTH);
+            self.checks.push(Check {
+                holds,
+                advise: false,
+                name: String::new(),
+                message: vec![
+                    Told::Text(
+                        "the length that positions resolve must be positive, not ".to_owned(),
+                    ),
+                    Told::Value(node, display),
+                ],
+                path: path.to_owned(),
+                used_at,
+                defined_at: Some(location(length.span)),
+            });
+            let slot = self.slot(node);
+            self.resolutions.push(slot);
         }
         Ok(())
     }

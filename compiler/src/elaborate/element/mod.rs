@@ -214,6 +214,9 @@ impl<'a> Elaborator<'a, '_> {
         outputs?;
         self.asked(&mut draft);
         let known = self.by_interface(class, own)?;
+        for (items, scope) in &texts {
+            self.resolutions(items, *scope, &path, used_at)?;
+        }
         let origin = Origin {
             path,
             used_at,
