@@ -111,41 +111,49 @@ fn the_flexible_body_of_the_reference_is_one() {
     assert_eq!(codes, ["E0730"], "{report}");
 }
 
-/// The model in a chapter of the reference, which runs without a message.
+/// The models in the chapter of the reference about interfaces give the loads that follow from their energy.
 #[test]
-fn the_interface_of_the_reference_runs() {
+fn the_interfaces_of_the_reference_run() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/language.md");
     let reference = std::fs::read_to_string(path).expect("the reference");
-    let (_, chapter) = reference
+    let (_, rest) = reference
         .split_once("### Interfaces\n")
         .expect("the chapter");
-    let (_, block) = chapter.split_once("```eng\n").expect("its model");
-    let (text, _) = block.split_once("```").expect("its end");
-    let checked = eng::check(&eng::Sources::from_text("bench.eng", text), "bench.eng");
-    assert!(
-        checked.report().diagnostics().is_empty(),
-        "{}",
-        checked.report()
-    );
-    let program = checked
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"));
-    let drop = program
-        .analysis("drop")
-        .unwrap_or_else(|error| panic!("{error}"));
-    let outcome = drop
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error));
-    let load = &outcome
-        .results
-        .column("stop.load")
-        .expect("an output")
-        .values;
+    let (chapter, _) = rest.split_once("\n## ").expect("its end");
+    let mut results = Vec::new();
+    for block in chapter.split("```eng\n").skip(1) {
+        let (text, _) = block.split_once("```").expect("its end");
+        let checked = eng::check(&eng::Sources::from_text("model.eng", text), "model.eng");
+        let report = checked.report();
+        assert!(report.diagnostics().is_empty(), "{report}");
+        let program = checked
+            .into_program()
+            .unwrap_or_else(|report| panic!("{report}"));
+        let name = program.analyses()[0];
+        let outcome = program
+            .analysis(name)
+            .unwrap_or_else(|error| panic!("{error}"))
+            .run(&mut |_| {})
+            .unwrap_or_else(|failed| panic!("{}", failed.error));
+        results.push(outcome.results);
+    }
+    let [stop, shaft] = results.as_slice() else {
+        panic!("{} models", results.len());
+    };
     // it falls 4 mm in 28.6 ms; the energy m g (4 mm + d) = k (d^2/2 + d^4/(4 full^2)) gives d = 2.6389 mm at
     // the turning point, and the load there
+    let load = &stop.column("stop.load").expect("an output").values;
     assert!(load.iter().take(280).all(|load| *load == 0.0), "{load:?}");
     let most = load.iter().copied().fold(0.0, f64::max);
     assert!((most - 144.661).abs() < 0.2, "{most}");
+    // both films carry the shaft, the grooved one by a fifth less at the same eccentricity
+    let film = |path: &str| {
+        let column = shaft.column(&format!("{path}.minimum_film"));
+        let values = &column.expect("a film").values;
+        values.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    let (left, right) = (film("left"), film("right.film"));
+    assert!(right < left && right > 0.0, "{left} {right}");
 }
 
 /// The reference names every kind of analysis and each of its arguments.

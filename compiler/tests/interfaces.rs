@@ -318,7 +318,7 @@ fn the_lengths_that_classes_resolve_are_the_units_of_position_errors() {
     assert!(
         refused
             .to_string()
-            .contains("the length that positions resolve must be positive, not -2e-6 m"),
+            .contains("the length that positions resolve must be positive, not -2.000e-6 m"),
         "{refused}"
     );
 }
@@ -362,4 +362,78 @@ fn records_fill_an_interface_of_functions() {
     let wrong = OILS.replace("oil: chosen[i]", "oil: 3 mm");
     let refused = elaborated(&wrong).expect_err("a mistake");
     assert!(refused[0].contains("`oil` of `Drag`"), "{refused:?}");
+}
+
+const BOUND: &str = "
+use std.journals.{Impedance, Short, JournalLaw, PiFilm, short_response, Attitude}
+const clearance = 25 um
+journal Thin = Impedance(viscosity: 8 mPa*s, radial_clearance: clearance)
+journal Wide = Thin(width: 30 mm)
+journal Grooved(grooves: 1, depth: Length = 1 mm) : PiFilm {
+    fn response(film: Attitude) -> Vector2<1> = short_response(film)/(1 + grooves*(depth/width))
+    fn resistance() -> Damping = viscosity*diameter*width^3/(2*radial_clearance^3)
+}
+journal Three = Grooved(grooves: 3)
+component Bearing(law: JournalLaw, pin: Marker, shell: Marker) {
+    journal film = law(pin, shell, 54 mm, 20 mm, 27 um, viscosity: 10 mPa*s)
+}
+component Ours(pin: Marker, shell: Marker, deep: Length) {
+    const law: JournalLaw = Grooved(grooves: 2, depth: deep)
+    journal film = law(pin, shell, 54 mm, 20 mm, 27 um, 10 mPa*s)
+}
+model Rotor {
+    const law: JournalLaw = Short
+    gravity = [0, 0, 0] m/s^2
+    marker shell = [0, 0, 0] mm
+    body shaft { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+    journal whole = Impedance(shaft.origin, shell, 54 mm, 30 mm, 25 um, 8 mPa*s)
+    journal wide = Wide(shaft.origin, shell, 54 mm)
+    part one = Bearing(law: Grooved(grooves: 3), pin: shaft.origin, shell: shell)
+    part two = Ours(pin: shaft.origin, shell: shell, deep: 2 mm)
+    part three = Bearing(law: law, pin: shaft.origin, shell: shell)
+    part four = Bearing(law: if 1 > 2 then Short else Three, pin: shaft.origin, shell: shell)
+}
+analysis a = assemble(Rotor(law: Three))";
+
+#[test]
+fn a_class_with_some_arguments_is_a_class() {
+    let made = elaborated(BOUND).expect("no mistake");
+    let none = vec![None; made.system.parameters.len()];
+    let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
+    let of = |owner: &str| -> Vec<(String, f64)> {
+        let all = made.system.parameters.iter().zip(&bound.parameters);
+        let mut found: Vec<(String, f64)> = all
+            .filter_map(|(p, value)| {
+                let name = p.origin.path.strip_prefix(owner)?.strip_prefix('.')?;
+                Some((name.to_owned(), *value))
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.cmp(&b.0));
+        found
+    };
+    assert_eq!(of("whole").len(), 4);
+    assert_eq!(of("whole"), of("wide"));
+    let value = |path: &str, name: &str| {
+        let of = of(path);
+        let found = of.iter().find(|(known, _)| known == name);
+        found.unwrap_or_else(|| panic!("{path}.{name}: {of:?}")).1
+    };
+    assert_eq!(value("one.film", "grooves"), 3.0);
+    assert_eq!(value("two.film", "grooves"), 2.0);
+    assert_eq!(value("two.film", "depth"), 2e-3);
+    assert_eq!(value("three.film", "grooves"), 3.0);
+    assert_eq!(value("four.film", "grooves"), 3.0);
+    // elements of one class share its code, however their arguments came to them
+    let class = |path: &str| {
+        let element = made.system.elements.iter().find(|e| e.origin.path == path);
+        element.expect("the element").class
+    };
+    assert_eq!(class("whole"), class("wide"));
+    assert_eq!(class("one.film"), class("two.film"));
+    let unnamed = BOUND.replace("Rotor(law: Three)", "Rotor(law: Grooved(grooves: 3))");
+    let refused = elaborated(&unnamed).expect_err("no name");
+    assert!(
+        refused[0].contains("an analysis gives a model classes by their names"),
+        "{refused:?}"
+    );
 }

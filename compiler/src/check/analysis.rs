@@ -143,6 +143,7 @@ impl<'p> Checker<'p> {
                 span: None,
                 unit: (!argument.unit.is_empty()).then(|| argument.unit.to_owned()),
                 named_only: true,
+                given: None,
             })
             .collect();
         let mut solution = super::types::Solution::default();
@@ -238,7 +239,7 @@ impl<'p> Checker<'p> {
         };
         match self.infer(scope, callee) {
             Type::Class(id) if self.declaration(id).is_some_and(|d| d.kind == Kind::Model) => {
-                self.arguments_of_class(scope, id, arguments, value.span);
+                self.arguments_of_class(scope, id, &[], arguments, value.span);
                 self.declaration(id).map(has_cycle)
             }
             Type::Error => None,

@@ -5,14 +5,15 @@ use super::bound::{Called, Parameter};
 use super::declare::written_unit;
 use super::mismatch::Due;
 use super::scope::{Member, Scope};
-use super::types::{Misfit, Quantity, Signature, Solution, Type};
+use super::types::{BoundClass, Misfit, Quantity, Signature, Solution, Type};
 use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::listing;
 use crate::typed::Callee;
 use crate::typed::lineage::parameters;
-use eng_grammar::ast::{Argument, Expr, ExprKind, Form, Kind};
+use eng_grammar::ast::{Argument, Declaration, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
+use std::sync::Arc;
 
 /// A parameter that takes an argument.
 #[derive(Clone, Debug)]
@@ -26,6 +27,8 @@ pub(super) struct Slot {
     pub unit: Option<String>,
     /// Whether it takes an argument by name only.
     pub named_only: bool,
+    /// The argument that it has already.
+    pub given: Option<Span>,
 }
 
 /// Words with a meaning only in certain places, and these places.
@@ -62,7 +65,7 @@ impl<'p> Checker<'p> {
                 && (!found
                     || !matches!(
                         self.name(scope, name, callee.span),
-                        Type::Function(_) | Type::Class(_) | Type::ClassOf(_)
+                        Type::Function(_) | Type::Class(_) | Type::ClassOf(_) | Type::Bound(_)
                     ))
             {
                 let called = Callee::BuiltIn(built_in);
@@ -108,8 +111,11 @@ impl<'p> Checker<'p> {
             Type::Function(signature) => self.call_of_function(scope, span, &signature, arguments),
             Type::Class(id) => match self.declaration(id).map(|d| d.kind) {
                 Some(Kind::Record) => {
-                    self.arguments_of_class(scope, id, arguments, span);
+                    self.arguments_of_class(scope, id, &[], arguments, span);
                     Type::Instance(id)
+                }
+                Some(kind) if self.class_due && super::class::is_of_elements(kind) => {
+                    self.bound_class(scope, id, &[], arguments, span)
                 }
                 Some(kind) => {
                     let word = super::describe::kind_word(kind);
@@ -133,6 +139,9 @@ impl<'p> Checker<'p> {
                 }
                 None => Type::Error,
             },
+            Type::Bound(bound) if self.class_due => {
+                self.bound_class(scope, bound.class, &bound.given, arguments, span)
+            }
             other => {
                 let found = self.describe(&other);
                 let shown = self.sources.text(callee.span).to_owned();
@@ -179,6 +188,7 @@ impl<'p> Checker<'p> {
                 span: Some(parameter.span),
                 unit: None,
                 named_only: false,
+                given: None,
             })
             .collect();
         let mut solution = Solution::default();
@@ -226,6 +236,7 @@ impl<'p> Checker<'p> {
                     span: Some(name.span),
                     unit: parameter.default.and_then(written_unit),
                     named_only: false,
+                    given: None,
                 });
             }
             return slots;
@@ -240,6 +251,7 @@ impl<'p> Checker<'p> {
                 span: Some(name.span),
                 unit: binding.value.as_ref().and_then(written_unit),
                 named_only: false,
+                given: None,
             });
         }
         slots
@@ -250,19 +262,111 @@ impl<'p> Checker<'p> {
         &mut self,
         scope: &Scope<'p>,
         id: DefinitionId,
+        given: &[(usize, Span)],
         arguments: &[Argument],
         span: Span,
-    ) {
-        let slots = self.slots_of(id);
+    ) -> bool {
+        let slots = self.slots_with(id, given);
         let name = self.class_name(id);
-        self.arguments(
-            scope,
-            &name,
-            &slots,
-            arguments,
-            span,
-            &mut Solution::default(),
+        let solution = &mut Solution::default();
+        self.arguments(scope, &name, &slots, arguments, span, solution)
+    }
+
+    /// The parameters of a class of which some have an argument.
+    fn slots_with(&mut self, id: DefinitionId, given: &[(usize, Span)]) -> Vec<Slot> {
+        let mut slots = self.slots_of(id);
+        for (at, place) in given {
+            if let Some(slot) = slots.get_mut(*at) {
+                slot.given = Some(*place);
+                slot.optional = true;
+            }
+        }
+        slots
+    }
+
+    /// A class with some of its arguments, as a value: `Impedance(viscosity: 10 mPa*s)`.
+    fn bound_class(
+        &mut self,
+        scope: &Scope<'p>,
+        class: DefinitionId,
+        before: &[(usize, Span)],
+        arguments: &[Argument],
+        span: Span,
+    ) -> Type {
+        let mut slots = self.slots_with(class, before);
+        for slot in &mut slots {
+            slot.optional = true;
+        }
+        let name = self.class_name(class);
+        let solution = &mut Solution::default();
+        if !self.arguments(scope, &name, &slots, arguments, span, solution) {
+            return Type::Error;
+        }
+        let places = self.findings.calls.get(&span).cloned();
+        let places = places.iter().flat_map(|places| places.iter());
+        let mut given = before.to_vec();
+        given.extend(
+            places
+                .zip(arguments)
+                .map(|(place, argument)| (*place as usize, argument.value.span)),
         );
+        Type::Bound(Arc::new(BoundClass { class, given }))
+    }
+
+    /// The class that a definition `journal OurMain = Impedance(viscosity: …)` makes.
+    pub(super) fn bound_by(&mut self, module: u32, declaration: &'p Declaration) -> Type {
+        let Form::Instance { value, .. } = &declaration.form else {
+            return Type::Error;
+        };
+        let scope = Scope::top(module);
+        let outer = std::mem::replace(&mut self.class_due, true);
+        let ty = match &value.kind {
+            ExprKind::Call { .. } => self.element_type(&scope, declaration),
+            _ => Type::Error,
+        };
+        let ty = match ty {
+            Type::Error => Type::Error,
+            _ => self.infer(&scope, value),
+        };
+        self.class_due = outer;
+        ty
+    }
+
+    /// Checks a definition `journal OurMain = Impedance(viscosity: …)`.
+    pub(super) fn bound_definition(&mut self, id: DefinitionId, declaration: &'p Declaration) {
+        let Form::Instance { value, block } = &declaration.form else {
+            return;
+        };
+        let name = &declaration.name;
+        let odd = match (declaration.index.first(), block) {
+            (Some(binder), _) => Some((binder.name.span, "an index")),
+            (None, Some(block)) => Some((block.span, "a block")),
+            (None, None) => None,
+        };
+        if let Some((place, what)) = odd {
+            self.misplaced(
+                place,
+                what,
+                "at a definition",
+                "a class with arguments is a definition; the index and the block stand at its uses",
+            );
+        }
+        if !matches!(value.kind, ExprKind::Call { .. }) {
+            let word = super::describe::kind_word(declaration.kind);
+            self.report(
+                Diagnostic::error(
+                    codes::MISSING_ARGUMENT,
+                    format!("`{}` is defined without arguments", name.text),
+                )
+                .at(value.span, "a class with some of its arguments stands here")
+                .with_help(format!(
+                    "write `{word} {} = Class(parameter: …)`, or put an element into a model",
+                    name.text
+                )),
+            );
+            return;
+        }
+        self.top_type(id, name.span);
     }
 
     /// Checks arguments against parameters: names, number, types. Returns whether all are right.
@@ -275,10 +379,26 @@ impl<'p> Checker<'p> {
         span: Span,
         solution: &mut Solution,
     ) -> bool {
+        let again = arguments.iter().find_map(|argument| {
+            let name = argument.name.as_ref()?;
+            let mut slots = slots.iter().filter(|slot| slot.name == name.text);
+            Some((name, argument.value.span, slots.next()?.given?))
+        });
+        if let Some((name, again, first)) = again {
+            self.report(
+                Diagnostic::error(
+                    codes::ARGUMENT_TWICE,
+                    format!("`{}` of `{callee}` is given twice", name.text),
+                )
+                .at(again, "again here")
+                .also(first, "this class has it already"),
+            );
+            return false;
+        }
         let parameters = slots.iter().map(|slot| Parameter {
             name: &slot.name,
             required: !slot.optional,
-            by_place: !slot.named_only,
+            by_place: !slot.named_only && slot.given.is_none(),
             by_name: true,
         });
         let called = Called {
@@ -403,6 +523,7 @@ impl<'p> Checker<'p> {
         expr: &Expr,
         interface: DefinitionId,
         class: DefinitionId,
+        given: &[(usize, Span)],
         due: &Due,
     ) -> Type {
         let (interface_name, class_name) = (self.class_name(interface), self.class_name(class));
@@ -448,7 +569,26 @@ impl<'p> Checker<'p> {
             return Type::Error;
         }
         let promised = self.slots_of(interface);
-        let own = self.slots_of(class);
+        let own = self.slots_with(class, given);
+        let taken = own.iter().find_map(|slot| {
+            let asked = promised.iter().any(|promise| promise.name == slot.name);
+            Some((slot.name.clone(), slot.given.filter(|_| asked)?))
+        });
+        if let Some((name, place)) = taken {
+            let message = Diagnostic::error(
+                codes::NOT_OF_INTERFACE,
+                format!("`{name}` of `{interface_name}` is given already"),
+            )
+            .at(
+                expr.span,
+                format!("whoever uses it as a `{interface_name}` gives `{name}`"),
+            )
+            .also(place, "given here");
+            self.report(message.with_help(format!(
+                "give a class of `{interface_name}` only what `{interface_name}` does not have"
+            )));
+            return Type::Error;
+        }
         // a use through the interface may give arguments without names, so their order matters
         let first_odd = promised
             .iter()
@@ -487,9 +627,10 @@ impl<'p> Checker<'p> {
             if let Some(span) = extra.span {
                 message = message.also(span, "has no default");
             }
-            self.report(
-                message.with_help("give the parameter a default, or put it into the interface"),
-            );
+            self.report(message.with_help(format!(
+                "give it here, `{class_name}({}: …)`, or give the parameter a default",
+                extra.name
+            )));
             return Type::Error;
         }
         Type::ClassOf(interface)

@@ -140,6 +140,14 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
     (!allowed).then_some((what, help))
 }
 
+/// Whether a class of this kind makes elements or parts.
+pub(super) fn is_of_elements(kind: Kind) -> bool {
+    matches!(
+        kind,
+        Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive | Kind::Component
+    )
+}
+
 impl<'p> Checker<'p> {
     pub(super) fn misplaced(&mut self, span: Span, what: &str, place: &str, help: &str) {
         self.report(
@@ -340,6 +348,10 @@ impl<'p> Checker<'p> {
             }
             _ => self.infer(&scope, callee),
         };
+        let ty = match ty {
+            Type::Bound(bound) => Type::Class(bound.class),
+            other => other,
+        };
         match ty {
             Type::Class(id) => {
                 let found = self.declaration(id).map(|d| d.kind);
@@ -421,7 +433,7 @@ impl<'p> Checker<'p> {
         let word = kind_word(declaration.kind);
         let shown = self.sources.text(value.span).to_owned();
         let message = match ty {
-            Type::Class(_) | Type::ClassOf(_) => Diagnostic::error(
+            Type::Class(_) | Type::ClassOf(_) | Type::Bound(_) => Diagnostic::error(
                 codes::MISSING_ARGUMENT,
                 format!("`{shown}` needs its arguments"),
             )
@@ -454,7 +466,7 @@ impl<'p> Checker<'p> {
         let Form::Instance { value, block } = &declaration.form else {
             return;
         };
-        let ExprKind::Call { arguments, .. } = &value.kind else {
+        let ExprKind::Call { callee, arguments } = &value.kind else {
             return;
         };
         let class = match ty {
@@ -466,7 +478,11 @@ impl<'p> Checker<'p> {
                 return;
             }
         };
-        self.arguments_of_class(&scope, class, arguments, value.span);
+        let given = match self.infer(&scope, callee) {
+            Type::Bound(bound) => bound.given.clone(),
+            _ => Vec::new(),
+        };
+        self.arguments_of_class(&scope, class, &given, arguments, value.span);
         let Some(block) = block else {
             return;
         };

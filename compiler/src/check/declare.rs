@@ -160,7 +160,13 @@ impl<'p> Checker<'p> {
                     }
                     Kind::Interface => return Type::ClassOf(id),
                     Kind::Model | Kind::Analysis | Kind::Default | Kind::Flexible => {}
-                    _ => return Type::Instance(id),
+                    _ => {
+                        return match self.top_type(id, name.span) {
+                            Type::Bound(bound) => Type::Instance(bound.class),
+                            Type::Error => Type::Error,
+                            _ => Type::Instance(id),
+                        };
+                    }
                 },
                 ItemKind::Dimension(_) => return self.dimension(&name.text),
                 _ => {}

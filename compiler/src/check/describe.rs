@@ -248,6 +248,12 @@ impl Checker<'_> {
                 )
             }
             Type::Function(signature) => format!("the function `{}`", signature.name),
+            Type::Bound(bound) => {
+                format!(
+                    "the class `{}` with arguments",
+                    self.class_name(bound.class)
+                )
+            }
             Type::Class(id) => match self.declaration(*id) {
                 Some(declaration) => format!(
                     "the {} `{}`",

@@ -325,6 +325,19 @@ impl<'p> Checker<'p> {
                 };
             }
             (Type::Body(_), Type::Body(_)) if a != b => return Type::Body(None),
+            (Type::Bound(bound), other) | (other, Type::Bound(bound)) => {
+                let class = Type::Class(bound.class);
+                // two classes with arguments differ even if they are one class
+                let (own, other) = match other {
+                    Type::Bound(other) => (bound.class, other.class),
+                    Type::Class(other) | Type::ClassOf(other) => (bound.class, *other),
+                    _ => return self.join((&class, a_span), (b, b_span), what),
+                };
+                match self.common_interface(own, other) {
+                    Some(interface) => return Type::ClassOf(interface),
+                    None => Err(Misfit::Dimension),
+                }
+            }
             // A choice between classes or records has the type of their youngest common interface.
             (Type::Class(c) | Type::ClassOf(c), Type::Class(d) | Type::ClassOf(d)) if c != d => {
                 match self.common_interface(*c, *d) {

@@ -98,9 +98,15 @@ impl<'p> Checker<'p> {
         let wanted = dimension
             .filter(|quantity| unit_of(expr).is_some() && quantity.dim.variables.is_empty())
             .map(|quantity| quantity.dim.base);
+        let class_due = match expected {
+            Type::List { element, .. } => matches!(**element, Type::ClassOf(_)),
+            expected => matches!(expected, Type::ClassOf(_)),
+        };
         let outer = std::mem::replace(&mut self.wanted, wanted);
+        let outer_due = std::mem::replace(&mut self.class_due, class_due);
         let found = self.infer(scope, expr);
         self.wanted = outer;
+        self.class_due = outer_due;
         found
     }
 
@@ -204,7 +210,10 @@ impl<'p> Checker<'p> {
                 expected.clone()
             }
             (Type::ClassOf(interface), Type::Class(class)) => {
-                self.class_for(expr, *interface, *class, due)
+                self.class_for(expr, *interface, *class, &[], due)
+            }
+            (Type::ClassOf(interface), Type::Bound(bound)) => {
+                self.class_for(expr, *interface, bound.class, &bound.given, due)
             }
             (Type::Function(wanted), Type::Function(given)) => {
                 self.function_for(expr, wanted, given, due)

@@ -76,6 +76,8 @@ struct Checker<'p> {
     used_top: BTreeSet<(u32, DefinitionId)>,
     /// The dimension that the context of a literal needs.
     wanted: Option<Dimension>,
+    /// Whether the context of a call needs a class, so that the call may give it some of its arguments.
+    class_due: bool,
     /// Values and functions being inferred.
     depth: u32,
     /// Units that each module reads.
@@ -150,6 +152,7 @@ impl<'p> Checker<'p> {
             used_top: BTreeSet::new(),
             used_units: BTreeSet::new(),
             wanted: None,
+            class_due: false,
             depth: 0,
             lints: program.lints(),
             turns_told: BTreeSet::new(),
@@ -234,6 +237,9 @@ impl<'p> Checker<'p> {
                     Kind::Model | Kind::Interface | Kind::Record | Kind::Component,
                 ) => {
                     self.definition(id, declaration);
+                }
+                (Form::Instance { .. }, kind) if class::is_of_elements(kind) => {
+                    self.bound_definition(id, declaration);
                 }
                 _ => self.misplaced(
                     declaration.kind_span,

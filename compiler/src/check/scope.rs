@@ -450,6 +450,11 @@ impl<'p> Checker<'p> {
                     );
                     Type::Error
                 }
+                kind if super::class::is_of_elements(kind)
+                    && matches!(declaration.form, Form::Instance { .. }) =>
+                {
+                    self.remembered(id, "", span, |c| c.bound_by(id.module, declaration))
+                }
                 _ => Type::Class(id),
             },
             ItemKind::Report(report) => {

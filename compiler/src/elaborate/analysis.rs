@@ -1,7 +1,7 @@
 //! Analyses of the root module.
 
 use super::value::{ScopeId, Value};
-use super::{Elaborator, Eval, body::index_text, finish::Structural, location};
+use super::{Elaborator, Eval, Reported, body::index_text, finish::Structural, location};
 use crate::codes;
 use crate::program::DefinitionId;
 use crate::typed::{TypedProgram, settable};
@@ -342,6 +342,10 @@ impl<'a> Elaborator<'a, '_> {
                     .collect::<Eval<Vec<_>>>()?,
             ),
             Value::Definition(id) => Structural::Class(id),
+            Value::Bound(bound) => match bound.named {
+                Some(id) => Structural::Class(id),
+                None => return Err(self.class_without_a_name(span)),
+            },
             Value::Record(id, scope) => {
                 let mut fields = Vec::new();
                 for name in self.fields_of(id) {
@@ -362,6 +366,17 @@ impl<'a> Elaborator<'a, '_> {
                 ));
             }
         })
+    }
+
+    fn class_without_a_name(&mut self, span: Span) -> Reported {
+        self.report(
+            Diagnostic::error(
+                codes::NOT_HANDED_ON,
+                "an analysis gives a model classes by their names",
+            )
+            .at(span, "a class with arguments, without a name")
+            .with_help("define it at the top of the file: `journal OurMain = Impedance(…)`"),
+        )
     }
 
     /// Names of the values of a record.

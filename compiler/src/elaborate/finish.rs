@@ -152,7 +152,10 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             Structural::List(items) => {
                 Value::List(items.iter().map(|v| self.structural_value(v)).collect())
             }
-            Structural::Class(id) => Value::Definition(*id),
+            Structural::Class(id) => match self.bound_definition(*id) {
+                Some(Ok(bound)) => bound,
+                _ => Value::Definition(*id),
+            },
             Structural::Record(id, fields) => {
                 let own = self.record_scope(*id);
                 for (name, value) in fields {

@@ -148,13 +148,13 @@ pub(crate) struct ElementSource<'a> {
     pub definition: DefinitionId,
     /// Evaluated arguments; those of the motion stage are evaluated again.
     pub arguments: Vec<(String, Argument<'a>)>,
-    pub caller: ScopeId,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) enum Argument<'a> {
     Value(Value<'a>),
-    Again(&'a ast::Expr),
+    /// A value of the motion, evaluated again in its scope for each element.
+    Again(&'a ast::Expr, ScopeId),
 }
 
 /// An output's scalars.

@@ -259,17 +259,16 @@ impl<'a> Elaborator<'a, '_> {
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
             e.count_instance(declaration.name.span)?;
             let path = format!("{base}{}", index_text(position));
-            let (class, arguments) = e.class_called(value, inner)?;
-            let bound = e.bind_arguments(&class, arguments, inner, &path, value.span)?;
+            let (class, given) = e.class_called(value, inner)?;
+            let bound = e.bind_arguments(&class, &given, &path)?;
             let source = ElementSource {
                 definition: class.definition,
                 arguments: bound,
-                caller: inner,
             };
             if source
                 .arguments
                 .iter()
-                .any(|(_, a)| matches!(a, super::Argument::Again(_)))
+                .any(|(_, a)| matches!(a, super::Argument::Again(..)))
             {
                 return Err(e.report(
                     Diagnostic::error(

@@ -2,7 +2,7 @@
 
 use super::binding::Stated;
 use super::scalar::{Scalar, Stage};
-use super::value::{Axes, Closure, ScopeId, TableValue, Value};
+use super::value::{Axes, BoundClass, Closure, ScopeId, TableValue, Value};
 use super::{Elaborator, Entry, Eval, Lazy, Reported};
 use crate::codes;
 use crate::program::DefinitionId;
@@ -10,6 +10,7 @@ use eng_grammar::ast::{self, BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::layout::InputLayout;
 use eng_system::system::BodyRef;
+use std::rc::Rc;
 
 impl<'a> Elaborator<'a, '_> {
     /// The value of a name. Reports a name without a value.
@@ -230,7 +231,12 @@ impl<'a> Elaborator<'a, '_> {
                     solution: None,
                 }));
             }
-            ItemKind::Declaration(_) => return Ok(Value::Definition(id)),
+            ItemKind::Declaration(_) => {
+                return match self.bound_definition(id) {
+                    Some(bound) => bound,
+                    None => Ok(Value::Definition(id)),
+                };
+            }
             _ => return self.checked(None, span, "this is no value"),
         };
         let name = match &item.kind {
@@ -242,6 +248,23 @@ impl<'a> Elaborator<'a, '_> {
             self.define(scope, &name, Entry::Lazy(lazy));
         }
         self.entry(scope, &name, span)
+    }
+
+    /// The value of a definition `journal OurMain = Impedance(viscosity: …)`; `None` for any other one.
+    pub fn bound_definition(&mut self, id: DefinitionId) -> Option<Eval<Value<'a>>> {
+        let declaration = self.program.declaration(id)?;
+        let ast::Form::Instance { value, .. } = &declaration.form else {
+            return None;
+        };
+        let scope = *self.module_scopes.get(id.module as usize)?;
+        let given = self.deeper(value.span, |e| e.class_called(value, scope));
+        Some(given.map(|(class, given)| {
+            Value::Bound(Rc::new(BoundClass {
+                class: class.definition,
+                given,
+                named: Some(id),
+            }))
+        }))
     }
 
     /// `base.name`.

@@ -4,7 +4,7 @@ use super::scalar::{Flag, Scalar};
 use crate::ir::Node;
 use crate::program::DefinitionId;
 use crate::typed::types::Solution;
-use eng_grammar::ast;
+use eng_grammar::{Span, ast};
 use std::rc::Rc;
 
 /// Index of a scope.
@@ -51,8 +51,28 @@ pub(crate) enum Value<'a> {
     Table(TableValue),
     /// A class, record, model or component, which is called with arguments.
     Definition(DefinitionId),
+    /// A class with some of its arguments.
+    Bound(Rc<BoundClass<'a>>),
     Cycle,
     ModeSet(Rc<Vec<super::ModePart>>),
+}
+
+/// A class with some of its arguments. Each use evaluates them in the scope of their text.
+#[derive(Clone, Debug)]
+pub(crate) struct BoundClass<'a> {
+    pub class: DefinitionId,
+    pub given: Vec<Given<'a>>,
+    /// Its definition, if it has one of its own.
+    pub named: Option<DefinitionId>,
+}
+
+/// Arguments of one call of a class.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given<'a> {
+    pub arguments: &'a [ast::Argument],
+    pub scope: ScopeId,
+    /// The place of the call.
+    pub call: Span,
 }
 
 /// The axes of components.
@@ -106,7 +126,7 @@ impl Value<'_> {
             Value::Part(_) => "a part",
             Value::Closure(_) => "a function",
             Value::Table(_) => "a table",
-            Value::Definition(_) => "a class",
+            Value::Definition(_) | Value::Bound(_) => "a class",
             Value::Cycle => "the cycle",
             Value::ModeSet(_) => "a mode set",
         }

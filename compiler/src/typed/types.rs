@@ -380,6 +380,14 @@ pub enum Rows {
     Modes(Arc<str>),
 }
 
+/// A class with some of its arguments: `Impedance(viscosity: 10 mPa*s)`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundClass {
+    pub class: DefinitionId,
+    /// The parameters that have an argument, by their numbers in the class, with the places of the arguments.
+    pub given: Vec<(usize, Span)>,
+}
+
 /// The type of a value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Type {
@@ -415,6 +423,8 @@ pub enum Type {
     Class(DefinitionId),
     /// A class known only by its interface.
     ClassOf(DefinitionId),
+    /// A class with some of its arguments.
+    Bound(Arc<BoundClass>),
     /// An instance of a class, or a record.
     Instance(DefinitionId),
     /// An instance of a class known only by its interface.

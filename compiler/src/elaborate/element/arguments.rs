@@ -2,7 +2,7 @@
 
 use super::super::binding::Stated;
 use super::super::scalar::{Scalar, Stage};
-use super::super::value::{Closure, ScopeId, Value};
+use super::super::value::{Closure, Given, ScopeId, Value};
 use super::super::{Argument, Elaborator, ElementSource, Entry, Eval, Lazy};
 use super::{Class, ClassScope};
 use crate::codes;
@@ -17,17 +17,20 @@ impl<'a> Elaborator<'a, '_> {
     pub fn bind_arguments(
         &mut self,
         class: &Class<'a>,
-        arguments: &'a [ast::Argument],
-        scope: ScopeId,
+        given: &[Given<'a>],
         path: &str,
-        span: Span,
     ) -> Eval<Vec<(String, Argument<'a>)>> {
         let mut bound: Vec<(String, Argument<'a>)> = Vec::new();
         let mut grounds: Vec<(usize, Span)> = Vec::new();
         let mut partner = None;
-        let places = self.call_at(span)?;
-        for (argument, place) in arguments.iter().zip(places.iter()) {
-            let parameter = class.parameters.get(*place as usize);
+        let mut arguments = Vec::new();
+        for call in given {
+            let places = self.call_at(call.call)?;
+            let of_call = call.arguments.iter().zip(places.iter());
+            arguments.extend(of_call.map(|(argument, place)| (argument, *place, call.scope)));
+        }
+        for (argument, place, scope) in arguments {
+            let parameter = class.parameters.get(place as usize);
             let parameter = self.checked(parameter, argument.value.span, "no such parameter")?;
             let name = parameter.name.text.clone();
             let ty = self.type_at(parameter.ty.span)?;
@@ -67,7 +70,7 @@ impl<'a> Elaborator<'a, '_> {
             bound.push((
                 name,
                 if moves {
-                    Argument::Again(&argument.value)
+                    Argument::Again(&argument.value, scope)
                 } else {
                     Argument::Value(value)
                 },
@@ -109,7 +112,7 @@ impl<'a> Elaborator<'a, '_> {
         for (name, argument) in &source.arguments {
             let value = match argument {
                 Argument::Value(v) => v.clone(),
-                Argument::Again(expr) => self.evaluate(expr, source.caller)?,
+                Argument::Again(expr, scope) => self.evaluate(expr, *scope)?,
             };
             let parameter = class.parameters.iter().find(|p| p.name.text == *name);
             let value = self.declared(value, parameter.map(|p| p.ty))?;

@@ -7,7 +7,7 @@ mod laws;
 pub(crate) use arguments::is_marker;
 
 use super::scalar::{ElementBuilder, PROVISIONAL};
-use super::value::{Axes, ScopeId, Value};
+use super::value::{Axes, Given, ScopeId, Value};
 use super::{
     Argument, Elaborator, ElementSource, Eval, OutputShape, Reported, body::index_text, location,
 };
@@ -75,16 +75,25 @@ impl<'a> Elaborator<'a, '_> {
         self.checked(found, declaration.name.span, "it has no value")
     }
 
-    /// The class of `Class(arguments)`, and the arguments.
+    /// The class of `Class(arguments)`, and the arguments: those that the class has already, then those of the
+    /// call.
     pub fn class_called(
         &mut self,
         value: &'a ast::Expr,
         scope: ScopeId,
-    ) -> Eval<(Class<'a>, &'a [ast::Argument])> {
+    ) -> Eval<(Class<'a>, Vec<Given<'a>>)> {
         let (callee, arguments) = self.called(value)?;
         let class = self.evaluate(callee, scope)?;
-        let class = self.read(class, callee.span)?;
-        Ok((self.class_of(class, callee.span)?, arguments))
+        let (class, mut given) = match class {
+            Value::Bound(bound) => (bound.class, bound.given.clone()),
+            other => (self.read(other, callee.span)?, Vec::new()),
+        };
+        given.push(Given {
+            arguments,
+            scope,
+            call: value.span,
+        });
+        Ok((self.class_of(class, callee.span)?, given))
     }
 
     /// The called expression and its arguments.
@@ -129,10 +138,10 @@ impl<'a> Elaborator<'a, '_> {
         path: String,
     ) -> Eval<u32> {
         self.count_instance(declaration.name.span)?;
-        let (class, arguments) = self.class_called(value, scope)?;
+        let (class, given) = self.class_called(value, scope)?;
         self.bench.element = Some(ElementBuilder::default());
         self.bench.bind.owner.clone_from(&path);
-        let bound = self.bind_arguments(&class, arguments, scope, &path, value.span)?;
+        let bound = self.bind_arguments(&class, &given, &path)?;
         self.element_of_class(&class, bound, block, scope, path, declaration.name.span)
     }
 
@@ -156,7 +165,6 @@ impl<'a> Elaborator<'a, '_> {
         let source = ElementSource {
             definition: class.definition,
             arguments: bound,
-            caller: scope,
         };
         let ClassScope { own, texts } = self.class_scope(&source, class, &path)?;
         // marker parameters come first, so that their local indices follow the order of the parameters

@@ -2,7 +2,7 @@
 
 use super::super::binding::Part;
 use super::super::scalar::{Flag, Scalar, Stage};
-use super::super::value::{ScopeId, TableValue, Value};
+use super::super::value::{BoundClass, ScopeId, TableValue, Value};
 use super::super::{Elaborator, Entry, Eval, Lazy};
 use crate::codes;
 use crate::ir::Node;
@@ -50,7 +50,22 @@ impl<'a> Elaborator<'a, '_> {
                 let all = self.checked(all, expr.span, "an argument of a table is missing")?;
                 Ok(Value::Scalar(self.look_up_table(table, &all)))
             }
-            Value::Definition(id) => self.construct(id, expr.span, arguments, scope),
+            Value::Definition(id)
+                if self
+                    .program
+                    .declaration(id)
+                    .is_some_and(|d| d.kind == ast::Kind::Record) =>
+            {
+                self.construct(id, expr.span, arguments, scope)
+            }
+            Value::Definition(_) | Value::Bound(_) => {
+                let (class, given) = self.class_called(expr, scope)?;
+                Ok(Value::Bound(Rc::new(BoundClass {
+                    class: class.definition,
+                    given,
+                    named: None,
+                })))
+            }
             other => {
                 let what = format!("{} is called", other.kind());
                 self.checked(None, callee.span, &what)
