@@ -5,10 +5,9 @@ use crate::machine::JournalGeometry;
 use crate::post::{self, ORDERS, PostError, Run};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use eng_report::figure::Figure;
-use eng_system::report::{
-    Averaging, Axis, Expression, Function, Member, Picture, SpectrumSettings, Vector, Window,
-};
-use eng_system::{Dimension, DisplayUnit, report as plan};
+use eng_system::expression::{Expression, Function, Member, Window};
+use eng_system::figure::{self as plan, Averaging, Axis, Picture, SpectrumSettings, Vector};
+use eng_system::{Dimension, DisplayUnit};
 
 /// The share of its size by which a column must vary to have a spectrum: the rest is rounding.
 const STILL: f64 = 1e-9;
@@ -148,7 +147,10 @@ impl Family {
             figure: plan::Figure {
                 quantity: self.quantity.clone(),
                 display: column.display.clone(),
-                picture: Picture::History(panels.collect(), !runs.iter().all(with_angle)),
+                picture: Picture::History(plan::History {
+                    panels: panels.collect(),
+                    by_time: !runs.iter().all(with_angle),
+                }),
             },
         })
     }
@@ -191,7 +193,7 @@ pub(crate) fn distinct(all: Vec<Wanted>, results: &Results) -> Vec<Wanted> {
 }
 
 /// The paths of the pins in their shells; `None` if no journal records one.
-fn paths_of_pins(run: &Run<'_>) -> Option<Picture> {
+pub(crate) fn orbits(run: &Run<'_>) -> Option<Wanted> {
     let analysis = run.results.analysis();
     let recorded = |journal: &&JournalGeometry| {
         let column = |axis| {
@@ -200,33 +202,20 @@ fn paths_of_pins(run: &Run<'_>) -> Option<Picture> {
         };
         column("x").is_some() && column("y").is_some()
     };
-    let journals: Vec<(String, String)> = run
+    let journals: plan::Journals = run
         .machine
         .journals
         .iter()
         .filter(recorded)
         .map(|journal| (analysis.to_owned(), journal.path.clone()))
         .collect();
-    (!journals.is_empty()).then_some(Picture::Orbit(journals, None))
-}
-
-/// The paths of the pins in their shells, if the model has journals.
-pub(crate) fn orbits(run: &Run<'_>) -> Option<Wanted> {
-    Some(Wanted {
-        name: format!("{}-orbits", run.results.analysis()),
+    (!journals.is_empty()).then(|| Wanted {
+        name: format!("{analysis}-orbits"),
         title: "Orbits of the pins in their shells".to_owned(),
         paths: Vec::new(),
         same: Vec::new(),
         dimension: Dimension::LENGTH,
-        figure: plan::Figure {
-            quantity: "Eccentricity".to_owned(),
-            display: DisplayUnit {
-                symbol: "µm".to_owned(),
-                scale: 1e-6,
-                offset: 0.0,
-            },
-            picture: paths_of_pins(run)?,
-        },
+        figure: plan::Orbit::figure(journals, None),
     })
 }
 
@@ -275,7 +264,7 @@ pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
             title: "Load of the pins on their shells".to_owned(),
             paths: Vec::new(),
             same: Vec::new(),
-            dimension: force(),
+            dimension: Dimension::FORCE,
             figure: plan::Figure {
                 quantity: "load".to_owned(),
                 display: DisplayUnit {
@@ -283,7 +272,10 @@ pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
                     scale,
                     offset: 0.0,
                 },
-                picture: Picture::Polar(vectors, None),
+                picture: Picture::Polar(plan::Polar {
+                    vectors,
+                    cycles: None,
+                }),
             },
         })
     };
@@ -296,7 +288,7 @@ pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
 /// The spectra of the curves of a history that vary; `None` if none of them does, and for other quantities than
 /// forces and accelerations.
 pub(crate) fn spectrum(of: &Wanted, run: &Run<'_>) -> Option<Wanted> {
-    if ![force(), acceleration()].contains(&of.dimension) {
+    if ![Dimension::FORCE, Dimension::ACCELERATION].contains(&of.dimension) {
         return None;
     }
     let analysis = run.results.analysis();
@@ -322,7 +314,7 @@ pub(crate) fn spectrum(of: &Wanted, run: &Run<'_>) -> Option<Wanted> {
         title: format!("Spectrum: {}", of.title),
         paths,
         figure: plan::Figure {
-            picture: Picture::Spectrum(members, settings),
+            picture: Picture::Spectrum(plan::Spectrum { members, settings }),
             ..of.figure.clone()
         },
         ..of.clone()
@@ -361,8 +353,8 @@ pub(crate) fn campbell(path: &str, runs: &[Run<'_>], modes: Vec<String>) -> Opti
     let first = runs.first()?;
     let column = varying(path, runs)?;
     let symbol = match column.dimension {
-        dimension if dimension == force() => "N",
-        dimension if dimension == acceleration() => "m/s^2",
+        Dimension::FORCE => "N",
+        Dimension::ACCELERATION => "m/s^2",
         _ => return None,
     };
     let settings = SpectrumSettings {
@@ -383,12 +375,12 @@ pub(crate) fn campbell(path: &str, runs: &[Run<'_>], modes: Vec<String>) -> Opti
                 scale: 1.0,
                 offset: 0.0,
             },
-            picture: Picture::Campbell {
+            picture: Picture::Campbell(plan::Campbell {
                 members: over_runs(path, runs),
                 settings,
                 orders: None,
                 modes,
-            },
+            }),
         },
     })
 }
@@ -398,7 +390,7 @@ pub(crate) fn campbell(path: &str, runs: &[Run<'_>], modes: Vec<String>) -> Opti
 pub(crate) fn waterfall(path: &str, runs: &[Run<'_>], up_to: Option<f64>) -> Option<Wanted> {
     let first = runs.first()?;
     let column = varying(path, runs)?;
-    if ![force(), acceleration()].contains(&column.dimension) {
+    if ![Dimension::FORCE, Dimension::ACCELERATION].contains(&column.dimension) {
         return None;
     }
     let settings = SpectrumSettings {
@@ -415,7 +407,10 @@ pub(crate) fn waterfall(path: &str, runs: &[Run<'_>], up_to: Option<f64>) -> Opt
         figure: plan::Figure {
             quantity,
             display: column.display.clone(),
-            picture: Picture::Waterfall(over_runs(path, runs), settings),
+            picture: Picture::Waterfall(plan::Waterfall {
+                members: over_runs(path, runs),
+                settings,
+            }),
         },
     })
 }
@@ -429,16 +424,6 @@ fn varying<'r>(path: &str, runs: &[Run<'r>]) -> Option<&'r Column> {
 fn over_runs(path: &str, runs: &[Run<'_>]) -> Vec<Member> {
     let analyses = runs.iter().map(|run| run.results.analysis());
     analyses.map(|analysis| member(analysis, path)).collect()
-}
-
-fn force() -> Dimension {
-    Dimension::MASS.times(acceleration())
-}
-
-fn acceleration() -> Dimension {
-    Dimension::LENGTH
-        .over(Dimension::TIME)
-        .over(Dimension::TIME)
 }
 
 #[cfg(test)]
@@ -477,7 +462,9 @@ mod tests {
             "crank_torque",
             "main[1].force.x",
         ] {
-            results.push(column(path, force(), vec![1.0])).unwrap();
+            results
+                .push(column(path, Dimension::FORCE, vec![1.0]))
+                .unwrap();
         }
         let machine = machine(None);
         let found: Vec<(String, usize)> = histories(&Run::new(&results, &machine))
@@ -499,8 +486,12 @@ mod tests {
         let times = angles.iter().map(|a| a / TAU / 50.0).collect();
         let mut results = Results::new("a", "M");
         results.push(Column::time(times)).unwrap();
-        results.push(column("push[1]", force(), wave)).unwrap();
-        results.push(column("push[2]", force(), still)).unwrap();
+        results
+            .push(column("push[1]", Dimension::FORCE, wave))
+            .unwrap();
+        results
+            .push(column("push[2]", Dimension::FORCE, still))
+            .unwrap();
         results.push(Column::cycle_angle(angles)).unwrap();
         let machine = machine(Some(2.0 * TAU));
         let run = Run::new(&results, &machine);

@@ -79,3 +79,31 @@ fn an_unknown_code_is_answered_by_the_nearest() {
         );
     }
 }
+
+/// The tables of analyses and figures give the name and the meaning of each argument.
+#[test]
+fn analyses_and_figures_are_explained() {
+    let output = eng(&["explain", "periodic"]);
+    assert_eq!(output.status.code(), Some(0));
+    let told = text(&output.stdout);
+    assert!(
+        told.starts_with("`periodic` is an analysis: the last of as many cycles"),
+        "{told}"
+    );
+    assert!(
+        told.contains("\n    sample (deg)  the distance of samples, 0.5° by default\n"),
+        "{told}"
+    );
+    for row in eng_system::figure::KINDS {
+        let output = eng(&["explain", row.name]);
+        assert_eq!(output.status.code(), Some(0));
+        let told = text(&output.stdout);
+        assert!(
+            told.starts_with(&format!("`{}` is a figure: ", row.name)),
+            "{told}"
+        );
+        for argument in row.arguments {
+            assert!(told.contains(argument.about), "{told}");
+        }
+    }
+}

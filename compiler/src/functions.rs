@@ -2,10 +2,10 @@
 //!
 //! A function of one plain number needs only its row here. A function of another kind also has its type in
 //! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here, a variant of
-//! `Reduction` in `system/src/report.rs` and its evaluation in `src/post/evaluate.rs`.
+//! `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/evaluate.rs`.
 
 use crate::ir::{Node, Op};
-use eng_system::report::{Function, Operator, Reduction};
+use eng_system::expression::{Function, Operator, Reduction};
 
 /// A function of the language.
 #[derive(Debug)]
@@ -71,20 +71,6 @@ pub(crate) enum OfResults {
     Resample,
     /// A level.
     Decibel,
-    /// A figure.
-    Draw(Drawing),
-}
-
-/// A figure that a function draws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Drawing {
-    History,
-    Spectrum,
-    Orbit,
-    Polar,
-    OrderTrack,
-    Waterfall,
-    Campbell,
 }
 
 impl BuiltIn {
@@ -104,11 +90,6 @@ impl BuiltIn {
     const fn and_more(mut self) -> BuiltIn {
         self.more = true;
         self
-    }
-
-    /// Whether reports compute with it; the other functions of reports draw.
-    pub fn computes(&self) -> bool {
-        !matches!(self.results, OfResults::Nothing | OfResults::Draw(_))
     }
 
     /// Whether it takes the modes of a linear analysis as well as samples of a run.
@@ -148,46 +129,8 @@ const fn reduction(name: &'static str, reduction: Reduction) -> BuiltIn {
     of_results(name, &["signal"], OfResults::Reduce(reduction))
 }
 
-const fn figure_of(
-    name: &'static str,
-    parameters: &'static [&'static str],
-    drawing: Drawing,
-) -> BuiltIn {
-    of_results(name, parameters, OfResults::Draw(drawing))
-}
-
-/// A figure of signals.
-const fn figure(name: &'static str, drawing: Drawing) -> BuiltIn {
-    figure_of(name, &["signals"], drawing)
-}
-
-/// Options of every spectrum.
-const SPECTRUM: [&str; 9] = [
-    "axis",
-    "up_to",
-    "window",
-    "block",
-    "overlap",
-    "averaging",
-    "mean",
-    "scale",
-    "reference",
-];
-
-/// Options of a Campbell diagram: the lines over the spectra, then the options of these.
-const CAMPBELL: [&str; 11] = {
-    let mut options = ["orders"; 11];
-    options[1] = "modes";
-    let mut at = 0;
-    while at < SPECTRUM.len() {
-        options[at + 2] = SPECTRUM[at];
-        at += 1;
-    }
-    options
-};
-
 /// All functions.
-static FUNCTIONS: [BuiltIn; 53] = [
+static FUNCTIONS: [BuiltIn; 46] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
     function("norm", &["v"], Kind::Vectors)
@@ -241,16 +184,6 @@ static FUNCTIONS: [BuiltIn; 53] = [
     of_results("last_cycle", &["signal"], OfResults::LastCycle).with(&["cycles"]),
     of_results("resample", &["signal", "like"], OfResults::Resample),
     of_results("decibel", &["x", "reference"], OfResults::Decibel),
-    figure("history", Drawing::History)
-        .and_more()
-        .with(&["over"]),
-    figure("spectrum", Drawing::Spectrum).with(&SPECTRUM),
-    figure_of("orbit", &["journals"], Drawing::Orbit).with(&["cycles"]),
-    figure_of("polar", &["vectors"], Drawing::Polar).with(&["turned_by", "cycles"]),
-    figure_of("order_track", &["signals", "orders"], Drawing::OrderTrack)
-        .with(&["window", "block", "overlap"]),
-    figure("waterfall", Drawing::Waterfall).with(&SPECTRUM),
-    figure("campbell", Drawing::Campbell).with(&CAMPBELL),
 ];
 
 /// The function of a name that any expression can call.
@@ -276,7 +209,8 @@ pub(crate) fn of_reports() -> impl Iterator<Item = &'static BuiltIn> {
         .filter(|function| function.results != OfResults::Nothing)
 }
 
-/// The function of a name that only reports have.
-pub(crate) fn only_of_reports(name: &str) -> Option<&'static BuiltIn> {
-    of_reports().find(|f| f.name == name && matches!(f.kind, Kind::Results))
+/// Whether only reports have the function or the figure of a name.
+pub(crate) fn only_of_reports(name: &str) -> bool {
+    let mut functions = of_reports().filter(|f| matches!(f.kind, Kind::Results));
+    functions.any(|f| f.name == name) || eng_system::figure::kind(name).is_some()
 }

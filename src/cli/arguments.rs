@@ -42,7 +42,7 @@ pub(super) enum Command {
     Results(ResultsArguments),
     /// Write a result file in the format of another tool: CSV, universal file (58), MAT
     Export(ExportArguments),
-    /// Explain a message code, such as E0301; list all without one
+    /// Explain a message code, such as E0301, an analysis or a figure; list all codes without one
     Explain(ExplainArguments),
 }
 
@@ -130,7 +130,7 @@ pub(super) struct ReportArguments {
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArguments {
-    /// The code in the brackets of a message
+    /// The code in the brackets of a message, or the name of an analysis or a figure
     #[arg(value_name = "CODE")]
     pub code: Option<String>,
 }

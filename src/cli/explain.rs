@@ -18,14 +18,15 @@ pub(super) fn explain(
         }
         return Ok(());
     };
-    match codes::find(asked.trim()) {
-        Some(code) => {
-            write!(console.output, "{}", explanation(code))?;
+    let asked = asked.trim();
+    match codes::find(asked).map(explanation).or_else(|| kind(asked)) {
+        Some(text) => {
+            write!(console.output, "{text}")?;
             Ok(())
         }
         None => {
             write!(console.errors, "error: there is no code {asked}")?;
-            match nearest(asked.trim()) {
+            match nearest(asked) {
                 Some(near) => writeln!(console.errors, "; did you mean {near}?")?,
                 None => writeln!(console.errors)?,
             }
@@ -50,6 +51,37 @@ fn explanation(code: &Code) -> String {
         ));
     }
     text
+}
+
+/// The content and the arguments of a kind of analysis or of figure.
+fn kind(name: &str) -> Option<String> {
+    let mut rows: Vec<(String, &str)> = Vec::new();
+    let title = if let Some(row) = eng_system::analysis::kind(name) {
+        for argument in row.arguments {
+            let unit = match argument.unit {
+                "" => String::new(),
+                unit => format!(" ({unit})"),
+            };
+            rows.push((format!("{}{unit}", argument.name), argument.about));
+        }
+        format!("`{name}` is an analysis: {}", row.about)
+    } else {
+        let row = eng_system::figure::kind(name)?;
+        let arguments = row.arguments.iter();
+        rows.extend(arguments.map(|argument| (argument.name.to_owned(), argument.about)));
+        format!("`{name}` is a figure: {}", row.about)
+    };
+    let width = rows.iter().map(|(name, _)| name.chars().count()).max();
+    let width = width.unwrap_or_default();
+    let mut text = wrapped(&title) + "\n";
+    if !rows.is_empty() {
+        text.push_str("\narguments:\n");
+    }
+    for (name, about) in rows {
+        let pad = " ".repeat(width - name.chars().count());
+        text.push_str(&format!("    {name}{pad}  {about}\n"));
+    }
+    Some(text)
 }
 
 fn indented(example: &str) -> String {

@@ -10,10 +10,10 @@ use eng_report::signal::{
     Axis, Band, Ends, Filter, Interpolation, Sampling, Signal, Slope, Window, component,
     maximum_at, minimum, resample,
 };
-use eng_system::recorded::{FREQUENCY, MODE};
-use eng_system::report::{
+use eng_system::expression::{
     self as plan, Chosen, Expression, Function, Limit, Operator, Part, Reduction,
 };
+use eng_system::recorded::{FREQUENCY, MODE};
 use eng_system::system::Extent;
 use std::f64::consts::TAU;
 use std::rc::Rc;

@@ -396,7 +396,7 @@ pub fn evaluate(report: &Report, runs: &[Run<'_>]) -> EvaluatedReport {
 /// # Errors
 /// Results that do not give it.
 pub fn draw(
-    figure: &eng_system::report::Figure,
+    figure: &eng_system::figure::Figure,
     title: &str,
     runs: &[Run<'_>],
 ) -> Result<Figure, PostError> {

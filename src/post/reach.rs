@@ -5,7 +5,7 @@ use super::sampling::Sampled;
 use super::track::Track;
 use eng_report::signal::Sampling;
 use eng_system::DisplayUnit;
-use eng_system::report::Limit;
+use eng_system::expression::Limit;
 use eng_system::system::Extent;
 use std::f64::consts::{PI, TAU};
 

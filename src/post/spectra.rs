@@ -11,7 +11,8 @@ use eng_report::signal::{
     SpectrumOptions, SweepMap, order_track, order_track_of_run_up, spectrum, sweep_map,
 };
 use eng_system::DisplayUnit;
-use eng_system::report::{self as plan, Limit, Member, SpectrumSettings};
+use eng_system::expression::{Limit, Member, Window as Weight};
+use eng_system::figure::{self as plan, SpectrumSettings};
 use eng_system::system::Extent;
 use std::f64::consts::TAU;
 
@@ -145,7 +146,7 @@ fn of_other_speeds<'n>(
 pub(super) fn orders_of(
     tracks: &[Track],
     orders: &[f64],
-    window: plan::Window,
+    window: Weight,
 ) -> Result<OrderTrack, PostError> {
     let mut runs = Vec::with_capacity(tracks.len());
     let mut speeds: Vec<(f64, &str)> = Vec::with_capacity(tracks.len());
@@ -187,7 +188,7 @@ pub(super) fn orders_of(
 pub(super) fn orders_along(
     track: &Track,
     orders: &[f64],
-    window: plan::Window,
+    window: Weight,
     (revolutions, overlap): (f64, f64),
 ) -> Result<OrderTrack, PostError> {
     let sampled = sampled_track(track, Axis::Order)?;

@@ -3,7 +3,7 @@
 use super::PostError;
 use crate::tables::shifted;
 use eng_report::signal::{Interpolation, SignalError, resample};
-use eng_system::report::Member;
+use eng_system::expression::Member;
 use std::rc::Rc;
 
 /// Where the samples of a run lie.

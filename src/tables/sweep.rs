@@ -107,7 +107,7 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
             .collect();
         type Taken = fn(&JournalSummary) -> Option<f64>;
         let taken: [(&str, Dimension, &str, f64, Taken); 3] = [
-            ("peak_load", force(), "N", 1.0, |s| s.peak_load),
+            ("peak_load", Dimension::FORCE, "N", 1.0, |s| s.peak_load),
             ("minimum_film", Dimension::LENGTH, "um", 1e-6, |s| {
                 s.minimum_film
             }),
@@ -165,15 +165,10 @@ fn extremes(outcome: &RunOutcome, path: &str) -> Option<(f64, f64)> {
         })
 }
 
-fn force() -> Dimension {
-    Dimension::MASS
+fn power() -> Dimension {
+    Dimension::FORCE
         .times(Dimension::LENGTH)
         .over(Dimension::TIME)
-        .over(Dimension::TIME)
-}
-
-fn power() -> Dimension {
-    force().times(Dimension::LENGTH).over(Dimension::TIME)
 }
 
 /// The largest number of columns of the printed table. The file has all columns.

@@ -34,6 +34,19 @@ impl Dimension {
     /// Angle.
     pub const ANGLE: Dimension = Self::base(7);
 
+    /// Acceleration.
+    pub const ACCELERATION: Dimension = {
+        let mut exponents = Self::LENGTH.exponents;
+        exponents[2] = -2 * DENOMINATOR as i16;
+        Dimension { exponents }
+    };
+    /// Force.
+    pub const FORCE: Dimension = {
+        let mut exponents = Self::ACCELERATION.exponents;
+        exponents[1] = DENOMINATOR as i16;
+        Dimension { exponents }
+    };
+
     /// The base at a storage index below [`BASES`]; dimensionless for an index beyond.
     pub const fn base(index: usize) -> Dimension {
         let mut exponents = [0; BASES];

@@ -20,6 +20,8 @@
 pub mod analysis;
 pub mod code;
 pub mod dimension;
+pub mod expression;
+pub mod figure;
 pub mod flexible;
 pub mod host;
 pub mod layout;

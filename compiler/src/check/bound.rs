@@ -161,29 +161,33 @@ impl Checker<'_> {
         span: Span,
         by_name: bool,
     ) -> Option<Bound<'e>> {
-        let names: Vec<&'static str> = function
-            .parameters
-            .iter()
-            .chain(function.options)
-            .copied()
-            .collect();
-        let by_place = |at: usize| at < function.parameters.len();
+        let places = function.parameters.iter().map(|name| (*name, true));
+        let options = function.options.iter().map(|name| (*name, false));
         let called = Called {
             name: function.name,
-            parameters: names
-                .iter()
-                .enumerate()
-                .map(|(at, name)| Parameter {
+            parameters: places
+                .chain(options)
+                .map(|(name, by_place)| Parameter {
                     name,
-                    required: by_place(at),
-                    by_place: by_place(at),
-                    by_name: by_name || !by_place(at),
+                    required: by_place,
+                    by_place,
+                    by_name: by_name || !by_place,
                 })
                 .collect(),
             more: function.more,
             example: None,
         };
-        let given = self.given(&called, arguments);
+        self.bound_to(&called, arguments, span)
+    }
+
+    /// The arguments of a call by the names of their parameters; `None` after an error.
+    pub(super) fn bound_to<'e>(
+        &mut self,
+        called: &Called<'static>,
+        arguments: &'e [Argument],
+        span: Span,
+    ) -> Option<Bound<'e>> {
+        let given = self.given(called, arguments);
         if !given.odd.is_empty() {
             return None;
         }
@@ -192,7 +196,7 @@ impl Checker<'_> {
             return None;
         }
         Some(Bound {
-            names,
+            names: called.parameters.iter().map(|p| p.name).collect(),
             arguments: given.arguments,
         })
     }

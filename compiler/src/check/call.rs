@@ -89,7 +89,7 @@ impl<'p> Checker<'p> {
             }
         }
         if let ExprKind::Name(name) = &callee.kind
-            && crate::functions::only_of_reports(name).is_some()
+            && crate::functions::only_of_reports(name)
             && self.find(scope, name).is_none()
         {
             self.report(

@@ -515,7 +515,7 @@ impl<'p> Checker<'p> {
                 quantity: Quantity::hard(if torque {
                     torque_dimension()
                 } else {
-                    force_dimension()
+                    Dimension::FORCE
                 }),
                 framed: true,
             },
@@ -724,15 +724,7 @@ fn has_mass(body: &Declaration) -> bool {
         })
 }
 
-/// kg m/s².
-pub(super) fn force_dimension() -> Dimension {
-    Dimension::MASS
-        .times(Dimension::LENGTH)
-        .over(Dimension::TIME)
-        .over(Dimension::TIME)
-}
-
 /// N m.
 pub(super) fn torque_dimension() -> Dimension {
-    force_dimension().times(Dimension::LENGTH)
+    Dimension::FORCE.times(Dimension::LENGTH)
 }

@@ -2,7 +2,7 @@
 
 use super::Checker;
 use super::mismatch::Due;
-use super::scope::{Scope, force_dimension, torque_dimension};
+use super::scope::{Scope, torque_dimension};
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
@@ -28,7 +28,7 @@ impl<'p> Checker<'p> {
                 let (word, dimension) = if *torque {
                     ("torque", torque_dimension())
                 } else {
-                    ("force", force_dimension())
+                    ("force", Dimension::FORCE)
                 };
                 let due = Due::new(format!("what `apply {word}` applies"));
                 self.expect(scope, value, &Type::vector(Quantity::hard(dimension)), &due);

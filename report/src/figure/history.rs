@@ -124,6 +124,10 @@ impl History {
         self.draw(Target::PAPER)
     }
 
+    pub(crate) fn title(&self) -> &str {
+        &self.title
+    }
+
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let horizontal = self.horizontal();
         let (vertical, exponent) = self.vertical();

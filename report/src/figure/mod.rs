@@ -36,33 +36,52 @@ pub(crate) use ticks::significant;
 use palette::Theme;
 use svg::Target;
 
-/// Any picture.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Figure {
-    /// Curves.
-    History(History),
-    /// Paths of pins.
-    Orbits(Orbits),
-    /// Polar diagrams.
-    Polar(Polar),
-    /// Spectra one behind the other.
-    Waterfall(Waterfall),
-    /// Colours over speed and frequency.
-    Campbell(Campbell),
+macro_rules! figures {
+    ($($(#[$about:meta])* $kind:ident),* $(,)?) => {
+        /// Any picture.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Figure {
+            $($(#[$about])* $kind($kind)),*
+        }
+
+        impl Figure {
+            /// Its title.
+            pub fn title(&self) -> &str {
+                match self {
+                    $(Figure::$kind(figure) => figure.title()),*
+                }
+            }
+
+            fn draw(&self, target: Target<'_>) -> String {
+                match self {
+                    $(Figure::$kind(figure) => figure.draw(target)),*
+                }
+            }
+        }
+
+        $(impl From<$kind> for Figure {
+            fn from(figure: $kind) -> Figure {
+                Figure::$kind(figure)
+            }
+        })*
+    };
 }
 
-impl Figure {
-    /// What it is called.
-    pub fn title(&self) -> &str {
-        match self {
-            Figure::History(figure) => &figure.title,
-            Figure::Orbits(figure) => &figure.title,
-            Figure::Polar(figure) => &figure.title,
-            Figure::Waterfall(figure) => &figure.figure.title,
-            Figure::Campbell(figure) => &figure.figure.title,
-        }
-    }
+// each kind has its title and its drawing
+figures!(
+    /// Curves.
+    History,
+    /// Paths of pins.
+    Orbits,
+    /// Polar diagrams.
+    Polar,
+    /// Spectra one behind the other.
+    Waterfall,
+    /// Colours over speed and frequency.
+    Campbell,
+);
 
+impl Figure {
     /// A file of its own, for papers.
     pub fn to_svg(&self) -> String {
         self.draw(Target::PAPER)
@@ -75,26 +94,4 @@ impl Figure {
             id,
         })
     }
-
-    fn draw(&self, target: Target<'_>) -> String {
-        match self {
-            Figure::History(figure) => figure.draw(target),
-            Figure::Orbits(figure) => figure.draw(target),
-            Figure::Polar(figure) => figure.draw(target),
-            Figure::Waterfall(figure) => figure.draw(target),
-            Figure::Campbell(figure) => figure.draw(target),
-        }
-    }
 }
-
-macro_rules! figures {
-    ($($kind:ident),*) => {$(
-        impl From<$kind> for Figure {
-            fn from(figure: $kind) -> Figure {
-                Figure::$kind(figure)
-            }
-        }
-    )*};
-}
-
-figures!(History, Orbits, Polar, Waterfall, Campbell);

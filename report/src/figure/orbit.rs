@@ -46,6 +46,10 @@ impl Orbits {
         self.draw(Target::PAPER)
     }
 
+    pub(crate) fn title(&self) -> &str {
+        &self.title
+    }
+
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         self.sheet().draw(target)
     }

@@ -92,6 +92,10 @@ impl Polar {
         self.draw(Target::PAPER)
     }
 
+    pub(crate) fn title(&self) -> &str {
+        &self.title
+    }
+
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let largest = self
             .curves

@@ -68,6 +68,8 @@
         angles: line.dataset.angles ? summed(line.dataset.angles, 1) : null,
         points: summed(line.getAttribute("d"), 2),
       })).filter((curve) => curve.name);
+      // a curve that runs back to the left has several values at one place
+      this.turns = this.curves.some(({ points }) => points.some((x, i) => i % 2 === 0 && x < points[i - 2] - 0.5));
       this.map = data.map ? this.readMap(data) : null;
       this.reset();
     }
@@ -197,7 +199,7 @@
       const x = this.wholeX(px);
       const y = this.wholeY(py);
       if (this.map) return this.atMap(x, y, px, py);
-      if (this.equal || this.fixedY) return this.atNearest(x, y);
+      if (this.equal || this.fixedY || this.turns) return this.atNearest(x, y);
       const found = [];
       const dots = [];
       const seen = new Set();

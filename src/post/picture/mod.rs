@@ -10,12 +10,11 @@ pub(crate) use orders::ORDERS;
 use super::evaluate::{Evaluator, filter_of};
 use super::track::{Track, told_apart};
 use super::{PostError, Run};
-use eng_report::figure::{
-    Abscissa, Curve, Figure, History, Mark, Ordinate, Panel, Scale, Waterfall,
-};
+use eng_report::figure::{Abscissa, Curve, Figure, History, Mark, Ordinate, Panel, Scale};
 use eng_report::readable_unit;
 use eng_system::DisplayUnit;
-use eng_system::report::{self as plan, Expression, Member, Picture};
+use eng_system::expression::{Expression, Member};
+use eng_system::figure::{self as plan, Picture};
 use labels::{common_frame, letters};
 
 /// Draws a figure.
@@ -30,26 +29,13 @@ pub(super) fn figure(
         evaluator,
     };
     match &figure.picture {
-        Picture::History(panels, by_time) => drawer.history(panels, *by_time),
-        Picture::Spectrum(members, settings) => drawer.spectrum(members, settings),
-        Picture::Orbit(journals, cycles) => drawer.orbit(journals, *cycles),
-        Picture::Polar(vectors, cycles) => drawer.polar(vectors, *cycles),
-        Picture::OrderTrack {
-            members,
-            orders,
-            window,
-            block,
-        } => drawer.order_track(members, orders, *window, *block),
-        Picture::Waterfall(members, settings) => Ok(Waterfall {
-            figure: drawer.map(members, settings)?,
-        }
-        .into()),
-        Picture::Campbell {
-            members,
-            settings,
-            orders,
-            modes,
-        } => drawer.campbell(members, settings, orders.as_deref(), modes),
+        Picture::History(history) => drawer.history(history),
+        Picture::Spectrum(spectrum) => drawer.spectrum(spectrum),
+        Picture::Orbit(orbit) => drawer.orbit(orbit),
+        Picture::Polar(polar) => drawer.polar(polar),
+        Picture::OrderTrack(track) => drawer.order_track(track),
+        Picture::Waterfall(waterfall) => drawer.waterfall(waterfall),
+        Picture::Campbell(campbell) => drawer.campbell(campbell),
     }
 }
 
@@ -201,7 +187,9 @@ impl Drawer<'_> {
             .collect())
     }
 
-    fn history(&self, panels: &[Vec<Member>], by_time: bool) -> Result<Figure, PostError> {
+    fn history(&self, history: &plan::History) -> Result<Figure, PostError> {
+        let plan::History { panels, by_time } = history;
+        let by_time = *by_time;
         let all: Vec<&Member> = panels.iter().flatten().collect();
         let mut drawn = Vec::new();
         let lettered = self.lettered(&all);

@@ -8,11 +8,13 @@ use crate::post::reach::limit_text;
 use crate::post::spectra::{map_of, orders_along, orders_of, spectrum_of};
 use crate::post::track::{Track, told_apart};
 use eng_report::figure::{
-    Abscissa, Campbell, Curve, Figure, History, Ordinate, Panel, Scale, SweepFigure, spectra,
+    Abscissa, Campbell, Curve, Figure, History, Ordinate, Panel, Scale, SweepFigure, Waterfall,
+    spectra,
 };
 use eng_report::readable_unit;
 use eng_report::signal::{Level, OrderTrack};
-use eng_system::report::{self as plan, Limit, Member};
+use eng_system::expression::{Limit, Member};
+use eng_system::figure as plan;
 
 /// Share of a mean speed by which those of runs in one figure may differ.
 const ALIKE: f64 = 1e-3;
@@ -36,11 +38,8 @@ impl Drawer<'_> {
         Ok(parts.join("; "))
     }
 
-    pub(super) fn spectrum(
-        &self,
-        members: &[Member],
-        settings: &plan::SpectrumSettings,
-    ) -> Result<Figure, PostError> {
+    pub(super) fn spectrum(&self, spectrum: &plan::Spectrum) -> Result<Figure, PostError> {
+        let plan::Spectrum { members, settings } = spectrum;
         let all: Vec<&Member> = members.iter().collect();
         let names = named(told_apart(pairs(members)), members, &self.lettered(&all));
         let mut found = Vec::new();
@@ -105,13 +104,13 @@ impl Drawer<'_> {
 
     /// Spectra over speed, with the natural frequencies of linear analyses: of one speed lines across, of several a mark each. What is
     /// not stated is that of the maps of a page.
-    pub(super) fn campbell(
-        &self,
-        members: &[Member],
-        settings: &plan::SpectrumSettings,
-        orders: Option<&[f64]>,
-        modes: &[String],
-    ) -> Result<Figure, PostError> {
+    pub(super) fn campbell(&self, campbell: &plan::Campbell) -> Result<Figure, PostError> {
+        let plan::Campbell {
+            members,
+            settings,
+            orders,
+            modes,
+        } = campbell;
         let mut figure = self.map(members, settings)?;
         if settings.reference.is_some() {
             with_floor(&mut figure);
@@ -123,7 +122,7 @@ impl Drawer<'_> {
         };
         figure.limit = figure.limit.or(Some(limit).filter(|limit| *limit > 0.0));
         let orders = match (orders, members.first()) {
-            (Some(orders), _) => orders.to_vec(),
+            (Some(orders), _) => orders.clone(),
             (None, Some(first)) => {
                 let machine = self.evaluator.run(&first.analysis)?.machine;
                 main_orders(machine.cycle_period, machine.firing.len())
@@ -133,7 +132,12 @@ impl Drawer<'_> {
         Ok(over_speed(figure, orders, &Natural::of(modes, self.evaluator)?).into())
     }
 
-    pub(super) fn map(
+    pub(super) fn waterfall(&self, waterfall: &plan::Waterfall) -> Result<Figure, PostError> {
+        let figure = self.map(&waterfall.members, &waterfall.settings)?;
+        Ok(Waterfall { figure }.into())
+    }
+
+    fn map(
         &self,
         members: &[Member],
         settings: &plan::SpectrumSettings,
@@ -158,13 +162,14 @@ impl Drawer<'_> {
         })
     }
 
-    pub(super) fn order_track(
-        &self,
-        members: &[Member],
-        orders: &[f64],
-        window: plan::Window,
-        block: Option<(f64, f64)>,
-    ) -> Result<Figure, PostError> {
+    pub(super) fn order_track(&self, track: &plan::OrderTrack) -> Result<Figure, PostError> {
+        let plan::OrderTrack {
+            members,
+            orders,
+            window,
+            block,
+        } = track;
+        let (window, block) = (*window, *block);
         let all: Vec<&Member> = members.iter().collect();
         let mut panels = Vec::new();
         match block {

@@ -8,14 +8,12 @@ use eng_report::figure::{
     Figure, FixedTo, Orbit, Orbits, Polar, PolarCurve, Upright, journal_letter,
 };
 use eng_report::readable_unit;
-use eng_system::report::{Expression, Part, Vector};
+use eng_system::expression::{Expression, Part};
+use eng_system::figure as plan;
 
 impl Drawer<'_> {
-    pub(super) fn orbit(
-        &self,
-        journals: &[(String, String)],
-        cycles: Option<u32>,
-    ) -> Result<Figure, PostError> {
+    pub(super) fn orbit(&self, orbit: &plan::Orbit) -> Result<Figure, PostError> {
+        let plan::Orbit { journals, cycles } = orbit;
         let names = told_apart(journals.iter().map(|(a, p)| (a.as_str(), p.as_str())));
         let mut orbits = Vec::new();
         for ((analysis, path), name) in journals.iter().zip(names) {
@@ -33,7 +31,7 @@ impl Drawer<'_> {
                 analysis: analysis.clone(),
                 path: format!("{path}.eccentricity.{axis}"),
             };
-            let (x, y) = self.plane(&axis("x"), &axis("y"), cycles)?;
+            let (x, y) = self.plane(&axis("x"), &axis("y"), *cycles)?;
             let frame = run
                 .results
                 .column(&format!("{path}.eccentricity.x"))
@@ -55,7 +53,7 @@ impl Drawer<'_> {
         let (period, upright) = self.view(&analyses)?;
         Ok(Orbits {
             title: self.title.to_owned(),
-            subtitle: format!("{}{}, not filtered", self.about(&analyses)?, part(cycles)),
+            subtitle: format!("{}{}, not filtered", self.about(&analyses)?, part(*cycles)),
             period,
             upright,
             orbits,
@@ -63,11 +61,8 @@ impl Drawer<'_> {
         .into())
     }
 
-    pub(super) fn polar(
-        &self,
-        vectors: &[Vector],
-        cycles: Option<u32>,
-    ) -> Result<Figure, PostError> {
+    pub(super) fn polar(&self, polar: &plan::Polar) -> Result<Figure, PostError> {
+        let plan::Polar { vectors, cycles } = polar;
         let names = told_apart(
             vectors
                 .iter()
@@ -77,7 +72,7 @@ impl Drawer<'_> {
         let mut fixed_to = FixedTo::Housing;
         let mut curves = Vec::new();
         for (vector, name) in vectors.iter().zip(names) {
-            let (x, y) = self.plane(&vector.x, &vector.y, cycles)?;
+            let (x, y) = self.plane(&vector.x, &vector.y, *cycles)?;
             let mut curve = PolarCurve {
                 name: match self.letter(&vector.x).filter(|_| vectors.len() > 1) {
                     Some(letter) => format!("{letter} {name}"),
@@ -90,7 +85,7 @@ impl Drawer<'_> {
                 y: y.values.iter().map(|v| v / display.scale).collect(),
             };
             if let Some(turned_by) = &vector.turned_by {
-                let turn = self.part(turned_by, cycles)?;
+                let turn = self.part(turned_by, *cycles)?;
                 if let Some(detail) = x.samples.differ(&turn.samples) {
                     return Err(PostError::Samples {
                         first: x.samples.analysis.clone(),
@@ -120,7 +115,7 @@ impl Drawer<'_> {
             subtitle: format!(
                 "{}{}, not filtered; {said}",
                 self.about(&analyses)?,
-                part(cycles)
+                part(*cycles)
             ),
             quantity: capital(&self.figure.quantity),
             unit: readable_unit(&display.symbol),
@@ -142,7 +137,7 @@ impl Drawer<'_> {
         }
     }
 
-    fn plane(
+    pub(super) fn plane(
         &self,
         x: &Expression,
         y: &Expression,
@@ -161,7 +156,7 @@ impl Drawer<'_> {
 }
 
 /// The part of the results that is drawn, after the name of the analysis.
-fn part(cycles: Option<u32>) -> String {
+pub(super) fn part(cycles: Option<u32>) -> String {
     match cycles {
         None => String::new(),
         Some(1) => ", last cycle".to_owned(),

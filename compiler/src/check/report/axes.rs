@@ -4,7 +4,7 @@ use super::Reporter;
 use super::channel::Channels;
 use crate::codes;
 use eng_grammar::{Diagnostic, Span};
-use eng_system::report::{Expression, Function, Operator};
+use eng_system::expression::{Expression, Function, Operator};
 use eng_system::system::{BodyRef, Slot, System};
 use std::rc::Rc;
 

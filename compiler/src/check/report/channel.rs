@@ -12,9 +12,9 @@ use crate::resolve::suggest::{listing, nearest};
 use crate::typed::TypedProgram;
 use eng_grammar::ast::{Expr, ExprKind, IndexArgument, Name};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
+use eng_system::expression::{Expression, Member};
 use eng_system::host::Host;
 use eng_system::recorded::{Recorded, of_modes, recorded};
-use eng_system::report::{Expression, Member};
 use std::rc::Rc;
 
 /// Indices written out in a message.

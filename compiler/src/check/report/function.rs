@@ -12,7 +12,7 @@ use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Argument, Expr, ExprKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
-use eng_system::report::{
+use eng_system::expression::{
     Chosen, Expression, Filter, Function, Limit, Member, Operator, Part, Reduction,
 };
 
@@ -25,7 +25,7 @@ impl<'a> Reporter<'a, '_> {
         place: Span,
         arguments: &'a [Argument],
     ) -> Option<Typed> {
-        let mut known = functions::of_reports().filter(|function| function.computes());
+        let mut known = functions::of_reports();
         let Some(function) = known.find(|function| function.name == name) else {
             self.no_function(name, place);
             return None;
@@ -152,7 +152,7 @@ impl<'a> Reporter<'a, '_> {
     }
 
     fn no_function(&mut self, name: &str, place: Span) {
-        if functions::only_of_reports(name).is_some() {
+        if eng_system::figure::kind(name).is_some() {
             self.tell(
                 Diagnostic::error(
                     codes::REPORT_SHAPE,
@@ -163,10 +163,7 @@ impl<'a> Reporter<'a, '_> {
             );
             return;
         }
-        let known = || {
-            let all = functions::of_reports().filter(|function| function.computes());
-            all.map(|function| function.name)
-        };
+        let known = || functions::of_reports().map(|function| function.name);
         let message = Diagnostic::error(
             codes::UNKNOWN_NAME,
             format!("reports have no function `{name}`"),

@@ -1,29 +1,22 @@
-//! Figures.
+//! Figures: the arguments of a call, by the row of its kind in `eng_system::figure`.
 
 use super::Reporter;
 use super::channel::{Found, Places, are_modes, begins, not_one};
-use super::settings::OVER;
 use super::value::Typed;
-use crate::check::bound::Bound;
+use crate::check::bound::{Called, Parameter};
 use crate::check::mismatch::Due;
 use crate::check::signal::Shape;
 use crate::check::types::{Quantity, Rows, Type};
 use crate::codes;
-use crate::functions::{self, BuiltIn, Drawing, OfResults};
 use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Expr, ExprKind, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::Dimension;
+use eng_system::expression::{Expression, Function, Member};
+use eng_system::figure::{
+    self, Argument, Figure, FigureRow, Given, Journals, Signals, Takes, Unplanned, Value, Vector,
+};
 use eng_system::recorded::Recorded;
-use eng_system::report::{Expression, Figure, Function, Member, Picture, Vector};
-use eng_system::{Dimension, DisplayUnit};
-
-/// The functions that draw, each with its figure.
-fn drawings() -> impl Iterator<Item = (&'static BuiltIn, Drawing)> {
-    functions::of_reports().filter_map(|function| match function.results {
-        OfResults::Draw(drawing) => Some((function, drawing)),
-        _ => None,
-    })
-}
 
 impl<'a> Reporter<'a, '_> {
     /// A figure; `None` where a message was given.
@@ -36,26 +29,88 @@ impl<'a> Reporter<'a, '_> {
             ExprKind::Name(name) => name.as_str(),
             _ => "",
         };
-        let Some((function, drawing)) = drawings().find(|(function, _)| function.name == name)
-        else {
+        let Some(row) = figure::kind(name) else {
             self.no_picture(callee.span, Some(name));
             return None;
         };
-        let bound = self.checker.bound(function, arguments, expr.span, true)?;
-        let first = bound.option(function.parameters.first()?)?;
-        match drawing {
-            Drawing::Orbit => self.orbit(first, &bound, display),
-            Drawing::Polar => self.polar(first, &bound, display),
-            Drawing::History => self.history(first, &bound, display),
-            Drawing::OrderTrack => self.order_track(first, &bound, display),
-            Drawing::Spectrum | Drawing::Waterfall | Drawing::Campbell => {
-                self.spectral(drawing, name, first, &bound, display)
+        let bound = self.checker.bound_to(&called(row), arguments, expr.span)?;
+        let mut given = Given::default();
+        // the signals of the first argument, which the others refer to
+        let mut of = None;
+        for argument in row.arguments {
+            let Some(value) = bound.option(argument.name) else {
+                continue;
+            };
+            let value = match argument.takes {
+                Takes::Ordinates => {
+                    let mut panels = Vec::new();
+                    let more = bound.more().filter(|_| argument.more);
+                    for expr in std::iter::once(value).chain(more) {
+                        panels.push(self.panel(row, expr, display, panels.first())?);
+                    }
+                    of = panels.first().map(|(typed, _)| typed.clone());
+                    Value::Signals(panels.into_iter().map(|(_, signals)| signals).collect())
+                }
+                Takes::Amplitudes => {
+                    let (typed, signals) = self.amplitudes(row.name, value, display)?;
+                    of = Some(typed);
+                    Value::Signals(vec![signals])
+                }
+                Takes::AmplitudesOfRuns | Takes::AmplitudesOfRunsOr(_) => {
+                    let (typed, signals) = self.amplitudes(row.name, value, display)?;
+                    let count = runs(&typed.members);
+                    let enough = match argument.takes {
+                        Takes::AmplitudesOfRunsOr(other) => {
+                            count > 1 || bound.option(other).is_some()
+                        }
+                        _ => count > 1 && count == typed.members.len(),
+                    };
+                    self.of_runs(row.name, value, &typed, enough)?;
+                    of = Some(typed);
+                    Value::Signals(vec![signals])
+                }
+                Takes::Journals => Value::Journals(self.journals(row, value, display)?),
+                Takes::Vectors => {
+                    let (vectors, column) = self.vectors(row, value)?;
+                    let typed = Typed::signals(Vec::new(), true, &column, Rows::Samples);
+                    let quantity = match vectors.iter().any(|vector| vector.load) {
+                        true => "load".to_owned(),
+                        false => last_name(column.path.trim_end_matches(".x")),
+                    };
+                    let shown = figure::Recorded {
+                        quantity,
+                        display: self.display(&typed, display, value)?,
+                        dimension: column.dimension,
+                    };
+                    Value::Vectors(vectors, shown)
+                }
+                takes => self.option(row, argument, takes, (value, of.as_ref()))?,
+            };
+            given.state(argument.name, value);
+        }
+        match (row.plan)(&given) {
+            Ok(figure) => Some(figure),
+            Err(unplanned) => {
+                let place = |name: &str| bound.option(name).unwrap_or(expr);
+                match unplanned {
+                    Unplanned::NoCycle(argument, what) => self.no_cycle(place(argument), what),
+                    Unplanned::OtherAxis(argument, title, label) => self.tell(
+                        Diagnostic::error(codes::DIMENSION, title).at(place(argument).span, label),
+                    ),
+                    Unplanned::Counts(argument, title) => self.tell(
+                        Diagnostic::error(codes::REPORT_RUNS, title)
+                            .at(place(argument).span, "one for all, or one for each"),
+                    ),
+                    // a required argument without a value has its message
+                    Unplanned::Absent(_) => {}
+                }
+                None
             }
         }
     }
 
     fn no_picture(&mut self, span: Span, name: Option<&str>) {
-        let known = || drawings().map(|(function, _)| function.name);
+        let known = || figure::KINDS.iter().map(|row| row.name);
         let message = Diagnostic::error(
             codes::REPORT_SHAPE,
             "a figure is drawn by one of the functions that draw",
@@ -68,70 +123,119 @@ impl<'a> Reporter<'a, '_> {
         self.tell(message);
     }
 
-    fn history(
+    /// The value of an argument that refers to those before it.
+    fn option(
         &mut self,
-        first: &'a Expr,
-        bound: &Bound<'a>,
-        display: Option<&UnitExpr>,
-    ) -> Option<Figure> {
-        let mut panels: Vec<Typed> = Vec::new();
-        for expr in std::iter::once(first).chain(bound.more()) {
-            let panel = self.expression(expr)?;
-            self.shaped(expr, &panel, Shape::Signal, "what a history shows")?;
-            self.checker.of_samples(expr, &panel.ty, "history")?;
-            if let Some(first) = panels.first()
-                && panel.quantity().fits(&first.quantity()).is_err()
-            {
-                let names =
-                    [first, &panel].map(|panel| self.checker.quantity_name(&panel.quantity()));
-                let [a, b] = names;
-                self.tell(
-                    Diagnostic::error(
-                        codes::LIST_ELEMENTS,
-                        format!("the panels of a history share their axis: {a} and {b}"),
-                    )
-                    .at(expr.span, format!("this is {b}"))
-                    .with_help("draw two figures"),
-                );
-                return None;
+        row: &FigureRow,
+        argument: &Argument,
+        takes: Takes,
+        (expr, of): (&'a Expr, Option<&Typed>),
+    ) -> Option<Value> {
+        let what = format!("`{}`", argument.name);
+        let number = |value| Some(Value::Numbers(vec![value]));
+        match takes {
+            Takes::Word(words) => {
+                let words: Vec<_> = words
+                    .iter()
+                    .enumerate()
+                    .map(|(at, word)| (*word, at))
+                    .collect();
+                self.word(Some(expr), &what, &words)?.map(Value::Word)
             }
-            panels.push(panel);
-        }
-        let mut cycle = true;
-        for panel in &panels {
-            cycle &= self.has_cycle(panel)?;
-        }
-        let over = bound.option("over");
-        let by_time = match self.word(over, "`over`", &OVER)? {
-            Some(false) if !cycle => {
-                let panel = panels.first()?.clone();
-                self.with_cycle(over.unwrap_or(first), &panel, "a crank angle")?;
-                return None;
+            Takes::Limit => self.limit(expr, &what).map(Value::Limit),
+            Takes::Extent => self.extent(expr, of?, &what).map(Value::Extent),
+            Takes::Share => number(self.share(expr, &what)?),
+            Takes::Count => number(f64::from(self.cycles(Some(expr))??)),
+            Takes::Turn => {
+                let angle = Quantity::hard(Dimension::ANGLE);
+                let due = format!("{what}, an angle of the shaft,");
+                let angle = self.constant(expr, &angle, &due)?;
+                if !(angle > 0.0 && angle.is_finite()) {
+                    self.refuse(expr, &what, "above zero")?;
+                }
+                number(angle)
             }
-            Some(time) => time,
-            None => !cycle,
-        };
-        let shown = self.display(panels.first()?, display, first)?;
-        let quantity = panels.first().map(quantity_text).unwrap_or_default();
-        Some(Figure {
-            quantity,
-            display: shown,
-            picture: Picture::History(
-                panels.into_iter().map(|panel| panel.members).collect(),
-                by_time,
-            ),
+            Takes::Reference => number(self.reference(expr, of?)?),
+            Takes::Orders => self.orders(expr).map(Value::Numbers),
+            Takes::Signals(dimension) => {
+                let of = self.signals(expr, (row.name, &what), dimension)?;
+                let signals = self.shown(of, None, expr)?;
+                Some(Value::Signals(vec![signals]))
+            }
+            Takes::LinearAnalyses => self.natural_modes(expr, of?).map(Value::Analyses),
+            // arguments by place that nothing refers back from
+            Takes::Ordinates
+            | Takes::Amplitudes
+            | Takes::AmplitudesOfRuns
+            | Takes::AmplitudesOfRunsOr(_)
+            | Takes::Journals
+            | Takes::Vectors => None,
+        }
+    }
+
+    /// Signals with their unit, as a figure takes them.
+    fn shown(&mut self, of: Typed, display: Option<&UnitExpr>, expr: &'a Expr) -> Option<Signals> {
+        let first = of.members.first();
+        Some(Signals {
+            shown: figure::Recorded {
+                quantity: last_name(first.map_or("", |member| &member.channel)),
+                display: self.display(&of, display, expr)?,
+                dimension: of.quantity().dim.base,
+            },
+            cycle: self.has_cycle(&of)?,
+            repeats: self.repeats(&of),
+            members: of.members,
         })
     }
 
+    /// Signals of a panel, of the quantity of the first panel.
+    fn panel(
+        &mut self,
+        row: &FigureRow,
+        expr: &'a Expr,
+        display: Option<&UnitExpr>,
+        first: Option<&(Typed, Signals)>,
+    ) -> Option<(Typed, Signals)> {
+        let name = row.name;
+        let panel = self.expression(expr)?;
+        self.shaped(expr, &panel, Shape::Signal, &format!("what `{name}` shows"))?;
+        self.checker.of_samples(expr, &panel.ty, name)?;
+        if let Some((first, _)) = first
+            && panel.quantity().fits(&first.quantity()).is_err()
+        {
+            let names = [first, &panel].map(|panel| self.checker.quantity_name(&panel.quantity()));
+            let [a, b] = names;
+            self.tell(
+                Diagnostic::error(
+                    codes::LIST_ELEMENTS,
+                    format!("the panels of a {name} share their axis: {a} and {b}"),
+                )
+                .at(expr.span, format!("this is {b}"))
+                .with_help("draw two figures"),
+            );
+            return None;
+        }
+        // the unit of the first panel is that of all
+        let display = display.filter(|_| first.is_none());
+        let signals = self.shown(panel.clone(), display, expr)?;
+        Some((panel, signals))
+    }
+
     /// The signals of a figure of amplitudes, which have no zero of their own.
-    fn amplitudes(&mut self, name: &str, first: &'a Expr) -> Option<Typed> {
-        let mut of = self.expression(first)?;
-        self.shaped(first, &of, Shape::Signal, &format!("what `{name}` shows"))?;
-        self.checker.of_samples(first, &of.ty, name)?;
+    fn amplitudes(
+        &mut self,
+        name: &str,
+        expr: &'a Expr,
+        display: Option<&UnitExpr>,
+    ) -> Option<(Typed, Signals)> {
+        let mut of = self.expression(expr)?;
+        self.shaped(expr, &of, Shape::Signal, &format!("what `{name}` shows"))?;
+        self.checker.of_samples(expr, &of.ty, name)?;
         if let Type::Signal { quantity, .. } = &mut of.ty {
             *quantity = quantity.difference();
         }
-        Some(of)
+        let signals = self.shown(of.clone(), display, expr)?;
+        Some((of, signals))
     }
 
     /// Reports a figure over the speed of the cycle that has too few runs, or no cycle.
@@ -158,87 +262,7 @@ impl<'a> Reporter<'a, '_> {
         None
     }
 
-    fn order_track(
-        &mut self,
-        first: &'a Expr,
-        bound: &Bound<'a>,
-        display: Option<&UnitExpr>,
-    ) -> Option<Figure> {
-        let of = self.amplitudes("order_track", first)?;
-        let display = self.display(&of, display, first)?;
-        let enough = bound.option("block").is_some() || runs(&of.members) > 1;
-        self.of_runs("order_track", first, &of, enough)?;
-        let orders = self.orders(bound.option("orders")?)?;
-        let window = self.window(bound, &of)?;
-        let block = match bound.option("block") {
-            Some(expr) => {
-                let angle = Quantity::hard(Dimension::ANGLE);
-                let angle = self.constant(expr, &angle, "`block`, an angle of the shaft,")?;
-                if !(angle > 0.0 && angle.is_finite()) {
-                    self.refuse(expr, "`block`", "above zero")?;
-                }
-                let overlap = self.overlap(bound)?;
-                Some((angle / std::f64::consts::TAU, overlap))
-            }
-            None => None,
-        };
-        Some(Figure {
-            quantity: quantity_text(&of),
-            display,
-            picture: Picture::OrderTrack {
-                members: of.members,
-                orders,
-                window,
-                block,
-            },
-        })
-    }
-
-    fn spectral(
-        &mut self,
-        drawing: Drawing,
-        name: &str,
-        first: &'a Expr,
-        bound: &Bound<'a>,
-        display: Option<&UnitExpr>,
-    ) -> Option<Figure> {
-        let of = self.amplitudes(name, first)?;
-        let mut display = self.display(&of, display, first)?;
-        let quantity = quantity_text(&of);
-        if drawing != Drawing::Spectrum {
-            let count = runs(&of.members);
-            self.of_runs(name, first, &of, count > 1 && count == of.members.len())?;
-        }
-        let settings = self.spectrum_settings(bound, &of)?;
-        let picture = match drawing {
-            Drawing::Spectrum => Picture::Spectrum(of.members, settings),
-            Drawing::Waterfall => Picture::Waterfall(of.members, settings),
-            _ => {
-                let orders = match bound.option("orders") {
-                    Some(expr) => Some(self.orders(expr)?),
-                    None => None,
-                };
-                let settings = self.campbell_settings(bound, settings, &of, &mut display)?;
-                let modes = match bound.option("modes") {
-                    Some(expr) => self.natural_modes(expr, &of)?,
-                    None => Vec::new(),
-                };
-                Picture::Campbell {
-                    members: of.members,
-                    settings,
-                    orders,
-                    modes,
-                }
-            }
-        };
-        Some(Figure {
-            quantity,
-            display,
-            picture,
-        })
-    }
-
-    /// Linear analyses of the model that a Campbell diagram is of.
+    /// Linear analyses of the model of some signals.
     fn natural_modes(&mut self, expr: &'a Expr, of: &Typed) -> Option<Vec<String>> {
         let help = "such as `coupled`, or of a sweep over the speed `whirl[*]`";
         let places = self.of_path(expr, "`modes` names linear analyses", help)?;
@@ -297,16 +321,19 @@ impl<'a> Reporter<'a, '_> {
         Some(orders)
     }
 
-    fn orbit(
+    /// Journals, and their units, which the kind of figure decides.
+    fn journals(
         &mut self,
-        first: &'a Expr,
-        bound: &Bound<'a>,
+        row: &FigureRow,
+        expr: &'a Expr,
         display: Option<&UnitExpr>,
-    ) -> Option<Figure> {
-        let places = self.of_path(first, "`orbit` takes journals", "such as `run.main[1..5]`")?;
+    ) -> Option<Journals> {
+        let name = row.name;
+        let title = format!("`{name}` takes journals");
+        let places = self.of_path(expr, &title, "such as `run.main[1..5]`")?;
         if let Some(unit) = display {
             self.tell(
-                Diagnostic::error(codes::DISPLAY, "orbits are drawn in µm")
+                Diagnostic::error(codes::DISPLAY, format!("{name}s are drawn in µm"))
                     .at(unit.span, "another unit")
                     .with_help("leave `as` away"),
             );
@@ -314,51 +341,32 @@ impl<'a> Reporter<'a, '_> {
         }
         let mut journals = Vec::new();
         for place in &places.found {
-            self.samples_at(first, place, "orbit")?;
+            self.samples_at(expr, place, name)?;
             if !place.channels.journals.contains(&place.path) {
                 let known = place.channels.journals.iter().map(String::as_str);
                 let message = Diagnostic::error(
                     codes::REPORT_SHAPE,
                     format!("`{}` is no journal", place.path),
                 )
-                .at(
-                    first.span,
-                    "`orbit` draws the path of a pin in its clearance",
-                )
+                .at(expr.span, format!("`{name}` draws {}", row.about))
                 .with_note(format!("journals are {}", listing(known, 12)));
                 self.tell(message);
                 return None;
             }
             journals.push((place.plan.analysis.origin.path.clone(), place.path.clone()));
         }
-        let cycles = self.cycles(bound.option("cycles"))?;
-        Some(Figure {
-            quantity: "Eccentricity".to_owned(),
-            display: DisplayUnit {
-                symbol: "µm".to_owned(),
-                scale: 1e-6,
-                offset: 0.0,
-            },
-            picture: Picture::Orbit(journals, cycles),
-        })
+        Some(journals)
     }
 
-    fn polar(
-        &mut self,
-        first: &'a Expr,
-        bound: &Bound<'a>,
-        display: Option<&UnitExpr>,
-    ) -> Option<Figure> {
+    /// Recorded vectors or loads of journals, and the column of the first one's component along x.
+    fn vectors(&mut self, row: &FigureRow, expr: &'a Expr) -> Option<(Vec<Vector>, Recorded)> {
+        let title = format!("`{}` takes journals and recorded vectors", row.name);
         let help = "such as `run.main[1..5]` or `run.pin.force`";
-        let places = self.of_path(first, "`polar` takes journals and recorded vectors", help)?;
-        let turned = match bound.option("turned_by") {
-            Some(expr) => Some(self.turned_by(expr, places.found.len())?),
-            None => None,
-        };
+        let places = self.of_path(expr, &title, help)?;
         let mut vectors: Vec<Vector> = Vec::new();
         let mut column = None;
-        for (at, place) in places.found.iter().enumerate() {
-            let (mut vector, x) = self.vector(first, place)?;
+        for place in &places.found {
+            let (vector, x) = self.vector(row, expr, place)?;
             if vectors
                 .first()
                 .is_some_and(|known| known.load != vector.load)
@@ -368,60 +376,45 @@ impl<'a> Reporter<'a, '_> {
                         codes::LIST_ELEMENTS,
                         "loads of journals and other vectors stand in diagrams of their own",
                     )
-                    .at(first.span, "both"),
+                    .at(expr.span, "both"),
                 );
                 return None;
             }
-            vector.turned_by = turned.as_ref().and_then(|turned| {
-                let at = if turned.list { at } else { 0 };
-                turned.members.get(at).map(|m| m.expression.clone())
-            });
             vectors.push(vector);
             column.get_or_insert(x);
         }
-        let column = column?;
-        let of = Typed::signals(Vec::new(), true, &column, Rows::Samples);
-        let display = self.display(&of, display, first)?;
-        let cycles = self.cycles(bound.option("cycles"))?;
-        let quantity = if vectors.iter().any(|vector| vector.load) {
-            "load".to_owned()
-        } else {
-            last_name(column.path.trim_end_matches(".x"))
-        };
-        Some(Figure {
-            quantity,
-            display,
-            picture: Picture::Polar(vectors, cycles),
-        })
+        Some((vectors, column?))
     }
 
-    /// The angles that turn the axes of a polar diagram: one for all of its vectors, or one for each.
-    fn turned_by(&mut self, expr: &'a Expr, vectors: usize) -> Option<Typed> {
-        let turned = self.expression(expr)?;
-        self.shaped(expr, &turned, Shape::Signal, "`turned_by`")?;
-        let (found, angle) = (turned.quantity(), Quantity::hard(Dimension::ANGLE));
-        if let Err(misfit) = found.fits(&angle) {
-            let due = Due::new("`turned_by`");
-            self.checker.misfit(expr, misfit, &found, &angle, &due);
-            return None;
+    /// Signals of samples, of a dimension if one is given.
+    fn signals(
+        &mut self,
+        expr: &'a Expr,
+        (name, what): (&str, &str),
+        dimension: Option<Dimension>,
+    ) -> Option<Typed> {
+        let of = self.expression(expr)?;
+        self.shaped(expr, &of, Shape::Signal, what)?;
+        self.checker.of_samples(expr, &of.ty, name)?;
+        if let Some(dimension) = dimension {
+            let (found, due) = (of.quantity(), Quantity::hard(dimension));
+            if let Err(misfit) = found.fits(&due) {
+                self.checker
+                    .misfit(expr, misfit, &found, &due, &Due::new(what));
+                return None;
+            }
         }
-        if turned.list && turned.members.len() != vectors {
-            let angles = turned.members.len();
-            self.tell(
-                Diagnostic::error(
-                    codes::REPORT_RUNS,
-                    format!("{vectors} vectors are turned by {angles} angles"),
-                )
-                .at(expr.span, "one angle for all, or one for each"),
-            );
-            return None;
-        }
-        Some(turned)
+        Some(of)
     }
 
     /// The vector at a place, or the load of a journal there, and the column of its component along x.
-    fn vector(&mut self, expr: &Expr, place: &Found<'a>) -> Option<(Vector, Recorded)> {
-        self.samples_at(expr, place, "polar")?;
+    fn vector(
+        &mut self,
+        row: &FigureRow,
+        expr: &Expr,
+        place: &Found<'a>,
+    ) -> Option<(Vector, Recorded)> {
+        self.samples_at(expr, place, row.name)?;
         let load = place.channels.journals.contains(&place.path);
         let vector = if load { ".force" } else { "" };
         let axis = |axis: &str| place.column(&format!("{vector}.{axis}"));
@@ -469,6 +462,24 @@ impl<'a> Reporter<'a, '_> {
     }
 }
 
+/// The parameters of a kind, as a call sees them.
+fn called(row: &FigureRow) -> Called<'static> {
+    let parameters = row.arguments.iter();
+    Called {
+        name: row.name,
+        parameters: parameters
+            .map(|argument| Parameter {
+                name: argument.name,
+                required: argument.by_place,
+                by_place: argument.by_place,
+                by_name: true,
+            })
+            .collect(),
+        more: row.arguments.iter().any(|argument| argument.more),
+        example: None,
+    }
+}
+
 /// The message for a place that is no vector.
 pub(super) fn no_vector(place: &Found<'_>, span: Span) -> Diagnostic {
     Diagnostic::error(
@@ -484,12 +495,6 @@ fn runs(members: &[Member]) -> usize {
     analyses.sort_unstable();
     analyses.dedup();
     analyses.len()
-}
-
-/// What an axis shows: the last name of the first channel.
-fn quantity_text(of: &Typed) -> String {
-    let first = of.members.first();
-    last_name(first.map_or("", |member| &member.channel))
 }
 
 /// `shell acceleration` of `shell_acceleration[5]`, `force x` of `main[5].force.x`.

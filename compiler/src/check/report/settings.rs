@@ -1,4 +1,4 @@
-//! Options of filters and spectra.
+//! Numbers and words of functions and figures.
 
 use super::Reporter;
 use super::channel::Found;
@@ -10,26 +10,12 @@ use crate::codes;
 use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::{Expr, ExprKind};
-use eng_system::report::{Averaging, Axis, Expression, Limit, SpectrumSettings, Window};
+use eng_system::Dimension;
+use eng_system::expression::{Expression, Limit, WINDOWS, Window};
 use eng_system::system::Extent;
-use eng_system::{Dimension, DisplayUnit};
 
-pub(super) const WINDOWS: [(&str, Window); 4] = [
-    ("rectangular", Window::Rectangular),
-    ("hann", Window::Hann),
-    ("flat_top", Window::FlatTop),
-    ("blackman_harris", Window::BlackmanHarris),
-];
-const AVERAGINGS: [(&str, Averaging); 3] = [
-    ("rms", Averaging::RootMeanSquare),
-    ("linear", Averaging::Linear),
-    ("peak", Averaging::Peak),
-];
-const AXES: [(&str, Axis); 2] = [("order", Axis::Order), ("frequency", Axis::Frequency)];
-const SCALES: [(&str, bool); 2] = [("linear", false), ("logarithmic", true)];
 /// Whether places are told by time instead of crank angle.
 pub(super) const OVER: [(&str, bool); 2] = [("crank_angle", false), ("time", true)];
-const MEANS: [(&str, bool); 2] = [("removed", true), ("kept", false)];
 
 fn frequency() -> Quantity {
     Quantity::hard(Dimension::ONE.over(Dimension::TIME))
@@ -136,6 +122,12 @@ impl<'a> Reporter<'a, '_> {
         if self.has_cycle(of)? {
             return Some(());
         }
+        self.no_cycle(expr, what);
+        None
+    }
+
+    /// Says that something needs a cycle.
+    pub(super) fn no_cycle(&mut self, expr: &Expr, what: &str) {
         self.tell(
             Diagnostic::error(
                 codes::NO_CYCLE,
@@ -146,7 +138,6 @@ impl<'a> Reporter<'a, '_> {
                 "state the cycle in the model: `cycle angle = rotation(a, ground) { period = 720 deg }`",
             ),
         );
-        None
     }
 
     /// Says that something takes what is recorded in time, where a place is of modes.
@@ -167,15 +158,12 @@ impl<'a> Reporter<'a, '_> {
     }
 
     /// A share from 0 to below 1.
-    pub(super) fn overlap(&mut self, taken: &Bound<'a>) -> Option<f64> {
-        let Some(expr) = taken.option("overlap") else {
-            return Some(0.5);
-        };
-        let overlap = self.constant(expr, &Quantity::one(), "`overlap`")?;
-        if !(0.0..1.0).contains(&overlap) {
-            self.refuse(expr, "`overlap`", "from 0 to below 100 %")?;
+    pub(super) fn share(&mut self, expr: &'a Expr, what: &str) -> Option<f64> {
+        let share = self.constant(expr, &Quantity::one(), what)?;
+        if !(0.0..1.0).contains(&share) {
+            self.refuse(expr, what, "from 0 to below 100 %")?;
         }
-        Some(overlap)
+        Some(share)
     }
 
     /// The window as stated; else rectangular where the cycle repeats, Hann elsewhere.
@@ -186,114 +174,6 @@ impl<'a> Reporter<'a, '_> {
         } else {
             Window::Hann
         }))
-    }
-
-    /// Everything about a spectrum of signals.
-    pub(super) fn spectrum_settings(
-        &mut self,
-        taken: &Bound<'a>,
-        of: &Typed,
-    ) -> Option<SpectrumSettings> {
-        let stated = self.word(taken.option("axis"), "`axis`", &AXES)?;
-        let up_to = match taken.option("up_to") {
-            Some(expr) => Some((expr, self.limit(expr, "`up_to`")?)),
-            None => None,
-        };
-        let axis = match (stated, up_to) {
-            (Some(axis), Some((expr, limit))) => {
-                let same = matches!(
-                    (axis, limit),
-                    (Axis::Order, Limit::Order(_)) | (Axis::Frequency, Limit::Frequency(_))
-                );
-                if !same {
-                    let due = match axis {
-                        Axis::Order => "`up_to` ends an axis of orders: a plain number is due",
-                        Axis::Frequency => "`up_to` ends an axis of frequencies: write `2 kHz`",
-                    };
-                    self.tell(
-                        Diagnostic::error(codes::DIMENSION, due).at(expr.span, "of another axis"),
-                    );
-                    return None;
-                }
-                axis
-            }
-            (Some(axis), None) => axis,
-            (None, Some((_, Limit::Order(_)))) => Axis::Order,
-            (None, Some((_, Limit::Frequency(_)))) => Axis::Frequency,
-            (None, None) if self.has_cycle(of)? => Axis::Order,
-            (None, None) => Axis::Frequency,
-        };
-        if let (Axis::Order, Some(expr)) =
-            (axis, taken.option("axis").or_else(|| taken.option("up_to")))
-        {
-            self.with_cycle(expr, of, "an axis of orders")?;
-        }
-        let block = match taken.option("block") {
-            Some(expr) => Some(self.extent(expr, of, "`block`")?),
-            None => None,
-        };
-        let reference = match taken.option("reference") {
-            Some(expr) => Some(self.reference(expr, of)?),
-            None => None,
-        };
-        let overlap = self.overlap(taken)?;
-        let averaging = self.word(taken.option("averaging"), "`averaging`", &AVERAGINGS)?;
-        let mean = self.word(taken.option("mean"), "`mean`", &MEANS)?;
-        let scale = self.word(taken.option("scale"), "`scale`", &SCALES)?;
-        let window = self.window(taken, of)?;
-        Some(SpectrumSettings {
-            window,
-            axis,
-            up_to: up_to.map(|(_, Limit::Order(x) | Limit::Frequency(x))| x),
-            block,
-            overlap,
-            averaging: averaging.unwrap_or(Averaging::RootMeanSquare),
-            remove_mean: mean.unwrap_or(true),
-            logarithmic: scale.unwrap_or(false),
-            reference,
-        })
-    }
-
-    /// What a Campbell diagram takes where nothing is stated: frequencies, and levels over 1 µN or 1 µm/s² (ISO 1683), of other quantities
-    /// over 1 of their unit.
-    pub(super) fn campbell_settings(
-        &mut self,
-        taken: &Bound<'a>,
-        settings: SpectrumSettings,
-        of: &Typed,
-        shown: &mut DisplayUnit,
-    ) -> Option<SpectrumSettings> {
-        let axis = match (taken.option("axis"), taken.option("up_to")) {
-            (None, None) => Axis::Frequency,
-            _ => settings.axis,
-        };
-        let scale = self.word(taken.option("scale"), "`scale`", &SCALES)?;
-        let mut reference = settings.reference;
-        if reference.is_none() && scale.unwrap_or(true) {
-            let force = crate::check::scope::force_dimension();
-            let acceleration = force.over(Dimension::MASS);
-            let symbol = match of.quantity().dim.base {
-                dimension if dimension == force => Some("N"),
-                dimension if dimension == acceleration => Some("m/s^2"),
-                _ => None,
-            };
-            reference = Some(match symbol {
-                Some(symbol) => {
-                    *shown = DisplayUnit {
-                        symbol: symbol.to_owned(),
-                        scale: 1.0,
-                        offset: 0.0,
-                    };
-                    1e-6
-                }
-                None => shown.scale,
-            });
-        }
-        Some(SpectrumSettings {
-            axis,
-            reference,
-            ..settings
-        })
     }
 
     /// The reference of a level: above zero, and of what it is a level of.

@@ -13,8 +13,8 @@ use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{BinaryOp, Expr, ExprKind, IndexArgument, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::DisplayUnit;
+use eng_system::expression::{Expression, Function, Member, Operator};
 use eng_system::recorded::Recorded;
-use eng_system::report::{Expression, Function, Member, Operator};
 
 /// Members of one type.
 #[derive(Clone, Debug)]
@@ -148,7 +148,7 @@ impl<'a> Reporter<'a, '_> {
         names.iter().all(|(name, _)| {
             !self.names.contains_key(name.as_str())
                 && self.models.named(name).is_empty()
-                && functions::only_of_reports(name).is_none()
+                && !functions::only_of_reports(name)
         })
     }
 

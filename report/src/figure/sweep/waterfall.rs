@@ -19,6 +19,10 @@ impl Waterfall {
         self.draw(Target::PAPER)
     }
 
+    pub(crate) fn title(&self) -> &str {
+        &self.figure.title
+    }
+
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let figure = &self.figure;
         let map = &figure.map;

@@ -1,0 +1,186 @@
+//! Expressions over recorded channels, as trees of numbers in SI.
+
+use crate::analysis::Extent;
+
+/// A named expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// The analysis that it is of, or the first of them; empty for a constant.
+    pub analysis: String,
+    /// What it is of its analysis: `vertical[5]`.
+    pub channel: String,
+    /// The signal or number.
+    pub expression: Expression,
+}
+
+/// A signal (a number at each sample of an analysis), a number or a truth value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expression {
+    /// A number.
+    Number(f64),
+    /// A recorded channel.
+    Channel {
+        /// The analysis.
+        analysis: String,
+        /// The column.
+        path: String,
+    },
+    /// A function of each sample.
+    Map(Function, Box<Expression>),
+    /// An operator, sample by sample; sides of two runs must have the same samples.
+    Binary(Operator, Box<Expression>, Box<Expression>),
+    /// The last part of a signal.
+    Last(Part, Box<Expression>),
+    /// A band of a signal, without phase.
+    Filter(Filter, Box<Expression>),
+    /// The first signal at the samples of the second.
+    Resample(Box<Expression>, Box<Expression>),
+    /// A number of a signal.
+    Reduce(Reduction, Box<Expression>),
+    /// Amplitude (0-peak) of a sinusoid of a signal: its order, or its frequency (Hz).
+    Amplitude(Limit, Window, Box<Expression>),
+    /// What a column of a linear analysis has for one of its modes.
+    Mode(Chosen, Box<Expression>),
+    /// 20·lg of a number or of each sample over a reference.
+    Decibel(f64, Box<Expression>),
+    /// One number of several.
+    Fold(Operator, Vec<Expression>),
+    /// Not.
+    Not(Box<Expression>),
+}
+
+/// A function of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Function {
+    Abs,
+    Sqrt,
+    Sin,
+    Cos,
+    Tan,
+    Exp,
+    Log,
+    Negate,
+}
+
+/// An operator between two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Operator {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+    Minimum,
+    Maximum,
+    Equal,
+    NotEqual,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    And,
+    Or,
+}
+
+/// The last part of a signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part {
+    /// A time or an angle before the end.
+    Extent(Extent),
+    /// Whole cycles, angles counted from the first one's begin.
+    Cycles(u32),
+}
+
+/// A frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// Hz.
+    Frequency(f64),
+    /// Cycles a revolution.
+    Order(f64),
+}
+
+/// A mode of a linear analysis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Chosen {
+    /// By its number, counted from 1.
+    Number(u32),
+    /// The oscillation whose frequency (Hz) is nearest.
+    Near(f64),
+}
+
+/// What passes a filter. Of whole cycles it is that of a signal that repeats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filter {
+    /// Lower limit; absent for a low-pass.
+    pub from: Option<Limit>,
+    /// Upper limit; absent for a high-pass.
+    pub to: Option<Limit>,
+    /// Order of a Butterworth filter run both ways; absent for a brick wall.
+    pub butterworth: Option<u32>,
+}
+
+/// A number of a signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Reduction {
+    Minimum,
+    Maximum,
+    Mean,
+    RootMeanSquare,
+    PeakToPeak,
+    /// The cycle angle of the minimum; its time where `true`.
+    MinimumAt(bool),
+    /// The cycle angle of the maximum; its time where `true`.
+    MaximumAt(bool),
+}
+
+/// The weight of a block of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Window {
+    Rectangular,
+    Hann,
+    FlatTop,
+    BlackmanHarris,
+}
+
+/// The words of [`Window`].
+pub const WINDOWS: [(&str, Window); 4] = [
+    ("rectangular", Window::Rectangular),
+    ("hann", Window::Hann),
+    ("flat_top", Window::FlatTop),
+    ("blackman_harris", Window::BlackmanHarris),
+];
+impl Expression {
+    /// The expressions that it is made of.
+    pub fn parts(&self) -> Vec<&Expression> {
+        match self {
+            Expression::Number(_) | Expression::Channel { .. } => Vec::new(),
+            Expression::Map(_, of)
+            | Expression::Last(_, of)
+            | Expression::Filter(_, of)
+            | Expression::Reduce(_, of)
+            | Expression::Amplitude(_, _, of)
+            | Expression::Mode(_, of)
+            | Expression::Decibel(_, of)
+            | Expression::Not(of) => vec![of],
+            Expression::Binary(_, left, right) | Expression::Resample(left, right) => {
+                vec![left, right]
+            }
+            Expression::Fold(_, members) => members.iter().collect(),
+        }
+    }
+
+    /// Calls with every channel in it: analysis and path.
+    pub fn channels<'e>(&'e self, found: &mut dyn FnMut(&'e str, &'e str)) {
+        if let Expression::Channel { analysis, path } = self {
+            found(analysis, path);
+        }
+        for part in self.parts() {
+            part.channels(found);
+        }
+    }
+}

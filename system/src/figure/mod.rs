@@ -1,0 +1,112 @@
+//! Figures: the table of their kinds, and the trees that are drawn.
+//!
+//! Each kind has a file here. It holds a struct with the signals and numbers of the kind, an implementation of
+//! [`Kind`], and a [`FigureRow`] with the name, the arguments and the function that makes the tree of them. The
+//! checker reads the row and knows no kind by name. `src/post/picture` draws each kind.
+
+mod argument;
+mod campbell;
+mod history;
+mod orbit;
+mod order_track;
+mod polar;
+mod spectrum;
+mod waterfall;
+
+pub use argument::{Argument, Given, Journals, Recorded, Signals, Takes, Unplanned, Value};
+pub use campbell::Campbell;
+pub use history::History;
+pub use orbit::Orbit;
+pub use order_track::OrderTrack;
+pub use polar::{Polar, Vector};
+pub use spectrum::{AVERAGINGS, Averaging, Axis, Spectrum, SpectrumSettings};
+pub use waterfall::Waterfall;
+
+use crate::dimension::DisplayUnit;
+use crate::expression::Expression;
+
+/// The kinds that a text can name, in the order in which messages list them.
+pub const KINDS: &[FigureRow] = &[
+    history::ROW,
+    spectrum::ROW,
+    orbit::ROW,
+    polar::ROW,
+    order_track::ROW,
+    waterfall::ROW,
+    campbell::ROW,
+];
+
+/// The kind with a name.
+pub fn kind(name: &str) -> Option<&'static FigureRow> {
+    KINDS.iter().find(|row| row.name == name)
+}
+
+/// The name and the arguments of a kind in a text, and the function that makes a tree of them.
+#[derive(Debug)]
+pub struct FigureRow {
+    /// `history`.
+    pub name: &'static str,
+    /// The drawn content, for messages and `eng explain`.
+    pub about: &'static str,
+    /// Its arguments: those by place, then those by name.
+    pub arguments: &'static [Argument],
+    /// Makes the tree from the stated arguments.
+    pub plan: fn(&Given) -> Result<Figure, Unplanned>,
+}
+
+/// A figure of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// The name of the ordinate.
+    pub quantity: String,
+    /// The unit of the ordinate.
+    pub display: DisplayUnit,
+    /// Its kind, with the drawn signals.
+    pub picture: Picture,
+}
+
+/// The questions that every stage asks of a figure.
+pub trait Kind {
+    /// The signals that it reads.
+    fn expressions(&self) -> Vec<&Expression>;
+
+    /// The analyses that it reads beside those of its signals.
+    fn analyses(&self) -> Vec<&str> {
+        Vec::new()
+    }
+}
+
+/// A figure of one kind, with its signals and numbers. It dereferences to its [`Kind`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Picture {
+    /// Curves over crank angle or time.
+    History(History),
+    /// Spectra.
+    Spectrum(Spectrum),
+    /// Paths of pins.
+    Orbit(Orbit),
+    /// Vectors.
+    Polar(Polar),
+    /// Orders over speed.
+    OrderTrack(OrderTrack),
+    /// Spectra one behind the other.
+    Waterfall(Waterfall),
+    /// Colours over speed and frequency.
+    Campbell(Campbell),
+}
+
+impl std::ops::Deref for Picture {
+    type Target = dyn Kind;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Picture::History(kind) => kind,
+            Picture::Spectrum(kind) => kind,
+            Picture::Orbit(kind) => kind,
+            Picture::Polar(kind) => kind,
+            Picture::OrderTrack(kind) => kind,
+            Picture::Waterfall(kind) => kind,
+            Picture::Campbell(kind) => kind,
+        }
+    }
+}
