@@ -207,30 +207,15 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
 
     let shapes = reduction.expand(set.len(), &set.vectors);
     let frequencies = set.frequencies();
-    let mut constants = invariants(
-        &Full {
-            freedoms: &full.freedoms,
-            mass: &full.mass,
-            rigid: &motions,
-        },
-        &shapes,
-        &set.stiffness,
-    );
-    if own {
-        add_turning(&mut constants, &mesh.point_masses, &full.freedoms, &shapes);
-    }
-    if request.geometric_stiffness {
-        let model = Model {
-            mesh: &mesh,
-            full: &full,
-            rules: &request.rules,
-            reduction: &reduction,
-            structure: &structure,
-            motions: &motions,
-        };
-        let loads = marker_freedoms.movable(&reduction);
-        constants.geometric = Some(geometric(&model, &shapes, &loads)?);
-    }
+    let model = Model {
+        mesh: &mesh,
+        full: &full,
+        rules: &request.rules,
+        reduction: &reduction,
+        structure: &structure,
+        motions: &motions,
+    };
+    let constants = constants(&model, &marker_freedoms, &shapes, &set)?;
     report.body = RigidMass {
         mass: constants.mass,
         first_moment: constants.first_moment,
@@ -259,6 +244,35 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         mesh,
         report,
     })
+}
+
+/// The invariants of a body with the shapes of a mode set. The terms of turning nodes and those of geometric
+/// stiffness come from the elements, so matrices of another code have none.
+fn constants(
+    model: &Model<'_>,
+    markers: &MarkerFreedoms<'_>,
+    shapes: &[f64],
+    set: &ModeSet,
+) -> Result<Invariants, FlexibleError> {
+    let request = markers.request;
+    let mut constants = invariants(
+        &Full {
+            freedoms: &model.full.freedoms,
+            mass: &model.full.mass,
+            rigid: model.motions,
+        },
+        shapes,
+        &set.stiffness,
+    );
+    if request.matrices.is_none() {
+        let points = &model.mesh.point_masses;
+        add_turning(&mut constants, points, &model.full.freedoms, shapes);
+    }
+    if request.geometric_stiffness {
+        let loads = markers.movable(model.reduction);
+        constants.geometric = Some(geometric(model, shapes, &loads)?);
+    }
+    Ok(constants)
 }
 
 /// The freedoms that the request holds: those of markers, of all nodes of markers, and the supports of the

@@ -3,7 +3,7 @@
 use super::Checker;
 use super::mismatch::Due;
 use super::scope::Scope;
-use super::types::{Misfit, Quantity, Rows, Type};
+use super::types::{Misfit, Quantity, SignalRows, Type};
 use crate::codes;
 use crate::program::{DefinitionId, unit_text};
 use eng_grammar::ast::{Binder, Expr, ExprKind, IndexArgument, Kind, UnaryOp, UnitExpr};
@@ -292,7 +292,7 @@ impl<'p> Checker<'p> {
             (Type::Int, Type::Int) => return Type::Int,
             (Type::Signal { rows, .. }, Type::Signal { rows: others, .. }) => {
                 // a list may hold modes of several analyses
-                let of_modes = [rows, others].map(|rows| matches!(rows, Rows::Modes(_)));
+                let of_modes = [rows, others].map(|rows| matches!(rows, SignalRows::Modes(_)));
                 if of_modes != [true; 2] && self.common_rows(b_span, a, b).is_none() {
                     return Type::Error;
                 }

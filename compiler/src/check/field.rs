@@ -33,140 +33,13 @@ impl<'p> Checker<'p> {
         match ty {
             Type::Error => Type::Error,
             Type::Marker => self.field_of_marker(name),
-            Type::Body(body) => {
-                if name.text == "origin" {
-                    return Type::Marker;
-                }
-                let Some(body) = body else {
-                    self.no_member(
-                        format!(
-                            "a body that is a parameter has no marker `{}` that is known",
-                            name.text
-                        ),
-                        name,
-                        ["origin"],
-                    );
-                    return Type::Error;
-                };
-                let declared = match self.member(body.definition, &body.name) {
-                    Some(super::scope::Member::Declaration(declaration)) => declaration,
-                    _ => return Type::Error,
-                };
-                if let Some(marker) = super::scope::marker_of(declared, &name.text) {
-                    return self.arrayed(&marker.index, Type::Marker);
-                }
-                if name.text == "support"
-                    && super::flexible::has_support(declared)
-                    && let Some(weld) = self.program.weld()
-                {
-                    return Type::Instance(weld);
-                }
-                if super::body::states(declared, &name.text) {
-                    // the missing word `marker` is reported there
-                    return Type::Error;
-                }
-                if name.text == "support" && declared.kind == eng_grammar::ast::Kind::Flexible {
-                    self.report(
-                        Diagnostic::error(
-                            codes::NO_MEMBER,
-                            format!("the body `{}` has no support", body.name),
-                        )
-                        .at(declared.name.span, "no `support = …` in its block")
-                        .also(name.span, "read here")
-                        .with_help(
-                            "name the markers that hold it on the ground: `support = mount`",
-                        ),
-                    );
-                    return Type::Error;
-                }
-                let markers = self.markers_of(body);
-                let title = format!("the body `{}` has no marker `{}`", body.name, name.text);
-                self.no_member(title, name, markers.iter().map(String::as_str));
-                Type::Error
-            }
+            Type::Body(body) => self.field_of_body(body.as_ref(), name),
             Type::Vector { quantity, framed } => {
-                if !matches!(name.text.as_str(), "x" | "y" | "z") {
-                    self.no_member(
-                        format!("a vector has no `{}`", name.text),
-                        name,
-                        if *framed {
-                            vec!["x", "y", "z"]
-                        } else {
-                            Vec::new()
-                        },
-                    );
-                    return Type::Error;
-                }
-                if *framed {
-                    return Type::Scalar(quantity.clone());
-                }
-                let text = self.sources.text(base.span);
-                let shown = match base.kind {
-                    ExprKind::Binary { .. } | ExprKind::Unary { .. } => {
-                        text.trim_matches(['(', ')'])
-                    }
-                    _ => text,
-                };
-                let mended = format!("local({shown}, ground).{}", name.text);
-                self.report(
-                    Diagnostic::error(
-                        codes::COMPONENT_WITHOUT_AXES,
-                        format!("`.{}` of a vector: along which axes?", name.text),
-                    )
-                    .at(name.span, "a vector carries no axes")
-                    .also(base.span, self.describe(ty))
-                    .with_help(format!(
-                        "say whose axes: `local({shown}, marker).{}`",
-                        name.text
-                    ))
-                    .with_fix(
-                        "along the ground's axes",
-                        base.span.to(name.span),
-                        mended,
-                    ),
-                );
-                Type::Error
+                self.field_of_vector(ty, (quantity, *framed), base, name)
             }
             Type::List {
                 element, length, ..
-            } => {
-                if matches!(name.text.as_str(), "x" | "y" | "z") && element.quantity().is_some() {
-                    let place = match name.text.as_str() {
-                        "x" => 1,
-                        "y" => 2,
-                        _ => 3,
-                    };
-                    if length.is_some_and(|length| place > length || length > 3) {
-                        self.no_member(
-                            format!("{} has no `.{}`", self.describe(ty), name.text),
-                            name,
-                            [],
-                        );
-                        return Type::Error;
-                    }
-                    return match element.as_ref() {
-                        Type::Int => Type::one(),
-                        other => other.clone(),
-                    };
-                }
-                let shown = self.sources.text(base.span).to_owned();
-                let found = self.describe(ty);
-                self.report(
-                    Diagnostic::error(
-                        codes::INDEX,
-                        format!(
-                            "`{shown}` is {found}: of which one is `{}` meant?",
-                            name.text
-                        ),
-                    )
-                    .at(base.span, "an index is missing")
-                    .with_help(format!(
-                        "`{shown}[1].{}` is of the first, `{shown}[*].{}` a list of all",
-                        name.text, name.text
-                    )),
-                );
-                Type::Error
-            }
+            } => self.field_of_list(ty, (element, *length), base, name),
             Type::Instance(id) => self.field_of_instance(*id, name, false),
             Type::InstanceOf(id) => self.field_of_instance(*id, name, true),
             Type::Cycle => self.field_of_cycle(scope, name),
@@ -176,6 +49,148 @@ impl<'p> Checker<'p> {
                 Type::Error
             }
         }
+    }
+
+    /// A marker of a body, or its support; a body that is a parameter is not known.
+    fn field_of_body(&mut self, body: Option<&super::types::BodyRef>, name: &Name) -> Type {
+        if name.text == "origin" {
+            return Type::Marker;
+        }
+        let Some(body) = body else {
+            self.no_member(
+                format!(
+                    "a body that is a parameter has no marker `{}` that is known",
+                    name.text
+                ),
+                name,
+                ["origin"],
+            );
+            return Type::Error;
+        };
+        let declared = match self.member(body.definition, &body.name) {
+            Some(super::scope::Member::Declaration(declaration)) => declaration,
+            _ => return Type::Error,
+        };
+        if let Some(marker) = super::scope::marker_of(declared, &name.text) {
+            return self.arrayed(&marker.index, Type::Marker);
+        }
+        if name.text == "support"
+            && super::flexible::has_support(declared)
+            && let Some(weld) = self.program.weld()
+        {
+            return Type::Instance(weld);
+        }
+        if super::body::states(declared, &name.text) {
+            // the missing word `marker` is reported there
+            return Type::Error;
+        }
+        if name.text == "support" && declared.kind == eng_grammar::ast::Kind::Flexible {
+            self.report(
+                Diagnostic::error(
+                    codes::NO_MEMBER,
+                    format!("the body `{}` has no support", body.name),
+                )
+                .at(declared.name.span, "no `support = …` in its block")
+                .also(name.span, "read here")
+                .with_help("name the markers that hold it on the ground: `support = mount`"),
+            );
+            return Type::Error;
+        }
+        let markers = self.markers_of(body);
+        let title = format!("the body `{}` has no marker `{}`", body.name, name.text);
+        self.no_member(title, name, markers.iter().map(String::as_str));
+        Type::Error
+    }
+
+    /// A component of a vector, which needs axes.
+    fn field_of_vector(
+        &mut self,
+        ty: &Type,
+        (quantity, framed): (&Quantity, bool),
+        base: &Expr,
+        name: &Name,
+    ) -> Type {
+        if !matches!(name.text.as_str(), "x" | "y" | "z") {
+            self.no_member(
+                format!("a vector has no `{}`", name.text),
+                name,
+                if framed {
+                    vec!["x", "y", "z"]
+                } else {
+                    Vec::new()
+                },
+            );
+            return Type::Error;
+        }
+        if framed {
+            return Type::Scalar(quantity.clone());
+        }
+        let text = self.sources.text(base.span);
+        let shown = match base.kind {
+            ExprKind::Binary { .. } | ExprKind::Unary { .. } => text.trim_matches(['(', ')']),
+            _ => text,
+        };
+        let mended = format!("local({shown}, ground).{}", name.text);
+        self.report(
+            Diagnostic::error(
+                codes::COMPONENT_WITHOUT_AXES,
+                format!("`.{}` of a vector: along which axes?", name.text),
+            )
+            .at(name.span, "a vector carries no axes")
+            .also(base.span, self.describe(ty))
+            .with_help(format!(
+                "say whose axes: `local({shown}, marker).{}`",
+                name.text
+            ))
+            .with_fix("along the ground's axes", base.span.to(name.span), mended),
+        );
+        Type::Error
+    }
+
+    /// A component of a list of numbers; a field of other lists needs an index.
+    fn field_of_list(
+        &mut self,
+        ty: &Type,
+        (element, length): (&Type, Option<u32>),
+        base: &Expr,
+        name: &Name,
+    ) -> Type {
+        if matches!(name.text.as_str(), "x" | "y" | "z") && element.quantity().is_some() {
+            let place = match name.text.as_str() {
+                "x" => 1,
+                "y" => 2,
+                _ => 3,
+            };
+            if length.is_some_and(|length| place > length || length > 3) {
+                self.no_member(
+                    format!("{} has no `.{}`", self.describe(ty), name.text),
+                    name,
+                    [],
+                );
+                return Type::Error;
+            }
+            return match element {
+                Type::Int => Type::one(),
+                other => other.clone(),
+            };
+        }
+        let shown = self.sources.text(base.span).to_owned();
+        let found = self.describe(ty);
+        self.report(
+            Diagnostic::error(
+                codes::INDEX,
+                format!(
+                    "`{shown}` is {found}: of which one is `{}` meant?",
+                    name.text
+                ),
+            )
+            .at(base.span, "an index is missing")
+            .with_help(format!(
+                "`{shown}[1].{}` is of the first, `{shown}[*].{}` a list of all",
+                name.text, name.text
+            )),
+        );
+        Type::Error
     }
 
     /// Names of a body's markers, `origin` last.

@@ -1,7 +1,7 @@
 //! Types of signals in reports: a rule for numbers holds in each row of a signal.
 
 use super::Checker;
-use super::types::{Rows, Type};
+use super::types::{SignalRows, Type};
 use crate::codes;
 use crate::functions::BuiltIn;
 use eng_grammar::ast::{BinaryOp, Expr};
@@ -53,7 +53,7 @@ impl Checker<'_> {
         .at(expr.span, format!("this is {}", shape.words()));
         let text = self.sources.text(expr.span);
         message = match (found, due) {
-            (Type::Signal { rows: Rows::Modes(_), .. }, Shape::Number) => message
+            (Type::Signal { rows: SignalRows::Modes(_), .. }, Shape::Number) => message
                 .with_note("a column of a linear analysis has a number for each mode")
                 .with_help(format!(
                     "take one of them: `mode({text}, 1)`, `mode({text}, 100 Hz)`, `minimum({text})`, …"
@@ -74,7 +74,7 @@ impl Checker<'_> {
     /// Reports a signal of modes in a function that needs samples of a run.
     pub(super) fn of_samples(&mut self, expr: &Expr, found: &Type, name: &str) -> Option<()> {
         let Type::Signal {
-            rows: Rows::Modes(analysis),
+            rows: SignalRows::Modes(analysis),
             ..
         } = found
         else {
@@ -95,12 +95,12 @@ impl Checker<'_> {
 
     /// The common rows of two values, of which one is a signal. A number holds in every row. `None` after an error:
     /// samples and modes, or modes of two analyses, have no common rows.
-    pub(super) fn common_rows(&mut self, span: Span, a: &Type, b: &Type) -> Option<Rows> {
+    pub(super) fn common_rows(&mut self, span: Span, a: &Type, b: &Type) -> Option<SignalRows> {
         let (title, label) = match (a, b) {
             (Type::Signal { rows: first, .. }, Type::Signal { rows: second, .. }) => {
                 match (first, second) {
                     (first, second) if first == second => return Some(first.clone()),
-                    (Rows::Modes(first), Rows::Modes(second)) => (
+                    (SignalRows::Modes(first), SignalRows::Modes(second)) => (
                         format!("modes of `{first}` are combined with modes of `{second}`"),
                         "their numbers need not be those of the same modes",
                     ),

@@ -373,7 +373,7 @@ pub struct Signature {
 
 /// The rows of a signal.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Rows {
+pub enum SignalRows {
     /// Each sample of a run.
     Samples,
     /// Each mode of this linear analysis.
@@ -400,7 +400,7 @@ pub enum Type {
     /// `Signal<D>`: numbers of results, one in each row.
     Signal {
         quantity: Quantity,
-        rows: Rows,
+        rows: SignalRows,
     },
     /// A vector in space. `framed`: it is an output that states its axes.
     Vector {
@@ -480,7 +480,7 @@ impl Type {
     }
 
     /// The signal that has a number of this type in each row.
-    pub fn in_rows(&self, rows: &Rows) -> Type {
+    pub fn in_rows(&self, rows: &SignalRows) -> Type {
         match self.quantity() {
             Some(quantity) => Type::Signal {
                 quantity,

@@ -1,4 +1,6 @@
-//! Three-dimensional vectors and rotations, as far as frames need them.
+//! Rotations, as far as frames need them.
+
+use crate::fe::vector::cross;
 
 /// A rotation matrix, row-major; its columns are the axes.
 pub(super) type Rotation = [[f64; 3]; 3];
@@ -6,22 +8,8 @@ pub(super) type Rotation = [[f64; 3]; 3];
 /// No rotation.
 pub(super) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-pub(super) fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
+/// The length of a vector, without overflow: `fe::vector::norm` rounds otherwise, and frames would change in
+/// their last digits.
 pub(super) fn norm(a: [f64; 3]) -> f64 {
     libm::hypot(libm::hypot(a[0], a[1]), a[2])
 }

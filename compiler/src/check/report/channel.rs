@@ -3,7 +3,7 @@
 use super::Reporter;
 use super::axes::Frames;
 use super::value::Typed;
-use crate::check::types::{Kind, Quantity, Rows, Type};
+use crate::check::types::{Kind, Quantity, SignalRows, Type};
 use crate::codes;
 use crate::elaborate::{AnalysisPlan, Structural};
 use crate::models::SharedModels;
@@ -190,10 +190,10 @@ pub(super) struct Found<'a> {
 
 impl Found<'_> {
     /// The rows of a channel at the place.
-    pub fn rows(&self) -> Rows {
+    pub fn rows(&self) -> SignalRows {
         match are_modes(self.plan) {
-            true => Rows::Modes(self.plan.analysis.origin.path.as_str().into()),
-            false => Rows::Samples,
+            true => SignalRows::Modes(self.plan.analysis.origin.path.as_str().into()),
+            false => SignalRows::Samples,
         }
     }
 

@@ -5,7 +5,7 @@ use super::picture::no_vector;
 use super::value::Typed;
 use crate::check::bound::Bound;
 use crate::check::signal::Shape;
-use crate::check::types::{Quantity, Rows, Type};
+use crate::check::types::{Quantity, SignalRows, Type};
 use crate::codes;
 use crate::functions::{self, BuiltIn, OfResults};
 use crate::resolve::suggest::{listing, nearest};
@@ -85,7 +85,7 @@ impl<'a> Reporter<'a, '_> {
 
     fn mode(&mut self, first: &Expr, of: Typed, at: &'a Expr) -> Option<Typed> {
         let Type::Signal {
-            rows: Rows::Modes(_),
+            rows: SignalRows::Modes(_),
             ..
         } = of.ty
         else {
@@ -324,7 +324,12 @@ impl<'a> Reporter<'a, '_> {
             };
             members.push(place.member(Expression::Map(Function::Sqrt, Box::new(sum))));
         }
-        Some(Typed::signals(members, places.list, &first?, Rows::Samples))
+        Some(Typed::signals(
+            members,
+            places.list,
+            &first?,
+            SignalRows::Samples,
+        ))
     }
 
     /// A number of a signal.

@@ -6,7 +6,7 @@ use super::value::Typed;
 use crate::check::bound::{Called, Parameter};
 use crate::check::mismatch::Due;
 use crate::check::signal::Shape;
-use crate::check::types::{Quantity, Rows, Type};
+use crate::check::types::{Quantity, SignalRows, Type};
 use crate::codes;
 use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Expr, ExprKind, UnitExpr};
@@ -72,7 +72,7 @@ impl<'a> Reporter<'a, '_> {
                 Takes::Journals => Value::Journals(self.journals(row, value, display)?),
                 Takes::Vectors => {
                     let (vectors, column) = self.vectors(row, value)?;
-                    let typed = Typed::signals(Vec::new(), true, &column, Rows::Samples);
+                    let typed = Typed::signals(Vec::new(), true, &column, SignalRows::Samples);
                     let quantity = match vectors.iter().any(|vector| vector.load) {
                         true => "load".to_owned(),
                         false => last_name(column.path.trim_end_matches(".x")),

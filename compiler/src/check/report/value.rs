@@ -6,7 +6,7 @@ use crate::check::declare::collect_names;
 use crate::check::mismatch::Due;
 use crate::check::scope::BUILT_IN_NAMES;
 use crate::check::signal::Shape;
-use crate::check::types::{Quantity, Rows, Type};
+use crate::check::types::{Quantity, SignalRows, Type};
 use crate::codes;
 use crate::functions;
 use crate::resolve::suggest::{listing, nearest};
@@ -32,7 +32,7 @@ pub(super) struct Typed {
 
 impl Typed {
     /// Signals of a dimension, shown as one of their channels is.
-    pub fn signals(members: Vec<Member>, list: bool, like: &Recorded, rows: Rows) -> Typed {
+    pub fn signals(members: Vec<Member>, list: bool, like: &Recorded, rows: SignalRows) -> Typed {
         let quantity = Quantity::hard(like.dimension);
         Typed {
             members,

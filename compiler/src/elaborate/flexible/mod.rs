@@ -11,10 +11,15 @@ use crate::codes;
 use crate::words::{DECK, Place, Word, word};
 use eng_grammar::ast::{self, ExprKind, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::flexible::{FlexibleSource, Freedoms, MarkerSource, ModeCount};
+use eng_system::flexible::{FlexibleSource, Freedoms, MarkerSource, MatrixSource, ModeCount};
 use eng_system::mesh_files::{ShapeFormat, Stated};
 use eng_system::system::{Body, BodyInertia, BodyRef, Origin};
 use std::rc::Rc;
+
+/// The markers of a body, each with its number in the system.
+type MarkersOnMesh = Vec<(MarkerSource, u32)>;
+/// Their names and indices.
+type MarkerNames = Vec<(String, Vec<usize>)>;
 
 /// Markers by name, as written in a mode set. They belong to the body that uses the set.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,32 +121,11 @@ impl<'a> Elaborator<'a, '_> {
         self.define(own, "origin", Entry::Value(Value::Marker(origin)));
         // reserves the index while the parts are read
         self.flexible.push(None);
-        let mut markers = Vec::new();
-        let mut known = Vec::new();
-        for item in &block.items {
-            if let ItemKind::Declaration(d) = &item.kind
-                && d.kind == Kind::Marker
-            {
-                // an error in one marker does not hide those of its neighbours
-                let entry = match self.markers_on_mesh(
-                    d,
-                    reference,
-                    own,
-                    &path,
-                    &mut markers,
-                    &mut known,
-                ) {
-                    Ok(marker) => Entry::Value(marker),
-                    Err(_) => Entry::Failed,
-                };
-                self.define(own, &d.name.text, entry);
-            }
-        }
+        let (markers, known) = self.markers_of_block(block, reference, own, &path);
         let mut mesh = None;
         let (mut stiffness, mut mass, mut material) = (None, None, None);
         let mut element_rules = None;
-        let (mut support, mut support_span) = (Vec::new(), None);
-        let mut support_of_deck = false;
+        let (mut support, mut support_span, mut support_of_deck) = (Vec::new(), None, false);
         let (mut terms, mut modes_at) = (Vec::new(), None);
         let mut damping = None;
         let mut geometric_stiffness = false;
@@ -158,19 +142,8 @@ impl<'a> Elaborator<'a, '_> {
                 "element_rules" => element_rules = meaning(value),
                 "support" => {
                     support_span = Some(value.span);
-                    let names = self.marker_names(value, own)?;
-                    for name in names {
-                        if name.is(DECK) && !known.iter().any(|(marker, _)| marker == DECK) {
-                            support_of_deck = true;
-                            continue;
-                        }
-                        support.extend(self.found(&name, &known, &path)?);
-                    }
-                    for index in &support {
-                        if let Some((_, marker)) = markers.get(*index as usize) {
-                            self.used_marker(*marker);
-                        }
-                    }
+                    (support, support_of_deck) =
+                        self.supports(value, own, (&markers, &known), &path)?;
                 }
                 "modes" => {
                     modes_at = Some(location(value.span));
@@ -196,19 +169,7 @@ impl<'a> Elaborator<'a, '_> {
         let mesh = self.checked(mesh, span, "a flexible body without a mesh")?;
         let modes_at = self.checked(modes_at, span, "a flexible body without modes")?;
         let damping = self.checked(damping, span, "a flexible body without damping")?;
-        if stiffness.is_some() != mass.is_some() {
-            return Err(self.report(
-                Diagnostic::error(
-                    codes::FLEXIBLE_MATRICES,
-                    format!("{path} has one matrix from a file and one from its mesh"),
-                )
-                .at(declaration.name.span, "stiffness and mass belong together")
-                .with_help("give both `stiffness` and `mass`, or neither"),
-            ));
-        }
-        if let (Some(stiffness), Some(mass)) = (&stiffness, &mass) {
-            self.rows_of_matrices(stiffness, mass, declaration.name.span)?;
-        }
+        self.both_matrices(stiffness.as_ref(), mass.as_ref(), &path, span)?;
         let (sources, indices): (Vec<MarkerSource>, Vec<u32>) = markers.into_iter().unzip();
         self.flexible[index as usize] = Some(FlexibleDraft {
             source: FlexibleSource {
@@ -233,18 +194,90 @@ impl<'a> Elaborator<'a, '_> {
             scope: own,
             support_span,
         });
+        self.starts_of_body(block, body, origin, own);
+        Ok(body)
+    }
+
+    /// The markers of a flexible body, and their names. An error in one marker does not hide those of its neighbours.
+    fn markers_of_block(
+        &mut self,
+        block: &'a ast::Block,
+        body: BodyRef,
+        scope: ScopeId,
+        path: &str,
+    ) -> (MarkersOnMesh, MarkerNames) {
+        let mut markers = Vec::new();
+        let mut known = Vec::new();
+        for item in &block.items {
+            if let ItemKind::Declaration(d) = &item.kind
+                && d.kind == Kind::Marker
+            {
+                let made = self.markers_on_mesh(d, body, scope, path, &mut markers, &mut known);
+                let entry = made.map_or(Entry::Failed, Entry::Value);
+                self.define(scope, &d.name.text, entry);
+            }
+        }
+        (markers, known)
+    }
+
+    /// The markers that hold a body, and whether the supports of its deck do, too.
+    fn supports(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+        (markers, known): (&MarkersOnMesh, &MarkerNames),
+        path: &str,
+    ) -> Eval<(Vec<u32>, bool)> {
+        let (mut support, mut of_deck) = (Vec::new(), false);
+        for name in self.marker_names(value, scope)? {
+            if name.is(DECK) && !known.iter().any(|(marker, _)| marker == DECK) {
+                of_deck = true;
+                continue;
+            }
+            support.extend(self.found(&name, known, path)?);
+        }
+        for index in &support {
+            if let Some((_, marker)) = markers.get(*index as usize) {
+                self.used_marker(*marker);
+            }
+        }
+        Ok((support, of_deck))
+    }
+
+    /// Refuses one matrix from a file beside one from the mesh, and matrices of different rows.
+    fn both_matrices(
+        &mut self,
+        stiffness: Option<&MatrixSource>,
+        mass: Option<&MatrixSource>,
+        path: &str,
+        span: Span,
+    ) -> Eval<()> {
+        match (stiffness, mass) {
+            (Some(stiffness), Some(mass)) => self.rows_of_matrices(stiffness, mass, span),
+            (None, None) => Ok(()),
+            _ => Err(self.report(
+                Diagnostic::error(
+                    codes::FLEXIBLE_MATRICES,
+                    format!("{path} has one matrix from a file and one from its mesh"),
+                )
+                .at(span, "stiffness and mass belong together")
+                .with_help("give both `stiffness` and `mass`, or neither"),
+            )),
+        }
+    }
+
+    fn starts_of_body(&mut self, block: &'a ast::Block, body: u32, origin: u32, scope: ScopeId) {
         for item in &block.items {
             match &item.kind {
                 ItemKind::Statement(Statement::Start { target, value }) => {
-                    let _ = self.body_start(body, origin, target, value, own, true);
+                    let _ = self.body_start(body, origin, target, value, scope, true);
                 }
                 ItemKind::Statement(Statement::Guess { target, value }) => {
-                    let _ = self.body_start(body, origin, target, value, own, false);
+                    let _ = self.body_start(body, origin, target, value, scope, false);
                 }
                 _ => {}
             }
         }
-        Ok(body)
     }
 
     /// The called word and its arguments.

@@ -5,10 +5,11 @@ use super::model::Model;
 use super::sections::{Family, Sections, direction};
 use super::shapes::Shape;
 use crate::error::FileProblem;
+use crate::fe::vector::subtract;
 use crate::mesh::{BeamAxes, Carries, ElementKind, Mesh, Variant};
 use crate::read::builder::{NewElement, add_element};
 use crate::read::unread::UnreadCards;
-use crate::read::vector::{beam_axes, minus, rotate};
+use crate::read::vector::{beam_axes, rotate};
 
 /// Makes the elements of a mesh of those of a model. A beam of three nodes becomes two beams of the same
 /// number.
@@ -49,7 +50,7 @@ pub(super) fn make(
                 add_element(mesh, new, nodes, None).map_err(|e| e.at(&row.at))?;
             }
             (Shape::Truss, &[a, b]) => {
-                let along = minus(model.position(b), model.position(a)).map(f64::abs);
+                let along = subtract(model.position(b), model.position(a)).map(f64::abs);
                 let mut orientation = [0.0, 0.0, 1.0];
                 if along[2] > along[0].min(along[1]) {
                     orientation = if along[0] <= along[1] {
@@ -64,7 +65,7 @@ pub(super) fn make(
                 let (ends, beyond) = nodes.split_at_checked(count).unwrap_or((nodes, &[]));
                 let orientation = match (beyond.first(), ends.first(), sections.block(index)) {
                     (Some(pointer), Some(first), _) => {
-                        minus(model.position(*pointer), model.position(*first))
+                        subtract(model.position(*pointer), model.position(*first))
                     }
                     (None, _, Some((place, block))) => {
                         let motion = model.places.get(place).map(|placed| placed.motion());
@@ -100,7 +101,7 @@ fn line(
     orientation: [f64; 3],
 ) -> Result<(), FileProblem> {
     let [a, b] = ends;
-    let along = minus(model.position(b), model.position(a));
+    let along = subtract(model.position(b), model.position(a));
     if beam_axes(along, orientation).is_none() {
         return Err(row.at.problem(
             format!(

@@ -2,10 +2,9 @@
 
 use super::lines::{Keyword, Row};
 use crate::error::FileProblem;
+use crate::fe::vector::{add, cross, subtract};
 use crate::read::source::At;
-use crate::read::vector::{
-    IDENTITY, Rotation, cross, from_axes, minus, norm, plus, product, rotate, unit,
-};
+use crate::read::vector::{IDENTITY, Rotation, from_axes, norm, product, rotate, unit};
 
 const RADIANS: f64 = std::f64::consts::PI / 180.0;
 
@@ -30,13 +29,13 @@ impl Motion {
         if *self == STILL {
             return x;
         }
-        plus(self.shift, rotate(&self.rotation, x))
+        add(self.shift, rotate(&self.rotation, x))
     }
 
     /// Where a point came from.
     pub fn back(&self, x: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = self.rotation;
-        rotate(&from_axes(a, b, c), minus(x, self.shift))
+        rotate(&from_axes(a, b, c), subtract(x, self.shift))
     }
 
     /// Whether it turns.
@@ -73,7 +72,7 @@ impl Motion {
                 shift,
             });
         }
-        let Some(axis) = unit(minus(b, a)) else {
+        let Some(axis) = unit(subtract(b, a)) else {
             return Err(second.at.problem(
                 "the two points of the axis of rotation coincide",
                 "give two points on the axis, then the angle in degrees",
@@ -81,7 +80,7 @@ impl Motion {
         };
         let rotation = about(axis, angle);
         // a + R (x + shift − a)
-        let shift = plus(a, rotate(&rotation, minus(shift, a)));
+        let shift = add(a, rotate(&rotation, subtract(shift, a)));
         Ok(Motion { rotation, shift })
     }
 }
@@ -163,11 +162,11 @@ pub(super) fn system(rows: &[Row], at: &At) -> Result<Motion, FileProblem> {
             shift: a,
         });
     }
-    let x = minus(first.vector(3, "the point on the x axis")?, a);
+    let x = subtract(first.vector(3, "the point on the x axis")?, a);
     let (x, z) = match rows.next() {
         Some(second) => {
             let c = second.vector(0, "the point in the x-y plane")?;
-            (x, cross(x, minus(c, a)))
+            (x, cross(x, subtract(c, a)))
         }
         None => ([x[0], x[1], 0.0], [0.0, 0.0, 1.0]),
     };
@@ -250,12 +249,12 @@ impl Transform {
                 axes(self.a, z)
             }
             TransformKind::Cylindrical => {
-                let z = unit(minus(self.b, self.a))?;
-                across(minus(place, self.a), z).and_then(|x| axes(x, z))
+                let z = unit(subtract(self.b, self.a))?;
+                across(subtract(place, self.a), z).and_then(|x| axes(x, z))
             }
             TransformKind::Spherical => {
-                let x = unit(minus(place, self.a))?;
-                across(minus(self.b, self.a), x).and_then(|z| axes(x, z))
+                let x = unit(subtract(place, self.a))?;
+                across(subtract(self.b, self.a), x).and_then(|z| axes(x, z))
             }
         }
     }
@@ -264,6 +263,6 @@ impl Transform {
 /// The part of a vector across a unit vector; `None` where it is nothing but rounding.
 fn across(a: [f64; 3], along: [f64; 3]) -> Option<[f64; 3]> {
     let length = a.iter().zip(along).map(|(a, b)| a * b).sum::<f64>();
-    let across = minus(a, along.map(|x| x * length));
+    let across = subtract(a, along.map(|x| x * length));
     (norm(across) > 1e-10 * norm(a)).then_some(across)
 }

@@ -4,9 +4,10 @@ use super::model::{Model, Row};
 use super::scope::Block;
 use super::shapes::{Shape, SpringKind};
 use crate::error::FileProblem;
+use crate::fe::vector::subtract;
 use crate::mesh::{Carries, Mesh, PointMass, Spring};
 use crate::read::unread::UnreadCards;
-use crate::read::vector::{from_axes, minus, norm, product};
+use crate::read::vector::{from_axes, norm, product};
 
 /// Makes the point masses and springs of a mesh.
 pub(super) fn make(
@@ -161,7 +162,7 @@ fn spring(
             ((a, first), Some((b, second)))
         }
         (SpringKind::Axial, &[a, b]) => {
-            let along = minus(model.position(b), model.position(a));
+            let along = subtract(model.position(b), model.position(a));
             let length = norm(along);
             let axis = along
                 .iter()

@@ -8,9 +8,10 @@ use super::scope::Block;
 use super::shapes::Shape;
 use crate::element::around;
 use crate::error::FileProblem;
+use crate::fe::vector::{cross, subtract};
 use crate::mesh::{Carries, ElementKind};
 use crate::read::unread::UnreadCards;
-use crate::read::vector::{cross, minus, norm};
+use crate::read::vector::norm;
 
 /// Nodes, sorted, each with its weight: its area, or the number in a surface of `TYPE=NODE`.
 pub(super) type Surface = Vec<(u32, f64)>;
@@ -160,7 +161,7 @@ fn add_edge(model: &Model, ring: &[(u32, Option<u32>)], weights: &mut BTreeMap<u
     let line = line.into_iter().flatten().collect::<Vec<_>>();
     for pair in line.windows(2) {
         if let [a, b] = *pair {
-            let half = 0.5 * norm(minus(model.position(b), model.position(a)));
+            let half = 0.5 * norm(subtract(model.position(b), model.position(a)));
             for node in [a, b] {
                 *weights.entry(node).or_insert(0.0) += half;
             }
@@ -232,7 +233,7 @@ fn share(polygon: &[u32], place: impl Fn(u32) -> [f64; 3], shares: &mut Vec<(u32
     let mut twice = [0.0; 3];
     for pair in rest.windows(2) {
         if let [a, b] = *pair {
-            let normal = cross(minus(place(a), origin), minus(place(b), origin));
+            let normal = cross(subtract(place(a), origin), subtract(place(b), origin));
             for (sum, value) in twice.iter_mut().zip(normal) {
                 *sum += value;
             }

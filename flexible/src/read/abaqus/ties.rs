@@ -9,9 +9,10 @@ use super::scope::{Block, label};
 use super::shapes::Shape;
 use super::surfaces::Surface;
 use crate::error::FileProblem;
+use crate::fe::vector::subtract;
 use crate::mesh::{Carries, Tie};
 use crate::read::unread::UnreadCards;
-use crate::read::vector::{minus, norm};
+use crate::read::vector::norm;
 
 const ALL: u8 = 0b11_1111;
 const TRANSLATIONS: u8 = 0b00_0111;
@@ -116,7 +117,8 @@ impl Ties<'_, '_> {
                 ));
             };
             let centre = self.model.position(reference);
-            surface.retain(|(node, _)| norm(minus(self.model.position(*node), centre)) <= radius);
+            surface
+                .retain(|(node, _)| norm(subtract(self.model.position(*node), centre)) <= radius);
         }
         surface.retain(|(node, _)| *node != reference);
         if surface.is_empty() {
@@ -296,7 +298,7 @@ impl Ties<'_, '_> {
                 .iter()
                 .filter_map(|nodes| Some((*nodes.first()?, *nodes.get(1)?)))
             {
-                let apart = norm(minus(self.model.position(a), self.model.position(b)));
+                let apart = norm(subtract(self.model.position(a), self.model.position(b)));
                 match kind.as_str() {
                     "BEAM" => self.spider(b, &[a], ALL, false, block),
                     // for coincident nodes all three kinds constrain translations in the same way

@@ -9,8 +9,9 @@ use super::lines::At;
 use super::number;
 use super::properties::{PropertyCard, rod};
 use super::unread::UnreadCards;
-use super::vector::{beam_axes, cross, minus, norm, plus, rotate, unit};
+use super::vector::{beam_axes, norm, rotate, unit};
 use crate::error::FileProblem;
+use crate::fe::vector::{add, cross, subtract};
 use crate::mesh::{BeamAxes, Carries, ElementKind, Node};
 
 /// The orientation of a section about its beam.
@@ -313,7 +314,7 @@ pub(super) fn axes(
     at: &At,
 ) -> Result<BeamAxes, FileProblem> {
     let user = || format!("element {id}");
-    let along = minus(around.position(b), around.position(a));
+    let along = subtract(around.position(b), around.position(a));
     let orientation = match beam.orientation {
         Orientation::Vector(vector) if beam.orientation_axes == Axes::Analysis => {
             around.basic_of(a, vector, &user, at)?
@@ -321,7 +322,7 @@ pub(super) fn axes(
         Orientation::Vector(vector) => vector,
         Orientation::Grid(grid) => {
             let grid = around.lookup.require(grid, &user, at)?;
-            minus(around.position(grid), around.position(a))
+            subtract(around.position(grid), around.position(a))
         }
         Orientation::Any => across(along),
     };
@@ -341,7 +342,7 @@ pub(super) fn axes(
         };
     }
     let [first, second] = offsets;
-    let along = minus(plus(along, second), first);
+    let along = subtract(add(along, second), first);
     if beam_axes(along, orientation).is_none() {
         return Err(no_axes(id, along, at));
     }

@@ -6,10 +6,9 @@ use std::collections::BTreeMap;
 use super::card::Card;
 use super::grids::{GridCard, Lookup};
 use super::lines::At;
-use super::vector::{
-    IDENTITY, Rotation, cross, from_axes, minus, norm, plus, product, rotate, unit,
-};
+use super::vector::{IDENTITY, Rotation, from_axes, norm, product, rotate, unit};
 use crate::error::FileProblem;
+use crate::fe::vector::{add, cross, subtract};
 
 /// Kind of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +114,7 @@ impl System {
                 ]
             }
         };
-        plus(self.origin, rotate(&self.rotation, local))
+        add(self.origin, rotate(&self.rotation, local))
     }
 
     /// The axes at a position in the basic frame. On the axis of a curvilinear system the angle counts as
@@ -124,7 +123,7 @@ impl System {
         if self.shape == Shape::Rectangular {
             return self.rotation;
         }
-        let d = minus(position, self.origin);
+        let d = subtract(position, self.origin);
         let [x, y, z] = [0, 1, 2].map(|j: usize| {
             self.rotation
                 .iter()
@@ -257,8 +256,8 @@ impl Systems {
                     places
                 }
             };
-            let axes = unit(minus(b, a)).and_then(|z| {
-                let in_plane = minus(c, a);
+            let axes = unit(subtract(b, a)).and_then(|z| {
+                let in_plane = subtract(c, a);
                 let y = cross(z, in_plane);
                 if norm(y) <= 1e-10 * norm(in_plane) {
                     return None;

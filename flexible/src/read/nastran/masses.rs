@@ -7,8 +7,9 @@ use super::frames::Systems;
 use super::grids::Lookup;
 use super::lines::At;
 use super::unread::UnreadCards;
-use super::vector::{IDENTITY, Rotation, minus, product, rotate};
+use super::vector::{IDENTITY, Rotation, product, rotate};
 use crate::error::FileProblem;
+use crate::fe::vector::subtract;
 use crate::mesh::{Carries, Frame, Node, PointMass, Spring};
 
 type Matrix3 = [[f64; 3]; 3];
@@ -225,7 +226,7 @@ impl Masses {
                     absolute,
                 } => {
                     let offset = if *absolute {
-                        minus(*offset, node.position)
+                        subtract(*offset, node.position)
                     } else {
                         rotate(&axes, *offset)
                     };

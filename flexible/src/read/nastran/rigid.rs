@@ -5,7 +5,8 @@
 //! e)·θ, its rotation about e is e·θ. The six independent freedoms give u and θ, and these every dependent
 //! freedom.
 
-use super::vector::{IDENTITY, cross, minus, norm};
+use super::vector::{IDENTITY, norm};
+use crate::fe::vector::{cross, subtract};
 use crate::mesh::{Frame, Node};
 
 /// A freedom 0…5 of a node.
@@ -23,7 +24,7 @@ pub(super) fn dependence(
     let origin = nodes.get(independent[0].0 as usize)?.position;
     let mut length = 0.0_f64;
     for (node, _) in independent.iter().chain(dependent) {
-        length = length.max(norm(minus(nodes.get(*node as usize)?.position, origin)));
+        length = length.max(norm(subtract(nodes.get(*node as usize)?.position, origin)));
     }
     if length == 0.0 {
         length = 1.0;
@@ -39,7 +40,7 @@ pub(super) fn dependence(
         if freedom >= 3 {
             return Some([0.0, 0.0, 0.0, x, y, z]);
         }
-        let arm = minus(node.position, origin).map(|d| d / length);
+        let arm = subtract(node.position, origin).map(|d| d / length);
         let [a, b, c] = cross(arm, [x, y, z]);
         Some([x, y, z, a, b, c])
     };
