@@ -599,6 +599,71 @@ fn angles_are_of_the_cycle() {
     near(value(&report, "back_band"), 2e3 / 2f64.sqrt(), 1e-6);
 }
 
+/// The point of the arm runs along a circle of 3 mm; a force of the second order runs along an ellipse over it.
+#[test]
+fn a_signal_over_another_one() {
+    let ran = Ran::new(
+        "report loops {
+            figure circle \"Path\" = xy(steady.arm.x, steady.arm.y) as mm
+            figure several = xy([turned.arm.x, turned.arm.y], [turned.ripple, turned.wave[1]], cycles: 1)
+            figure one = xy(steady.arm.x, steady.wave[1..2]) as N
+            figure two = xy(turned.arm.x, coarse.ripple)
+        }",
+        &["steady", "turned", "coarse"],
+    );
+    let report = ran.report();
+    let Figure::Xy(circle) = figure(&report, "circle") else {
+        panic!("no xy");
+    };
+    assert_eq!(
+        (circle.x.quantity.as_str(), circle.x.unit.as_str()),
+        ("Arm x", "m")
+    );
+    assert_eq!(
+        (circle.y.quantity.as_str(), circle.y.unit.as_str()),
+        ("Arm y", "mm")
+    );
+    assert_eq!(
+        (circle.x.frame.as_str(), circle.y.frame.as_str()),
+        ("ground", "ground")
+    );
+    assert_eq!(circle.subtitle, "Spin, analysis steady, not filtered");
+    let curve = &circle.curves[0];
+    assert_eq!((curve.x.len(), curve.angle.len()), (721, 721));
+    for ((x, y), angle) in curve.x.iter().zip(&curve.y).zip(&curve.angle) {
+        let angle = angle.to_radians();
+        assert!((1e3 * x - 3.0 * angle.cos()).abs() < 1e-4 && (y - 3.0 * angle.sin()).abs() < 1e-4);
+    }
+    // each signal over its own; of the last cycle
+    let Figure::Xy(several) = figure(&report, "several") else {
+        panic!("no xy");
+    };
+    assert_eq!(
+        several.subtitle,
+        "Spin, analysis turned, last cycle, not filtered"
+    );
+    let names: Vec<&str> = several.curves.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["ripple", "wave[1]"]);
+    let [ripple, wave] = several.curves.as_slice() else {
+        panic!("two curves");
+    };
+    assert_eq!((ripple.x.len(), wave.x.len()), (1441, 1441));
+    assert!((ripple.x[0] - 3e-3).abs() < 1e-8 && wave.x[0].abs() < 1e-7);
+    let force = 2.0 * 1f64.cos() + 1.2;
+    assert!((ripple.y[0] - 1e3 * force).abs() < 0.1, "{}", ripple.y[0]);
+    // one abscissa for all, in the stated unit of the ordinate
+    let Figure::Xy(one) = figure(&report, "one") else {
+        panic!("no xy");
+    };
+    assert_eq!((one.curves.len(), one.y.unit.as_str()), (2, "N"));
+    assert!((one.curves[0].y[0] - 1500.0).abs() < 1.0 && one.curves[1].x == one.curves[0].x);
+    let two = error(&report, "two");
+    assert!(
+        two.contains("turned and coarse have other samples"),
+        "{two}"
+    );
+}
+
 /// The zero of degC is one of temperatures, not of their differences; one sample has extremes, and no frequencies.
 #[test]
 fn differences_of_points_and_single_samples() {

@@ -20,6 +20,7 @@ mod spectra;
 pub(crate) mod svg;
 mod sweep;
 mod ticks;
+mod xy;
 
 pub use abscissa::Abscissa;
 pub use axes::Scale;
@@ -30,6 +31,7 @@ pub use plane::Upright;
 pub use polar::{FixedTo, Polar, PolarCurve};
 pub use spectra::spectra;
 pub use sweep::{Campbell, SweepFigure, Waterfall};
+pub use xy::{Xy, XyCurve};
 
 pub(crate) use ticks::significant;
 
@@ -79,6 +81,8 @@ figures!(
     Waterfall,
     /// Colours over speed and frequency.
     Campbell,
+    /// Curves of one quantity over another one.
+    Xy,
 );
 
 impl Figure {

@@ -3,6 +3,7 @@
 mod labels;
 mod orders;
 mod plane;
+mod xy;
 
 pub(crate) use labels::capital;
 pub(crate) use orders::ORDERS;
@@ -36,6 +37,7 @@ pub(super) fn figure(
         Picture::OrderTrack(track) => drawer.order_track(track),
         Picture::Waterfall(waterfall) => drawer.waterfall(waterfall),
         Picture::Campbell(campbell) => drawer.campbell(campbell),
+        Picture::Xy(xy) => drawer.xy(xy),
     }
 }
 

@@ -12,6 +12,7 @@ mod order_track;
 mod polar;
 mod spectrum;
 mod waterfall;
+mod xy;
 
 pub use argument::{Argument, Given, Journals, Recorded, Signals, Takes, Unplanned, Value};
 pub use campbell::Campbell;
@@ -21,6 +22,7 @@ pub use order_track::OrderTrack;
 pub use polar::{Polar, Vector};
 pub use spectrum::{AVERAGINGS, Averaging, Axis, Spectrum, SpectrumSettings};
 pub use waterfall::Waterfall;
+pub use xy::Xy;
 
 use crate::dimension::DisplayUnit;
 use crate::expression::Expression;
@@ -34,6 +36,7 @@ pub const KINDS: &[FigureRow] = &[
     order_track::ROW,
     waterfall::ROW,
     campbell::ROW,
+    xy::ROW,
 ];
 
 /// The kind with a name.
@@ -93,6 +96,8 @@ pub enum Picture {
     Waterfall(Waterfall),
     /// Colours over speed and frequency.
     Campbell(Campbell),
+    /// Signals over other signals.
+    Xy(Xy),
 }
 
 impl std::ops::Deref for Picture {
@@ -107,6 +112,7 @@ impl std::ops::Deref for Picture {
             Picture::OrderTrack(kind) => kind,
             Picture::Waterfall(kind) => kind,
             Picture::Campbell(kind) => kind,
+            Picture::Xy(kind) => kind,
         }
     }
 }
