@@ -318,6 +318,8 @@ pub struct Declaration {
     pub name: Name,
     /// `[i in 1..4]`.
     pub index: Vec<Binder>,
+    /// `if films`: the part exists only where this holds.
+    pub condition: Option<Expr>,
     /// Its form.
     pub form: Form,
 }

@@ -61,8 +61,17 @@ impl<'p> Checker<'p> {
         place.then(|| message.with_fix("a place is a marker", start, "marker "))
     }
 
+    /// `if condition` after the name of a part.
+    pub(super) fn condition_of(&mut self, scope: &Scope<'p>, declaration: &'p Declaration) {
+        if let Some(condition) = &declaration.condition {
+            let due = Due::new(format!("the condition of `{}`", declaration.name.text));
+            self.expect(scope, condition, &Type::Bool, &due);
+        }
+    }
+
     pub(super) fn body(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
         let scope = self.binders(outer, &declaration.index);
+        self.condition_of(&scope, declaration);
         let name = &declaration.name.text;
         let (Form::Plain { .. }, Some(block)) = (&declaration.form, block_of(declaration)) else {
             self.report(
@@ -245,6 +254,7 @@ impl<'p> Checker<'p> {
 
     pub(super) fn marker(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
         let scope = self.binders(outer, &declaration.index);
+        self.condition_of(&scope, declaration);
         let name = &declaration.name.text;
         let Form::Instance { value, block } = &declaration.form else {
             self.report(

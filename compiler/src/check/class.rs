@@ -463,6 +463,7 @@ impl<'p> Checker<'p> {
     fn element(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
         let ty = self.element_type(outer, declaration);
         let scope = self.binders(outer, &declaration.index);
+        self.condition_of(&scope, declaration);
         let Form::Instance { value, block } = &declaration.form else {
             return;
         };

@@ -41,6 +41,7 @@ impl<'p> Checker<'p> {
     /// `flexible name[index] { … }`.
     pub(super) fn flexible(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
         let scope = self.binders(outer, &declaration.index);
+        self.condition_of(&scope, declaration);
         let name = &declaration.name.text;
         let (Form::Plain { .. }, Some(block)) = (&declaration.form, block_of(declaration)) else {
             self.report(
@@ -179,6 +180,7 @@ impl<'p> Checker<'p> {
     /// `marker name[index] = ring(…)` on a mesh.
     fn marker_on_mesh(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
         let scope = self.binders(outer, &declaration.index);
+        self.condition_of(&scope, declaration);
         let name = &declaration.name.text;
         let Form::Instance { value, .. } = &declaration.form else {
             self.report(

@@ -144,6 +144,10 @@ eng_grammar::codes! {
         "`index_of(list, value)` is the place of a number in a list, from 1; the list must hold it.",
         "const first = index_of([1, 3, 4, 2], 5)",
         "const first = index_of([1, 3, 4, 2], 3)";
+    ABSENT = "E0537", "a part is used whose condition does not hold",
+        "A body, marker, joint, force, journal, drive or part with `if` after its name exists only where the condition holds. A part that uses it needs the same condition; an output takes an index over a range that may be empty.",
+        "const damped = false\nforce damper if damped = Damper(a, b, damping: 1 N*s/m)\noutput load = damper.load",
+        "const damped = true\nforce damper if damped = Damper(a, b, damping: 1 N*s/m)\noutput load = damper.load";
     OTHER_AXES = "E0540", "components along different axes are taken together",
         "Components along a marker's axes are numbers: they are added to, multiplied with and shown as those along the same axes only. Vectors carry no axes and are added in space.",
         "output both = film[1].eccentricity + film[2].eccentricity in shell",

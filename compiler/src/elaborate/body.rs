@@ -125,19 +125,12 @@ impl<'a> Elaborator<'a, '_> {
         let (value, _) = self.instance(declaration)?;
         let name = &declaration.name.text;
         let base = self.path(owner, name);
-        let mut made = Vec::new();
-        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+        self.instances_of(declaration, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
             let (place, orientation) = e.placement(value, inner)?;
             let marker = e.add_marker(body, path, Some(declaration.name.span), place, orientation);
-            made.push((position.to_vec(), Value::Marker(marker)));
-            Ok(())
-        })?;
-        if declaration.index.is_empty() {
-            made.pop().map(|m| m.1).ok_or(super::Reported)
-        } else {
-            Ok(Value::Family(made))
-        }
+            Ok(Value::Marker(marker))
+        })
     }
 
     fn placement(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<([Node; 3], Matrix)> {
@@ -312,21 +305,14 @@ impl<'a> Elaborator<'a, '_> {
         };
         let name = &declaration.name.text;
         let base = self.path(scope, name);
-        let mut made = Vec::new();
-        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+        self.instances_of(declaration, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
             let body = match declaration.kind {
                 Kind::Flexible => e.flexible_body(declaration, block, inner, path)?,
                 _ => e.body(declaration, block, inner, path)?,
             };
-            made.push((position.to_vec(), Value::Body(body)));
-            Ok(())
-        })?;
-        if declaration.index.is_empty() {
-            made.pop().map(|m| m.1).ok_or(super::Reported)
-        } else {
-            Ok(Value::Family(made))
-        }
+            Ok(Value::Body(body))
+        })
     }
 
     fn body(

@@ -4,7 +4,7 @@ use super::element::ClassScope;
 use super::output::Columns;
 use super::scalar::{ElementBuilder, Scalar, Stage};
 use super::value::{ScopeId, Value};
-use super::{CycleDraft, Elaborator, ElementSource, Entry, Eval, Lazy, Reported, body::index_text};
+use super::{CycleDraft, Elaborator, ElementSource, Entry, Eval, Lazy, body::index_text};
 use crate::codes;
 use crate::ir::{Node, Op};
 use crate::program::DefinitionId;
@@ -255,8 +255,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn part(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) -> Eval<Value<'a>> {
         let (value, block) = self.instance(declaration)?;
         let base = self.path(scope, &declaration.name.text);
-        let mut made = Vec::new();
-        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+        self.instances_of(declaration, scope, &mut |e, inner, position| {
             e.count_instance(declaration.name.span)?;
             let path = format!("{base}{}", index_text(position));
             let (class, given) = e.class_called(value, inner)?;
@@ -306,14 +305,8 @@ impl<'a> Elaborator<'a, '_> {
                     }
                 }
             }
-            made.push((position.to_vec(), Value::Part(own)));
-            Ok(())
-        })?;
-        if declaration.index.is_empty() {
-            made.pop().map(|m| m.1).ok_or(Reported)
-        } else {
-            Ok(Value::Family(made))
-        }
+            Ok(Value::Part(own))
+        })
     }
 
     /// Makes the value of a record from its call.

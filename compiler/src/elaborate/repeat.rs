@@ -1,13 +1,19 @@
 //! Repetition over the values of an index: bodies, elements, analyses, members of lists.
 
+use super::expression::Truth;
 use super::value::{ScopeId, Value};
-use super::{Elaborator, Entry, Eval};
+use super::{Elaborator, Entry, Eval, Reported};
+use crate::codes;
 use eng_grammar::ast;
+use eng_grammar::{Diagnostic, Span};
 use std::collections::BTreeSet;
 
 /// The action for each combination of binders: it gets a scope with their values, and the combination's
 /// index.
 pub(crate) type Visit<'v, E> = dyn FnMut(&mut E, ScopeId, &[usize]) -> Eval<()> + 'v;
+
+/// Makes the instance of one combination.
+pub(crate) type Make<'v, 'a, E> = dyn FnMut(&mut E, ScopeId, &[usize]) -> Eval<Value<'a>> + 'v;
 
 impl<'a> Elaborator<'a, '_> {
     /// Runs `f` for every combination of the binders' values, with a scope of these values and their index
@@ -19,6 +25,58 @@ impl<'a> Elaborator<'a, '_> {
         f: &mut Visit<'_, Self>,
     ) -> Eval<()> {
         self.for_each_from(binders, scope, &mut Vec::new(), f)
+    }
+
+    /// The instances of a declaration: one, or a family where it has an index. Those whose condition fails are
+    /// left out; where it is the only one, the value says that it is absent.
+    pub fn instances_of(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        scope: ScopeId,
+        make: &mut Make<'_, 'a, Self>,
+    ) -> Eval<Value<'a>> {
+        let mut made = Vec::new();
+        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+            if let Some(condition) = &declaration.condition
+                && !e.known_truth(condition, inner)?
+            {
+                return Ok(());
+            }
+            made.push((position.to_vec(), make(e, inner, position)?));
+            Ok(())
+        })?;
+        if !declaration.index.is_empty() {
+            return Ok(Value::Family(made));
+        }
+        Ok(match made.pop() {
+            Some((_, only)) => only,
+            None => Value::Absent(declaration),
+        })
+    }
+
+    /// A condition that parameters do not change.
+    fn known_truth(&mut self, condition: &'a ast::Expr, scope: ScopeId) -> Eval<bool> {
+        match self.truth(condition, scope)? {
+            Truth::Known(holds) => Ok(holds),
+            Truth::Later(_) => Err(self.report(
+                Diagnostic::error(codes::NOT_KNOWN, "this must be known while compiling")
+                    .at(condition.span, "decides whether a part exists")
+                    .with_help("make the parameter a `const`: a change then compiles again"),
+            )),
+        }
+    }
+
+    /// The error for the use of a part that does not exist.
+    pub fn absent(&mut self, declaration: &ast::Declaration, place: Span) -> Reported {
+        let name = &declaration.name;
+        let mut message = Diagnostic::error(codes::ABSENT, format!("`{}` is not there", name.text))
+            .at(place, "used here");
+        if let Some(condition) = &declaration.condition {
+            message = message.also(condition.span, "this does not hold");
+        }
+        self.report(
+            message.with_help("give the part that uses it the same condition; an output takes an index over a range that may be empty: `output x[k in 1..count] = …`"),
+        )
     }
 
     fn for_each_from(

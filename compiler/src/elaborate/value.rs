@@ -53,6 +53,8 @@ pub(crate) enum Value<'a> {
     Definition(DefinitionId),
     /// A class with some of its arguments.
     Bound(Rc<BoundClass<'a>>),
+    /// A part whose condition does not hold.
+    Absent(&'a ast::Declaration),
     Cycle,
     ModeSet(Rc<Vec<super::ModePart>>),
 }
@@ -127,6 +129,7 @@ impl Value<'_> {
             Value::Closure(_) => "a function",
             Value::Table(_) => "a table",
             Value::Definition(_) | Value::Bound(_) => "a class",
+            Value::Absent(_) => "a part that is not there",
             Value::Cycle => "the cycle",
             Value::ModeSet(_) => "a mode set",
         }

@@ -624,6 +624,7 @@ impl<'t> Builder<'t, '_> {
             return ItemKind::Error;
         };
         let mut index = Vec::new();
+        let mut condition = None;
         let mut parameters = Vec::new();
         let mut interface = None;
         let mut value = None;
@@ -641,6 +642,7 @@ impl<'t> Builder<'t, '_> {
                 Rule::index => index = self.binders(part, depth + 1),
                 Rule::parameters => parameters = self.parameters(part, depth + 1),
                 Rule::name => interface = Some(self.name(&part)),
+                Rule::condition => condition = self.inner_expression(part, depth + 1),
                 Rule::expression => value = Some(self.expression(part, depth + 1)),
                 Rule::block => block = Some(self.block(part, place, depth + 1)),
                 _ => {}
@@ -662,14 +664,43 @@ impl<'t> Builder<'t, '_> {
             _ => return ItemKind::Error,
         };
         match kind {
-            Some(kind) => ItemKind::Declaration(Declaration {
-                kind,
-                kind_span,
-                name,
-                index,
-                form,
-            }),
+            Some(kind) => {
+                self.no_condition(kind, word.as_str(), condition.as_ref());
+                ItemKind::Declaration(Declaration {
+                    kind,
+                    kind_span,
+                    name,
+                    index,
+                    condition,
+                    form,
+                })
+            }
             None => ItemKind::Error,
+        }
+    }
+
+    /// Reports `if` after a name that is no part of a model.
+    fn no_condition(&mut self, kind: Kind, word: &str, condition: Option<&Expr>) {
+        let is_part = matches!(
+            kind,
+            Kind::Body
+                | Kind::Flexible
+                | Kind::Marker
+                | Kind::Joint
+                | Kind::Force
+                | Kind::Journal
+                | Kind::Drive
+                | Kind::Part
+        );
+        if let Some(condition) = condition.filter(|_| !is_part) {
+            let place = condition.span;
+            self.report(
+                Diagnostic::error(codes::UNEXPECTED, format!("a {word} is always there"))
+                    .at(place, "its condition")
+                    .with_help(
+                        "bodies, markers, joints, forces, journals, drives and parts may have one",
+                    ),
+            );
         }
     }
 

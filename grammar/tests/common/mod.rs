@@ -102,6 +102,9 @@ fn write_declaration(out: &mut String, declaration: &Declaration, level: usize) 
         declaration.name.text,
         binders(&declaration.index)
     );
+    if let Some(condition) = &declaration.condition {
+        let _ = write!(head, " if {}", expr(condition));
+    }
     let block = match &declaration.form {
         Form::Class {
             parameters: list,

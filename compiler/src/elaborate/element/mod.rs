@@ -8,9 +8,7 @@ pub(crate) use arguments::is_marker;
 
 use super::scalar::{ElementBuilder, PROVISIONAL};
 use super::value::{Axes, Given, ScopeId, Value};
-use super::{
-    Argument, Elaborator, ElementSource, Eval, OutputShape, Reported, body::index_text, location,
-};
+use super::{Argument, Elaborator, ElementSource, Eval, OutputShape, body::index_text, location};
 use crate::ir::Node;
 use crate::program::DefinitionId;
 use crate::typed::lineage::{self, ClassParameter, Level};
@@ -114,19 +112,12 @@ impl<'a> Elaborator<'a, '_> {
         let (value, block) = self.instance(declaration)?;
         let name = &declaration.name.text;
         let base = self.path(scope, name);
-        let mut made = Vec::new();
-        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+        self.instances_of(declaration, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
             let element = e.element(declaration, value, block, inner, path);
             e.bench.element = None;
-            made.push((position.to_vec(), Value::Element(element?)));
-            Ok(())
-        })?;
-        if declaration.index.is_empty() {
-            made.pop().map(|m| m.1).ok_or(Reported)
-        } else {
-            Ok(Value::Family(made))
-        }
+            Ok(Value::Element(element?))
+        })
     }
 
     fn element(

@@ -23,8 +23,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Value<'a>> {
         let (value, _) = self.instance(declaration)?;
         let name = &declaration.name.text;
-        let mut made = Vec::new();
-        self.for_each(&declaration.index, scope, &mut |e, inner, position| {
+        self.instances_of(declaration, scope, &mut |e, inner, position| {
             let text = format!("{name}{}", index_text(position));
             let (place, tie, center, axes) = e.place_on_mesh(value, inner)?;
             let shape = markers.len() as u32;
@@ -47,14 +46,8 @@ impl<'a> Elaborator<'a, '_> {
                 marker,
             ));
             known.push((name.clone(), position.to_vec()));
-            made.push((position.to_vec(), Value::Marker(marker)));
-            Ok(())
-        })?;
-        if declaration.index.is_empty() {
-            made.pop().map(|m| m.1).ok_or(Reported)
-        } else {
-            Ok(Value::Family(made))
-        }
+            Ok(Value::Marker(marker))
+        })
     }
 
     #[allow(clippy::type_complexity)]
