@@ -31,8 +31,10 @@ pub const POSITION_LIMIT: f64 = 1e-9;
 const POSITION_GOAL: f64 = 1e-12;
 /// Most corrections of a position.
 const ATTEMPTS: usize = 12;
-/// Corrections of a velocity: the first hardly changes the films, and two more leave only rounding.
-const VELOCITY_ROUNDS: usize = 3;
+/// Most corrections of a velocity: the first hardly changes the films, and two more leave only rounding.
+const VELOCITY_ROUNDS: usize = 6;
+/// Largest |Φ̇| after the corrections, of that before them.
+const VELOCITY_GOAL: f64 = 1e-9;
 /// Most refinements of a solution with the factors of a nearby position.
 const REFINEMENTS: usize = 6;
 
@@ -304,8 +306,24 @@ impl AccelerationSystem {
         }
         self.take_forces(model, dynamics, state);
         self.fill(model, dynamics)?;
-        for round in 0..VELOCITY_ROUNDS {
+        let largest = |rates: &[f64]| {
+            rates
+                .iter()
+                .fold(0.0_f64, |most, rate| most.max(rate.abs()))
+        };
+        let (mut first, mut last) = (0.0, f64::INFINITY);
+        for round in 0..=VELOCITY_ROUNDS {
             dynamics.velocity_level(model, &state.velocity)?;
+            let left = largest(&dynamics.constraint_rates);
+            if round == 0 {
+                first = left;
+            }
+            // after the first round each one leaves 1e-6 of the violation; no progress means rounding
+            let enough = round > 1 && (left <= VELOCITY_GOAL * first || left > 0.1 * last);
+            if enough || round == VELOCITY_ROUNDS {
+                break;
+            }
+            last = left;
             for (wanted, rate) in self.wanted_rates.iter_mut().zip(&dynamics.constraint_rates) {
                 *wanted = -rate;
             }
@@ -316,7 +334,8 @@ impl AccelerationSystem {
                 for (i, wanted) in self.wanted_rates.iter().enumerate() {
                     self.rhs[n + i] = wanted * self.scales[n + i];
                 }
-                self.solve(model, moment)?;
+                // the next round removes the error of factors at a nearby position
+                self.solver.solve(&mut self.rhs);
                 for ((x, y), s) in self.change.iter_mut().zip(&self.rhs).zip(&self.scales) {
                     *x = y * s;
                 }
@@ -327,7 +346,6 @@ impl AccelerationSystem {
             dynamics.place(model, state.time, &state.pose, &state.velocity);
             dynamics.gather(model, &state.states, &[], &state.rotations);
         }
-        dynamics.velocity_level(model, &state.velocity)?;
         dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.forces);
         self.balance(model, dynamics, state, moment)
     }

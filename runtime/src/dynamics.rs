@@ -181,38 +181,42 @@ impl Dynamics {
             let frame = body.frame(pose);
             *cached = (frame.position, frame.rotation);
         }
-        for (index, marker) in model.markers.iter().enumerate() {
-            match marker.body {
-                None => self.markers[index] = chain::ground(marker),
-                Some(b) => {
-                    let body = &model.bodies[b];
-                    let frame = frame_of(&self.pose, &self.frames, body, b);
-                    let v = &velocity[body.velocity..];
-                    let at = self.jacobian_at[index];
-                    let Some(shape) = &marker.shape else {
-                        self.markers[index] = chain::rigid_kinematics(&frame, marker, v);
-                        let (out, _) = self.jacobians[at..].as_chunks_mut::<6>();
-                        chain::rigid_jacobian(&frame, marker, out);
-                        continue;
-                    };
-                    if shape.is_curved() {
-                        let first = self.shape_at[index];
-                        let rows = &mut self.shapes[first..first + shape.length()];
-                        shape.fill_rows(frame.amplitudes, &v[6..body.width()], rows);
-                    }
-                    let placed = Placed::new(&frame, marker);
-                    let motion = Motion::new(&frame, marker, v);
-                    self.markers[index] =
-                        chain::seen(&frame.rotation, &frame.position, &placed, &motion);
-                    chain::jacobian_in_reach(
-                        &frame.rotation,
-                        &placed,
-                        &mut self.jacobians[at..at + 6 * placed.reach()],
-                    );
-                    self.placed[index] = Some((placed, motion));
-                }
-            }
+        for index in 0..model.markers.len() {
+            self.place_marker(model, index, velocity);
         }
+    }
+
+    /// Places one marker again, at the present poses and other velocities of the bodies.
+    pub fn place_marker(&mut self, model: &Model, index: usize, velocity: &[f64]) {
+        let marker = &model.markers[index];
+        let Some(b) = marker.body else {
+            self.markers[index] = chain::ground(marker);
+            return;
+        };
+        let body = &model.bodies[b];
+        let frame = frame_of(&self.pose, &self.frames, body, b);
+        let v = &velocity[body.velocity..];
+        let at = self.jacobian_at[index];
+        let Some(shape) = &marker.shape else {
+            self.markers[index] = chain::rigid_kinematics(&frame, marker, v);
+            let (out, _) = self.jacobians[at..].as_chunks_mut::<6>();
+            chain::rigid_jacobian(&frame, marker, out);
+            return;
+        };
+        if shape.is_curved() {
+            let first = self.shape_at[index];
+            let rows = &mut self.shapes[first..first + shape.length()];
+            shape.fill_rows(frame.amplitudes, &v[6..body.width()], rows);
+        }
+        let placed = Placed::new(&frame, marker);
+        let motion = Motion::new(&frame, marker, v);
+        self.markers[index] = chain::seen(&frame.rotation, &frame.position, &placed, &motion);
+        chain::jacobian_in_reach(
+            &frame.rotation,
+            &placed,
+            &mut self.jacobians[at..at + 6 * placed.reach()],
+        );
+        self.placed[index] = Some((placed, motion));
     }
 
     /// Gathers the inputs of the dynamic elements.

@@ -13,7 +13,10 @@ use std::collections::BTreeSet;
 #[derive(Clone, Debug)]
 pub struct Outputs {
     levels: Vec<Vec<Batch>>,
+    /// The markers of the elements, in order.
+    markers: Vec<usize>,
     scratch: Scratch,
+    /// Accelerations of `markers`, at the places of the model's markers.
     accelerations: Vec<[f64; 6]>,
     /// Channels of each element: (output, channel).
     channels: Vec<Vec<(usize, usize)>>,
@@ -92,8 +95,13 @@ impl Outputs {
         for (index, channel) in system.channels.iter().enumerate() {
             channels[channel.element as usize].push((channel.output as usize, index));
         }
+        let markers: BTreeSet<usize> = (0..level.len())
+            .filter(|element| level[*element].is_some())
+            .flat_map(|element| model.elements[element].markers.iter().copied())
+            .collect();
         Ok(Outputs {
             levels,
+            markers: markers.into_iter().collect(),
             scratch: Scratch::new(model),
             accelerations: vec![[0.0; 6]; model.markers.len()],
             channels,
@@ -103,15 +111,22 @@ impl Outputs {
         })
     }
 
-    /// Evaluates the outputs at a state. `dynamics` must be placed there.
+    /// The markers that the outputs read.
+    pub fn markers(&self) -> &[usize] {
+        &self.markers
+    }
+
+    /// Evaluates the outputs at a state. `dynamics` must have placed their markers there.
     pub fn evaluate(
         &mut self,
         model: &Model,
         dynamics: &Dynamics,
         state: &State,
     ) -> Result<(), RuntimeError> {
-        for (index, marker) in model.markers.iter().enumerate() {
-            let Some(b) = marker.body else { continue };
+        for &index in &self.markers {
+            let Some(b) = model.markers[index].body else {
+                continue;
+            };
             let body = &model.bodies[b];
             let range = body.velocity..body.velocity + body.width();
             let mut x = dynamics.marker_bias(model, index, &state.velocity[range.clone()]);

@@ -160,6 +160,8 @@ pub struct Simulation {
     /// Length of the last step (s), zero before the first.
     earlier_step: f64,
     cycle_now: Option<[f64; 2]>,
+    /// Cycle angle and rate of the dense output at the ends of the last step, if a sample asked for them.
+    cycle_at_ends: Option<[[f64; 2]; 2]>,
     cycle_start: f64,
     astray: Astray,
     advised: Vec<bool>,
@@ -257,6 +259,7 @@ impl Simulation {
             earlier_powers: [0.0; 3],
             earlier_step: 0.0,
             cycle_now: None,
+            cycle_at_ends: None,
             cycle_start: 0.0,
             astray: Astray::begin(&model, &state),
             advised: vec![false; conditions],

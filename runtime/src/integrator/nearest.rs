@@ -6,9 +6,6 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::state::State;
 
-/// Corrections of an interpolated velocity.
-const SETTLING_ROUNDS: usize = 3;
-
 impl Integrator {
     /// The change x of the velocities with `G x = rates` (m/s, rad/s) that is least in the kept matrix of the
     /// step: `S x + Gᵀμ = 0` with the inertia, damping and stiffness S of a step. If a film's damping over a
@@ -45,6 +42,9 @@ impl Integrator {
     /// `S u = −(M v̇ + Gᵀλ − Q)`, `G u = 0`, with the kept matrix, changes velocities by `γ/(βh) u`. Where
     /// inertia dominates, this is of third order in the step, like the interpolation. Positions do not
     /// change. Without kept factors, or if a correction is no number, nothing changes.
+    ///
+    /// One correction leaves the error of interpolation times the contraction of the kept matrix. Two more
+    /// corrections change channels of the examples by at most a tenth of their error at the default tolerance.
     pub fn settle(
         &mut self,
         model: &Model,
@@ -55,22 +55,19 @@ impl Integrator {
             return Ok(());
         };
         let (n, weight) = (model.velocities, self.coefficients.weights(step).velocity);
-        for _ in 0..SETTLING_ROUNDS {
-            dynamics.place(model, state.time, &state.pose, &state.velocity);
-            dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
-            dynamics.evaluate(model)?;
-            self.correction.fill(0.0);
-            let rest = &mut self.correction[..n];
-            dynamics.add_inertia(model, &state.velocity, &state.acceleration, rest);
-            dynamics.add_forces(model, -1.0, rest);
-            for i in 0..n {
-                self.correction[i] *= -self.row_scale(model, i, step);
-            }
-            self.solver.solve(&mut self.correction);
-            let changes = &self.correction[..n];
-            if changes.iter().any(|x| !x.is_finite()) {
-                break;
-            }
+        dynamics.place(model, state.time, &state.pose, &state.velocity);
+        dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
+        dynamics.evaluate(model)?;
+        self.correction.fill(0.0);
+        let rest = &mut self.correction[..n];
+        dynamics.add_inertia(model, &state.velocity, &state.acceleration, rest);
+        dynamics.add_forces(model, -1.0, rest);
+        for i in 0..n {
+            self.correction[i] *= -self.row_scale(model, i, step);
+        }
+        self.solver.solve(&mut self.correction);
+        let changes = &self.correction[..n];
+        if changes.iter().all(|x| x.is_finite()) {
             for ((v, change), scale) in state.velocity.iter_mut().zip(changes).zip(&self.scales) {
                 *v += weight * scale * change;
             }

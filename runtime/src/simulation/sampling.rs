@@ -216,62 +216,27 @@ impl Simulation {
         }
     }
 
-    fn cycle_angle_at(&mut self, time: f64) -> Result<f64, RuntimeError> {
+    /// Cycle angle and rate of the dense output at one end of the last step.
+    fn cycle_at_end(&mut self, time: f64) -> Result<[f64; 2], RuntimeError> {
         self.interpolate_at(time)?;
         let state = &self.completed;
         self.dynamics
             .place(&self.model, state.time, &state.pose, &state.velocity);
-        self.cycle_of_completed()?
-            .map(|c| c[0])
-            .ok_or(RuntimeError::NoCycle)
+        self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)
     }
 
-    /// The time within the last step at which the cycle has an angle (rad), by false position (Illinois
-    /// variant) on the dense output. For an angle outside it is the nearer end.
+    /// The time within the last step at which the cycle has an angle (rad), on the cubic over the step with
+    /// angles and rates at its ends. This cubic and the angle of the dense output differ by an error of
+    /// fourth order in the step. For an angle outside it is the nearer end.
     pub fn locate_angle(&mut self, angle: f64) -> Result<f64, RuntimeError> {
-        let (mut from, mut to) = (self.integrator.previous.time, self.integrator.current.time);
-        let mut at_from = self.cycle_angle_at(from)? - angle;
-        let mut at_to = self.cycle_angle_at(to)? - angle;
-        if at_to == 0.0 || from == to {
-            return Ok(to);
-        }
-        if at_from == 0.0 {
-            return Ok(from);
-        }
-        if (at_from > 0.0) == (at_to > 0.0) {
-            return Ok(if at_from.abs() < at_to.abs() {
-                from
-            } else {
-                to
-            });
-        }
-        let mut side = 0;
-        for _ in 0..80 {
-            let middle = (from * at_to - to * at_from) / (at_to - at_from);
-            let middle = middle.clamp(from, to);
-            let value = self.cycle_angle_at(middle)? - angle;
-            if value.abs() < 1e-14 * angle.abs().max(1.0)
-                || to - from <= 4.0 * f64::EPSILON * to.abs()
-            {
-                return Ok(middle);
-            }
-            if (value > 0.0) == (at_to > 0.0) {
-                to = middle;
-                at_to = value;
-                if side == 1 {
-                    at_from *= 0.5;
-                }
-                side = 1;
-            } else {
-                from = middle;
-                at_from = value;
-                if side == -1 {
-                    at_to *= 0.5;
-                }
-                side = -1;
-            }
-        }
-        Ok(0.5 * (from + to))
+        let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
+        let ends = match self.cycle_at_ends {
+            // all samples of a step share its ends
+            Some(ends) => ends,
+            None => [self.cycle_at_end(from)?, self.cycle_at_end(to)?],
+        };
+        self.cycle_at_ends = Some(ends);
+        Ok(crossing(from, to, ends, angle))
     }
 
     /// The last accepted state projected on the constraints, with accelerations and multipliers of the
@@ -306,5 +271,72 @@ impl Simulation {
             largest(&self.dynamics.constraints),
             largest(&self.dynamics.constraint_rates),
         ))
+    }
+}
+
+/// The time between `from` and `to` (s) at which a cubic has a value, by Newton's iteration within a bracket.
+/// The cubic has a value and a rate (1/s) at each end. For a value beyond both ends it is the nearer end.
+fn crossing(from: f64, to: f64, ends: [[f64; 2]; 2], value: f64) -> f64 {
+    let h = to - from;
+    let [[a, da], [b, db]] = ends;
+    let (first, last) = (a - value, b - value);
+    if last == 0.0 || h <= 0.0 {
+        return to;
+    }
+    if first == 0.0 || (first > 0.0) == (last > 0.0) {
+        return if first.abs() < last.abs() { from } else { to };
+    }
+    let at = |s: f64| {
+        let rest = s * s * (3.0 - 2.0 * s);
+        let miss = first + rest * (b - a) + h * s * (1.0 - s) * ((1.0 - s) * da - s * db);
+        let slope = 6.0 * s * (1.0 - s) * (b - a)
+            + h * ((1.0 - s) * (1.0 - 3.0 * s) * da + s * (3.0 * s - 2.0) * db);
+        (miss, slope)
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut s = first / (first - last);
+    // bisection alone would need 53 rounds
+    for _ in 0..60 {
+        let (miss, slope) = at(s);
+        if miss == 0.0 {
+            break;
+        }
+        if (miss > 0.0) == (last > 0.0) {
+            high = s;
+        } else {
+            low = s;
+        }
+        let newton = s - miss / slope;
+        let next = if low < newton && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        if next == s {
+            break;
+        }
+        s = next;
+    }
+    from + s * h
+}
+
+#[cfg(test)]
+mod tests {
+    use super::crossing;
+
+    /// t³ − t over 1…3 s: the time of each value, by its own cubic.
+    #[test]
+    fn crossing_of_a_cubic() {
+        let cubic = |t: f64| [t * t * t - t, 3.0 * t * t - 1.0];
+        let ends = [cubic(1.0), cubic(3.0)];
+        for t in [1.0, 1.0001, 1.5, 2.0, 2.9, 3.0] {
+            let found = crossing(1.0, 3.0, ends, cubic(t)[0]);
+            assert!((found - t).abs() < 1e-14, "{found} for {t}");
+        }
+        assert_eq!(crossing(1.0, 3.0, ends, -7.0), 1.0);
+        assert_eq!(crossing(1.0, 3.0, ends, 99.0), 3.0);
+        // a cycle that turns backwards
+        let back = ends.map(|end| end.map(|x| -x));
+        assert!((crossing(1.0, 3.0, back, -cubic(2.5)[0]) - 2.5).abs() < 1e-14);
     }
 }

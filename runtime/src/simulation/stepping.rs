@@ -346,6 +346,7 @@ impl Simulation {
             .look_at_vibrations(&self.model, &mut self.dynamics, h, tolerance);
         self.integrator.accept(&self.model, h, time);
         self.evaluated = None;
+        self.cycle_at_ends = None;
         if self.options.step.fixed().is_some() && time >= end {
             // the speed before a step decides; after the last one no other step would find a body that began at rest
             self.turned_too_far(h)?;

@@ -91,8 +91,13 @@ impl Balance<'_> {
         let mut moving = state.clone();
         moving.velocity.fill(0.0);
         moving.acceleration.fill(0.0);
+        self.dynamics
+            .place(model, moving.time, &moving.pose, &moving.velocity);
         let mut rate = |dynamics: &mut Dynamics, moving: &State| -> Result<f64, RuntimeError> {
-            dynamics.place(model, moving.time, &moving.pose, &moving.velocity);
+            // only velocities differ from the state before
+            for i in 0..watch.markers().len() {
+                dynamics.place_marker(model, watch.markers()[i], &moving.velocity);
+            }
             watch.evaluate(model, dynamics, moving)?;
             Ok(watch.watched_values[1])
         };

@@ -226,6 +226,7 @@ impl Follower {
 
     /// Sets the time and all angles back to those of a state a period before.
     fn rewind(&mut self, first: &State) {
+        self.kept.replaced();
         let now = &mut self.integrator.current;
         now.time = first.time;
         now.rotations.copy_from_slice(&first.rotations);
@@ -257,6 +258,7 @@ impl Follower {
         {
             return false;
         }
+        self.kept.replaced();
         let now = &mut self.integrator.current;
         now.pose.copy_from_slice(&pose);
         let mut rest = &all[n..];

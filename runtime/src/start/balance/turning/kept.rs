@@ -35,6 +35,8 @@ pub(super) struct Kept {
     pub faster: DVector<f64>,
     /// Rate of the efforts (1/s).
     pace: f64,
+    /// The rows at the state that was followed last, until it is replaced.
+    present: Option<DMatrix<f64>>,
 }
 
 fn scaled(balance: &Balance, velocity: &[f64]) -> DVector<f64> {
@@ -83,6 +85,7 @@ impl Kept {
             ahead: DVector::zeros(count),
             faster: DVector::zeros(count),
             pace: SOFT * TAU / period,
+            present: None,
         };
         let rows = kept.rows(balance, state)?;
         let free = &balance.motion.free;
@@ -134,7 +137,13 @@ impl Kept {
         Ok(rows)
     }
 
-    /// The loads of the efforts over a step (s), along the scaled velocities.
+    /// Forgets the rows of the state that was followed last, because another state replaces it.
+    pub fn replaced(&mut self) {
+        self.present = None;
+    }
+
+    /// The loads of the efforts over a step (s) from the state that was followed last, along the scaled
+    /// velocities.
     pub fn pull(
         &self,
         balance: &mut Balance,
@@ -145,14 +154,19 @@ impl Kept {
             let ahead = self.ahead[k] + step * self.faster[k];
             -self.inertia[k] * self.pace * (self.pace * ahead + 2.0 * self.faster[k])
         });
-        Ok(self.rows(balance, state)?.tr_mul(&efforts))
+        match &self.present {
+            Some(rows) => Ok(rows.tr_mul(&efforts)),
+            None => Ok(self.rows(balance, state)?.tr_mul(&efforts)),
+        }
     }
 
     /// Updates the leads after a step (s) to a state.
     pub fn follow(&mut self, balance: &mut Balance, state: &State, step: f64) -> Result<(), Stop> {
-        let faster = self.rows(balance, state)? * scaled(balance, &state.velocity) - &self.values;
+        let rows = self.rows(balance, state)?;
+        let faster = &rows * scaled(balance, &state.velocity) - &self.values;
         self.ahead += (&self.faster + &faster) * (0.5 * step);
         self.faster = faster;
+        self.present = Some(rows);
         Ok(())
     }
 }
