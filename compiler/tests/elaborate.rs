@@ -301,3 +301,38 @@ fn a_record_takes_its_fields_in_order_and_an_analysis_hands_on_all() {
     assert!(errors.is_empty(), "{errors:#?}");
     assert_eq!(default_of(&made.expect("a system"), "step"), 0.07);
 }
+
+/// A marker in the axes of another one of its body: place and axes follow, and a turn is about its own axis.
+#[test]
+fn markers_stand_in_the_axes_of_other_markers() {
+    let text = MODEL.replace(
+        "model Chain {",
+        "model Chain {\n    marker liner = at([10, 20, 30] mm, z: [0, 1, 0], x: [0, 0, 1])\n    marker seat = at([1, 2, 3] mm, in: liner, about: z, by: 90 deg)\n    output seat_x = dot(seat.x, liner.y)\n",
+    );
+    let (made, diagnostics, _) = run(&text);
+    let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    let made = made.expect("a system");
+    let none = vec![None; made.system.parameters.len()];
+    let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
+    let seat = made
+        .system
+        .markers
+        .iter()
+        .find(|m| m.origin.path == "seat")
+        .expect("a marker");
+    let value = |slot: &eng_system::system::Slot| bound.slots[slot.0 as usize];
+    // the liner's axes in the ground: x is z, y is x, z is y
+    let place: Vec<f64> = seat.position.iter().map(value).collect();
+    for (found, exact) in place.iter().zip([12e-3, 23e-3, 31e-3]) {
+        assert!((found - exact).abs() < 1e-15, "{place:?}");
+    }
+    // turned about the liner's z: x is the liner's y, y the opposite of its x
+    let axes: Vec<f64> = seat.orientation.iter().map(value).collect();
+    for (found, exact) in axes
+        .iter()
+        .zip([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0])
+    {
+        assert!((found - exact).abs() < 1e-15, "{axes:?}");
+    }
+}

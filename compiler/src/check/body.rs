@@ -322,7 +322,7 @@ impl<'p> Checker<'p> {
         arguments: &[Argument],
     ) {
         let mut place = None;
-        let mut axes: Vec<&Name> = Vec::new();
+        let mut parts: Vec<&Name> = Vec::new();
         for argument in arguments {
             match &argument.name {
                 None if place.is_none() => {
@@ -336,20 +336,19 @@ impl<'p> Checker<'p> {
                             .with_help("axes have names: `at(origin, z: [1, 0, 0])`"),
                     );
                 }
-                Some(axis) if matches!(axis.text.as_str(), "x" | "z") => {
-                    if let Some(first) = axes.iter().find(|a| a.text == axis.text) {
+                Some(part) if matches!(part.text.as_str(), "x" | "z" | "in" | "about" | "by") => {
+                    if let Some(first) = parts.iter().find(|a| a.text == part.text) {
                         self.report(
                             Diagnostic::error(
                                 codes::ARGUMENT_TWICE,
-                                format!("`{}` is given twice", axis.text),
+                                format!("`{}` is given twice", part.text),
                             )
                             .at(argument.value.span, "again here")
                             .also(first.span, "first here"),
                         );
                     }
-                    axes.push(axis);
-                    let due = Due::new(format!("the direction `{}` of a marker", axis.text));
-                    self.expect(scope, &argument.value, &Type::vector(Quantity::one()), &due);
+                    parts.push(part);
+                    self.part_of_place(scope, &part.text, &argument.value);
                 }
                 Some(other) => {
                     self.report(
@@ -358,11 +357,23 @@ impl<'p> Checker<'p> {
                             format!("`at` has no parameter `{}`", other.text),
                         )
                         .at(other.span, "no parameter of this name")
-                        .with_help("it takes a place, and `x:` and `z:` for directions"),
+                        .with_help("it takes a place, `x:` and `z:` for directions, `in:` for a marker, `about:` and `by:` for a turn"),
                     );
                     self.infer(scope, &argument.value);
                 }
             }
+        }
+        let has = |name: &str| parts.iter().any(|part| part.text == name);
+        if has("about") != has("by") {
+            let missing = if has("by") { "about" } else { "by" };
+            self.report(
+                Diagnostic::error(
+                    codes::MISSING_ARGUMENT,
+                    format!("a turn needs `{missing}:`, too"),
+                )
+                .at(call.span, "half a turn")
+                .with_help("for instance `at(origin, about: z, by: 30 deg)`"),
+            );
         }
         if place.is_none() {
             self.report(
@@ -370,6 +381,33 @@ impl<'p> Checker<'p> {
                     .at(call.span, "where?")
                     .with_help("for instance `at(origin, z: [1, 0, 0])`"),
             );
+        }
+    }
+
+    /// An argument of `at` besides the place.
+    fn part_of_place(&mut self, scope: &Scope<'p>, name: &str, value: &Expr) {
+        match name {
+            "in" => {
+                let due = Due::new("`in` of `at`");
+                self.expect(scope, value, &Type::Marker, &due);
+            }
+            "by" => {
+                let angle = Type::Scalar(Quantity::hard(Dimension::ANGLE));
+                self.expect(scope, value, &angle, &Due::new("`by` of `at`"));
+            }
+            "about" => {
+                let is_axis = matches!(&value.kind, ExprKind::Name(axis) if matches!(axis.as_str(), "x" | "y" | "z"));
+                if !is_axis {
+                    self.report(
+                        Diagnostic::error(codes::MARKER, "a turn is about an axis of the marker")
+                            .at(value.span, "`x`, `y` or `z`"),
+                    );
+                }
+            }
+            _ => {
+                let due = Due::new(format!("the direction `{name}` of a marker"));
+                self.expect(scope, value, &Type::vector(Quantity::one()), &due);
+            }
         }
     }
 }

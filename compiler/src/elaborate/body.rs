@@ -5,7 +5,7 @@ use super::scalar::{Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, location};
 use crate::codes;
-use crate::ir::{Node, Op};
+use crate::ir::{Graph, Node, Op};
 use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::system::{Body, BodyInertia, BodyRef, Marker, Origin, Role, Slot};
@@ -13,6 +13,22 @@ use eng_system::{Dimension, DisplayUnit};
 
 /// A 3×3 matrix of bind nodes, row-major.
 type Matrix = [Node; 9];
+
+/// A matrix (three by three, row-major) times a block of three rows with some columns.
+fn product(graph: &mut Graph, matrix: &Matrix, block: &[Node], columns: usize) -> Vec<Node> {
+    let mut result = Vec::with_capacity(block.len());
+    for row in matrix.chunks(3) {
+        for column in 0..columns {
+            let mut sum = graph.constant(0.0);
+            for (a, b) in row.iter().zip(block.iter().skip(column).step_by(columns)) {
+                let term = graph.multiply(*a, *b);
+                sum = graph.add(sum, term);
+            }
+            result.push(sum);
+        }
+    }
+    result
+}
 
 impl<'a> Elaborator<'a, '_> {
     pub fn slot(&mut self, node: Node) -> Slot {
@@ -127,37 +143,118 @@ impl<'a> Elaborator<'a, '_> {
         let base = self.path(owner, name);
         self.instances_of(declaration, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
-            let (place, orientation) = e.placement(value, inner)?;
+            let (place, orientation) = e.placement(value, inner, body)?;
             let marker = e.add_marker(body, path, Some(declaration.name.span), place, orientation);
             Ok(Value::Marker(marker))
         })
     }
 
-    fn placement(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<([Node; 3], Matrix)> {
-        let identity = self.identity();
-        match &value.kind {
-            ExprKind::Call { callee, arguments } if matches!(&callee.kind, ExprKind::Name(n) if n == "at") =>
-            {
-                let mut place = None;
-                let mut z = None;
-                let mut x = None;
-                for a in arguments {
-                    match a.name.as_ref().map(|n| n.text.as_str()) {
-                        None => place = Some(self.place(&a.value, scope)?),
-                        Some("z") => z = Some(self.direction(&a.value, scope)?),
-                        Some("x") => x = Some(self.direction(&a.value, scope)?),
-                        Some(_) => {
-                            return self.checked(None, a.value.span, "no argument of `at`");
-                        }
-                    }
-                }
-                let zero = self.zero();
-                self.not_parallel(x, z, value.span, scope)?;
-                let orientation = self.orientation(x, z);
-                Ok((place.unwrap_or([zero; 3]), orientation))
+    /// Place and axes of a marker on a body.
+    fn placement(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+        body: BodyRef,
+    ) -> Eval<([Node; 3], Matrix)> {
+        let arguments = match &value.kind {
+            ExprKind::Call { callee, arguments } if matches!(&callee.kind, ExprKind::Name(n) if n == "at") => {
+                arguments
             }
-            _ => Ok((self.place(value, scope)?, identity)),
+            _ => return Ok((self.place(value, scope)?, self.identity())),
+        };
+        let zero = self.zero();
+        let mut place = [zero; 3];
+        let (mut x, mut z, mut base, mut about, mut by) = (None, None, None, None, None);
+        for a in arguments {
+            match a.name.as_ref().map(|n| n.text.as_str()) {
+                None => place = self.place(&a.value, scope)?,
+                Some("z") => z = Some(self.direction(&a.value, scope)?),
+                Some("x") => x = Some(self.direction(&a.value, scope)?),
+                Some("in") => base = Some(self.frame_on(body, &a.value, scope)?),
+                Some("about") => about = Some(&a.value),
+                Some("by") => {
+                    let angle = self.evaluate(&a.value, scope)?;
+                    let angle = self.as_scalar(angle, a.value.span)?;
+                    by = Some(self.bind_node(angle, a.value.span)?);
+                }
+                Some(_) => return self.checked(None, a.value.span, "no argument of `at`"),
+            }
         }
+        self.not_parallel(x, z, value.span, scope)?;
+        let mut orientation = self.orientation(x, z);
+        if let (Some(about), Some(angle)) = (about, by) {
+            let axis = match &about.kind {
+                ExprKind::Name(axis) => ["x", "y", "z"].iter().position(|known| known == axis),
+                _ => None,
+            };
+            let axis = self.checked(axis, about.span, "no axis")?;
+            orientation = self.turned(&orientation, axis, angle);
+        }
+        if let Some((from, axes)) = base {
+            let graph = &mut self.bench.bind.graph;
+            let along = product(graph, &axes, &place, 1);
+            for (part, (from, along)) in place.iter_mut().zip(from.iter().zip(along)) {
+                *part = graph.add(*from, along);
+            }
+            let rows = product(graph, &axes, &orientation, 3);
+            orientation = std::array::from_fn(|i| rows.get(i).copied().unwrap_or(zero));
+        }
+        Ok((place, orientation))
+    }
+
+    /// Place and axes of a marker in whose axes another marker of the same body is placed.
+    fn frame_on(
+        &mut self,
+        body: BodyRef,
+        expr: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<([Node; 3], Matrix)> {
+        let value = self.evaluate(expr, scope)?;
+        let index = self.as_marker(value, expr.span)? as usize;
+        let found = self.markers.get(index);
+        let found = found.map(|m| (m.body == body, m.shape.is_some(), m.position, m.orientation));
+        let (on_body, on_mesh, position, orientation) =
+            self.checked(found, expr.span, "no marker")?;
+        if !on_body || on_mesh {
+            let label = match on_mesh {
+                true => "its place comes from a mesh",
+                false => "this one is on another body",
+            };
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::MARKER,
+                    "a marker is placed in the axes of a marker of its own body",
+                )
+                .at(expr.span, label)
+                .with_help(
+                    "two bodies meet by joints and films, not by the places of their markers",
+                ),
+            ));
+        }
+        let nodes = self.bench.bind.slots();
+        let of = |slot: &Slot| nodes.get(slot.0 as usize).copied();
+        let place: Option<Vec<Node>> = position.iter().map(of).collect();
+        let axes: Option<Vec<Node>> = orientation.iter().map(of).collect();
+        let place = place.and_then(|list| <[Node; 3]>::try_from(list).ok());
+        let axes = axes.and_then(|list| Matrix::try_from(list).ok());
+        let found = place.zip(axes);
+        self.checked(found, expr.span, "a marker without a place")
+    }
+
+    /// Axes turned about one of them (0 to 2) by an angle: M R.
+    fn turned(&mut self, matrix: &Matrix, axis: usize, angle: Node) -> Matrix {
+        let graph = &mut self.bench.bind.graph;
+        let (sine, cosine) = (graph.unary(Op::Sin, angle), graph.unary(Op::Cos, angle));
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut turned = *matrix;
+        for row in [0, 3, 6] {
+            let (a, b) = (matrix[row + next], matrix[row + last]);
+            let (ca, sb) = (graph.multiply(cosine, a), graph.multiply(sine, b));
+            let (cb, sa) = (graph.multiply(cosine, b), graph.multiply(sine, a));
+            turned[row + next] = graph.add(ca, sb);
+            turned[row + last] = graph.subtract(cb, sa);
+        }
+        turned
     }
 
     fn place(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[Node; 3]> {

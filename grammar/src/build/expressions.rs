@@ -440,7 +440,7 @@ impl<'t> Builder<'t, '_> {
                     for inner in part.into_inner() {
                         match inner.as_rule() {
                             Rule::argument_name => {
-                                name = Some(self.next_name(&mut inner.into_inner()));
+                                name = inner.into_inner().next().map(|word| self.name(&word));
                             }
                             _ => arguments.push(Argument {
                                 name: name.take(),
