@@ -8,6 +8,7 @@ use eng_report::figure::Figure;
 use eng_system::expression::{Expression, Function, Member, Window};
 use eng_system::figure::{self as plan, Averaging, Axis, Picture, SpectrumSettings, Vector};
 use eng_system::{Dimension, DisplayUnit};
+use std::f64::consts::TAU;
 
 /// The share of its size by which a column must vary to have a spectrum: the rest is rounding.
 const STILL: f64 = 1e-9;
@@ -421,6 +422,44 @@ fn varying<'r>(path: &str, runs: &[Run<'r>]) -> Option<&'r Column> {
     columns.into_iter().find(|column| varies(column))
 }
 
+/// Columns of the points of a sweep over the column of its variable; a speed is shown in rpm.
+pub(crate) fn over_variable(sweep: &str, title: String, x: &Column, columns: &[&Column]) -> Wanted {
+    let (quantity, display) = match x.dimension == Dimension::ANGLE.over(Dimension::TIME) {
+        true => {
+            let rpm = DisplayUnit {
+                symbol: "rpm".to_owned(),
+                scale: TAU / 60.0,
+                offset: 0.0,
+            };
+            ("speed".to_owned(), rpm)
+        }
+        false => (x.path.replace('_', " "), x.display.clone()),
+    };
+    let paths: Vec<String> = columns.iter().map(|column| column.path.clone()).collect();
+    let first = columns.first().copied().unwrap_or(x);
+    Wanted {
+        name: format!("{sweep}-points"),
+        same: Vec::new(),
+        dimension: first.dimension,
+        figure: plan::Figure {
+            quantity: title.clone(),
+            display: first.display.clone(),
+            picture: Picture::Xy(plan::Xy {
+                x: vec![channel(sweep, &x.path); paths.len()],
+                shown: plan::Recorded {
+                    quantity,
+                    display,
+                    dimension: x.dimension,
+                },
+                y: paths.iter().map(|path| member(sweep, path)).collect(),
+                cycles: None,
+            }),
+        },
+        title,
+        paths,
+    }
+}
+
 fn over_runs(path: &str, runs: &[Run<'_>]) -> Vec<Member> {
     let analyses = runs.iter().map(|run| run.results.analysis());
     analyses.map(|analysis| member(analysis, path)).collect()
@@ -431,7 +470,6 @@ mod tests {
     use super::*;
     use crate::machine::Machine;
     use eng_report::figure::{Abscissa, History, Upright};
-    use std::f64::consts::TAU;
 
     fn machine(period: Option<f64>) -> Machine {
         Machine {

@@ -118,11 +118,15 @@ impl<'r> Evaluator<'r> {
             true => None,
             false => run.results.column(path).map(|c| c.values.clone()),
         };
+        let rows = |path: &str| self.column(analysis, path).map(<[f64]>::to_vec);
         let mut samples = Samples {
             analysis: analysis.to_owned(),
-            time: self
-                .column(analysis, if modes { MODE } else { TIME })?
-                .to_vec(),
+            time: match (modes, run.results.column(TIME)) {
+                (true, _) => rows(MODE)?,
+                (false, Some(_)) => rows(TIME)?,
+                // rows of a table over the points of a sweep
+                (false, None) => (0..run.results.samples()).map(|row| row as f64).collect(),
+            },
             angle: kept(CYCLE_ANGLE),
             speed: kept(CYCLE_SPEED),
             period: run.machine.cycle_period,

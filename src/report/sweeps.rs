@@ -2,14 +2,12 @@
 
 use super::Entry;
 use super::drawn::drawn;
-use crate::figures::{campbell, waterfall};
+use crate::figures::{Wanted, campbell, over_variable, waterfall};
 use crate::post::{ORDERS, Run};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use crate::run::RunOutcome;
 use crate::tables::sweep::{families, table};
-use eng_report::figure::{
-    Abscissa, Curve, Figure, History, Ordinate, Panel, Scale, journal_letter,
-};
+use eng_report::figure::Figure;
 use eng_report::page::{self as pages, Cell, Section, Table};
 use eng_report::readable_unit;
 use eng_system::Dimension;
@@ -30,19 +28,12 @@ pub(super) fn sections(modes: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
             let points = table(&family);
             let mut section =
                 Section::new(format!("Sweep {}", points.analysis())).table(shown(&points));
-            for figure in over_points(&points, &family) {
-                let state = family.first().is_some_and(|o| o.results.is_state());
-                let of = match state {
-                    true => "state",
-                    false => "last cycle",
-                };
-                let caption = format!(
-                    "{}, sweep {}. Of the {of} of each point.",
-                    figure.title,
-                    points.analysis()
-                );
-                section = section.figure(figure, caption);
-            }
+            let runs: Vec<Run<'_>> = family
+                .iter()
+                .map(|o| Run::new(&points, &o.machine))
+                .take(1)
+                .collect();
+            section = drawn(section, &over_points(&points, &family), &runs);
             maps(section, modes, &family)
         })
         .collect()
@@ -99,8 +90,9 @@ fn shown(points: &Results) -> Table {
     }
 }
 
-/// Journals' and outputs' extremes over the only variable of the sweep: none where it has several, or one that is no number.
-fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<History> {
+/// The extremes of journals and outputs over the variable of the sweep, with captions. A sweep of several variables,
+/// or of one that is no number, has none.
+fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<(Wanted, String)> {
     let Some([variable]) = family.first().map(|o| o.point.as_slice()) else {
         return Vec::new();
     };
@@ -117,19 +109,6 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<History> {
     if variable.dimension == Dimension::ONE && x.values.iter().enumerate().all(place) {
         return Vec::new();
     }
-    let (abscissa, x) = if variable.dimension == Dimension::ANGLE.over(Dimension::TIME) {
-        let rpm = x.values.iter().map(|v| v * 60.0 / TAU).collect();
-        (Abscissa::Speed, rpm)
-    } else {
-        let abscissa = Abscissa::Other {
-            name: variable.name.replace('_', " "),
-            unit: readable_unit(&x.display.symbol),
-        };
-        (abscissa, x.shown())
-    };
-    let letters: Vec<&str> = family.first().map_or_else(Vec::new, |o| {
-        o.machine.journals.iter().map(|j| j.path.as_str()).collect()
-    });
     let mut groups: Vec<(String, Vec<&Column>)> = Vec::new();
     for column in points.columns() {
         let Some((owner, taken)) = column.path.rsplit_once('.') else {
@@ -149,46 +128,16 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<History> {
             None => groups.push((name, vec![column])),
         }
     }
-    groups
-        .into_iter()
-        .filter_map(|(name, columns)| {
-            let display = &columns.first()?.display;
-            Some(History {
-                title: name.clone(),
-                subtitle: format!("{}, sweep {}", points.model(), points.analysis()),
-                abscissa: abscissa.clone(),
-                ordinate: Ordinate {
-                    quantity: name,
-                    unit: readable_unit(&display.symbol),
-                    frame: String::new(),
-                },
-                scale: Scale::Linear,
-                marks: Vec::new(),
-                panels: vec![Panel {
-                    title: String::new(),
-                    x: x.clone(),
-                    curves: columns
-                        .iter()
-                        .map(|column| Curve {
-                            name: match column.path.rsplit_once('.') {
-                                Some((owner, _)) => lettered(owner, &letters),
-                                None => column.path.clone(),
-                            },
-                            values: column.values.iter().map(|v| display.from_si(*v)).collect(),
-                        })
-                        .collect(),
-                }],
-            })
-        })
-        .collect()
-}
-
-/// `A main[1]` of the path of the first journal; other paths as they are.
-fn lettered(path: &str, journals: &[&str]) -> String {
-    match journals.iter().position(|journal| *journal == path) {
-        Some(index) => format!("{} {path}", journal_letter(index)),
-        None => path.to_owned(),
-    }
+    let of = match family.first().is_some_and(|o| o.results.is_state()) {
+        true => "state",
+        false => "last cycle",
+    };
+    let sweep = points.analysis();
+    let figures = groups.into_iter().map(|(title, columns)| {
+        let caption = format!("{title}, sweep {sweep}. Of the {of} of each point.");
+        (over_variable(sweep, title, x, &columns), caption)
+    });
+    figures.collect()
 }
 
 /// Waterfalls and Campbell diagrams of the model's own forces and accelerations over the speeds of the points. Of
