@@ -437,3 +437,49 @@ fn a_class_with_some_arguments_is_a_class() {
         "{refused:?}"
     );
 }
+
+const COUNTED: &str = "
+use std.forces.LinearSpring
+fn mean(values: Length[n]) -> Length = sum(values)/n
+fn moment(arms: Length[n], loads: Force[n]) -> Torque = sum(arms[i]*loads[i] for i in 1..n)
+component Row(of: Marker[n], wall: Marker, lengths: Length[n], stiffness: Stiffness) {
+    force spring[i in 1..n] = LinearSpring(of[i], wall, stiffness: stiffness, free_length: lengths[i])
+    output longest = mean(lengths) as mm
+}
+force Pull(a: Marker, b: Marker, loads: Force[count]) {
+    apply force sum(loads)/count*b.z on a against b
+    output share = moment([1, 2, 3] mm, [1, 2, 3] N)/(1 N) as mm
+}
+model Rig {
+    gravity = [0, 0, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hook[i in 1..3] = [100*i, 0, 0] mm }
+    part row = Row(of: block.hook, wall: wall, lengths: [10, 20, 30] mm, stiffness: 1 N/mm)
+    force pull = Pull(block.origin, wall, [1, 2, 6, 7] N)
+}
+analysis a = assemble(Rig())";
+
+#[test]
+fn an_argument_decides_the_length_of_its_array() {
+    let made = elaborated(COUNTED).expect("no mistake");
+    let springs = made.system.elements.iter();
+    let springs = springs.filter(|e| e.origin.path.starts_with("row.spring"));
+    assert_eq!(springs.count(), 3);
+    let refused = |right: &str, wrong: &str| {
+        assert!(COUNTED.contains(right));
+        elaborated(&COUNTED.replace(right, wrong)).expect_err("a mistake")[0].clone()
+    };
+    assert_eq!(
+        refused("[10, 20, 30] mm", "[10, 20] mm"),
+        "E0510 `lengths` has 2 elements, and `n` is 3"
+    );
+    assert_eq!(
+        refused("[1, 2, 3] mm", "[1, 2, 3, 4] mm"),
+        "E0510 `loads` has 3 elements, and `n` is 4"
+    );
+    // a word like the name of a count is a misspelt one
+    assert_eq!(
+        refused("Force[count])", "Force[count], counts: Int = 4)"),
+        "E0205 there is no `count` here"
+    );
+}

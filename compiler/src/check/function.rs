@@ -5,8 +5,10 @@ use super::scope::Scope;
 use super::types::{FunctionParameter, Signature, Type};
 use super::{Checker, Progress};
 use crate::codes;
+use crate::resolve::suggest::nearest;
+use crate::typed::lineage::{is_int, word_of_length};
 use eng_grammar::Diagnostic;
-use eng_grammar::ast::{Function, Kind, TypeExprKind};
+use eng_grammar::ast::{Function, Kind};
 use std::sync::Arc;
 
 impl<'p> Checker<'p> {
@@ -58,12 +60,13 @@ impl<'p> Checker<'p> {
         // Counts are known to all types beside them: `fn mean(values: Length[n], n: Int)`.
         let mut counted = scope.clone();
         for parameter in &function.parameters {
-            if matches!(&parameter.ty.kind, TypeExprKind::Name(name) if name.text == "Int") {
+            if is_int(&parameter.ty) {
                 counted
                     .locals
                     .push((parameter.name.text.clone(), Type::Int));
             }
         }
+        self.counted_lengths(function, &mut counted, &mut scope);
         let mut parameters: Vec<FunctionParameter> = Vec::new();
         for parameter in &function.parameters {
             let ty = self.parameter(&counted, parameter);
@@ -117,6 +120,38 @@ impl<'p> Checker<'p> {
         self.signatures
             .insert(key, Progress::Done(signature.clone()));
         signature
+    }
+
+    /// Adds the lengths that the arguments decide to the names of a function: `n` of `values: Length[n]` if
+    /// nothing else is called `n`. A word that is nearly the name of a count is a misspelt one.
+    fn counted_lengths(
+        &mut self,
+        function: &'p Function,
+        counted: &mut Scope<'p>,
+        scope: &mut Scope<'p>,
+    ) {
+        for (word, span) in function
+            .parameters
+            .iter()
+            .filter_map(|p| word_of_length(&p.ty))
+        {
+            let mut names = function.parameters.iter().map(|p| p.name.text.as_str());
+            let counts = function.parameters.iter().filter(|p| is_int(&p.ty));
+            let counts = counts.map(|p| p.name.text.as_str());
+            let known = self.find(counted, word).is_some()
+                || names.any(|name| name == word)
+                || nearest(word, counts).is_some();
+            // the second array of the same length finds the name of the first
+            let counted_before = counted.locals.iter().any(|(name, _)| name == word)
+                && !function.parameters.iter().any(|p| p.name.text == *word);
+            if !known || counted_before {
+                self.findings.lengths.insert(span);
+            }
+            if !known {
+                counted.locals.push((word.clone(), Type::Int));
+                scope.locals.push((word.clone(), Type::Int));
+            }
+        }
     }
 
     /// Checks that a function has a value, or the types with which an interface asks for it.

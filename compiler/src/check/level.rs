@@ -483,6 +483,7 @@ impl<'p> Levels<'_, 'p> {
             Member::Function(_) if is_asked(member) => Abstract::Unknown,
             Member::Function(function) => Abstract::Function(function, Rc::new(place)),
             Member::Table(_) => Abstract::Unknown,
+            Member::Length(_) => Abstract::Number(FREE),
             Member::Reaction(_) => Abstract::Number(Level::new(2, span, Cause::Reaction)),
             Member::Declaration(declaration) => match declaration.kind {
                 Kind::Body | Kind::Flexible => Abstract::Body,

@@ -9,6 +9,7 @@ use super::{Checker, Progress};
 use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::{EXPLAINED, nearest};
+use crate::typed::lineage::{is_parameter, word_of_length};
 use eng_grammar::ast::{
     Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter,
     Statement, Table,
@@ -29,6 +30,8 @@ pub(super) enum Member<'p> {
     Declaration(&'p Declaration),
     /// The reaction of a joint or drive; `true` for the torque.
     Reaction(bool),
+    /// The length of an array that the argument decides, by its place.
+    Length(Span),
 }
 
 impl Member<'_> {
@@ -40,6 +43,7 @@ impl Member<'_> {
             Member::Table(table) => Some(table.name.span),
             Member::Declaration(declaration) => Some(declaration.name.span),
             Member::Reaction(_) => None,
+            Member::Length(span) => Some(*span),
         }
     }
 }
@@ -127,12 +131,17 @@ impl<'p> Checker<'p> {
         }
         let mut members: BTreeMap<&'p str, Held<'p>> = BTreeMap::new();
         for home in self.program.lineage(id) {
-            for (name, member) in self.own_members(home) {
-                let elder = members.get(name.text.as_str()).copied();
+            let own = self.own_members(home);
+            let counted = self.counted_members(home, &own, &members);
+            let own = own
+                .into_iter()
+                .map(|(name, member)| (&name.text, name.span, member));
+            for (name, place, member) in own.chain(counted) {
+                let elder = members.get(name.as_str()).copied();
                 if elder.is_none_or(|elder| elder.home != home && gives(member, elder.member)) {
-                    members.insert(&name.text, Held { home, member });
+                    members.insert(name, Held { home, member });
                 } else if let Some(elder) = elder {
-                    self.named_before(home, name, elder);
+                    self.named_before(home, name, place, elder);
                 }
             }
         }
@@ -186,25 +195,60 @@ impl<'p> Checker<'p> {
         found
     }
 
+    /// The lengths that the arguments of a class decide: words in the types of its parameters that nothing
+    /// else names. A word that is nearly the name of a count is a misspelt one.
+    fn counted_members(
+        &mut self,
+        id: DefinitionId,
+        own: &[(&'p Name, Member<'p>)],
+        elder: &BTreeMap<&'p str, Held<'p>>,
+    ) -> Vec<(&'p String, Span, Member<'p>)> {
+        let mut found: Vec<(&'p String, Span, Member<'p>)> = Vec::new();
+        for (_, member) in own {
+            let ty = match member {
+                Member::Parameter(parameter) => Some(&parameter.ty),
+                Member::Binding(binding) if is_parameter(binding) => binding.ty.as_ref(),
+                _ => None,
+            };
+            let Some((word, span)) = ty.and_then(word_of_length) else {
+                continue;
+            };
+            let mut names = own.iter().map(|(name, _)| name.text.as_str());
+            let counts = own.iter().filter(|(_, member)| is_count(*member));
+            let known = self.program.lookup(id.module, word).is_some()
+                || names.any(|name| name == word)
+                || elder.contains_key(word.as_str())
+                || nearest(word, counts.map(|(name, _)| name.text.as_str())).is_some();
+            if known {
+                continue;
+            }
+            self.findings.lengths.insert(span);
+            if found.iter().all(|(name, ..)| *name != word) {
+                found.push((word, span, Member::Length(span)));
+            }
+        }
+        found
+    }
+
     /// Reports a name that the definition or one of its interfaces has already.
-    fn named_before(&mut self, home: DefinitionId, name: &'p Name, elder: Held<'p>) {
+    fn named_before(&mut self, home: DefinitionId, name: &str, place: Span, elder: Held<'p>) {
         let Some(first) = elder.member.span() else {
             return;
         };
         if elder.home == home {
-            return self.defined_twice(&name.text, name.span, first);
+            return self.defined_twice(name, place, first);
         }
         let (class, interface) = (self.class_name(home), self.class_name(elder.home));
         let (text, message) = (
-            &name.text,
+            name,
             Diagnostic::error(
                 codes::REPLACED,
                 format!(
                     "`{}` of `{class}` is in its interface `{interface}` already",
-                    name.text
+                    name
                 ),
             )
-            .at(name.span, "again here"),
+            .at(place, "again here"),
         );
         let message = if is_asked(elder.member) {
             message
@@ -511,6 +555,7 @@ impl<'p> Checker<'p> {
             }
             Member::Function(function) => Type::Function(self.function(&scope, function)),
             Member::Table(table) => Type::Function(self.table(&scope, table)),
+            Member::Length(_) => Type::Int,
             Member::Reaction(torque) => Type::Vector {
                 quantity: Quantity::hard(if torque {
                     torque_dimension()
@@ -675,9 +720,9 @@ pub(super) fn is_asked(member: Member<'_>) -> bool {
 
 /// Whether a member gives what an elder one of its interface asks for. Their types are compared later.
 fn gives(own: Member<'_>, elder: Member<'_>) -> bool {
-    let is_parameter = |member: Member<'_>| match member {
+    let given_by_use = |member: Member<'_>| match member {
         Member::Parameter(_) => true,
-        Member::Binding(binding) => crate::typed::lineage::is_parameter(binding),
+        Member::Binding(binding) => is_parameter(binding),
         _ => false,
     };
     let is_output =
@@ -685,9 +730,19 @@ fn gives(own: Member<'_>, elder: Member<'_>) -> bool {
     is_asked(elder)
         && match elder {
             Member::Function(_) => matches!(own, Member::Function(_)),
-            elder if is_parameter(elder) => is_parameter(own),
+            elder if given_by_use(elder) => given_by_use(own),
             elder => is_output(elder) && is_output(own),
         }
+}
+
+/// Whether a member is a whole number by its declared type.
+fn is_count(member: Member<'_>) -> bool {
+    let ty = match member {
+        Member::Parameter(parameter) => Some(&parameter.ty),
+        Member::Binding(binding) => binding.ty.as_ref(),
+        _ => None,
+    };
+    ty.is_some_and(crate::typed::lineage::is_int)
 }
 
 /// What a member is, in a message.

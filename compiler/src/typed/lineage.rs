@@ -7,7 +7,8 @@ use super::settable;
 use crate::program::{DefinitionId, Program};
 use eng_grammar::Span;
 use eng_grammar::ast::{
-    Binding, BindingKind, Block, Declaration, Expr, Form, ItemKind, Kind, Name, TypeExpr,
+    Binding, BindingKind, Block, Declaration, Expr, ExprKind, Form, ItemKind, Kind, Name, TypeExpr,
+    TypeExprKind,
 };
 
 /// One definition of a lineage.
@@ -75,6 +76,22 @@ pub(crate) fn has_functions_only(program: &Program, interface: DefinitionId) -> 
         .peekable();
     items.peek().is_some()
         && items.all(|item| matches!(item.kind, ItemKind::Function(_) | ItemKind::Error))
+}
+
+/// Whether a type is `Int`.
+pub(crate) fn is_int(ty: &TypeExpr) -> bool {
+    matches!(&ty.kind, TypeExprKind::Name(name) if name.text == "Int")
+}
+
+/// The word that is the length of an array, with its place: `n` of `Length[n]`.
+pub(crate) fn word_of_length(ty: &TypeExpr) -> Option<(&String, Span)> {
+    match &ty.kind {
+        TypeExprKind::Array(_, length) => match &length.kind {
+            ExprKind::Name(name) => Some((name, length.span)),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 /// The parameters of a class or interface in their order: those of its interface, then those that it adds. A

@@ -17,7 +17,7 @@ use crate::program::{DefinitionId, Program, ValueType};
 use crate::words::Word;
 use eng_grammar::ast::{Binding, BindingKind, Declaration, Form, ItemKind, Kind};
 use eng_grammar::{MessagePart, Span};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use types::{Solution, Type};
 
@@ -37,6 +37,8 @@ pub(crate) struct Findings {
     pub calls: BTreeMap<Span, Arc<[u32]>>,
     /// Messages of `require` and `advise` and texts with values in them, by the place inside their quotes.
     pub messages: BTreeMap<Span, Vec<MessagePart>>,
+    /// Lengths of arrays that the arguments decide, by the place of the length: `n` of `values: Length[n]`.
+    pub lengths: BTreeSet<Span>,
     /// Types of the named values of each definition; a top-level `const` or `let` has the empty name.
     pub named: BTreeMap<(DefinitionId, String), ValueType>,
 }
@@ -58,6 +60,7 @@ impl Findings {
         self.callees.extend(other.callees);
         self.calls.extend(other.calls);
         self.messages.extend(other.messages);
+        self.lengths.extend(other.lengths);
         self.named.extend(other.named);
     }
 }

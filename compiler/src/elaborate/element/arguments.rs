@@ -124,6 +124,9 @@ impl<'a> Elaborator<'a, '_> {
         }
         self.link(&texts);
         for parameter in class.parameters.iter() {
+            self.count(&parameter.name.text, parameter.ty, home(parameter))?;
+        }
+        for parameter in class.parameters.iter() {
             let scope = home(parameter);
             if !self.scope(scope).entries.contains_key(&parameter.name.text) {
                 self.default_of(parameter, scope, path)?;
@@ -132,6 +135,43 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         Ok(ClassScope { own, texts })
+    }
+
+    /// Defines the length that the argument of an array decides: `n` of `values: Length[n]`. Arrays of one
+    /// length must agree.
+    pub fn count(&mut self, name: &str, ty: &'a ast::TypeExpr, scope: ScopeId) -> Eval<()> {
+        let Some((word, place)) = lineage::word_of_length(ty) else {
+            return Ok(());
+        };
+        if !self.typed.findings.lengths.contains(&place)
+            || !self.scope(scope).entries.contains_key(name)
+        {
+            return Ok(());
+        }
+        let length = match self.entry(scope, name, place)? {
+            Value::List(items) => items.len(),
+            Value::Family(items) => items.len(),
+            Value::Components(items, _) => items.len(),
+            _ => return Ok(()),
+        };
+        let known = match self.scope(scope).entries.get(word) {
+            Some(Entry::Value(Value::Int(known))) => Some(*known),
+            _ => None,
+        };
+        if let Some(known) = known
+            && known != length as i64
+        {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::LENGTHS,
+                    format!("`{name}` has {length} elements, and `{word}` is {known}"),
+                )
+                .at(place, format!("another array has {known} elements"))
+                .with_help("arrays of one length have the same number of elements"),
+            ));
+        }
+        self.define(scope, word, Entry::Value(Value::Int(length as i64)));
+        Ok(())
     }
 
     /// Defines a parameter without an argument, in the scope of its text. A default becomes a parameter of the

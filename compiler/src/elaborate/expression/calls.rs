@@ -106,6 +106,9 @@ impl<'a> Elaborator<'a, '_> {
                 self.define(inner, name, Entry::Lazy(Lazy::Default(parameter)));
             }
         }
+        for parameter in &function.parameters {
+            self.count(&parameter.name.text, &parameter.ty, inner)?;
+        }
         for binding in &function.lets {
             self.define(
                 inner,
