@@ -31,6 +31,7 @@ mod error;
 mod film;
 mod gap;
 mod grid;
+pub mod impedance;
 pub mod inputs;
 mod results;
 mod source;
