@@ -14,25 +14,25 @@ pub enum Error {
     /// No such model.
     #[error("there is no model {name}; there are: {}", known.join(", "))]
     NoModel {
-        /// As asked for.
+        /// The wanted name or value.
         name: String,
-        /// Those of the file.
+        /// The names in the file.
         known: Vec<String>,
     },
     /// No such analysis.
     #[error("there is no analysis {name}; there are: {}", known.join(", "))]
     NoAnalysis {
-        /// As asked for.
+        /// The wanted name or value.
         name: String,
-        /// Those of the file.
+        /// The names in the file.
         known: Vec<String>,
     },
     /// No such parameter.
     #[error("there is no parameter {path}{}", hint(nearest))]
     NoParameter {
-        /// As asked for.
+        /// The wanted name or value.
         path: String,
-        /// Written alike.
+        /// A name with a similar spelling.
         nearest: Option<String>,
     },
     /// A constant in place of a parameter.
@@ -56,9 +56,9 @@ pub enum Error {
     /// No such channel.
     #[error("there is no channel {path}{}", hint(nearest))]
     NoChannel {
-        /// As asked for.
+        /// The wanted name or value.
         path: String,
-        /// Written alike.
+        /// A name with a similar spelling.
         nearest: Option<String>,
     },
     /// A handle of a parameter or channel of another model.
@@ -81,7 +81,7 @@ pub enum Error {
         path: String,
         /// Its dimension.
         expected: Dimension,
-        /// The value's.
+        /// The dimension of the value.
         found: Dimension,
         /// A unit that fits.
         unit: String,
@@ -110,7 +110,7 @@ pub enum Error {
     /// The system has no memory for machine code, or the processor is not supported.
     #[error(transparent)]
     Code(#[from] eng_compiler::generate::CodegenError),
-    /// Files.
+    /// An error of files.
     #[error(transparent)]
     Results(#[from] crate::results::ResultsError),
 }

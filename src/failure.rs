@@ -145,7 +145,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
     }
 }
 
-/// What stands in the way of an equilibrium.
+/// The message about a missing equilibrium.
 fn no_equilibrium(message: Diagnostic, carried: f64, turning: bool, films: bool) -> Diagnostic {
     let message = if carried > 0.0 {
         message.with_note(format!(

@@ -22,7 +22,7 @@ pub struct Model {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
     pub(crate) index: usize,
-    /// Of the model that gave it.
+    /// The model that gave it.
     model: u64,
 }
 
@@ -30,7 +30,7 @@ pub struct Parameter {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Channel {
     index: usize,
-    /// Of the model that gave it.
+    /// The model that gave it.
     model: u64,
 }
 
@@ -41,7 +41,7 @@ pub struct ParameterInfo {
     pub path: String,
     /// Its dimension.
     pub dimension: Dimension,
-    /// How it is shown.
+    /// Its display unit.
     pub display: DisplayUnit,
     /// Open limits (SI).
     pub limits: (f64, f64),
@@ -54,7 +54,7 @@ pub struct ChannelInfo {
     pub path: String,
     /// Its dimension.
     pub dimension: Dimension,
-    /// How it is shown.
+    /// Its display unit.
     pub display: DisplayUnit,
     /// The axes of a component, as a path; empty for a scalar.
     pub frame: String,

@@ -1,8 +1,8 @@
 //! The functions of the language: one table for the checker, elaboration and reports.
 //!
 //! A function of one plain number needs only its row here. A function of another kind also has its type in
-//! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here, a variant of
-//! `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/evaluate.rs`.
+//! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here,
+//! a variant of `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/evaluate.rs`.
 
 use crate::ir::{Node, Op};
 use eng_system::expression::{Function, Operator, Reduction};
@@ -186,7 +186,7 @@ static FUNCTIONS: [BuiltIn; 46] = [
     of_results("decibel", &["x", "reference"], OfResults::Decibel),
 ];
 
-/// The function of a name that any expression can call.
+/// The function with a name, if any expression can call it.
 pub(crate) fn find(name: &str) -> Option<&'static BuiltIn> {
     everywhere().find(|function| function.name == name)
 }

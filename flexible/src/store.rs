@@ -6,10 +6,10 @@
 //! ```
 //!
 //! The head is little-endian, the contents are in the format of `postcard`, which keeps the bits of every
-//! f64: a body that was read gives the bits of the one that was written. Reading asks for every byte, and
-//! takes no more room than the bytes that are there fill. The caller keeps the file: written to a temporary
-//! name and renamed, it is whole or not there. It belongs to its [`Key`], a hash over the input: a body whose
-//! key differs is to be reduced again.
+//! f64: a body that is read has the bits of the body that was written. The reader checks every byte, and
+//! needs no more memory than the bytes of the file. The caller writes the file under a temporary name and
+//! renames it, so it is whole or absent. It belongs to its [`Key`], a hash over the input. A body with
+//! another key is reduced again.
 
 use crate::fe::{FreedomMap, Rules};
 use crate::mesh::Mesh;
@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
-/// Version of the format. Raised as well when the same input gives other numbers, since it is part of the
+/// Version of the format. It also rises when the same input gives other numbers, because it is part of the
 /// key.
 pub const FORMAT_VERSION: u32 = 7;
 
@@ -32,43 +32,43 @@ const HEAD: usize = 8 + 4 + 8;
 /// Bytes of the hash at the end.
 const HASH: usize = 32;
 
-/// Why bytes are not the contents of a kept file.
+/// The reason why bytes are not the contents of a kept file.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum StoreError {
-    /// It begins otherwise.
+    /// The file begins with other bytes.
     #[error("this is not a file of a reduced body")]
     NotABody,
-    /// Another version's.
+    /// The file has another version.
     #[error(
         "the reduced body is of format {found}, and this program reads format {FORMAT_VERSION}"
     )]
     Version {
-        /// The version found.
+        /// The version of the file.
         found: u32,
     },
-    /// The file has another length than it says.
+    /// The length of the file differs from the length in its head.
     #[error(
         "the file of the reduced body has {found} bytes, not {expected}: it was cut off or added to"
     )]
     Length {
-        /// Bytes that there should be.
+        /// Bytes by the head of the file.
         expected: u64,
-        /// Bytes that there are.
+        /// Bytes of the file.
         found: u64,
     },
-    /// The contents are not what was written.
+    /// The contents have changed since they were written.
     #[error("the file of the reduced body was altered after it was written: its hash differs")]
     Altered,
-    /// Written by a program that did not mean it: sizes that contradict each other.
+    /// The sizes in the file contradict each other: a program with a fault wrote it.
     #[error("the file of the reduced body makes no sense: {problem}")]
     Contents {
-        /// What is wrong.
+        /// The contradiction.
         problem: String,
     },
 }
 
 impl StoreError {
-    /// What to do about it.
+    /// The remedy.
     pub fn advice(&self) -> &'static str {
         "remove the file; the body is then reduced again from its mesh"
     }
@@ -80,14 +80,14 @@ fn senseless(problem: impl std::fmt::Display) -> StoreError {
     }
 }
 
-/// SHA-256 of what a reduced body was made from.
+/// SHA-256 of the input of a reduced body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Key(pub [u8; 32]);
 
 impl Key {
     /// The key of a reduction: over the format's version, this crate's version, the contents' hashes of all
     /// files read, in the order given, and the request as text ([`request_text`], with units, material and
-    /// whatever else decides the result). Names and dates of files don't matter.
+    /// all other data that decide the result). Names and dates of files do not count.
     pub fn new(files: &[[u8; 32]], request: &str) -> Key {
         let mut hash = Sha256::new();
         hash.update(MAGIC);
@@ -119,16 +119,16 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// A request as canonical text: equal for equal requests only. Numbers stand in the shortest form that reads
-/// back as the same.
+/// A request as canonical text: only equal requests have equal texts. Numbers have the shortest form that
+/// gives the same bits when it is read.
 pub fn request_text(request: &Request) -> String {
     format!("{request:?}")
 }
 
-/// A value as the bytes of a file.
+/// The bytes of a file with a value.
 ///
 /// # Errors
-/// Where a list of the value does not know its length.
+/// A list without a known length.
 pub fn to_bytes(value: &impl Serialize) -> Result<Vec<u8>, StoreError> {
     let mut out = Vec::with_capacity(1 << 16);
     out.extend_from_slice(&MAGIC);
@@ -144,7 +144,7 @@ pub fn to_bytes(value: &impl Serialize) -> Result<Vec<u8>, StoreError> {
     Ok(out)
 }
 
-/// The value of the bytes of a file.
+/// The value in the bytes of a file.
 ///
 /// # Errors
 /// Bytes of no kept file, of another version, cut off, altered, or of another type.
@@ -177,19 +177,19 @@ pub fn from_bytes<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, StoreError> {
     }
 }
 
-/// A reduced body with all that is kept of its reduction.
+/// A reduced body with the data of its reduction.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StoredBody {
-    /// What it was made from.
+    /// The key of its input.
     pub key: Key,
     /// Where it comes from, as names and values: source files with their SHA-256, the request, versions,
     /// units, mass rule.
     pub provenance: Vec<(String, String)>,
-    /// What the runtime computes with.
+    /// The data of the runtime.
     pub body: ReducedBody,
     /// Integration rules, with which stresses are recovered.
     pub rules: Rules,
-    /// For tables.
+    /// The data of tables.
     pub report: Report,
     /// The mesh in SI, with the markers' nodes and ties.
     pub mesh: Mesh,
@@ -197,13 +197,13 @@ pub struct StoredBody {
     pub surface: Surface,
     /// Numbering of the full freedoms.
     pub freedoms: FreedomMap,
-    /// Shapes over the full freedoms, one after the other (m, rad a unit of amplitude).
+    /// Shapes over the full freedoms, one after the other (m, rad per unit of amplitude).
     pub shapes: Vec<f64>,
 }
 
 impl StoredBody {
-    /// What is kept of a reduction, with its key and provenance. To the latter the versions of format and
-    /// crate and the rules are added.
+    /// The stored body of a reduction, with its key and provenance. The versions of format and crate and the
+    /// rules are added to the provenance.
     pub fn new(
         reduced: Reduced,
         rules: Rules,
@@ -231,18 +231,18 @@ impl StoredBody {
         }
     }
 
-    /// As the bytes of a file.
+    /// The body as the bytes of a file.
     ///
     /// # Errors
-    /// None of a body whose lists have a length, as all of these have.
+    /// None, because all lists of a body have a known length.
     pub fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
         to_bytes(self)
     }
 
-    /// From the bytes of a file.
+    /// A body from the bytes of a file.
     ///
     /// # Errors
-    /// What is no stored body, of another version, cut off, altered, or contradicts itself.
+    /// The bytes are no stored body, have another version, are cut off or altered, or contradict each other.
     pub fn from_bytes(bytes: &[u8]) -> Result<StoredBody, StoreError> {
         let stored: StoredBody = from_bytes(bytes)?;
         match stored.defect() {
@@ -251,7 +251,7 @@ impl StoredBody {
         }
     }
 
-    /// What does not fit together, if anything.
+    /// The first contradiction, if there is one.
     fn defect(&self) -> Option<String> {
         let n = self.body.invariants.modes;
         if let Some(defect) = self.body.invariants.defect() {

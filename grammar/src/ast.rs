@@ -32,7 +32,7 @@ pub struct Item {
     pub docs: Vec<String>,
     /// The whole item.
     pub span: Span,
-    /// What it is.
+    /// Its kind.
     pub kind: ItemKind,
 }
 
@@ -217,7 +217,8 @@ pub struct Requirement {
     pub message: Name,
 }
 
-/// `table name(x: Type) -> Type = csv("file", columns: ["x [deg]", "y [bar]"], periodic: 720 deg, interpolation: monotone)`.
+/// `table name(x: Type) -> Type = csv("file", columns: ["x [deg]", "y [bar]"], periodic: 720 deg,
+/// interpolation: monotone)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// The name.
@@ -414,7 +415,7 @@ pub struct Entry {
 pub struct TypeExpr {
     /// Its place.
     pub span: Span,
-    /// What it is.
+    /// Its kind.
     pub kind: TypeExprKind,
 }
 
@@ -466,7 +467,7 @@ pub struct UnitFactor {
 pub struct Expr {
     /// Its place.
     pub span: Span,
-    /// What it is.
+    /// Its kind.
     pub kind: ExprKind,
 }
 

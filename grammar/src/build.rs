@@ -1,4 +1,4 @@
-//! From the recogniser's pairs to the syntax tree.
+//! Builds the syntax tree from the recogniser's pairs.
 
 pub(crate) mod diagnose;
 mod expressions;

@@ -45,7 +45,7 @@ codes! {
     CODES:
 
     UNEXPECTED = "E0101", "the text is not what the language expects here",
-        "Something is missing, misplaced or not of this language. The message tells what could stand at this place.",
+        "Something is missing, misplaced or not of this language. The message lists what is possible at this place.",
         "let area = pi/4*",
         "let area = pi/4*bore^2";
     TWO_ITEMS = "E0102", "two items stand on one line",
@@ -53,11 +53,11 @@ codes! {
         "mass = 5 kg inertia = [1, 2, 3] g*m^2",
         "mass = 5 kg; inertia = [1, 2, 3] g*m^2";
     UNPAIRED = "E0103", "a bracket or brace has no partner",
-        "Every bracket that opens must close. The message shows where the open one stands.",
+        "Every bracket that opens must close. The message shows the place of the open one.",
         "let sum = (a + b",
         "let sum = (a + b)";
     SPACE_BEFORE_BRACKET = "E0104", "a space stands before the bracket of a call or an index",
-        "The bracket of a call or an index touches what it follows; apart from it, it would begin something new.",
+        "The bracket of a call or an index follows its name without a space. After a space it would begin a new value.",
         "let lift = cam (angle)",
         "let lift = cam(angle)";
     NO_SUCH_KIND = "E0105", "no such kind of declaration",
@@ -65,10 +65,10 @@ codes! {
         "jiont big_end = Revolute(a, b)",
         "joint big_end = Revolute(a, b)";
     NESTED = "E0106", "nested too deep",
-        "More than 100 brackets are open at once, one sum has more than 250 terms, or an expression is more than 256 levels deep, of which each bracket and each operator is one. Give parts of it a name with `let`.",
+        "More than 100 brackets are open at once, one sum has more than 250 terms, or an expression is more than 256 levels deep. Each bracket and each operator is a level. Give parts of the expression a name with `let`.",
         "", "";
     NUMBER = "E0107", "a number or a unit is malformed",
-        "Digits stand on both sides of a decimal point; exponents of units are whole or a fraction in parentheses.",
+        "A decimal point has digits on both sides. An exponent of a unit is a whole number or a fraction in parentheses.",
         "let bore = .5 mm",
         "let bore = 0.5 mm";
     TEXT = "E0108", "a text is not closed or has an unknown escape",
@@ -80,6 +80,6 @@ codes! {
         "let fits = 1 < ratio < 2",
         "let fits = 1 < ratio and ratio < 2";
     TOO_MANY = "E0110", "too many mistakes to show",
-        "Reading stops after many mistakes, since the later ones are often due to the first. Mend those that are shown and read again.",
+        "Reading stops after many mistakes, because the first ones often cause the later ones. Correct the mistakes that are shown and check again.",
         "", "";
 }

@@ -95,7 +95,7 @@ impl Diagnostic {
         self
     }
 
-    /// Makes another place that of the mistake; the places so far stay as related ones.
+    /// Adds the place of the mistake. The places so far become related ones.
     pub fn moved_to(&mut self, span: Span, message: impl Into<String>) {
         for label in &mut self.labels {
             label.primary = false;

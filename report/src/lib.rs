@@ -1,17 +1,16 @@
-//! What people see of results: signals, figures, animations, one page.
+//! The presentation of results: signals, figures, animations, the page.
 //!
-//! Plain data in, the text or bytes of files out. May contain: arithmetic, drawing, markup. Must not contain: files, models,
-//! the language. The same input gives the same bytes on every machine.
+//! It turns plain data into the text or bytes of files. May contain: arithmetic, drawing, markup. Must not
+//! contain: files, models, the language. The same input gives the same bytes on every machine.
 //!
-//! A spectrum with all that made it, drawn for a paper and put into a page:
+//! A spectrum with its settings, drawn for a paper and on a page:
 //!
 //! ```
 //! use eng_report::figure::{Ordinate, Scale, spectra};
 //! use eng_report::page::{Page, Section};
 //! use eng_report::signal::{Sampling, Signal, SpectrumOptions, Window, spectrum};
 //!
-//! // two revolutions, a sample a degree: 3 N of the second order
-//! let force: Vec<f64> = (0..720)
+//! // two revolutions, one sample for each degree: 3 N of the second order let force: Vec<f64> = (0..720)
 //!     .map(|degree| 3.0 * libm::cos(2.0 * f64::from(degree).to_radians()))
 //!     .collect();
 //! let signal = Signal { values: &force, sampling: Sampling::Angle { step: 1.0 } };

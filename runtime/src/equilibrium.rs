@@ -4,13 +4,13 @@
 //! −Q_g − Σ JᵀW + Gᵀλ = 0        Φ(q, t) = 0        v = 0, v̇ = 0
 //! ```
 //!
-//! with the machinery of the start ([`crate::start::balance`]). A drive holds the position that it has at the time, even
-//! if it states a speed. A position that `start` states is only the first value of the search, because the force that
-//! would hold it there is not part of the model. Only an angle of the cycle that the analysis asks for is held, and the
-//! report tells the effort.
+//! with the machinery of the start ([`crate::start::balance`]). A drive holds the position that it has at the
+//! time, even if it states a speed. A position that `start` states is only the first value of the search,
+//! because the force that would hold it there is not part of the model. Only an angle of the cycle that the
+//! analysis asks for is held, and the report tells the effort.
 //!
-//! In the balance of a steady motion the speeds that `start` and drives state continue, and the cycle's angle is held:
-//! it is the quasi-static start without the positions that `start` states.
+//! In the balance of a steady motion the speeds that `start` and drives state continue, and the cycle's angle
+//! is held: it is the quasi-static start without the positions that `start` states.
 
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -28,10 +28,10 @@ const ROUNDS: usize = 6;
 /// Share of a state's scale by which it may change in a second.
 const RESTS: f64 = 1e-6;
 
-/// Finds the equilibrium that is asked for. `observer` gets the report, one sample, and warnings.
+/// Finds the equilibrium of a `static` analysis. `observer` gets the report, one sample, and warnings.
 ///
 /// # Errors
-/// [`RuntimeError::NoEquilibrium`] with the thing that moves on; what assembling and evaluating say.
+/// [`RuntimeError::NoEquilibrium`] with the body or element that moves on; errors of assembly and evaluation.
 pub fn run_static(
     compiled: &Compiled,
     overrides: &[Option<f64>],

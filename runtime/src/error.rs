@@ -482,9 +482,9 @@ pub enum RuntimeError {
         moment: Moment,
         /// The elements that change them.
         elements: Vec<TimedElement>,
-        /// How much later they are seen to be others (s).
+        /// Time after which they differ (s).
         later: f64,
-        /// Bound on the effect on each eigenvalue, as a share of its size; infinite where there is no bound.
+        /// Bound on the effect on each eigenvalue, as a share of its size; infinite without a bound.
         change: f64,
     },
     /// The state is neither at rest nor in a steady motion.
@@ -518,18 +518,18 @@ pub enum RuntimeError {
     /// Nothing balances the loads.
     #[error("there is no equilibrium{}: {}: {}", if *turning { "" } else { " at rest" }, origin.path, message)]
     NoEquilibrium {
-        /// The journal, body or element that stands in the way.
+        /// The journal, body or element that prevents the balance.
         origin: Box<Origin>,
-        /// What it does.
+        /// Its effect.
         message: String,
-        /// Part of the load that was carried, 0…1.
+        /// Part of the load with a balance, 0…1.
         carried: f64,
         /// Whether the motion that the text states was taken.
         turning: bool,
         /// Whether there are films.
         films: bool,
     },
-    /// An angle was asked for, but the model states no cycle.
+    /// The analysis needs an angle, but the model states no cycle.
     #[error("the analysis counts in cycle angle, but the model has no cycle")]
     NoCycle,
     /// The cycle does not advance.

@@ -13,7 +13,7 @@ pub struct BodyFrame<'a> {
     pub amplitudes: &'a [f64],
 }
 
-/// What multiplies the derivatives by acceleration and by velocity in a matrix.
+/// Factors on the derivatives by acceleration and by velocity in a matrix.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights {
     /// dv̇/du (1/s²).

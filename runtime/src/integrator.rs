@@ -224,7 +224,7 @@ pub struct Integrator {
     damping_wrenches: Vec<f64>,
     /// The unknown (a velocity or a state) that governed the last estimate.
     governing: Option<usize>,
-    /// Of each body; see the module `vibration`.
+    /// Vibrations of each body; see the module `vibration`.
     pub vibrations: Vec<Vibration>,
 }
 

@@ -1,7 +1,8 @@
 //! Linear systems with a fixed pattern.
 //!
-//! [`BlockLu`] eliminates small groups of bodies with their multipliers first, each in a dense block of its own, along a tree found
-//! once from the pattern ([`dissection`]); [`SparseLu`] is a general factorisation and stands behind it.
+//! [`BlockLu`] eliminates small groups of bodies with their multipliers first, each in a dense block of its
+//! own, along a tree that is found once from the pattern ([`dissection`]). [`SparseLu`] is a general
+//! factorisation and the fallback.
 
 mod blocks;
 pub mod dissection;
@@ -178,7 +179,8 @@ pub enum LinearError {
 pub trait LinearSolver: Send + std::fmt::Debug {
     /// Factors the values of the pattern.
     fn factor(&mut self, values: &[f64]) -> Result<(), LinearError>;
-    /// Overwrites the right-hand side by the solution, with the last factors; by numbers that are not finite where there are none.
+    /// Overwrites the right-hand side by the solution, with the last factors; by numbers that are not finite
+    /// where there are none.
     fn solve(&mut self, rhs: &mut [f64]);
     /// Factorisations so far that another method had to take over.
     fn fallbacks(&self) -> u64 {

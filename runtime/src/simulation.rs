@@ -294,7 +294,7 @@ impl Simulation {
         self.integrator.current.time
     }
 
-    /// Unwrapped cycle angle (rad), where the model has a cycle.
+    /// Unwrapped cycle angle (rad), if the model has a cycle.
     pub fn cycle_angle(&self) -> Option<f64> {
         self.cycle_now.map(|c| c[0])
     }
@@ -340,7 +340,8 @@ impl Simulation {
         self.integrator.statistics
     }
 
-    /// The body whose motion lost most to the steps' own damping, where that is more than may be unsaid.
+    /// The body that lost the largest share of its energy to the numerical damping of the steps, if this
+    /// share needs a warning.
     pub fn damped(&self) -> Option<Damped> {
         self.integrator.damped(&self.model)
     }

@@ -39,7 +39,7 @@ pub enum StartReport {
     Assembled,
     /// In quasi-static balance.
     QuasiStatic(Equilibrium),
-    /// Not at all: an equilibrium was asked for, and this is it.
+    /// No start: the state is the equilibrium of a `static` analysis.
     Equilibrium(Equilibrium),
     /// As assembled, because the balance was not found.
     NoBalance(Obstacle),
@@ -52,7 +52,7 @@ pub enum StartReport {
 pub struct Equilibrium {
     /// Freedoms in balance.
     pub freedoms: usize,
-    /// Freedoms besides that have neither stiffness nor load: they stay where they are.
+    /// Further freedoms, with neither stiffness nor load: they keep their positions.
     pub idle: usize,
     /// Newton iterations.
     pub iterations: usize,
@@ -72,8 +72,8 @@ pub struct Equilibrium {
 /// The bending of turning flexible bodies at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Turning {
-    /// That of the repeating motion. It distinguishes loads that turn with the body from loads that stand
-    /// still.
+    /// That of the repeating motion. It distinguishes loads that turn with the body from loads that are fixed
+    /// in space.
     Repeating {
         /// Number of equal parts of the period in the solution.
         angles: usize,
@@ -141,7 +141,7 @@ pub struct Obstacle {
 }
 
 impl Equilibrium {
-    /// How it was found, and what is to be known of it.
+    /// Writes the search and the properties of the balance.
     fn details(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.portions > 1 {
             write!(f, " in {} portions of the load", self.portions)?;
@@ -303,7 +303,7 @@ pub fn begin(model: &Model, state: &mut State, start: Start) -> Result<StartRepo
     })
 }
 
-/// Brings a state into balance. Where something stands in the way, the state stays as it is.
+/// Brings a state into balance. If there is an obstacle, the state does not change.
 pub(crate) fn balanced(
     model: &Model,
     state: &mut State,

@@ -17,7 +17,7 @@ use std::ops::ControlFlow;
 pub struct Sample<'a> {
     /// Time (s).
     pub time: f64,
-    /// Unwrapped cycle angle (rad), where there is a cycle.
+    /// Unwrapped cycle angle (rad), if there is a cycle.
     pub cycle_angle: Option<f64>,
     /// Its rate (rad/s).
     pub cycle_rate: Option<f64>,

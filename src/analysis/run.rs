@@ -31,9 +31,9 @@ impl Analysis {
         })
     }
 
-    /// Runs the analysis as long as a watch allows, which is asked after every step. A stopped run ends with
-    /// [`RuntimeError::Stopped`], which has the cause of its short steps. Its files remain, so that it can be
-    /// resumed. A finished run has the same bits as without a watch.
+    /// Runs the analysis as long as a watch allows. The watch is called after every step. A stopped run ends
+    /// with [`RuntimeError::Stopped`], which has the cause of its short steps. Its files remain, so that it
+    /// can be resumed. A finished run has the same bits as without a watch.
     pub fn run_watched(&self, watch: &mut dyn Watch) -> Result<Outcome, Failed> {
         let begun = self
             .header()

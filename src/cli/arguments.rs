@@ -1,4 +1,4 @@
-//! What the command line may say.
+//! The arguments of the command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 /// Eng: engines as text.
 ///
-/// Reads a model of an engine written in the Eng language, checks its units and its topology, compiles it to machine
-/// code and integrates its motion. Exit codes: 0 done, 1 the model is wrong or a run failed because of it,
-/// 2 wrong usage or the system refused.
+/// Reads a model of an engine written in the Eng language, checks its units and its topology, compiles it to
+/// machine code and integrates its motion. Exit codes: 0 done, 1 the model is wrong or a run failed because
+/// of it, 2 wrong usage or the operating system refused.
 #[derive(Debug, Parser)]
 #[command(name = "eng", version, about, long_about, max_term_width = 100)]
 pub(super) struct Arguments {
@@ -18,27 +18,30 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Run the analyses of a model; write results, pictures and a table a journal
+    /// Run the analyses of a model; write results, pictures and one table for each journal
     ///
-    /// Writes into the output folder, for each analysis: ANALYSIS.parquet (one column for each channel, named by its path, in its
-    /// display unit, which the column's metadata name), ANALYSIS.motion.parquet for animations, pictures of the journals'
-    /// forces and orbits and of the model's own outputs as SVG and PNG, and on request ANALYSIS.csv; for a sweep SWEEP.parquet, a
-    /// row a point. An analysis that fails leaves its results up to then in ANALYSIS.failed.parquet; those of an earlier run stay.
+    /// Writes into the output folder, for each analysis: ANALYSIS.parquet (one column for each channel, named
+    /// by its path, in its display unit, which the column's metadata name), ANALYSIS.motion.parquet for
+    /// animations, pictures of the journals' forces and orbits and of the model's own outputs as SVG and PNG,
+    /// and on request ANALYSIS.csv; for a sweep SWEEP.parquet with one row for each point. An analysis that
+    /// fails leaves its results up to the failure in ANALYSIS.failed.parquet; the results of an earlier run
+    /// remain.
     ///
-    /// Exit codes: 0 all was done; 1 the model is wrong or an analysis failed because of it; 2 wrong usage, or the system refused.
+    /// Exit codes: 0 all was done; 1 the model is wrong or an analysis failed because of it; 2 wrong usage,
+    /// or the operating system refused.
     Run(RunArguments),
     /// Check a model without running it
     ///
-    /// Reports everything that is wrong or doubtful in one go: names, units, connections, degrees of freedom.
+    /// Reports all mistakes and doubts at once: names, units, connections, degrees of freedom.
     Check(CheckArguments),
     /// Make one HTML file of the results of a model, and files for other tools
     ///
-    /// Reads what `eng run` wrote: tables, figures, an animation, stresses of flexible bodies, provenance. The file needs no
-    /// other and no network.
+    /// Reads the results of `eng run`. The file has tables, figures, an animation, stresses of flexible
+    /// bodies and the provenance. It needs no other file and no network.
     Report(ReportArguments),
-    /// Reduce the flexible bodies of a model and print what they are: mass, modes, frequencies
+    /// Reduce the flexible bodies of a model and print their mass, modes and frequencies
     Reduce(ReduceArguments),
-    /// List what result files hold: channels with unit, frame and range, samples, time, where they come from
+    /// List the contents of result files: channels with unit, frame and range, samples, time, origin
     Results(ResultsArguments),
     /// Write a result file in the format of another tool: CSV, universal file (58), MAT
     Export(ExportArguments),
@@ -58,7 +61,7 @@ pub(super) struct ResultsArguments {
     /// A result file, or a folder of them
     #[arg(value_name = "DIR|FILE")]
     pub path: PathBuf,
-    /// List these channels only, by patterns: `main[*].force.*`
+    /// List only these channels, by patterns: `main[*].force.*`
     #[arg(long, value_name = "PATTERN", value_parser = pattern)]
     pub channels: Vec<String>,
 }
@@ -74,7 +77,7 @@ pub(super) struct ExportArguments {
     /// Write this file [default: ANALYSIS.csv, .uff or .mat beside the results]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Write these channels only, by patterns: `main[*].force.*`
+    /// Write only these channels, by patterns: `main[*].force.*`
     #[arg(long, value_name = "PATTERN", value_parser = pattern)]
     pub channels: Vec<String>,
     /// Separator of the fields of CSV
@@ -107,23 +110,24 @@ pub(super) struct ReportArguments {
     /// Write this file [default: report.html beside the results]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Report this analysis only; may be given several times [default: all that were run]
+    /// Report only this analysis; may be given several times [default: all with results]
     #[arg(long, value_name = "NAME")]
     pub analysis: Vec<String>,
     /// Write the first animation as a binary glTF file, too
     #[arg(long, value_name = "FILE")]
     pub gltf: Option<PathBuf>,
-    /// Write the motion and stresses of its flexible bodies as a series for ParaView into this folder, too
+    /// Write the motion and stresses of the first analysis' flexible bodies into this folder, too, as a
+    /// series for ParaView
     #[arg(long, value_name = "DIR")]
     pub vtu: Option<PathBuf>,
     /// Write each figure as SVG and PNG into this folder, too
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
-    /// Show stresses at this crank angle or time, such as "372 deg" or "12 ms"; may be given several times [default: where each body's
-    /// is largest]
+    /// Show stresses at this crank angle or time, such as "372 deg" or "12 ms"; may be given several times
+    /// [default: the moment of each body's largest stress]
     #[arg(long, value_name = "MOMENT")]
     pub stress_at: Vec<String>,
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(long, short)]
     pub quiet: bool,
 }
@@ -140,45 +144,45 @@ pub(super) struct RunArguments {
     /// The model's file
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Run this analysis only; may be given several times [default: all]
+    /// Run only this analysis; may be given several times [default: all]
     #[arg(long, value_name = "NAME")]
     pub analysis: Vec<String>,
-    /// Set a parameter: `--set "speed=5000 rpm"`; may be given several times. Holds in all analyses, over what they state
-    /// themselves; not what a sweep varies
+    /// Set a parameter: `--set "speed=5000 rpm"`; may be given several times. The value counts in all
+    /// analyses and replaces values that they state; a parameter that a sweep varies cannot be set
     #[arg(long, value_name = "PATH=VALUE", value_parser = setting)]
     pub set: Vec<Setting>,
-    /// Scale the tolerance of the steps by this factor, over what the text states: `--tolerance 0.1`. With `--step` it says how far the equations
-    /// of a step are solved
+    /// Factor on the tolerance of the steps, instead of the stated one: `--tolerance 0.1`. With `--step` it
+    /// is the tolerance of the equations of a step
     #[arg(long, value_name = "FACTOR")]
     pub tolerance: Option<f64>,
-    /// Take fixed steps of this length, over what the text states: `--step 10us`
+    /// Take fixed steps of this length instead of the stated ones: `--step 10us`
     #[arg(long, value_name = "TIME")]
     pub step: Option<String>,
-    /// Go on however long a run takes; without it a run whose rest would take more than a day is stopped after some seconds
+    /// Continue for any time; without this a run with more than a day left is stopped after some seconds
     #[arg(long)]
     pub patient: bool,
-    /// Write into this folder [default: results/MODEL, without .eng, where the command is called]
+    /// Write into this folder [default: results/MODEL, without .eng, in the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Write CSV files, too: a row of paths, a row of units, then the numbers
     #[arg(long)]
     pub csv: bool,
-    /// Run so many analyses at a time [default: as many as the machine has processors]
+    /// Number of analyses that run at the same time [default: the machine's processors]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Keep these channels only, by patterns: `main[*].force.*`; may be given several times [default: all]
+    /// Keep only these channels, by patterns: `main[*].force.*`; may be given several times [default: all]
     #[arg(long, value_name = "PATTERN", value_parser = pattern)]
     pub channels: Vec<String>,
-    /// Keep the last part of each analysis only: `"2 rev"`, `720deg`, `50ms` [default: all of it]
+    /// Keep only the last part of each analysis: `"2 rev"`, `720deg`, `50ms` [default: the whole]
     #[arg(long, value_name = "PART")]
     pub last: Option<String>,
-    /// Go on where an interrupted run stopped; analyses that are complete are not run again
+    /// Continue interrupted runs; complete analyses are not run again
     #[arg(long)]
     pub resume: bool,
     /// Draw no pictures
     #[arg(long)]
     pub no_plots: bool,
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(long, short)]
     pub quiet: bool,
 }
@@ -188,7 +192,7 @@ pub(super) struct CheckArguments {
     /// The model's file
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// List where all markers are at the start of each analysis, as assembled
+    /// List the positions of all markers at the start of each analysis, as assembled
     #[arg(long)]
     pub positions: bool,
     /// Form of the messages
@@ -199,7 +203,7 @@ pub(super) struct CheckArguments {
 /// Form of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Format {
-    /// With the lines they speak of
+    /// With the lines of the text
     Human,
     /// One JSON document for tools
     Json,
@@ -210,7 +214,7 @@ pub(super) enum Format {
 pub(super) struct Setting {
     /// The parameter's path.
     pub path: String,
-    /// Its value with unit, as written.
+    /// The text of its value with unit.
     pub value: String,
 }
 
@@ -224,7 +228,7 @@ fn setting(text: &str) -> Result<Setting, String> {
     }
 }
 
-/// Patterns of channels, commas between them.
+/// Patterns of channels, separated by commas.
 fn pattern(text: &str) -> Result<String, String> {
     match text.split(',').any(|part| part.trim().is_empty()) {
         true => Err("give a channel's path, or a pattern of several: `main[*].force.*`".to_owned()),

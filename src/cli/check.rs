@@ -69,7 +69,7 @@ fn listing(positions: &Positions) -> String {
     )
 }
 
-/// Shows why nothing could be checked, in the form that is asked for, and gives the way to stop for it.
+/// Prints the reason why nothing could be checked, in the wanted format. Returns the way to stop.
 fn refuse(
     refusal: &Refusal,
     sources: &SourceMap,

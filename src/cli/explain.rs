@@ -107,8 +107,8 @@ fn wrapped(text: &str) -> String {
     lines.join("\n")
 }
 
-/// The code that is written most alike: letters and digits that were mistyped, left out or exchanged. What is written like a code has
-/// its digits: only its letter can be another.
+/// The nearest code: letters and digits may be mistyped, missing or exchanged. A text with the form of a code
+/// must have its digits; only its letter may differ.
 fn nearest(asked: &str) -> Option<&'static str> {
     let asked = asked.to_ascii_uppercase();
     let number = |code: &str| {

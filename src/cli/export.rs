@@ -7,7 +7,7 @@ use super::{Stop, USAGE_OR_SYSTEM};
 use crate::results::{CsvForm, Results, ResultsError, Selection};
 use std::path::PathBuf;
 
-/// Writes a result file in another format, beside it or where the user says.
+/// Writes a result file in another format, beside it or at the place of `--out`.
 pub(super) fn export(arguments: &ExportArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     match write(arguments) {
         Ok(path) => {
@@ -21,12 +21,12 @@ pub(super) fn export(arguments: &ExportArguments, console: &mut Terminal<'_>) ->
     }
 }
 
-/// Why nothing was exported.
+/// The reason why nothing was exported.
 #[derive(Debug, thiserror::Error)]
 enum Refused {
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// The output is an input, or none that may be written.
+    /// The output is an input, or a file that the command may not write.
     #[error("{0}")]
     Output(String),
 }

@@ -33,7 +33,7 @@ use terminal::Terminal;
 pub const DONE: u8 = 0;
 /// The model is wrong, or a run failed because of it.
 pub const MODEL_WRONG: u8 = 1;
-/// Wrong usage, or the system refused.
+/// Wrong usage, or the operating system refused.
 pub const USAGE_OR_SYSTEM: u8 = 2;
 
 /// Runs the command on the process's own output, error and terminal.
@@ -142,7 +142,7 @@ enum Refusal {
     Library(Error),
     /// A wrong parameter path or value on the command line.
     Usage(String),
-    /// The system refused.
+    /// The operating system refused.
     System(String),
 }
 

@@ -48,7 +48,7 @@ pub(super) fn checked(model: &Path, console: &mut Terminal<'_>) -> Result<Progra
     checked.program().cloned().ok_or(Stop::Code(MODEL_WRONG))
 }
 
-/// Where reduced bodies are kept: `ENG_CACHE` (empty: nowhere), else a folder of the user's caches.
+/// The folder of reduced bodies: `ENG_CACHE` (empty for none), otherwise a folder of the user's caches.
 fn cache_folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
     if let Some(folder) = variable("ENG_CACHE") {
         return (!folder.is_empty()).then(|| PathBuf::from(folder));

@@ -1,4 +1,5 @@
-//! Outputs that would destroy something: a file that the command reads, another output, a file that only Eng writes.
+//! Refuses outputs that would replace a file: one that the command reads, another output, or one that only
+//! Eng writes.
 
 use crate::results::may_be_folder;
 use std::path::{Path, PathBuf};
@@ -6,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Endings of models, and of what runs write and read back.
 const OURS: [&str; 4] = ["eng", "parquet", "arrows", "checkpoint"];
 
-/// A file that an option of the command line asks for.
+/// A file that an option of the command line names.
 pub(super) struct Output {
     /// `--out`
     pub option: &'static str,
@@ -25,7 +26,8 @@ impl Output {
         format!("{} {}", self.option, self.path.display())
     }
 
-    /// Refuses the ending of a model or of a result file: who gives one has mistaken it for the input.
+    /// Refuses the ending of a model or of a result file, because such a name was probably meant as the
+    /// input.
     pub fn is_foreign(&self) -> Result<(), String> {
         let ending = self.path.extension().unwrap_or_default().to_string_lossy();
         match OURS.iter().find(|ours| ending.eq_ignore_ascii_case(ours)) {
@@ -42,7 +44,7 @@ impl Output {
     }
 }
 
-/// Refuses outputs of which one is an input, or two are one file. Links are followed.
+/// Refuses an output that is an input, and two outputs that are one file. Links are followed.
 pub(super) fn apart(inputs: &[PathBuf], outputs: &[Output]) -> Result<(), String> {
     let inputs: Vec<PathBuf> = inputs.iter().map(|input| place(input)).collect();
     let places: Vec<PathBuf> = outputs.iter().map(|output| place(&output.path)).collect();
@@ -65,13 +67,13 @@ pub(super) fn apart(inputs: &[PathBuf], outputs: &[Output]) -> Result<(), String
     Ok(())
 }
 
-/// Refuses an option whose folder can be none.
+/// Refuses an option whose path cannot be a folder.
 pub(super) fn folder(option: &str, path: Option<&Path>) -> Result<(), String> {
     let refused = |error| format!("{option}: {error}");
     path.map_or(Ok(()), |path| may_be_folder(path).map_err(refused))
 }
 
-/// Where a path leads, though there may be nothing yet.
+/// The target of a path, which need not exist yet.
 fn place(path: &Path) -> PathBuf {
     let in_folder = || {
         let folder = match path.parent() {

@@ -1,16 +1,16 @@
-//! The bars that show how far runs are.
+//! The progress bars of runs.
 
 use crate::Progress;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar for each analysis that runs.
+/// One bar for each analysis that runs.
 pub(super) struct Bars {
     all: MultiProgress,
     shown: Vec<Option<ProgressBar>>,
 }
 
 impl Bars {
-    /// Bars for so many analyses on the process's standard error; hidden ones draw nothing.
+    /// Bars for a number of analyses on the process's standard error. Hidden bars draw nothing.
     pub fn new(analyses: usize, hidden: bool) -> Bars {
         let target = match hidden {
             true => ProgressDrawTarget::hidden(),
@@ -22,7 +22,7 @@ impl Bars {
         }
     }
 
-    /// Moves the bar of an analysis, and draws it first where it is not there yet.
+    /// Moves the bar of an analysis. The first call draws it.
     pub fn show(&mut self, index: usize, name: &str, progress: Progress) {
         if let Some(bar) = self.shown.get_mut(index) {
             let bar = bar.get_or_insert_with(|| self.all.add(progress_bar(name)));
@@ -30,7 +30,7 @@ impl Bars {
         }
     }
 
-    /// Takes the bar of an analysis away.
+    /// Removes the bar of an analysis.
     pub fn end(&mut self, index: usize) {
         if let Some(bar) = self.shown.get_mut(index).and_then(Option::take) {
             bar.finish_and_clear();
@@ -38,7 +38,7 @@ impl Bars {
         }
     }
 
-    /// Writes something while no bar is drawn.
+    /// Writes a text while no bar is drawn.
     pub fn suspend(&self, write: impl FnOnce()) {
         self.all.suspend(write);
     }

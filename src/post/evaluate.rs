@@ -18,7 +18,7 @@ use eng_system::system::Extent;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
-/// Share of a sample by which the samples of a cycle may be off a whole number.
+/// Largest distance of the number of samples in a cycle from a whole number.
 const WHOLE: f64 = 1e-3;
 /// Share of a frequency within which a mode counts as near it.
 const NEAR: f64 = 0.1;
@@ -110,7 +110,7 @@ impl<'r> Evaluator<'r> {
             })
     }
 
-    /// The samples of a run; of one cycle that repeats the angle counts from its begin.
+    /// The samples of a run. In a cycle that repeats the angle counts from its beginning.
     pub fn samples(&self, analysis: &str) -> Result<Samples, PostError> {
         let run = self.run(analysis)?;
         let modes = run.results.are_modes();
@@ -181,7 +181,7 @@ impl<'r> Evaluator<'r> {
             },
             Expression::Last(part, of) => {
                 let mut last = self.last(*part, self.track(of)?)?;
-                // what the others are over counts from the begin, too
+                // the angle that the other signals are over counts from the beginning, too
                 if let (Part::Cycles(_), Expression::Channel { path, .. }, Some(angle)) =
                     (part, &**of, &last.samples.angle)
                     && path == CYCLE_ANGLE
@@ -205,7 +205,7 @@ impl<'r> Evaluator<'r> {
         })
     }
 
-    /// What a column has for one of the modes.
+    /// The value in a column for one of the modes.
     fn mode(&self, chosen: Chosen, track: &Track) -> Result<f64, PostError> {
         let analysis = &track.samples.analysis;
         let numbers = &track.samples.time;
@@ -257,7 +257,7 @@ impl<'r> Evaluator<'r> {
         };
         let samples = &track.samples;
         let period = self.run(&samples.analysis)?.machine.cycle_period;
-        // the sample after the last one that lies further from the end; a shaft turns either way
+        // the first sample of the part; the angle may increase or decrease
         let since = |values: &[f64], length: f64, slack: f64| {
             let (first, last) = (values.first()?, values.last()?);
             let far = |value: &f64, length: f64| (last - value).abs() > length;
@@ -303,7 +303,7 @@ impl<'r> Evaluator<'r> {
     }
 }
 
-/// How the samples of a signal lie.
+/// The sampling of a signal.
 pub(super) fn sampled_track(track: &Track, preferred: Axis) -> Result<Sampled, PostError> {
     let samples = &track.samples;
     if samples.time.len() < FEWEST {
@@ -337,7 +337,7 @@ fn computed(operator: Operator, a: f64, b: f64) -> Option<f64> {
         Operator::Multiply => a * b,
         Operator::Divide => a / b,
         Operator::Power => libm::pow(a, b),
-        // what is no number is neither smaller nor larger
+        // NaN is neither smaller nor larger than a number
         Operator::Minimum | Operator::Maximum if a.is_nan() || b.is_nan() => f64::NAN,
         Operator::Minimum => a.min(b),
         Operator::Maximum => a.max(b),
@@ -363,7 +363,7 @@ fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, Post
         (Value::Number(a), Value::Number(b)) => match computed(operator, a, b) {
             Some(value) => Value::Number(value),
             None => match compared(operator, a, b) {
-                // nothing compares with what is no number
+                // NaN cannot be compared
                 Some(_) if a.is_nan() || b.is_nan() => {
                     return Err(PostError::NotFinite("a side of the comparison".to_owned()));
                 }
@@ -379,7 +379,7 @@ fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, Post
         (signal @ Value::Signal(_), Value::Number(b)) => signal.each(|a| each(a, b))?,
         (Value::Number(a), signal @ Value::Signal(_)) => signal.each(|b| each(a, b))?,
         (Value::Signal(mut left), Value::Signal(mut right)) => {
-            // beside a signal that lost the odd sample at its end the other loses it, too
+            // if one signal has lost the irregular sample at its end, the other loses it, too
             if left.samples.shortened != right.samples.shortened {
                 let both = left.values.len().min(right.values.len());
                 (left, right) = (left.first(both), right.first(both));
@@ -404,8 +404,8 @@ fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, Post
     })
 }
 
-/// A limit as the samples count it (Hz or orders), by the mean speed where they lie on the other axis; refused above half of the
-/// samples.
+/// A limit on the axis of the samples (Hz or orders). The mean speed converts it from the other axis. A limit
+/// above half the sampling rate is refused.
 fn counted(limit: Limit, sampled: &Sampled, track: &Track) -> Result<f64, PostError> {
     let place = match (limit, sampled.sampling) {
         (Limit::Frequency(hertz), Sampling::Time { .. }) => hertz,
@@ -424,7 +424,7 @@ fn axis_of(limit: Limit) -> Axis {
     }
 }
 
-/// Samples of a cycle, where it is a whole number of them.
+/// Number of samples in a cycle, if it is a whole number.
 fn period_of(sampled: &Sampled, track: &Track) -> Option<usize> {
     let period = track.samples.period?;
     let count = match sampled.sampling {
@@ -435,7 +435,7 @@ fn period_of(sampled: &Sampled, track: &Track) -> Option<usize> {
     ((count - whole).abs() <= WHOLE && (1.0..1e9).contains(&whole)).then_some(whole as usize)
 }
 
-/// A filter for a signal, and how the signal's samples lie.
+/// A filter for a signal, and the sampling of the signal.
 pub(super) fn filter_of(
     filter: &plan::Filter,
     track: &Track,
@@ -496,8 +496,8 @@ fn filtered(filter: &plan::Filter, mut track: Track) -> Result<Track, PostError>
     Ok(track)
 }
 
-/// The first signal at the samples of the second: over crank angle where both have one, else over time. The second must lie
-/// within the first.
+/// The first signal at the samples of the second, over crank angle if both have one, otherwise over time. The
+/// samples of the second must lie within those of the first.
 fn resampled(track: &Track, like: &Track) -> Result<Track, PostError> {
     let (from, to, extent): (_, _, fn(f64) -> Extent) =
         match (&track.samples.angle, &like.samples.angle) {
@@ -523,7 +523,7 @@ fn resampled(track: &Track, like: &Track) -> Result<Track, PostError> {
             });
         }
     }
-    // a shaft turns either way
+    // the angle may increase or decrease
     let sense = match own {
         Some((first, last)) if last < first => -1.0,
         _ => 1.0,
@@ -542,8 +542,8 @@ fn resampled(track: &Track, like: &Track) -> Result<Track, PostError> {
     })
 }
 
-/// Amplitude (0-peak) of a sinusoid, the mean removed as in a spectrum; the last sample is left out, which of whole cycles is the first
-/// of the next.
+/// Amplitude (zero to peak) of a sinusoid. The mean is removed as in a spectrum. The last sample is left out,
+/// because in whole cycles it is the first of the next cycle.
 fn amplitude(limit: Limit, window: plan::Window, track: &Track) -> Result<f64, PostError> {
     let sampled = sampled_track(track, axis_of(limit))?;
     let place = counted(limit, &sampled, track)?;
@@ -569,9 +569,10 @@ pub(super) fn window_of(window: plan::Window) -> Window {
     }
 }
 
-/// A number of a signal. Extremes are those of the samples, their places those of the parabola through the extreme sample and its
-/// neighbours. Mean and root mean square are over time by the trapezoidal rule: (∫y dt/T), √(∫y² dt/T); of a smooth signal over
-/// whole cycles, evenly sampled, its error vanishes faster than any power of the step.
+/// A number of a signal. Extremes are those of the samples, their places those of the parabola through the
+/// extreme sample and its neighbours. Mean and root mean square are over time by the trapezoidal rule: (∫y
+/// dt/T), √(∫y² dt/T); of a smooth signal over whole cycles, evenly sampled, its error vanishes faster than
+/// any power of the step.
 fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostError> {
     let values = &track.values;
     let analysis = || track.samples.analysis.clone();
@@ -605,7 +606,7 @@ fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostError> {
         }
         Reduction::MinimumAt(by_time) | Reduction::MaximumAt(by_time) => {
             let place = over(by_time);
-            // a shaft turns either way
+            // the angle may increase or decrease
             let sense = match (place.first(), place.last()) {
                 (Some(first), Some(last)) if last < first => -1.0,
                 _ => 1.0,
@@ -623,7 +624,7 @@ fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostError> {
     }
 }
 
-/// Mean over time (s) by the trapezoidal rule; of one sample itself.
+/// Mean over time (s) by the trapezoidal rule; the value itself for a single sample.
 fn mean(time: &[f64], values: &[f64]) -> f64 {
     let pairs = || {
         time.iter()

@@ -1,7 +1,7 @@
-//! What the reports of a text make of results: numbers, conditions, figures.
+//! Evaluates the reports of a text over results: numbers, conditions, figures.
 //!
-//! May contain: arithmetic over recorded channels. Must not contain: names that are looked up or units that are checked (the
-//! compiler's), how signals are treated and figures drawn (`eng_report`), files.
+//! May contain: arithmetic over recorded channels. Must not contain: the search of names and the check of
+//! units (the compiler), the treatment of signals and the drawing of figures (`eng_report`), files.
 //!
 //! ```
 //! let text = "
@@ -74,7 +74,7 @@ pub enum PostError {
         first: String,
         /// The analysis of the right side.
         second: String,
-        /// How they differ.
+        /// The difference.
         detail: String,
     },
     /// Samples without equal distances.
@@ -87,13 +87,13 @@ pub enum PostError {
     Few {
         /// The analysis.
         analysis: String,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
-    /// A shaft that stands, or is not known.
+    /// A shaft at rest, or no shaft.
     #[error("{0}: the cycle does not turn, so that there are no orders")]
     NoSpeed(String),
-    /// A frequency that the samples do not hold.
+    /// A frequency that the samples do not resolve.
     #[error(
         "{analysis}: {stated} is faster than samples {held}; run it with `sample: {needed}` or less"
     )]
@@ -102,7 +102,7 @@ pub enum PostError {
         analysis: String,
         /// The frequency or order.
         stated: String,
-        /// Distance of the samples, and the highest that they hold.
+        /// Distance of the samples, and the highest frequency that they resolve.
         held: String,
         /// A distance that is small enough.
         needed: String,
@@ -126,14 +126,14 @@ pub enum PostError {
         analysis: String,
         /// Lowest to highest speed.
         speeds: String,
-        /// What the samples lie evenly in.
+        /// The quantity in which the samples are even.
         lie: &'static str,
-        /// What they do not tell.
+        /// The quantity that they do not give.
         asked: &'static str,
-        /// The unit of samples that do.
+        /// The unit of samples that give it.
         needed: &'static str,
     },
-    /// Runs of equal speed where speeds are told apart.
+    /// Two runs with one speed in a figure over speed.
     #[error("{first} and {second} both turn at {speed}: over the speed they are one")]
     SameSpeed {
         /// An analysis.
@@ -150,21 +150,21 @@ pub enum PostError {
         analysis: String,
         /// Its length.
         block: String,
-        /// What is wrong with it.
+        /// The reason.
         why: String,
     },
-    /// Samples that a signal is asked for and does not reach.
+    /// Samples beyond those of the resampled signal.
     #[error(
         "{analysis} goes from {own}, and `like`, of {other}, from {asked}: it is asked for what it has not; take parts that agree: `last`, `last_cycle`"
     )]
     Outside {
         /// The analysis that is resampled.
         analysis: String,
-        /// The one whose samples are asked for.
+        /// The analysis that gives the wanted samples.
         other: String,
         /// From its first sample to its last.
         own: String,
-        /// From the first sample asked for to the last.
+        /// From the first wanted sample to the last.
         asked: String,
     },
     /// A mode that a linear analysis has not.
@@ -174,7 +174,7 @@ pub enum PostError {
         analysis: String,
         /// Its number.
         number: u32,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
     /// A frequency that no mode is near.
@@ -182,9 +182,9 @@ pub enum PostError {
     NoModeNear {
         /// The analysis.
         analysis: String,
-        /// What was asked for.
+        /// The wanted value.
         frequency: String,
-        /// What there is.
+        /// The nearest values.
         nearest: String,
     },
     /// A part that is longer than the run.
@@ -192,7 +192,7 @@ pub enum PostError {
     Short {
         /// The analysis.
         analysis: String,
-        /// What was asked for.
+        /// The wanted value.
         part: String,
     },
     /// A journal that the model does not have any more.
@@ -203,23 +203,23 @@ pub enum PostError {
         /// The journal.
         path: String,
     },
-    /// A signal that cannot be treated as asked.
+    /// A signal that cannot be evaluated.
     #[error("{analysis}: {source}")]
     Signal {
         /// The analysis.
         analysis: String,
-        /// Why.
+        /// The reason.
         source: SignalError,
     },
-    /// A number that is none.
+    /// A value that is no number.
     #[error("{0} is no finite number")]
     NotFinite(String),
     /// A tree that no checked text gives.
     #[error("a {found} stands where a {due} is due")]
     Shape {
-        /// What is due.
+        /// The necessary kind.
         due: &'static str,
-        /// What was found.
+        /// The found kind.
         found: &'static str,
     },
 }
@@ -232,7 +232,7 @@ pub struct Run<'r> {
 }
 
 impl<'r> Run<'r> {
-    /// From what a run made, or from what was read.
+    /// A run from computed results, or from results of a file.
     pub fn new(results: &'r Results, machine: &'r Machine) -> Run<'r> {
         Run { results, machine }
     }
@@ -241,26 +241,26 @@ impl<'r> Run<'r> {
 /// A number of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Number {
-    /// What it is of, where a value has several: `vertical[5]`, `runup[3]`.
+    /// Its channel or analysis, if a value has several: `vertical[5]`, `runup[3]`.
     pub name: String,
     /// SI.
     pub value: f64,
 }
 
-/// What an entry has become.
+/// The result of an entry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// A picture.
     Figure(Box<Figure>),
-    /// Numbers and how they are shown.
+    /// Numbers with their display unit.
     Value(Vec<Number>, DisplayUnit),
     /// Whether a condition holds.
     Condition {
-        /// It does.
+        /// Whether it holds.
         holds: bool,
-        /// What is told where it does not, with the values.
+        /// The message if it does not hold, with the values.
         message: String,
-        /// Told, but no failure.
+        /// Whether it is an `advise`, which gives a warning and no failure.
         advise: bool,
     },
 }
@@ -274,16 +274,16 @@ pub struct Evaluated {
     pub title: String,
     /// `///` lines before it.
     pub text: String,
-    /// As written.
+    /// The text of the entry.
     pub written: String,
-    /// What it has become, or why not.
+    /// Its result, or the reason why there is none.
     pub outcome: Result<Outcome, PostError>,
     /// Whether it is a `require` that the results of its analyses do not decide.
     pub undecided: bool,
 }
 
 impl Evaluated {
-    /// What a number of it is called: its title, and what it is of where there are several.
+    /// The name of one of its numbers: the title, and the channel or analysis if there are several numbers.
     fn name_of(&self, number: &Number) -> String {
         if number.name.is_empty() {
             self.title.clone()
@@ -304,7 +304,7 @@ pub struct EvaluatedReport {
     pub text: String,
     /// In the order of the text.
     pub entries: Vec<Evaluated>,
-    /// Analyses whose runs ended early, with the reason: what is made of them is of a part.
+    /// Analyses whose runs ended early, with the reason. Their numbers describe only a part of the run.
     pub partial: Vec<(String, String)>,
 }
 
@@ -338,7 +338,8 @@ impl EvaluatedReport {
     }
 }
 
-/// Makes a report of results. What an entry lacks is told in its place; the others are made all the same.
+/// Evaluates a report over results. An entry that lacks data holds its error, and the other entries are
+/// evaluated.
 pub fn evaluate(report: &Report, runs: &[Run<'_>]) -> EvaluatedReport {
     let mut named: Vec<&str> = Vec::new();
     let entries = report
@@ -437,7 +438,7 @@ fn outcome(kind: &EntryKind, title: &str, evaluator: &Evaluator<'_>) -> Result<O
                 }
             }
             let holds = failing.is_none();
-            // of a list the first that does not hold is told of
+            // the message shows the first member of a list that does not hold
             let place = failing.unwrap_or(0);
             let mut told = String::new();
             for part in message {

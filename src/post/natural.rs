@@ -5,9 +5,9 @@ use super::evaluate::Evaluator;
 use eng_system::recorded::{CYCLE_SPEED, DAMPING_RATIO, FREQUENCY};
 use std::f64::consts::TAU;
 
-/// Modes that are damped more than this stand out of no spectrum, and are left away.
+/// Damping ratio above which a mode is left out, because no spectrum shows its peak.
 const DAMPED: f64 = 0.2;
-/// Speeds (rpm) that are nearer than this are one.
+/// Difference (rpm) below which speeds count as one.
 const SAME: f64 = 0.5;
 
 /// An oscillation at the speed at which it was linearised.
@@ -21,7 +21,7 @@ struct Oscillation {
     frequency: f64,
 }
 
-/// Lightly damped oscillations of one linear analysis, or of several at other speeds.
+/// Lightly damped oscillations of one linear analysis, or of several at different speeds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Natural {
     names: Vec<String>,
@@ -29,7 +29,7 @@ pub(super) struct Natural {
 }
 
 impl Natural {
-    /// Of linear analyses by their names.
+    /// The oscillations of linear analyses with these names.
     pub(super) fn of(names: &[String], evaluator: &Evaluator<'_>) -> Result<Natural, PostError> {
         let mut natural = Natural::default();
         for name in names {
@@ -55,14 +55,15 @@ impl Natural {
         }
     }
 
-    /// The one speed (rpm) of all.
+    /// The speed (rpm), if all have one.
     fn one_speed(&self) -> Option<f64> {
         let first = self.oscillations.first()?.speed;
         let same = |o: &Oscillation| (o.speed - first).abs() < SAME;
         self.oscillations.iter().all(same).then_some(first)
     }
 
-    /// Where all are of one speed, each with its name (Hz): drawn across the others, where it is about the same.
+    /// Name and frequency (Hz) of each, if all have one speed. They are drawn as lines over all speeds, where
+    /// they are about the same.
     pub(super) fn lines(&self) -> Vec<(String, f64)> {
         let modes = self.oscillations.iter();
         match self.one_speed() {
@@ -79,7 +80,7 @@ impl Natural {
         modes.map(|o| (o.speed, o.frequency)).collect()
     }
 
-    /// What is drawn, in words; nothing where there is nothing.
+    /// The drawn lines or marks, in words; `None` without any.
     pub(super) fn said(&self) -> Option<String> {
         let names = match self.names.as_slice() {
             [] => return None,

@@ -1,4 +1,5 @@
-//! What samples can tell: frequencies that they hold, blocks that fit, axes that the speed allows; and how it is said.
+//! The limits of samples: frequencies that they resolve, blocks that fit, axes that the speed allows, and the
+//! texts about them.
 
 use super::PostError;
 use super::sampling::Sampled;
@@ -9,9 +10,10 @@ use eng_system::expression::Limit;
 use eng_system::system::Extent;
 use std::f64::consts::{PI, TAU};
 
-/// Share by which rounding may put a frequency off what samples hold, or off a period.
+/// Share of a frequency or a period that counts as rounding.
 const ROUNDING: f64 = 1e-6;
-/// Share of the mean speed by which a speed may be off it where frequencies and orders are taken for each other.
+/// Largest deviation of the speed, as a share of the mean speed, for a conversion between frequencies and
+/// orders.
 const STEADY: f64 = 0.1;
 
 fn unit(symbol: &str, scale: f64) -> DisplayUnit {
@@ -42,12 +44,12 @@ pub(super) fn limit_text(limit: Limit) -> String {
     }
 }
 
-/// `4000 rpm` of turns a second.
+/// `4000 rpm` for a speed in turns per second.
 pub(super) fn speed_text(speed: f64) -> String {
     unit("rpm", 1.0 / 60.0).text(speed)
 }
 
-/// A length counted as the samples lie (s, or °).
+/// A length on the axis of the samples (s, or °).
 fn length(sampling: Sampling, steps: f64) -> Extent {
     match sampling {
         Sampling::Time { step } => Extent::Time(steps * step),
@@ -55,7 +57,7 @@ fn length(sampling: Sampling, steps: f64) -> Extent {
     }
 }
 
-/// Half of the samples a second, or a turn.
+/// Half the sampling rate, per second or per turn.
 pub(super) fn highest(sampling: Sampling) -> Limit {
     match sampling {
         Sampling::Time { step } => Limit::Frequency(0.5 / step),
@@ -63,7 +65,7 @@ pub(super) fn highest(sampling: Sampling) -> Limit {
     }
 }
 
-/// Cycles a sample of a frequency that is counted as the samples lie (Hz, or orders).
+/// Cycles per sample of a frequency on the axis of the samples (Hz, or orders).
 fn cycles_a_sample(sampling: Sampling, place: f64) -> f64 {
     match sampling {
         Sampling::Time { step } => place * step,
@@ -78,7 +80,8 @@ fn two_digits_below(x: f64) -> f64 {
 }
 
 impl Track {
-    /// Refuses what is as fast as half of the samples or faster: they hold nothing of it. `place` is counted as the samples lie.
+    /// Refuses a frequency from half the sampling rate on, because the samples do not resolve it. `place` is
+    /// on the axis of the samples.
     pub fn holds(&self, sampled: &Sampled, place: f64, stated: Limit) -> Result<(), PostError> {
         let cycles = cycles_a_sample(sampled.sampling, place);
         if cycles < 0.5 * (1.0 - ROUNDING) {
@@ -102,7 +105,7 @@ impl Track {
         })
     }
 
-    /// Refuses what is slower than one period in the signal.
+    /// Refuses a frequency without a whole period in the signal.
     pub fn resolves(&self, sampled: &Sampled, place: f64, stated: String) -> Result<(), PostError> {
         let cycles = cycles_a_sample(sampled.sampling, place) * sampled.count as f64;
         if cycles >= 1.0 - ROUNDING {
@@ -115,7 +118,7 @@ impl Track {
         })
     }
 
-    /// Samples of a block that is a number of steps long; at least two, and no more than there are.
+    /// Samples of a block with a length in steps: at least two, and at most all.
     pub fn block(&self, sampled: &Sampled, steps: f64, stated: Extent) -> Result<usize, PostError> {
         let refused = |why: String| PostError::Block {
             analysis: self.samples.analysis.clone(),
@@ -136,8 +139,8 @@ impl Track {
         Ok(count as usize)
     }
 
-    /// The size of the mean speed (1/s), by which frequencies and orders are taken for each other; refused where the cycle does not turn
-    /// or its speed changes too much for that.
+    /// The magnitude of the mean speed (1/s), for the conversion between frequencies and orders. It is
+    /// refused if the cycle does not turn or its speed changes too much.
     pub fn steady_speed(&self, sampled: &Sampled) -> Result<f64, PostError> {
         let speed = self.mean_speed(sampled)?;
         let speeds = self.samples.speed.iter().flatten().map(|s| s.abs() / TAU);
@@ -158,7 +161,7 @@ impl Track {
         Ok(speed)
     }
 
-    /// The size of the mean speed (1/s).
+    /// The magnitude of the mean speed (1/s).
     pub fn mean_speed(&self, sampled: &Sampled) -> Result<f64, PostError> {
         sampled
             .speed
@@ -183,7 +186,7 @@ mod tests {
         assert_eq!(limit_text(Limit::Order(0.5)), "order 0.5");
         assert_eq!(speed_text(200.0 / 3.0), "4000 rpm");
         assert!((two_digits_below(1.0 / 6.0) - 0.16).abs() < 1e-15);
-        // half of the samples itself is not told, so that the hint is less
+        // half the sampling rate itself is refused, so the hint is smaller
         assert!((two_digits_below(0.25) - 0.24).abs() < 1e-15);
         assert!((two_digits_below(121.0) - 120.0).abs() < 1e-12);
         assert!((two_digits_below(1.0) - 0.9).abs() < 1e-12);

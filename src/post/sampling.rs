@@ -1,29 +1,29 @@
-//! How samples lie, and what lines of a spectrum are counted by.
+//! The spacing of samples, and the axis of a spectrum.
 
 use eng_report::signal::{Axis, Sampling, Spectrum};
 use std::f64::consts::TAU;
 
-/// Samples below which nothing is said of how they lie.
+/// Number of samples below which their spacing is not judged.
 pub(super) const FEWEST: usize = 4;
-/// Share of the mean distance by which samples of a spectrum may lie off their grid.
+/// Largest distance of a spectrum's samples from their grid, as a share of the mean distance.
 const EVEN: f64 = 1e-4;
 
-/// How samples lie: how many are of one period, and the shaft's mean speed (1/s).
+/// The spacing of samples, and the shaft's mean speed (1/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sampled {
-    /// Evenly in angle or in time.
+    /// Even in angle or in time.
     pub sampling: Sampling,
-    /// How many lie so: all, or all but the last, where a run ends between two.
+    /// Number of evenly spaced samples: all, or all but the last if a run ends between two.
     pub even: usize,
-    /// All of these but the last: of whole cycles that one is the first of the next.
+    /// Number of these without the last, which is the first of the next cycle in whole cycles.
     pub count: usize,
-    /// Turns a second, if there is a cycle.
+    /// Turns per second, if there is a cycle.
     pub speed: Option<f64>,
 }
 
-/// How samples lie: evenly in cycle angle (rad), else in time (s); the other way round where an axis of frequencies is
-/// `preferred`. Where they lie evenly in neither, all but the last may: a run that is no whole number of samples long has one at its
-/// end. `None` where not even they do.
+/// The spacing of samples: even in cycle angle (rad), otherwise in time (s); in the other order if an axis of
+/// frequencies is `preferred`. If all samples are even in neither, all but the last may be: a run whose
+/// length is no whole number of samples has an irregular one at its end. `None` if these are uneven, too.
 pub(super) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> Option<Sampled> {
     all_sampled(time, angle, preferred).or_else(|| {
         let even = time.len().checked_sub(1).filter(|n| *n >= FEWEST)?;
@@ -33,12 +33,12 @@ pub(super) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> O
             Sampling::Angle { .. } => angle?,
             Sampling::Time { .. } => time,
         };
-        // a later one would be a gap, not an end
+        // a larger distance would be a gap, not an end
         ends_early(along).then_some(found)
     })
 }
 
-/// Whether the last sample lies nearer to the one before it than that to its own.
+/// Whether the last sample is nearer to the one before it than the latter is to its own predecessor.
 fn ends_early(values: &[f64]) -> bool {
     match values {
         [.., a, b, c] => (c - b).abs() < (b - a).abs(),
@@ -54,7 +54,7 @@ fn all_sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> Option<S
     let count = time.len().checked_sub(1)?;
     let by_angle = angle
         .and_then(even_step)
-        // a shaft turns either way
+        // the angle may increase or decrease
         .map(|step| Sampling::Angle {
             step: step.abs().to_degrees(),
         });

@@ -1,10 +1,10 @@
-//! Reports on the page.
+//! Sections of the page for `report` blocks.
 
 use super::{EvaluatedReport, Outcome};
 use eng_report::page::{Cell, Column, Section, Table};
 use eng_report::readable_unit;
 
-/// Figures with what is written before them, a table of the values, conditions that do not hold.
+/// The section of a report: figures with their texts, a table of the values, conditions that do not hold.
 pub(crate) fn section(report: &EvaluatedReport) -> Section {
     let mut section = Section::new(report.title.as_str());
     if !report.text.is_empty() {
@@ -12,7 +12,7 @@ pub(crate) fn section(report: &EvaluatedReport) -> Section {
     }
     for (analysis, reason) in &report.partial {
         section = section.warning(format!(
-            "{analysis} ended early ({reason}); this is of what it had reached."
+            "{analysis} ended early ({reason}); this report uses the samples up to there."
         ));
     }
     let mut rows = Vec::new();

@@ -23,8 +23,9 @@ fn axis(axis: plan::Axis) -> Axis {
     }
 }
 
-/// A spectrum, 0-peak, in the display unit or in decibels over a reference, with the shaft's mean speed (rpm) where there is
-/// one. The last sample is left out: of whole cycles it is the first of the next, and one block of all is then as long as the signal.
+/// A spectrum of amplitudes from zero to peak, in the display unit or in decibels over a reference, and the
+/// mean speed of the shaft (rpm), if it has one. The last sample is left out: in whole cycles it is the first
+/// sample of the next cycle. So one block of all samples is as long as the signal.
 pub(super) fn spectrum_of(
     track: &Track,
     settings: &SpectrumSettings,
@@ -36,10 +37,10 @@ pub(super) fn spectrum_of(
         .values
         .iter()
         .take(sampled.count)
-        // the zero of a shifted unit is no part of an amplitude
+        // an amplitude is a difference, so the zero of the unit does not enter
         .map(|value| value / display.scale)
         .collect();
-    // before the other axis is made of it
+    // the conversion to the other axis needs a steady speed
     let other = matches!(
         (wanted, sampled.sampling),
         (Axis::Frequency, Sampling::Angle { .. }) | (Axis::Order, Sampling::Time { .. })
@@ -120,12 +121,12 @@ pub(super) fn map_of(
     Ok((map, description))
 }
 
-/// A mean speed (rpm) to a hundredth, whatever rounding makes of it.
+/// A mean speed rounded to 0.01 rpm, so that rounding errors do not make two speeds of one.
 fn told_speed(speed: f64) -> f64 {
     (speed * 100.0).round() / 100.0
 }
 
-/// Refuses that the last of some runs turns as fast as one before it: speed (rpm) and analysis of each.
+/// Refuses a last run with the speed of an earlier run. `runs` has speed (rpm) and analysis of each run.
 fn of_other_speeds<'n>(
     mut runs: impl DoubleEndedIterator<Item = (f64, &'n str)> + ExactSizeIterator,
 ) -> Result<(), PostError> {
@@ -184,7 +185,7 @@ pub(super) fn orders_of(
     })
 }
 
-/// Orders along one run of changing speed.
+/// Orders along one run whose speed changes.
 pub(super) fn orders_along(
     track: &Track,
     orders: &[f64],

@@ -6,12 +6,12 @@ use eng_report::signal::{Interpolation, SignalError, resample};
 use eng_system::expression::Member;
 use std::rc::Rc;
 
-/// Where the samples of a run lie.
+/// The samples of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Samples {
     /// The analysis.
     pub analysis: String,
-    /// Time (s); of a linear analysis, whose rows are modes, their numbers.
+    /// Time (s); the numbers of the modes for a linear analysis.
     pub time: Vec<f64>,
     /// Cycle angle (rad), if there is a cycle.
     pub angle: Option<Vec<f64>>,
@@ -21,15 +21,15 @@ pub(super) struct Samples {
     pub period: Option<f64>,
     /// Whether they are whole cycles: the last sample is the first of the next.
     pub whole: bool,
-    /// Whether the odd sample at the end of the run was left out.
+    /// Whether the irregular sample at the end of the run was left out.
     pub shortened: bool,
 }
 
-/// Share of the distance of samples by which those of two runs may lie apart.
+/// Largest difference between the samples of two runs, as a share of the distance of samples.
 const ALIKE: f64 = 1e-4;
 
 impl Samples {
-    /// The samples from one on.
+    /// The samples from an index on.
     pub fn from(&self, first: usize) -> Samples {
         self.part(|values| values.get(first..).unwrap_or_default())
     }
@@ -47,14 +47,15 @@ impl Samples {
         }
     }
 
-    /// The same as whole cycles of a period (rad), `length` (rad) in all: their angle counts from the begin of one.
+    /// The same samples as whole cycles of a period (rad), with the whole `length` (rad). Their angle counts
+    /// from the beginning of a cycle.
     pub fn of_cycles(mut self, period: f64, length: f64) -> Samples {
         self.angle = self.angle.map(|angle| shifted(angle, Some(period)));
         self.whole = self.cover(length);
         self
     }
 
-    /// Whether they cover an angle (rad) to a thousandth of their distance.
+    /// Whether they cover an angle (rad) within a thousandth of their distance.
     pub fn cover(&self, angle: f64) -> bool {
         let Some(own) = &self.angle else { return false };
         let (Some(first), Some(last)) = (own.first(), own.last()) else {
@@ -64,7 +65,8 @@ impl Samples {
         ((last - first).abs() - angle).abs() <= 1e-3 * step
     }
 
-    /// Whether two runs were sampled at the same crank angles, or at the same times; if not, how they differ.
+    /// The difference of the samples of two runs; `None` if they have the same crank angles or the same
+    /// times.
     pub fn differ(&self, other: &Samples) -> Option<String> {
         if self.time.len() != other.time.len() {
             return Some(format!(
@@ -95,7 +97,7 @@ impl Samples {
     }
 }
 
-/// The first place where two rows are not the same but for rounding.
+/// The first index at which two lists differ by more than rounding.
 fn first_apart(a: &[f64], b: &[f64]) -> Option<usize> {
     let span = match (a.first(), a.last()) {
         (Some(first), Some(last)) => (last - first).abs(),
@@ -109,23 +111,24 @@ fn first_apart(a: &[f64], b: &[f64]) -> Option<usize> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Track {
     pub samples: Rc<Samples>,
-    /// SI, one a sample.
+    /// Values in SI, one for each sample.
     pub values: Vec<f64>,
 }
 
 impl Track {
-    /// The last angle (rad) that was turned through, where no whole number of samples fills it: at as many angles as there are samples,
-    /// evenly from its begin to its end, by cubic Hermite interpolation over the angle (error O(h³) of the distance of samples). `None`
-    /// where the shaft does not turn one way all along it.
+    /// The part over the last angle `length` (rad), if no whole number of samples fills it. It has as many
+    /// values as there are samples, at evenly spaced angles from beginning to end, by cubic Hermite
+    /// interpolation over the angle (error O(h³) in the distance h of samples). `None` if the shaft changes
+    /// its sense of rotation there.
     pub fn last_turned(&self, length: f64) -> Option<Track> {
         let samples = &self.samples;
         let angle = samples.angle.as_deref()?;
         let (first, last) = (angle.first()?, angle.last()?);
-        // a shaft turns either way
+        // the angle may increase or decrease
         let sense = if last < first { -1.0 } else { 1.0 };
         let along: Vec<f64> = angle.iter().map(|angle| sense * angle).collect();
         let (begin, end) = (sense * last - length, sense * last);
-        // from a sample before the begin and its neighbours on, which the interpolation reads
+        // the part begins one sample before the beginning, with the neighbours that the interpolation reads
         let from = along.iter().rposition(|angle| *angle <= begin).unwrap_or(0);
         let from = from.saturating_sub(2);
         let along = along.get(from..)?;
@@ -156,7 +159,7 @@ impl Track {
         })
     }
 
-    /// The first samples, where there are more: without the odd one at the end of a run.
+    /// The first samples, without the irregular sample at the end of a run.
     pub fn first(self, count: usize) -> Track {
         if count >= self.values.len() {
             return self;
@@ -171,7 +174,7 @@ impl Track {
         }
     }
 
-    /// An error of a signal's treatment.
+    /// The error of an evaluation of the signal.
     pub fn refused(&self, source: SignalError) -> PostError {
         PostError::Signal {
             analysis: self.samples.analysis.clone(),
@@ -180,7 +183,7 @@ impl Track {
     }
 }
 
-/// What tells members from each other: their channels, their analyses, or both; nothing for one alone.
+/// The names that distinguish members: their channels, their analyses, or both; empty for a single member.
 pub(super) fn names(members: &[Member]) -> Vec<String> {
     if members.len() < 2 {
         return members.iter().map(|_| String::new()).collect();
@@ -192,9 +195,9 @@ pub(super) fn names(members: &[Member]) -> Vec<String> {
     )
 }
 
-/// Of labels that are made of several channels, and are alike but for some of their names, these names, each once: `vertical[2]` of
-/// `a.vertical[2] - b.vertical[2]` beside `a.vertical[1] - b.vertical[1]`. `None` where one is a channel alone, where they are not alike, or
-/// where these names do not tell them apart.
+/// The names in which labels of several channels differ, each once: `vertical[2]` for
+/// `a.vertical[2] - b.vertical[2]` beside `a.vertical[1] - b.vertical[1]`. `None` if a label is a single
+/// channel, if the labels have different forms, or if these names do not distinguish them.
 fn parts_apart(labels: &[&str]) -> Option<Vec<String>> {
     let made = |label: &&str| label.contains(' ');
     if labels.len() < 2 || !labels.iter().all(made) {
@@ -231,7 +234,7 @@ fn parts_apart(labels: &[&str]) -> Option<Vec<String>> {
     Some(found)
 }
 
-/// Names for analyses and channels, as short as tells them apart.
+/// The shortest names that distinguish analyses and channels.
 pub(super) fn told_apart<'m>(
     members: impl Iterator<Item = (&'m str, &'m str)> + Clone,
 ) -> Vec<String> {

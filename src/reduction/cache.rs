@@ -1,7 +1,7 @@
-//! Reductions and looks at meshes kept on disk, by what they were made from.
+//! Keeps reductions and looks at meshes on disk, under the hash of their input.
 //!
-//! A file is named by the hash of the request and of the files that the text names. It lists every file that was read, those that
-//! others include too, with their hashes: one that has changed since makes the file useless.
+//! A file is named by the hash of the request and of the files that the text names. It lists every file that
+//! was read, included files too, with their hashes. If one of them has changed, the file is useless.
 
 use crate::Sources;
 use eng_flexible::Files;
@@ -55,7 +55,7 @@ impl Files for Recorded<'_> {
     }
 }
 
-/// Before the names of files in a provenance.
+/// The beginning of the names of files in a provenance.
 const FILE: &str = "file ";
 
 /// The hash of a file's contents.
@@ -65,7 +65,7 @@ fn hash_of(sources: &Sources, name: &str) -> Option<[u8; 32]> {
     Some(content_hash(&bytes))
 }
 
-/// The key of a request and the files that the text names; none where one of them can't be read.
+/// The key of a request and the files that the text names; `None` if a file cannot be read.
 pub(super) fn key(sources: &Sources, request: &str, files: &[&str]) -> Option<Key> {
     let hashes: Option<Vec<[u8; 32]>> = files.iter().map(|name| hash_of(sources, name)).collect();
     Some(Key::new(&hashes?, request))
@@ -106,7 +106,7 @@ fn place<T: Kept>(folder: &Path, key: &Key) -> PathBuf {
     folder.join(format!("{}.{}", key.text(), T::ENDING))
 }
 
-/// What is kept of a key, if all its files are as they were. One that is damaged is made again.
+/// The kept value of a key, if all its files are unchanged. A damaged value is made again.
 pub(super) fn load<T: Kept>(sources: &Sources, key: &Key) -> Option<T> {
     let bytes = crate::regular::read(&place::<T>(sources.cache()?, key)).ok()?;
     let kept = T::from_bytes(&bytes).ok()?;
@@ -119,7 +119,7 @@ pub(super) fn load<T: Kept>(sources: &Sources, key: &Key) -> Option<T> {
     (kept.key() == *key && unchanged).then_some(kept)
 }
 
-/// Keeps it: whole or not at all. What prevents it is no error of the model.
+/// Keeps a value, whole or not at all. A failure to keep it is no error of the model.
 pub(super) fn save<T: Kept>(sources: &Sources, kept: &T) -> Result<(), std::io::Error> {
     let Some(folder) = sources.cache() else {
         return Ok(());

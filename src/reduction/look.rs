@@ -89,7 +89,7 @@ impl Looks {
         found.extend(sense::refusal(&mesh, source).map(|refusal| *refusal));
         found.extend(wrong_markers(&mesh, source));
         if !found.iter().any(|d| d.severity == Severity::Error) {
-            // an error of the matrices is reported where the model is compiled
+            // the compilation of the model reports an error of the matrices
             let _ = self.make(key, &files, mesh, source);
         }
         found

@@ -27,18 +27,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Reduction {
     /// Path of the body.
     path: String,
-    /// What the runtime computes with; damping is in it.
+    /// The data of the runtime, with damping.
     pub(crate) body: Arc<ReducedBody>,
-    /// With the mesh and the shapes on it.
+    /// The stored body, with the mesh and its shapes.
     pub(crate) stored: Arc<StoredBody>,
     /// Place of its mode set in the text.
     at: Location,
-    /// Whether its mass differs from that of the code that its file names, for the text names no rules.
+    /// Whether its mass differs from that of the code of its file because the text states no rules.
     own_mass: bool,
 }
 
 impl Reduction {
-    /// What is doubtful about it.
+    /// The warnings about it.
     pub(crate) fn doubts(&self) -> impl Iterator<Item = Diagnostic> + '_ {
         let warnings = self.stored.report.warnings.iter().map(|text| {
             Diagnostic::warning(codes::REDUCED, format!("{}: {text}", self.path))
@@ -47,7 +47,7 @@ impl Reduction {
         warnings.chain(self.without_mode())
     }
 
-    /// The message where the set has no mode at all, or constraint modes left nothing of themselves.
+    /// The message if the set has no mode at all, or if no constraint mode remained.
     fn without_mode(&self) -> Option<Diagnostic> {
         let report = &self.stored.report;
         let empty = self.body.invariants.modes == 0;
@@ -74,7 +74,7 @@ impl Reduction {
     }
 }
 
-/// Freedoms whose constraint modes are rigid motions, where no other mode serves the loads.
+/// Freedoms whose constraint modes are rigid motions, if no other mode serves their loads.
 fn rigid_loads(report: &Report) -> Vec<&str> {
     let at = |served: &Served| (served.marker, served.component);
     let vanished = |mode: &str| {
@@ -91,7 +91,7 @@ fn rigid_loads(report: &Report) -> Vec<&str> {
 }
 
 impl Reduction {
-    /// What tells it from other reductions: the hash of request and files.
+    /// The key of the reduction: the hash of request and files.
     pub(crate) fn key(&self) -> String {
         self.stored.key.text()
     }
@@ -128,7 +128,7 @@ pub(crate) struct Reducer {
 }
 
 impl Reducer {
-    /// Reduces, or takes what is kept. `turned` says which markers an element turns.
+    /// Reduces a body, or takes the kept one. `turned` states for each marker whether an element turns it.
     pub(crate) fn reduce(
         &self,
         sources: &Sources,

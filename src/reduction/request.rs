@@ -1,4 +1,4 @@
-//! From what a text says of a flexible body to what the finite-element side is asked.
+//! Turns the block of a flexible body into a request to the crate `flexible`.
 
 use eng_flexible::fe::Rules;
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
@@ -12,7 +12,7 @@ use eng_grammar::Diagnostic;
 use eng_system::flexible as text;
 use eng_system::mesh_files::ElementRules;
 
-/// The request of a source; matrices and shapes of other codes are read.
+/// The request for a source. It reads the matrices and shapes of other codes.
 pub(super) fn request(
     source: &text::FlexibleSource,
     files: &dyn Files,
@@ -45,7 +45,7 @@ pub(super) fn request(
             .collect(),
         support_of_deck: source.support_of_deck,
         terms,
-        // damping is no part of a reduction: it is put on afterwards
+        // damping is no part of a reduction: it is added afterwards
         damping_ratio: 0.0,
         damping_up_to: f64::INFINITY,
         geometric_stiffness: source.geometric_stiffness,
@@ -54,7 +54,8 @@ pub(super) fn request(
     })
 }
 
-/// All that decides a reduction besides the contents of files, as text: without places in the model, and without damping.
+/// All data that decide a reduction, except the contents of files, as text. Places in the model and damping
+/// do not count.
 pub(super) fn text(source: &text::FlexibleSource) -> String {
     let markers: Vec<_> = source
         .markers

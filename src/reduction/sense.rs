@@ -1,4 +1,4 @@
-//! What is doubtful about a mesh: units that make no engine part, cards that were not read, markers that cannot turn.
+//! Doubts about a mesh: units that make no engine part, cards that were not read, markers that cannot turn.
 
 use super::look::Facts;
 use super::{failed, span};
@@ -73,7 +73,8 @@ pub(super) fn doubts(mesh: &Facts, source: &FlexibleSource) -> Vec<Diagnostic> {
     found
 }
 
-/// Whether a mesh of CalculiX has solids whose mass it takes at fewer points than an exact one: all but C3D20R.
+/// Whether a mesh of CalculiX has solids whose mass it takes at fewer points than an exact one: all but
+/// C3D20R.
 pub(super) fn mass_is_not_calculix(mesh: &Mesh) -> bool {
     use ElementKind::{Beam2, Hexahedron20, Quadrilateral4, Quadrilateral8, Triangle3, Triangle6};
     let no_solids = [Beam2, Quadrilateral4, Quadrilateral8, Triangle3, Triangle6];
@@ -86,7 +87,8 @@ pub(super) fn mass_is_not_calculix(mesh: &Mesh) -> bool {
     mesh.code == Code::CalculiX && solids.any(plain)
 }
 
-/// Whether a text of `ignore` means a card or keyword: its name without asterisk, in any case, and what is told of it behind the name.
+/// Whether a text of `ignore` means a card or keyword: its name without asterisk, in upper or lower case,
+/// with or without the words after the name.
 fn means(ignored: &str, name: &str) -> bool {
     let plain = |text: &str| text.trim().trim_start_matches('*').to_ascii_uppercase();
     let (ignored, name) = (plain(ignored), plain(name));
@@ -96,7 +98,7 @@ fn means(ignored: &str, name: &str) -> bool {
             .is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
 }
 
-/// The supports of the deck, where the body does not use them.
+/// The supports of the deck, if the body does not use them.
 fn supports_left_out(mesh: &Facts, source: &FlexibleSource) -> Option<Diagnostic> {
     if source.support_of_deck || source.stiffness.is_some() {
         return None;
@@ -157,8 +159,8 @@ fn ignored_for_nothing<'a>(
     })
 }
 
-/// Why a mesh can't be reduced as it is: stiffness, mass and constraints that are not read, elements whose rules are not reproduced.
-/// With matrices of another code none of this matters.
+/// Why a mesh can't be reduced as it is: stiffness, mass and constraints that are not read, elements whose
+/// rules are not reproduced. With matrices of another code none of this matters.
 pub(super) fn refusal(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagnostic>> {
     unread(&mesh.unread, source).or_else(|| {
         if source.stiffness.is_some() {
@@ -222,7 +224,7 @@ pub(super) fn turns(marker: &ReducedMarker) -> bool {
     marker.rotation.iter().any(|x| *x != 0.0) || marker.translation.iter().all(|x| *x == 0.0)
 }
 
-/// A marker that elements turn stands on a node that does not turn; `turns` says which do.
+/// A message if elements turn a marker on a node without rotation. `turns` states which nodes have rotations.
 pub(super) fn bare_markers(
     turns: &[bool],
     source: &FlexibleSource,

@@ -1,4 +1,4 @@
-//! What a reduction found, as text.
+//! The results of a reduction as text.
 
 use super::Reduction;
 use crate::counted::counted;
@@ -97,7 +97,8 @@ impl Reduction {
         Ok(())
     }
 
-    /// How large the body is about (m): the farthest of its centre and markers from the frame's origin, and its radius of gyration.
+    /// How large the body is about (m): the farthest of its centre and markers from the frame's origin, and
+    /// its radius of gyration.
     fn size(&self) -> f64 {
         let body = &self.stored.report.body;
         let spread = (0..3).map(|i| body.inertia[i][i]).fold(0.0, f64::max);
@@ -187,7 +188,7 @@ const INERTIAS: &Units = &[
 impl Unit {
     fn for_size(units: &'static Units, size: f64) -> Unit {
         let fits = units.iter().find(|(least, ..)| size >= *least);
-        // what is no number has the smallest
+        // NaN has the smallest
         let (_, symbol, size) = fits.or(units.last()).copied().unwrap_or((0.0, "", 1.0));
         Unit { symbol, size }
     }

@@ -1,4 +1,4 @@
-//! Messages with the lines they speak of.
+//! Messages with the lines of the text.
 
 use super::excerpt::{Excerpt, Excerpts};
 use super::visible::visible;
@@ -19,7 +19,8 @@ pub enum Colors {
     None,
 }
 
-/// The messages, then a line that counts them; empty without messages. Of more than a hundred a hundred are shown, errors before warnings.
+/// The messages, then a line with their number; empty without messages. At most a hundred are shown, errors
+/// before warnings.
 pub fn human(diagnostics: &Diagnostics, sources: &SourceMap, colors: Colors) -> String {
     let config = Config::default();
     let mut text = String::new();
@@ -127,15 +128,15 @@ fn translate(
         .with_notes(notes)
 }
 
-/// Lines after the first align under the text.
+/// Lines after the first are aligned with the text.
 fn bullet(kind: &str, text: &str) -> String {
     format!("{kind}: {}", shortened(text).replace('\n', "\n      "))
 }
 
-/// Characters of a title or note that are shown.
+/// Largest number of characters of a title or note.
 const LONGEST: usize = 1000;
 
-/// A text of a message: control characters are shown, and the middle is left out where it repeats a very long text.
+/// A text of a message. Control characters are escaped, and the middle of a very long text is left out.
 fn shortened(text: &str) -> String {
     let text = visible(text);
     let count = text.chars().count();

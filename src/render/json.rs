@@ -1,11 +1,11 @@
-//! Messages for tools.
+//! Messages as JSON for tools.
 
 use super::visible::visible_json;
 use super::{count, inside, shown};
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 use serde::Serialize;
 
-/// What [`json`] prints, version 1.
+/// The document that [`json`] prints, version 1.
 ///
 /// ```text
 /// { "version": 1,
@@ -18,12 +18,14 @@ use serde::Serialize;
 ///       "fixes": [ { PLACE, "title": "…", "replacement": "…" } ] } ] }
 /// ```
 ///
-/// `"diagnostics"` holds at most a hundred messages, errors before warnings, and `"more"` is the number of those that it leaves out; the
-/// three counts are of all. `eng check --positions` adds [`"positions"`](crate::assembled::json_with_positions).
+/// `"diagnostics"` holds at most a hundred messages, errors before warnings, and `"more"` is the number of
+/// the others. The three counts include all messages. `eng check --positions` adds
+/// [`"positions"`](crate::assembled::json_with_positions).
 ///
-/// PLACE is `"file"`, `"line"`, `"column"`, `"end_line"`, `"end_column"`, `"start"`, `"end"`: lines and columns count from 1,
-/// columns in characters; start and end are bytes from 0 in UTF-8, the end is exclusive. All are `null` where there is
-/// no place. Fields may be added within a version; none changes its meaning.
+/// PLACE is `"file"`, `"line"`, `"column"`, `"end_line"`, `"end_column"`, `"start"`, `"end"`: lines and
+/// columns count from 1, columns in characters; start and end are bytes from 0 in UTF-8, the end is
+/// exclusive. All are `null` without a place. Fields may be added within a version; none changes its
+/// meaning.
 #[derive(Debug, Serialize)]
 pub struct Document<'a> {
     version: u32,
@@ -92,7 +94,7 @@ pub fn json(diagnostics: &Diagnostics, sources: &SourceMap) -> String {
     text(&document(diagnostics, sources))
 }
 
-/// A document as JSON text with a line end; what would act on a terminal is escaped.
+/// A document as JSON text with a line end. Characters that would act on a terminal are escaped.
 pub(crate) fn text(document: &impl Serialize) -> String {
     // strings and numbers alone: serialising cannot fail
     let text = serde_json::to_string_pretty(document).unwrap_or_default();

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Whether a terminal would act on a character: control characters (Unicode's class Cc) but line ends and tabs, and those that change
-/// the direction of the text around them or end a line unseen.
+/// Whether a terminal would act on a character: control characters (Unicode's class Cc) except line ends and
+/// tabs, and characters that change the direction of the text or end a line invisibly.
 pub(crate) fn acts(c: char) -> bool {
     match c {
         '\n' | '\t' => false,
@@ -13,22 +13,22 @@ pub(crate) fn acts(c: char) -> bool {
     }
 }
 
-/// How such a character is shown: `\u{1b}`.
+/// The text for such a character: `\u{1b}`.
 pub(crate) fn shown(c: char) -> String {
     c.escape_unicode().to_string()
 }
 
-/// A text with all of them shown.
+/// A text with all such characters escaped.
 pub(crate) fn visible(text: &str) -> Cow<'_, str> {
     with(text, shown)
 }
 
-/// A name or an argument within a line of a message: line ends are shown, too.
+/// A name or an argument within a line of a message. Line ends are escaped, too.
 pub(crate) fn visible_name(text: &str) -> String {
     visible(text).replace('\n', "\\n").replace('\t', "\\t")
 }
 
-/// The text of a JSON document: what the writer of JSON left as it is, by JSON's own escapes.
+/// The text of a JSON document, with JSON escapes for characters that the writer of JSON does not escape.
 pub(super) fn visible_json(text: &str) -> Cow<'_, str> {
     with(text, |c| {
         let mut escaped = String::new();

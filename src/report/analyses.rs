@@ -7,11 +7,11 @@ use crate::post::Run;
 use crate::run::RunOutcome;
 use eng_report::page::Section;
 
-/// Which figures an analysis has of its own.
+/// The figures that an analysis has of its own.
 pub(super) enum Detail {
     /// All.
     Whole,
-    /// Those that do not stand beside those of the other points of its sweep, which have these titles.
+    /// All but the figures with these titles, which are beside those of the other points of its sweep.
     Point(Vec<String>),
     /// None: one of many points of a sweep.
     Numbers,

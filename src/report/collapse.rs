@@ -1,15 +1,17 @@
-//! Which nodes of a surface can go: edges are drawn together into one of their ends, those first that change the surface least.
+//! Finds nodes of a surface that can be removed. It moves one end of an edge onto the other, beginning with
+//! the edges whose removal changes the surface least.
 //!
-//! The cost of an end is the sum of squared distances to the planes of all triangles that were merged into it, weighted by their
-//! areas (m⁴): M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997. The end that stays does
-//! not move, so that it is still a node of the mesh.
+//! The cost of an end is the sum of squared distances to the planes of all triangles that were merged into
+//! it, weighted by their areas (m⁴): M. Garland, P. Heckbert, "Surface simplification using quadric error
+//! metrics", SIGGRAPH 1997. The end that stays does not move, so that it is still a node of the mesh.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeSet, BinaryHeap};
 
-/// Share of an edge's length to the fourth that is added to its cost: in a plane short edges go first, and triangles stay compact.
+/// Share of an edge's length to the fourth that is added to its cost: in a plane short edges go first, and
+/// triangles stay compact.
 const LENGTH: f64 = 1e-3;
-/// Planes across a rim weigh so many times their squared edge.
+/// Weight of planes across a rim, in squares of the edge.
 const RIM: f64 = 10.0;
 /// A triangle may turn by no more than the angle with this cosine.
 const TURN: f64 = 0.3;
@@ -84,7 +86,7 @@ struct Candidate {
 }
 
 impl Ord for Candidate {
-    /// The cheapest is the greatest; equal ones by their numbers.
+    /// The cheapest candidate is the greatest. Equal costs are ordered by number.
     fn cmp(&self, other: &Candidate) -> Ordering {
         other
             .cost
@@ -108,7 +110,8 @@ impl PartialEq for Candidate {
 
 impl Eq for Candidate {}
 
-/// A surface from which nodes go. All indices are of `places`, and were checked when it was made.
+/// A surface from which nodes are removed. All indices are those of `places` and were checked when it was
+/// made.
 struct Surface<'a> {
     places: &'a [Vector],
     triangles: Vec<[usize; 3]>,
@@ -167,7 +170,7 @@ impl Surface<'_> {
         }
     }
 
-    /// Whether the surface stays one, and no triangle turns over.
+    /// Whether the surface remains a surface without turned triangles.
     fn allowed(&self, goes: usize, stays: usize) -> bool {
         let shared = self.around[goes].intersection(&self.around[stays]).count();
         let common = self
@@ -208,8 +211,9 @@ impl Surface<'_> {
     }
 }
 
-/// For each of `places` the one that stands for it, with itself where it stays; no more than `most` stay, or as few as the surface
-/// allows. Triangles hold indices of `places`; those that hold others or one twice are left out.
+/// For each of `places` the place that represents it, which is the place itself if it remains. At most `most`
+/// places remain, or as few as the surface allows. Triangles hold indices of `places`. Triangles with other
+/// indices, or with one index twice, are left out.
 pub(super) fn collapsed(places: &[Vector], triangles: &[[usize; 3]], most: usize) -> Vec<usize> {
     let mut surface = Surface {
         places,

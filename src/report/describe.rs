@@ -1,4 +1,4 @@
-//! The model behind results: its inputs, journals and bodies with the numbers that the results were computed with.
+//! The model of results: its inputs, journals and bodies with the numbers of the run.
 
 use crate::machine::{Machine, at};
 use crate::program::Program;
@@ -15,17 +15,17 @@ use std::collections::BTreeMap;
 pub struct InputValue {
     /// `main[5].radial_clearance`.
     pub path: String,
-    /// What the results were computed with.
+    /// The value of the run.
     pub value: f64,
-    /// What it is if nothing is said.
+    /// The default value.
     pub default: f64,
     /// Open limits.
     pub limits: (f64, f64),
-    /// How it is shown.
+    /// The display unit.
     pub display: DisplayUnit,
-    /// Where its default is stated: file and line; empty where that is not known.
+    /// File and line of its default; empty if they are not known.
     pub stated_at: String,
-    /// Whether that is the library's text: nothing was said in the model.
+    /// Whether the default is in the library's text, because the model states none.
     pub of_library: bool,
 }
 
@@ -43,9 +43,9 @@ pub struct MarkerAxes {
 /// Pin and shell of a journal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JournalAxes {
-    /// Turns.
+    /// The axes of the pin, which turns.
     pub pin: MarkerAxes,
-    /// In its axes forces and eccentricities are.
+    /// The axes of the shell, in which forces and eccentricities are recorded.
     pub shell: MarkerAxes,
 }
 
@@ -54,11 +54,11 @@ pub struct JournalAxes {
 pub struct Spot {
     /// `big` of `rod[1].big`.
     pub name: String,
-    /// In the body's axes (m).
+    /// Its position in the body's axes (m).
     pub place: [f64; 3],
 }
 
-/// What a body is made of.
+/// The mass and shape of a body.
 #[derive(Clone, Debug)]
 pub enum Matter {
     /// A rigid body.
@@ -81,26 +81,27 @@ pub enum Matter {
 pub struct BodyPicture {
     /// Its path.
     pub path: String,
-    /// What it is made of.
+    /// Its mass and shape.
     pub matter: Matter,
 }
 
-/// What a report needs of the model behind the results of an analysis.
+/// The data that a report needs from the model of an analysis.
 #[derive(Clone, Debug)]
 pub struct Described {
     /// Hash of the texts as they are now.
     pub source_hash: String,
-    /// Parameters whose values are not those that the text states for the analysis, and what they are: by `--set`, or of another text.
+    /// Parameters with other values than the text states for the analysis, by `--set` or from another text,
+    /// and these values.
     pub set: BTreeMap<String, String>,
     /// Parameters in a fixed order.
     pub inputs: Vec<InputValue>,
-    /// What the text accepts of lints, a line each.
+    /// The lints that the text accepts, one line for each.
     pub accepted: Vec<String>,
     /// Journals, cycle and firing order.
     pub machine: Machine,
     /// Pins and shells of the journals, in their order.
     pub axes: Vec<JournalAxes>,
-    /// Where it stands in its sweep.
+    /// Its position in the sweep.
     pub point: Vec<PointValue>,
     /// Which ground axis points up.
     pub up: Up,
@@ -109,7 +110,7 @@ pub struct Described {
 }
 
 impl Program {
-    /// What a report needs to know of the models behind results; parameters are those that the results were computed with.
+    /// The data that a report needs from the models of results. Parameters have the values of the runs.
     ///
     /// # Errors
     /// An analysis that the text has not, a model that cannot be compiled or bound.
@@ -123,7 +124,7 @@ impl Program {
 }
 
 impl Described {
-    /// Of an analysis, with the parameters that stand in the metadata of its results.
+    /// The data of an analysis, with the parameters from the metadata of its results.
     pub(super) fn new(
         analysis: Analysis,
         metadata: &BTreeMap<String, String>,
@@ -139,7 +140,7 @@ impl Described {
         let defaults = compiled
             .bind
             .bind(&unset, &system.tables)
-            // a model whose defaults contradict themselves is one whose parameters must be said
+            // if the defaults contradict each other, the text must state the parameters
             .map_or_else(|_| vec![f64::NAN; unset.len()], |bound| bound.parameters);
         let inputs = system
             .parameters
@@ -223,12 +224,12 @@ fn axes(system: &System, bound: &Bound) -> Vec<JournalAxes> {
         .collect()
 }
 
-/// Whether two values are not the same but for rounding.
+/// Whether two values differ by more than rounding.
 fn differ(a: f64, b: f64) -> bool {
     (a - b).abs() > 1e-12 * a.abs().max(b.abs())
 }
 
-/// Sets what the metadata say and the analysis does not.
+/// Sets the parameters whose values in the metadata differ from those of the analysis.
 fn with_parameters(
     mut analysis: Analysis,
     metadata: &BTreeMap<String, String>,

@@ -8,8 +8,8 @@ use crate::results::{Column, Results, ResultsError, TIME};
 use eng_runtime::rotation::{M3, matrix};
 use eng_system::{Dimension, DisplayUnit};
 
-/// Adds the angle by which each pin has turned in its shell, where the motion was kept and covers the samples.
-/// Its frame are the axes of the pin, in which a load then stands.
+/// Adds the angle by which each pin has turned in its shell, if the motion was kept and covers the samples.
+/// Its frame is that of the pin, for loads in axes of the pin.
 pub(super) fn add_turns(entry: &Entry, results: &mut Results) -> Result<(), ResultsError> {
     let (Some(time), Some(motion)) = (results.column(TIME), &entry.outcome.motion) else {
         return Ok(());
@@ -30,9 +30,10 @@ pub(super) fn add_turns(entry: &Entry, results: &mut Results) -> Result<(), Resu
     Ok(())
 }
 
-/// Angle (°) of the pin's x axis from the shell's about the shell's z at each of `times` (s): that of the motion's samples, unwrapped,
-/// linear between them. Deflections of flexible bodies turn their markers by less than a degree and are left out. `None` where the
-/// motion has no two samples or does not cover the times.
+/// Angle (°) of the pin's x axis from the shell's about the shell's z at each of `times` (s): that of the
+/// motion's samples, unwrapped, linear between them. Deflections of flexible bodies turn their markers by
+/// less than a degree and are left out. `None` if the motion has fewer than two samples or does not cover the
+/// times.
 fn turn(
     motion: &Results,
     pin: &MarkerAxes,

@@ -1,7 +1,7 @@
 //! One HTML file of a model's results, and files for other tools.
 //!
-//! May contain: what is shown of which results, and in which order. Must not contain: how figures, pages and animations are drawn
-//! (`eng_report`), how stresses are recovered (`eng_flexible::recover`), arguments of the command.
+//! May contain: the choice and order of contents. Must not contain: the drawing of figures, pages and
+//! animations (`eng_report`), the recovery of stresses (`eng_flexible::recover`), arguments of the command.
 
 mod analyses;
 mod collapse;
@@ -36,10 +36,10 @@ use std::path::PathBuf;
 /// A report that cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// Results that do not have what is needed.
+    /// Results without the necessary data.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// A flexible body that gives no shapes or stresses.
+    /// A flexible body without shapes or stresses.
     #[error(transparent)]
     Flexible(#[from] FlexibleError),
     /// Bodies that do not fit their motion.
@@ -57,15 +57,15 @@ pub enum ReportError {
         /// Amplitudes in the results.
         found: usize,
     },
-    /// Nothing that could be moved.
+    /// No motion.
     #[error("{0}: no motion was kept; run the model again")]
     NoMotion(String),
-    /// The system refused.
+    /// The operating system refused.
     #[error("{}: {source}", path.display())]
     File {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
 }
@@ -84,7 +84,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// From what was read; a file is given as its name and its hash.
+    /// An entry from results that were read. A file has a name and a hash.
     pub fn new(
         results: crate::Results,
         motion: Option<crate::Results>,

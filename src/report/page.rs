@@ -1,4 +1,4 @@
-//! The page: which sections, in which order.
+//! The page: its sections and their order.
 
 use super::analyses::Detail;
 use super::describe::Matter;
@@ -17,12 +17,12 @@ use eng_system::report::Report;
 
 /// Animations of a page.
 const ANIMATED: usize = 2;
-/// About how many bytes of a page the pictures of flexible bodies take, all animations together.
+/// Approximate size in bytes of the pictures of flexible bodies in all animations of a page.
 const BUDGET: usize = 5_000_000;
-/// More points of a sweep than these get no figures of their own.
+/// Largest number of points of a sweep with figures of their own.
 const POINTS: usize = 4;
 
-/// What a page is made of.
+/// The contents of a page.
 #[derive(Clone, Debug, Default)]
 pub struct Request<'a> {
     /// The model's file.
@@ -35,7 +35,7 @@ pub struct Request<'a> {
     pub missing: &'a [String],
     /// The reports of the text.
     pub reports: &'a [Report],
-    /// What was typed.
+    /// The command line.
     pub command: &'a str,
     /// Moments at which stresses are shown, besides those of the largest.
     pub stress_at: &'a [At],
@@ -52,16 +52,16 @@ pub struct Drawn {
     pub svg: String,
 }
 
-/// A page with what belongs to it.
+/// A page with its files.
 #[derive(Clone, Debug)]
 pub struct Made {
     /// The HTML file's text.
     pub html: String,
-    /// The first animation as a binary glTF file, where something moves.
+    /// The first animation as a binary glTF file, if there is one.
     pub gltf: Option<Vec<u8>>,
-    /// The figures, where they were wanted.
+    /// The figures, if they were requested.
     pub figures: Vec<Drawn>,
-    /// What could not be shown, a sentence each.
+    /// One sentence for each part that could not be shown.
     pub warnings: Vec<String>,
 }
 
@@ -116,7 +116,7 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
                     warnings.extend(told.map(|w| format!("{}: {w}", entry.name())));
                     scenes.push((entry, made));
                 }
-                // the rest of the page is of use without it
+                // the rest of the page is useful without it
                 Err(error @ (ReportError::Modes { .. } | ReportError::Results(_))) => {
                     warnings.push(error.to_string());
                 }
@@ -181,7 +181,7 @@ fn files(page: &Page) -> Vec<Drawn> {
     page.figures()
         .into_iter()
         .map(|figure| {
-            // where it has no name, what it is called and of which analysis: the caption's first two parts
+            // a figure without a name takes the first two parts of its caption: title and analysis
             let caption = figure.caption.split(". ").next().unwrap_or_default();
             let second = caption.match_indices(", ").nth(1);
             let parts = second.and_then(|(end, _)| caption.get(..end));
@@ -212,7 +212,7 @@ fn summary(entries: &[Entry], missing: &[String], warnings: &[String]) -> Sectio
     section
 }
 
-/// What the text itself reports.
+/// The sections of `report` blocks.
 fn reported(reports: &[Report], entries: &[Entry]) -> Vec<Section> {
     let runs: Vec<Run<'_>> = entries
         .iter()

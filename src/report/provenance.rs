@@ -1,11 +1,11 @@
-//! Where results come from: versions, texts, files and reductions with their hashes.
+//! The origin of results: versions, texts, files and reductions with their hashes.
 
 use super::Entry;
 use super::describe::Matter;
 use eng_flexible::store::hexadecimal;
 use eng_report::page::{Provenance, Section};
 
-/// The section. `command` is what was typed.
+/// The section. `command` is the command line.
 pub(super) fn section(entries: &[Entry], command: &str) -> Section {
     let mut versions = vec![(
         "eng, this report".to_owned(),
@@ -18,7 +18,7 @@ pub(super) fn section(entries: &[Entry], command: &str) -> Section {
             format!("sha256:{}", entry.described.source_hash),
         ));
     }
-    // what several analyses share is told once
+    // facts that several analyses share appear once
     let mut told: Vec<(String, String, Vec<&str>)> = Vec::new();
     let mut tell = |what: &str, value: String, analysis| {
         let same = told.iter_mut().find(|(w, v, _)| w == what && *v == value);

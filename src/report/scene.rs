@@ -1,4 +1,5 @@
-//! The moving bodies of an analysis: flexible ones with their shapes and stresses, rigid ones as simple solids.
+//! The moving bodies of an analysis: flexible ones with their shapes and stresses, rigid ones as simple
+//! solids.
 
 use super::describe::{BodyPicture, Matter};
 use super::shapes::{outlined, solid};
@@ -15,7 +16,7 @@ use eng_report::animation::{
 use eng_report::page::Table;
 use std::collections::BTreeMap;
 
-/// Modes that move no node by more than this share of what the largest one does are left out of pictures.
+/// Pictures leave out modes that move no node by more than this share of the largest modal motion.
 const MOVES: f64 = 1e-3;
 /// Largest displacement as shown, as a share of the scene's size.
 const SHOWN: f64 = 0.04;
@@ -23,25 +24,26 @@ const SHOWN: f64 = 0.04;
 const LARGE: f64 = 0.3;
 /// Seconds in which a cycle is played.
 const PLAYED: f64 = 8.0;
-/// Bytes of a page a node and mode: three floats of single precision, deflated to about half, in base64.
+/// Bytes in a page for each node and mode: three floats of single precision, deflated to about half, in
+/// base64.
 const BYTES: usize = 9;
 
-/// The animation of an analysis with what is to be said about it.
+/// The animation of an analysis, with notes and warnings.
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
     pub animation: Animation,
-    /// Flexible bodies that are held, which hide what moves within them.
+    /// Flexible bodies held on the ground. They hide the parts that move inside them.
     pub held: Vec<String>,
-    /// What was thinned or left out, a sentence each.
+    /// One sentence for each part that was thinned or left out.
     pub notes: Vec<String>,
-    /// What of it was asked for and can't be shown.
+    /// Requests that cannot be met.
     pub warnings: Vec<String>,
-    /// Largest stresses, a table a flexible body.
+    /// Largest stresses, one table for each flexible body.
     pub maxima: Vec<Table>,
 }
 
-/// The motion of an analysis that has one; pictures of flexible bodies take no more than about `budget` bytes of a page. Stresses are
-/// shown at the moments `at`, at that of each body's largest, and as an envelope.
+/// The motion of an analysis that has one; pictures of flexible bodies take no more than about `budget` bytes
+/// of a page. Stresses are shown at the moments `at`, at that of each body's largest, and as an envelope.
 pub(super) fn scene(
     entry: &Entry,
     motion: &Results,
@@ -162,7 +164,7 @@ pub(super) fn scene(
     })
 }
 
-/// A flexible body as it was reduced, its amplitudes at each time, and its surface as it is drawn.
+/// A reduced flexible body, its amplitudes at each time, and its drawn surface.
 type Covered<'a> = (&'a StoredBody, Vec<Vec<f64>>, Covering);
 
 /// Gives each flexible body its stresses at the chosen moments, an index into times (s) and angles (°).
@@ -192,7 +194,7 @@ fn stresses(
     Ok(())
 }
 
-/// How many times slower than the machine an animation plays that shows a motion of these times (s).
+/// The factor by which an animation of these times (s) is slower than the machine.
 fn slowdown(times: &[f64]) -> f64 {
     match (times.first(), times.last()) {
         (Some(first), Some(last)) if last > first => round(PLAYED / (last - first)),
@@ -200,7 +202,8 @@ fn slowdown(times: &[f64]) -> f64 {
     }
 }
 
-/// Factor on displacements that shows the largest one as a share of the scene; never below 1. `length`: the scene's reach (m).
+/// Factor on displacements that shows the largest one as a share of the scene; never below 1. `length`: the
+/// scene's reach (m).
 fn magnification(flexible: &[FlexibleBody], length: f64) -> f64 {
     let largest = flexible
         .iter()
@@ -213,7 +216,7 @@ fn magnification(flexible: &[FlexibleBody], length: f64) -> f64 {
 }
 
 impl Scene {
-    /// The animation, or two where held bodies hide others: of what moves, and of what is held.
+    /// One animation, or two if held bodies hide others: one of the moving bodies and one of the held bodies.
     pub fn views(&self) -> Vec<Animation> {
         let whole = &self.animation;
         let (held, free): (Vec<_>, Vec<_>) = whole
@@ -237,7 +240,7 @@ impl Scene {
     }
 }
 
-/// The nearest below of 1, 2 and 5 times a power of ten.
+/// The largest of 1, 2 and 5 times a power of ten that is not larger.
 fn round(x: f64) -> f64 {
     if !(x > 0.0 && x.is_finite()) {
         return 1.0;
@@ -303,7 +306,7 @@ struct Deforming {
     covering: Covering,
 }
 
-/// Which kept node stands for each node of a surface.
+/// The kept node that represents each node of a surface.
 struct Covering {
     /// Nodes of the whole surface.
     all: Vec<u32>,
@@ -421,7 +424,7 @@ fn deforming(
     })
 }
 
-/// The modes that move some node by more than a thousandth of what the largest one does.
+/// The modes that move some node by more than a thousandth of the largest modal motion.
 fn moving(stored: &StoredBody, nodes: &[u32], amplitudes: &[Vec<f64>]) -> Vec<usize> {
     let reach: Vec<f64> = shapes(stored, nodes)
         .iter()
@@ -488,8 +491,8 @@ mod tests {
             .collect()
     }
 
-    /// At each time a node of the glTF file, moved by targets and weights and placed by its node's track, is where recovery finds it,
-    /// its displacement multiplied by the scale: x = r + A (s + scale Φ a).
+    /// At each time a node of the glTF file, moved by targets and weights and placed by its node's track, is
+    /// where recovery finds it, its displacement multiplied by the scale: x = r + A (s + scale Φ a).
     #[test]
     fn the_gltf_file_shows_the_motion_that_recovery_finds() {
         use crate::report::Described;

@@ -1,4 +1,5 @@
-//! Motion and stresses of flexible bodies as files for ParaView: a `.vtu` a body and time, and a `.pvd` that names them all.
+//! Motion and stresses of flexible bodies as files for ParaView: a `.vtu` for each body and time, and a
+//! `.pvd` that names them all.
 
 use super::scene::{place, poses, shapes};
 use super::stress::{self, Peak};
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Most times of a series.
 const TIMES: usize = 36;
 
-/// Largest von Mises stress over the motion and when, where every node of the surface has one.
+/// Largest von Mises stress over the motion and its time, if every node of the surface has a stress.
 fn envelope_of(peaks: &[Peak], nodes: usize) -> Vec<NodeField> {
     if peaks.len() != nodes {
         return Vec::new();
@@ -31,11 +32,11 @@ fn envelope_of(peaks: &[Peak], nodes: usize) -> Vec<NodeField> {
     ]
 }
 
-/// Writes the series of an analysis: the whole surface, at up to 37 times of its last cycle. Returns the path of the `.pvd` file, or
-/// nothing where no body is flexible.
+/// Writes the series of an analysis: the whole surface, at up to 37 times of its last cycle. Returns the path
+/// of the `.pvd` file, or `None` without a flexible body.
 ///
 /// # Errors
-/// An analysis without motion, bodies that do not fit it, what the system refuses.
+/// An analysis without motion, bodies that do not fit it, errors of the operating system.
 pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, ReportError> {
     let Some(motion) = &entry.outcome.motion else {
         return Err(ReportError::NoMotion(entry.name().to_owned()));

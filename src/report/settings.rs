@@ -1,11 +1,11 @@
-//! Parameters by which results differ that stand in one report.
+//! Parameters that differ between the results of one report.
 
 use super::Described;
 use crate::results::Results;
 use std::collections::BTreeSet;
 
-/// What is to be said of results of one model where some have a parameter set to another value than the text states (`--set`), and others
-/// have not, or to a third one. Results of another text are not looked at: that they are is said already.
+/// Messages about results of one model with different values of a parameter because of `--set`. Results of
+/// another text are skipped, because another message reports them.
 pub(crate) fn mixed(runs: &[(&Results, &Described)]) -> Vec<String> {
     let current: Vec<&(&Results, &Described)> = runs
         .iter()

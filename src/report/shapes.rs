@@ -1,10 +1,11 @@
-//! Simple parts that stand for rigid bodies.
+//! Simple parts that represent rigid bodies.
 
 use super::describe::Spot;
 use eng_report::animation::Part;
 
-/// Bars from the first marker to the others; where all markers lie in one place, a cylinder or box of the body's mass and diagonal
-/// inertia: `J_axis = m r²/2`, `J_across = m (3r² + h²)/12`, and for a box `a² = 6 (J_b + J_c − J_a)/m`.
+/// Bars from the first marker to the others. If all markers are in one place, a cylinder or box with the
+/// body's mass and moments of inertia: `J_axis = m r²/2`, `J_across = m (3r² + h²)/12`, and for a box
+/// `a² = 6 (J_b + J_c − J_a)/m`.
 pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[Spot]) -> Vec<Part> {
     let between =
         |a: [f64; 3], b: [f64; 3]| libm::sqrt((0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum());
@@ -40,7 +41,7 @@ pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[S
             let square = 2.0 * inertia[axis] / mass;
             let radius = libm::sqrt(square.max(0.0));
             let height = libm::sqrt((12.0 * across / mass - 3.0 * square).max(0.0));
-            // a disc without thickness would not be seen from its side
+            // a disc without thickness would be invisible from its side
             let half = 0.5 * height.max(0.04 * radius);
             let (mut from, mut to) = (center, center);
             from[axis] -= half;
@@ -60,7 +61,8 @@ pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[S
     if finite { vec![part] } else { Vec::new() }
 }
 
-/// A cylinder as its two rims and four lines along it where its radius (m) is larger, so that it hides nothing.
+/// A cylinder as its two rims and four lines along it where its radius (m) is larger, so that it hides
+/// nothing.
 pub(super) fn outlined(part: Part, larger: f64) -> Vec<Part> {
     let Part::Cylinder { from, to, radius } = part else {
         return vec![part];

@@ -1,4 +1,5 @@
-//! Von Mises stress of flexible bodies over the times of a motion: its largest value at each node, and where that peaks.
+//! Von Mises stress of flexible bodies over the times of a motion: its largest value at each node, and the
+//! places of its maxima.
 
 use super::ReportError;
 use eng_flexible::recover::{Envelope, Location, Recovery};
@@ -18,7 +19,7 @@ pub(super) struct Peak {
     pub node: u32,
     /// Largest von Mises stress (Pa).
     pub stress: f64,
-    /// When it was first reached (s).
+    /// Time at which it was first reached (s).
     pub time: f64,
 }
 
@@ -73,8 +74,8 @@ pub enum At {
 }
 
 impl At {
-    /// Index of the sample nearest to the moment: of `times` (s) and `angles` (°), which may be missing. None where the motion does not
-    /// reach it.
+    /// Index of the sample of `times` (s) and `angles` (°) that is nearest to the moment. `angles` may be
+    /// empty. `None` if the motion does not contain the moment.
     pub(super) fn nearest(
         self,
         times: &[f64],
@@ -112,7 +113,8 @@ impl std::fmt::Display for At {
     }
 }
 
-/// The largest peaks that lie apart from each other, the largest first. `angle` gives the crank angle (°) of a time.
+/// The largest peaks that lie apart from each other, the largest first. `angle` gives the crank angle (°) of
+/// a time.
 pub(super) fn table(
     caption: &str,
     stored: &StoredBody,
@@ -180,7 +182,8 @@ pub(super) fn table(
     }
 }
 
-/// For each of `count` places that stand for nodes the largest stress among these (Pa), zero where there is none.
+/// For each of `count` places that represent nodes, the largest stress of these nodes (Pa); zero without a
+/// stress.
 pub(super) fn by_place(
     values: &[(u32, f64)],
     stands_for: &BTreeMap<u32, u32>,
@@ -204,7 +207,8 @@ mod tests {
     use crate::Sources;
     use crate::motion::{BodyMotion, moments};
 
-    /// Bending of a beam: sigma = F (L - z) c/I, in the middle of a bar of 20 x 20 x 200 mm, far from both ends.
+    /// Bending of a beam: sigma = F (L - z) c/I, in the middle of a bar of 20 x 20 x 200 mm, far from both
+    /// ends.
     #[test]
     fn a_bent_bar_has_the_stress_of_a_beam() {
         let text = "
@@ -255,7 +259,7 @@ mod tests {
         let shown = table("Bar", stored, &found, &|_| None);
         let largest = found.iter().map(|p| p.stress).fold(0.0, f64::max);
         assert_eq!(shown.rows[0][1], Cell::number(1e-6 * largest));
-        // places that stand for several nodes have the largest of them
+        // a place that represents several nodes has their largest stress
         let all_to_one = nodes.iter().map(|n| (*n, 0)).collect();
         let values: Vec<(u32, f64)> = found.iter().map(|p| (p.node, p.stress)).collect();
         assert_eq!(by_place(&values, &all_to_one, 2), [largest, 0.0]);

@@ -1,4 +1,5 @@
-//! Surfaces with fewer nodes, all of them nodes of the mesh, so that places and shapes stay those of the mesh.
+//! Surfaces with fewer nodes, all of them nodes of the mesh, so that places and shapes stay those of the
+//! mesh.
 
 use super::collapse::collapsed;
 use std::collections::BTreeMap;
@@ -8,13 +9,14 @@ use std::collections::BTreeMap;
 pub(super) struct Thinned {
     /// Indices of the nodes in the mesh.
     pub nodes: Vec<u32>,
-    /// Three of `nodes` each, by place in that list.
+    /// Three indices into `nodes` for each triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// For each node of the whole surface the place in `nodes` of that which stands for it.
+    /// For each node of the whole surface the index in `nodes` of the node that represents it.
     pub stands_for: BTreeMap<u32, u32>,
 }
 
-/// The surface of `triangles` between nodes of a mesh with no more than `most` nodes, or as few as it can be drawn together to.
+/// The surface of `triangles` between nodes of a mesh with no more than `most` nodes, or as few as it can be
+/// drawn together to.
 pub(super) fn thin(
     triangles: &[[u32; 3]],
     place: &dyn Fn(u32) -> [f64; 3],

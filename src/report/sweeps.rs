@@ -1,4 +1,4 @@
-//! The section of a sweep: what its points come to, side by side, and their spectra over speed.
+//! The section of a sweep: the results of its points side by side, and their spectra over speed.
 
 use super::Entry;
 use super::drawn::drawn;
@@ -13,9 +13,9 @@ use eng_report::readable_unit;
 use eng_system::Dimension;
 use std::f64::consts::TAU;
 
-/// Fewer speeds than these make no map.
+/// Least number of speeds of a map.
 const SPEEDS: usize = 4;
-/// As many points have a column each in their table.
+/// Largest number of points with one column each in their table.
 const FEW: usize = 6;
 /// Columns of the table of more points.
 const COLUMNS: usize = 13;
@@ -39,7 +39,8 @@ pub(super) fn sections(modes: &[Entry], cut: &[RunOutcome]) -> Vec<Section> {
         .collect()
 }
 
-/// The table of points: of few a column each, of many a row each, then with some of the quantities; the file has all.
+/// The table of points. Few points have one column each. Many points have one row each, with some of the
+/// quantities; the file has all of them.
 fn shown(points: &Results) -> Table {
     let all = points.columns();
     let cell = |column: &Column, row: usize| match column.values.get(row) {
@@ -90,8 +91,8 @@ fn shown(points: &Results) -> Table {
     }
 }
 
-/// The extremes of journals and outputs over the variable of the sweep, with captions. A sweep of several variables,
-/// or of one that is no number, has none.
+/// The extremes of journals and outputs over the variable of the sweep, with captions. A sweep of several
+/// variables, or of one that is no number, has none.
 fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<(Wanted, String)> {
     let Some([variable]) = family.first().map(|o| o.point.as_slice()) else {
         return Vec::new();
@@ -104,7 +105,7 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<(Wanted, String)
     let Some(x) = points.column(&variable.name).filter(|_| increasing) else {
         return Vec::new();
     };
-    // the place in a list is no quantity
+    // the index in a list is no quantity
     let place = |(k, value): (usize, &f64)| *value == (k + 1) as f64;
     if variable.dimension == Dimension::ONE && x.values.iter().enumerate().all(place) {
         return Vec::new();
@@ -140,8 +141,9 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<(Wanted, String)
     figures.collect()
 }
 
-/// Waterfalls and Campbell diagrams of the model's own forces and accelerations over the speeds of the points. Of
-/// outputs with one name and different indices, the one with the largest amplitude at any speed is shown.
+/// Waterfalls and Campbell diagrams of the model's own forces and accelerations over the speeds of the
+/// points. Of outputs with one name and different indices, the one with the largest amplitude at any speed is
+/// shown.
 fn maps(section: Section, modes: &[Entry], family: &[&RunOutcome]) -> Section {
     let speeds: Vec<f64> = family
         .iter()
@@ -185,7 +187,7 @@ fn maps(section: Section, modes: &[Entry], family: &[&RunOutcome]) -> Section {
                 let amplitudes = drawn.figure.map.amplitudes.iter().flatten();
                 amplitudes.copied().fold(0.0, f64::max)
             }
-            // refused again, with its reason, where it is drawn
+            // the drawing refuses it again, with the reason
             _ => 0.0,
         };
         let base = path.split('[').next().unwrap_or_default();
@@ -220,7 +222,7 @@ fn maps(section: Section, modes: &[Entry], family: &[&RunOutcome]) -> Section {
     drawn(section, &figures, &runs)
 }
 
-/// The mean speed of the cycle (revolutions a second), if it turns.
+/// The mean speed of the cycle (revolutions per second), if it turns.
 fn mean_speed(results: &Results) -> Option<f64> {
     let span = |path| {
         let values = &results.column(path)?.values;
@@ -230,8 +232,8 @@ fn mean_speed(results: &Results) -> Option<f64> {
     (speed > 0.0 && speed.is_finite()).then_some(speed)
 }
 
-/// Linear analyses for the natural frequencies of a model: its first sweep of a linear analysis, else its first
-/// linear analysis.
+/// Linear analyses for the natural frequencies of a model: its first sweep of a linear analysis, else its
+/// first linear analysis.
 fn natural(modes: &[Entry], model: &str) -> Vec<String> {
     let root = |entry: &Entry| entry.name().split('[').next().map(str::to_owned);
     let own = || modes.iter().filter(|m| m.outcome.results.model() == model);

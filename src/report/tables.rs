@@ -37,7 +37,7 @@ pub(super) fn state(entry: &Entry) -> Table {
     }
 }
 
-/// Name, samples, time, speed of each analysis.
+/// Name, samples, time and speed of each analysis.
 pub(super) fn analyses(entries: &[Entry]) -> Table {
     Table {
         caption: "Analyses".to_owned(),
@@ -89,7 +89,8 @@ pub(super) fn analyses(entries: &[Entry]) -> Table {
     }
 }
 
-/// The inputs of a model: unit, limits, default, and a value an analysis where any differs from the default.
+/// The inputs of a model: unit, limits, default, and one value for each analysis if any value differs from
+/// the default.
 pub(super) fn inputs(model: &str, entries: &[&Entry]) -> Table {
     let mut columns = vec![
         Column::new("Input"),
@@ -154,7 +155,7 @@ fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
 }
 
-/// What a reduction found, as facts.
+/// The results of a reduction.
 pub(super) fn body_facts(reduction: &Reduction) -> Vec<(&'static str, Cell)> {
     let report = &reduction.stored.report;
     // a micrometre is shown, and no zero with a sign
@@ -279,7 +280,7 @@ pub(super) fn journals(entry: &Entry) -> Option<Table> {
         .then(|| journals_table(&format!("Journals over {span}, {}", entry.name()), &rows))
 }
 
-/// Largest eccentricity over clearance in all samples; NaN where it is not known.
+/// Largest eccentricity over clearance in all samples; NaN if it is not known.
 fn eccentricity(results: &Results, journal: &JournalGeometry) -> f64 {
     let column = |axis: &str| results.column(&format!("{}.eccentricity.{axis}", journal.path));
     match (column("x"), column("y")) {
@@ -291,7 +292,7 @@ fn eccentricity(results: &Results, journal: &JournalGeometry) -> f64 {
     }
 }
 
-/// Where energy went between the first and the last sample; none where it was not recorded.
+/// The flow of energy between the first and the last sample; `None` if it was not recorded.
 pub(super) fn energy(results: &Results) -> Option<EnergyAudit> {
     let gained = |name: &str| {
         let values = &results.column(&format!("energy.{name}"))?.values;

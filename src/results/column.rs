@@ -10,7 +10,7 @@ pub struct Column {
     pub path: String,
     /// Its dimension.
     pub dimension: Dimension,
-    /// How it is shown.
+    /// Its display unit.
     pub display: DisplayUnit,
     /// The axes it is in, as a path (`block.main[5]`, `ground`); empty for a scalar.
     pub frame: String,

@@ -272,8 +272,8 @@ impl Table {
                 });
                 written.map_err(|error: super::parquet::WriteError| error.at(parquet.clone()))?;
                 let results = Results::read_parquet(parquet)?;
-                // the checkpoint goes first: a killed run may leave samples without a checkpoint, which are
-                // computed again, but a checkpoint without samples would be refused
+                // the checkpoint is removed first: a killed run may leave samples without a checkpoint, which
+                // are computed again, but a checkpoint without samples would be refused
                 remove(checkpoint)?;
                 remove(partial)?;
                 if failure.is_none() {

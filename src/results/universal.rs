@@ -1,8 +1,8 @@
 //! Universal files (SDRC, "universal dataset number 58", ASCII): one time response a channel, in SI.
 //!
-//! Records as in the University of Cincinnati's description of dataset 58; dataset 164 before them states SI. The abscissa is
-//! time. Evenly spaced samples are written as such (4E20.12); others as pairs, whose abscissa the format gives only six digits
-//! (E13.5).
+//! Records as in the University of Cincinnati's description of dataset 58; dataset 164 before them states SI.
+//! The abscissa is time. Evenly spaced samples are written as such (4E20.12); others as pairs, whose abscissa
+//! the format gives only six digits (E13.5).
 
 use super::{Column, Results, ResultsError, TIME, replace_file};
 use eng_system::{Dimension, DisplayUnit};
@@ -181,7 +181,8 @@ fn exponent(value: f64, width: usize, digits: usize) -> String {
     format!("{text:>width$}")
 }
 
-/// The spacing, if the grid that its six digits in the header make stays within a thousandth of a step of the samples.
+/// The spacing, if the grid from its six digits in the header is within a thousandth of a step of all
+/// samples.
 fn even_spacing(time: &[f64]) -> Option<f64> {
     let (first, last) = (*time.first()?, *time.last()?);
     let steps = time.len().checked_sub(1).filter(|n| *n > 0)?;

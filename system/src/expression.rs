@@ -5,9 +5,9 @@ use crate::analysis::Extent;
 /// A named expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
-    /// The analysis that it is of, or the first of them; empty for a constant.
+    /// The analysis of its results, or the first of them; empty for a constant.
     pub analysis: String,
-    /// What it is of its analysis: `vertical[5]`.
+    /// Its channel in the analysis: `vertical[5]`.
     pub channel: String,
     /// The signal or number.
     pub expression: Expression,
@@ -37,15 +37,15 @@ pub enum Expression {
     Resample(Box<Expression>, Box<Expression>),
     /// A number of a signal.
     Reduce(Reduction, Box<Expression>),
-    /// Amplitude (0-peak) of a sinusoid of a signal: its order, or its frequency (Hz).
+    /// Amplitude (zero to peak) of a sinusoid in a signal, with its order or its frequency (Hz).
     Amplitude(Limit, Window, Box<Expression>),
-    /// What a column of a linear analysis has for one of its modes.
+    /// The value in a column of a linear analysis for one of its modes.
     Mode(Chosen, Box<Expression>),
     /// 20·lg of a number or of each sample over a reference.
     Decibel(f64, Box<Expression>),
-    /// One number of several.
+    /// One number from several: the sum, the smallest or the largest.
     Fold(Operator, Vec<Expression>),
-    /// Not.
+    /// The negation of a truth value.
     Not(Box<Expression>),
 }
 
@@ -89,7 +89,7 @@ pub enum Operator {
 pub enum Part {
     /// A time or an angle before the end.
     Extent(Extent),
-    /// Whole cycles, angles counted from the first one's begin.
+    /// Whole cycles; angles count from the beginning of the first one.
     Cycles(u32),
 }
 
@@ -98,7 +98,7 @@ pub enum Part {
 pub enum Limit {
     /// Hz.
     Frequency(f64),
-    /// Cycles a revolution.
+    /// Cycles per revolution.
     Order(f64),
 }
 
@@ -111,14 +111,14 @@ pub enum Chosen {
     Near(f64),
 }
 
-/// What passes a filter. Of whole cycles it is that of a signal that repeats.
+/// The band of a filter. A signal of whole cycles is filtered as one that repeats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
     /// Lower limit; absent for a low-pass.
     pub from: Option<Limit>,
     /// Upper limit; absent for a high-pass.
     pub to: Option<Limit>,
-    /// Order of a Butterworth filter run both ways; absent for a brick wall.
+    /// Order of a Butterworth filter that runs forward and backward; absent for a brick wall.
     pub butterworth: Option<u32>,
 }
 
@@ -131,9 +131,9 @@ pub enum Reduction {
     Mean,
     RootMeanSquare,
     PeakToPeak,
-    /// The cycle angle of the minimum; its time where `true`.
+    /// The cycle angle of the minimum; its time if `true`.
     MinimumAt(bool),
-    /// The cycle angle of the maximum; its time where `true`.
+    /// The cycle angle of the maximum; its time if `true`.
     MaximumAt(bool),
 }
 
@@ -155,7 +155,7 @@ pub const WINDOWS: [(&str, Window); 4] = [
     ("blackman_harris", Window::BlackmanHarris),
 ];
 impl Expression {
-    /// The expressions that it is made of.
+    /// The expressions inside this one.
     pub fn parts(&self) -> Vec<&Expression> {
         match self {
             Expression::Number(_) | Expression::Channel { .. } => Vec::new(),
@@ -174,7 +174,7 @@ impl Expression {
         }
     }
 
-    /// Calls with every channel in it: analysis and path.
+    /// Calls `found` with analysis and path of every channel in the expression.
     pub fn channels<'e>(&'e self, found: &mut dyn FnMut(&'e str, &'e str)) {
         if let Expression::Channel { analysis, path } = self {
             found(analysis, path);

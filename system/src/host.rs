@@ -1,4 +1,4 @@
-//! How the compiler reads files: through the embedder.
+//! The interface through which the compiler reads files. The embedding program implements it.
 
 /// A file that could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum HostError {
     System {
         /// The file.
         path: String,
-        /// What the system said.
+        /// The message of the operating system.
         message: String,
     },
 }

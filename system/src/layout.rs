@@ -4,8 +4,9 @@
 /// ω (3, in the MARKER's axes).
 pub const MARKER_WIDTH: u32 = 18;
 
-/// Order of a class's inputs: time, markers, states, multipliers, rotation references, constants;
-/// and for the outputs function alone: accelerations (ẍ inertial 3, ω̇ in marker axes 3 a marker), state rates, signals.
+/// Order of a class's inputs: time, markers, states, multipliers, rotation references, constants; and for the
+/// outputs function alone: accelerations (for each marker 3 of ẍ, inertial, and 3 of ω̇, marker axes), state
+/// rates, signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct InputLayout {
     /// Markers the class touches.
@@ -46,7 +47,7 @@ impl InputLayout {
     pub fn constant(&self, constant: u32) -> u32 {
         self.rotation(self.rotations) + constant
     }
-    /// How many inputs every function but outputs takes.
+    /// Number of inputs of every function except outputs.
     pub fn len(&self) -> u32 {
         self.constant(self.constants)
     }
@@ -66,12 +67,13 @@ impl InputLayout {
     pub fn signal(&self, signal: u32) -> u32 {
         self.state_rate(self.states) + signal
     }
-    /// How many inputs the outputs function takes.
+    /// Number of inputs of the outputs function.
     pub fn outputs_len(&self) -> u32 {
         self.signal(self.signals)
     }
 
-    /// How many directions a tangent has: pose 6 a marker (δx inertial, δπ in marker axes), twist 6 a marker, states.
+    /// Number of directions of a tangent: for each marker 6 of the pose (δx inertial, δπ in marker axes) and
+    /// 6 of the twist; states.
     pub fn directions(&self) -> u32 {
         12 * self.markers + self.states
     }

@@ -1,4 +1,4 @@
-//! Lints that no class of the library states: their names, and what a text accepts.
+//! Lints that no class of the library states: their names, and the acceptances of a text.
 
 use crate::place::Location;
 
@@ -10,9 +10,9 @@ pub const GRAVITY: &str = "gravity";
 pub const DAMPING: &str = "damping";
 /// A body that nothing holds in some direction.
 pub const LOOSE: &str = "loose";
-/// Markers of one element that stand far apart.
+/// Markers of one element that are far apart.
 pub const APART: &str = "apart";
-/// A first marker that stands while the second moves.
+/// A first marker at rest while the second moves.
 pub const SWAPPED: &str = "swapped";
 /// Axes of an angle or a film that are not parallel.
 pub const ASKEW: &str = "askew";
@@ -50,11 +50,11 @@ pub const BUILT_IN: [&str; 17] = [
 pub struct Accepted {
     /// The lint's name.
     pub name: String,
-    /// Path of the element, body or part it stands in; empty for the whole model.
+    /// Path of its element, body or part; empty for the whole model.
     pub path: String,
     /// Place of the name.
     pub at: Location,
-    /// Whether a lint of this name was heard while compiling.
+    /// Whether a lint with this name appeared during compilation.
     pub used: bool,
 }
 

@@ -18,6 +18,6 @@ pub struct Origin {
     pub path: String,
     /// The user's line.
     pub used_at: Option<Location>,
-    /// The line of the class that defines it, where there is one.
+    /// The line of the class that defines it, if there is one.
     pub defined_at: Option<Location>,
 }

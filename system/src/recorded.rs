@@ -47,7 +47,7 @@ pub struct Recorded {
     pub path: String,
     /// Its dimension.
     pub dimension: Dimension,
-    /// How it is shown.
+    /// Its display unit.
     pub display: DisplayUnit,
     /// The axes that a component is along, as a path; empty for a scalar.
     pub frame: String,
@@ -93,10 +93,10 @@ pub fn recorded(system: &System) -> Vec<Recorded> {
     columns
 }
 
-/// The columns of a linear analysis, in which each row is a mode: number, frequencies, damping, growth, the speed of
-/// the cycle if there is one, shares of bodies in the kinetic energy, shares of flexible bodies and loads in
-/// the stored and lost energy, amplitude and phase of every channel. The shares of the single modes of a
-/// flexible body are missing, because only its reduction knows their number.
+/// The columns of a linear analysis, in which each row is a mode: number, frequencies, damping, growth, the
+/// speed of the cycle if there is one, shares of bodies in the kinetic energy, shares of flexible bodies and
+/// loads in the stored and lost energy, amplitude and phase of every channel. The shares of the single modes
+/// of a flexible body are missing, because only its reduction knows their number.
 pub fn of_modes(system: &System) -> Vec<Recorded> {
     let per_time = Dimension::ONE.over(Dimension::TIME);
     let share = |path: String| Recorded::scalar(&path, Dimension::ONE, "%", 0.01);

@@ -1,6 +1,6 @@
-//! What a report makes of results: figures and values as trees over recorded channels.
+//! The entries of a report: figures and values as trees over recorded channels.
 //!
-//! Contains no names to be looked up and no units to be converted: numbers are SI, dimensions fit, lists are written out.
+//! The trees contain no unresolved names and no units. Numbers are SI, dimensions fit, lists are expanded.
 
 use crate::DisplayUnit;
 use crate::expression::{Expression, Member};
@@ -12,7 +12,7 @@ use crate::place::Location;
 pub struct Report {
     /// Its name.
     pub name: String,
-    /// What the section is called.
+    /// Title of its section.
     pub title: String,
     /// `///` lines before it.
     pub text: String,
@@ -25,39 +25,39 @@ pub struct Report {
 /// A figure, a value or a requirement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Its name; of a requirement `require`.
+    /// Its name; `require` for a requirement.
     pub name: String,
-    /// What it is called.
+    /// Its title.
     pub title: String,
     /// `///` lines before it.
     pub text: String,
-    /// As written, after `=`.
+    /// The text after `=`.
     pub written: String,
     /// Its place.
     pub place: Location,
-    /// What it is.
+    /// Its kind.
     pub kind: EntryKind,
 }
 
-/// What an entry is.
+/// The kind of an entry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EntryKind {
     /// A picture.
     Figure(Figure),
-    /// Numbers, one a member.
+    /// Numbers, one for each member of a list.
     Value {
         /// The numbers.
         members: Vec<Member>,
-        /// How they are shown.
+        /// Their display unit.
         display: DisplayUnit,
     },
-    /// What must hold of all members.
+    /// A condition that all members must satisfy.
     Require {
         /// Truth values.
         members: Vec<Expression>,
-        /// What is told where one does not.
+        /// The message if a member does not satisfy it.
         message: Vec<MessagePart>,
-        /// `advise`: told, but no failure.
+        /// Whether it is an `advise`, which gives a warning and no failure.
         advise: bool,
     },
 }
@@ -72,7 +72,7 @@ pub enum MessagePart {
 }
 
 impl Entry {
-    /// The analyses that it is made of, each once, in order of appearance.
+    /// The analyses whose results it uses, each once, in the order of the text.
     pub fn analyses(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         let mut add = |name| {

@@ -84,7 +84,7 @@ pub struct Parameter {
     pub origin: Origin,
     /// Its dimension.
     pub dimension: Dimension,
-    /// How it is shown.
+    /// Its display unit.
     pub display: DisplayUnit,
     /// Whether it is a point, such as a temperature, and not a difference. A point may be given in degC.
     pub point: bool,
@@ -119,7 +119,7 @@ pub struct OutputInfo {
     pub name: String,
     /// Its dimension.
     pub dimension: Dimension,
-    /// How it is shown.
+    /// Its display unit.
     pub display: DisplayUnit,
     /// The axes of a component: `shell` (a parameter's name of the class), `ground`; empty for a scalar.
     pub frame: String,
@@ -147,7 +147,7 @@ pub enum MessagePart {
     Value {
         /// Index of the [`ConditionKind::Shown`] entry among the class's conditions that gives it (SI).
         index: u32,
-        /// How it is shown.
+        /// Its display unit.
         display: DisplayUnit,
     },
 }
@@ -279,7 +279,7 @@ pub struct Channel {
     pub output: u32,
     /// Its dimension.
     pub dimension: Dimension,
-    /// How it is shown.
+    /// Its display unit.
     pub display: DisplayUnit,
     /// The axes it is in, as a path (`block.main[5]`, `ground`); empty for a scalar.
     pub frame: String,

@@ -1,4 +1,4 @@
-//! Analyses: what is done with a model.
+//! Checks analyses.
 
 use super::Checker;
 use super::call::Slot;
@@ -165,7 +165,8 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Checks the arguments that no plain type describes: times or angles, words. Gives their names, and the other arguments.
+    /// Checks the arguments that no plain type describes: times or angles, words. Gives their names, and the
+    /// other arguments.
     fn own_forms(
         &mut self,
         scope: &Scope<'p>,
@@ -202,7 +203,7 @@ impl<'p> Checker<'p> {
                 Takes::Extent(Counted::ByCycle) => {
                     self.extent(scope, kind.name, row, value, with_cycle);
                 }
-                // a turn of the fastest body, where there is no cycle
+                // a turn of the fastest body, if there is no cycle
                 Takes::Extent(Counted::ByFastest) => {
                     self.extent(scope, kind.name, row, value, None);
                 }
@@ -324,7 +325,8 @@ impl<'p> Checker<'p> {
     }
 }
 
-/// The type of an argument for the common check of calls; that of one with a form of its own is not asked.
+/// The type of an argument for the common check of calls. It is not used for an argument with a form of its
+/// own.
 fn plain_type(takes: Takes) -> Type {
     let of = |dimension: Dimension| Type::Scalar(Quantity::hard(dimension));
     match takes {

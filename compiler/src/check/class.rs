@@ -165,7 +165,7 @@ impl<'p> Checker<'p> {
                 declaration.name.span,
                 "an index",
                 "at a definition",
-                "the index stands at a use",
+                "an index belongs to a use",
             );
         }
         if matches!(

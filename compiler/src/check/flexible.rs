@@ -30,7 +30,7 @@ const ATTRIBUTES: [&str; 9] = [
     "geometric_stiffness",
 ];
 
-/// What the required ones look like.
+/// Examples of the required attributes.
 const REQUIRED: [(&str, &str); 3] = [
     ("mesh", "mesh = nastran(\"crank.bdf\", units: mm_tonne_s)"),
     ("modes", "modes = static(at: main) + normal(10)"),
@@ -406,7 +406,7 @@ impl<'p> Checker<'p> {
         self.report(message);
     }
 
-    /// Markers, and `deck` where no marker is called so: the supports of the mesh's file.
+    /// Markers, and `deck` if no marker has this name: the supports of the mesh's file.
     fn supports(&mut self, scope: &Scope<'p>, value: &Expr) {
         match &value.kind {
             ExprKind::List { items, unit: None } => {
@@ -587,7 +587,7 @@ fn called(callee: &Expr, place: Place) -> Option<&'static Word> {
     }
 }
 
-/// Whether a body stands on the ground.
+/// Whether a body has a support on the ground.
 pub(super) fn has_support(body: &Declaration) -> bool {
     body.kind == Kind::Flexible
         && block_of(body).is_some_and(|block| {

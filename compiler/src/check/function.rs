@@ -1,4 +1,4 @@
-//! Functions: checked once, generic over the dimensions of their arguments.
+//! Checks functions. A function is checked once, generic over the dimensions of its arguments.
 
 use super::mismatch::Due;
 use super::scope::Scope;
@@ -57,7 +57,7 @@ impl<'p> Checker<'p> {
             self.variables.push(generic.text.clone());
             scope.generics.push((generic.text.clone(), number));
         }
-        // Counts are known to all types beside them: `fn mean(values: Length[n], n: Int)`.
+        // The types of all parameters can use the counts among them: `fn mean(values: Length[n], n: Int)`.
         let mut counted = scope.clone();
         for parameter in &function.parameters {
             if is_int(&parameter.ty) {

@@ -155,7 +155,7 @@ impl<'p> Checker<'p> {
         if let Some(meant) = meant {
             message = message.meant(span, meant);
         } else if self.find(scope, name).is_some() {
-            message = message.with_help(format!("a factor stands after `*`: `5 * {name}`"));
+            message = message.with_help(format!("a factor follows `*`: `5 * {name}`"));
         } else if let Some(wanted) = wanted
             && let Some(usual) = self.usual_unit(&Quantity::hard(wanted))
         {

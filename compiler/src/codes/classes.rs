@@ -1,4 +1,4 @@
-//! Classes, calls, blocks: what checking says about declarations and their uses.
+//! Codes of declarations and their uses: classes, calls, blocks.
 
 eng_grammar::codes! {
     CLASSES:
@@ -16,11 +16,11 @@ eng_grammar::codes! {
         "journal film = Short(crank.main, ground, widht: 20 mm)",
         "journal film = Short(crank.main, ground, width: 20 mm)";
     ARGUMENT_TWICE = "E0404", "an argument is given twice",
-        "It is given by its place and by its name, or twice by its name.",
+        "The argument is given by its place and by its name, or twice by its name.",
         "let r = norm(v, floor: 1 mm, floor: 2 mm)",
         "let r = norm(v, floor: 1 mm)";
     TOO_MANY_ARGUMENTS = "E0405", "there are more arguments than parameters",
-        "Remove what is too much, or name what is meant.",
+        "Remove the extra arguments, or give them by name.",
         "let y = sin(3 deg, 4 deg)",
         "let y = sin(3 deg)";
     MISPLACED = "E0406", "an item does not belong here",
@@ -28,15 +28,15 @@ eng_grammar::codes! {
         "force Push(a: Marker) { param load: Force = 3 N }",
         "force Push(a: Marker, load: Force = 3 N) { apply force load*a.x on a }";
     INTERFACE = "E0407", "a class does not give what its interface promises",
-        "After the colon stands an interface: the class gives each output and function that it asks for, of the same types. A class may repeat a parameter or output with its type, and an interface extends one that extends none.",
+        "The name after the colon is an interface. The class gives each output and function that the interface requires, with the same types. A class may repeat a parameter or output with its type. An interface may extend an interface that extends none.",
         "journal Film(pin: Marker) : JournalLaw { }",
         "journal Film(pin: Marker) { output height = dot(pin.origin, ground.y) as mm }";
     NOT_OF_INTERFACE = "E0408", "a class does not belong to the interface that is due",
-        "A class that is passed as an argument states the interface after its parameters, and needs no more than it.",
+        "A class that is passed as an argument states the interface after its parameters. It has no required parameters besides those of the interface.",
         "part main = Bearing(law: Revolute)",
         "part main = Bearing(law: Short)";
     UNKNOWN_ATTRIBUTE = "E0409", "an attribute is not known",
-        "`name = value` is for what the language knows: mass, inertia, gravity, period. A value of one's own is a `let`.",
+        "`name = value` sets an attribute of the language: mass, inertia, gravity, period. A value of your own is a `let`.",
         "gravty = [0, -9.81, 0] m/s^2",
         "gravity = [0, -9.81, 0] m/s^2";
     KIND = "E0410", "a class is used as another kind",
@@ -52,7 +52,7 @@ eng_grammar::codes! {
         "body rod { mass = 0.6 kg }",
         "body rod { mass = 0.6 kg; inertia = [3, 0.1, 3] g*m^2 }";
     NO_CYCLE = "E0413", "the model has no cycle",
-        "`cycle.angle`, or a duration in degrees, needs a model that says which angle is meant.",
+        "`cycle.angle`, or a duration in degrees, needs a model that states the cycle's angle.",
         "analysis run = transient(M(), duration: 4 rev, sample: 1 deg)",
         "model M { cycle angle = rotation(crank.main, ground) { period = 720 deg } }";
     STATE = "E0414", "a state and its rate do not match",
@@ -80,15 +80,15 @@ eng_grammar::codes! {
         "start crank = 30 deg",
         "start rotation(crank.main, ground) = 30 deg";
     NO_FILM = "E0421", "a class of journals does not fill the interface of films",
-        "A journal is a film law: the quasi-static start, the tolerance, tables, orbits and polar diagrams read it by the names of `std.journals.JournalLaw`. A law of your own takes and gives these, and says so; what is no film is a `force`.",
+        "A journal is a film law: the quasi-static start, the tolerance, tables, orbits and polar diagrams read it by the names of `std.journals.JournalLaw`. A law of your own has these parameters and outputs and declares `: JournalLaw`. A class that is no film is a `force`.",
         "journal Plain(a: Marker, b: Marker) { apply force -1 N/mm*(a.origin - b.origin) on a against b }",
         "force Plain(a: Marker, b: Marker) { apply force -1 N/mm*(a.origin - b.origin) on a against b }";
     STATE_SCALE = "E0425", "a state that starts at zero has no scale",
-        "Errors of a state are held to 1e-5 of the larger of its scale and its largest value so far. A start that is not zero is its own scale; a zero tells of no size, and a state that wakes later would be followed from its first 1e-300 on. State the size from which on it matters.",
+        "The error of a state may be 1e-5 of the larger of its scale and its largest value so far. A start value other than zero is the scale. A state that starts at zero has no size, so its steps would resolve even 1e-300. State the size from which on it matters.",
         "state lift: Length = 0 mm",
         "state lift: Length = 0 mm scale 0.1 mm";
-    REPLACED = "E0426", "a class replaces something of its interface",
-        "A class has everything that its interface has, and adds to it. It gives what the interface asks for without a value. It replaces nothing, so each name has one meaning in the class and its interface.",
+    REPLACED = "E0426", "a class replaces an item of its interface",
+        "A class has all items of its interface and adds others. It gives the items that the interface states without a value. It replaces no item, so each name has one meaning in the class and its interface.",
         "interface Law { let gain = 3 }\nforce Push(a: Marker) : Law { let gain = 4; apply force gain*1 N*a.x on a }",
         "interface Law { let gain = 3 }\nforce Push(a: Marker) : Law { let own_gain = 4; apply force own_gain*gain*1 N*a.x on a }";
 }

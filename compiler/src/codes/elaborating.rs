@@ -1,18 +1,18 @@
-//! Instances, numbers, files: what elaborating says, which is about values where checking is about types.
+//! Codes of elaboration: instances, numbers, files. They are about values; those of checking are about types.
 
 eng_grammar::codes! {
     ELABORATING:
 
     INDEX_OUTSIDE = "E0501", "an index is outside its array",
-        "Indices of lists count from 1; things declared with a binder are indexed by its values: `pin[i in 2..4]` has no `pin[1]`.",
+        "Indices of lists count from 1; items that are declared with a binder have its values as indices: `pin[i in 2..4]` has no `pin[1]`.",
         "body rod[i in 1..4] { mass = 1 kg }\noutput weight = rod[5].mass",
         "body rod[i in 1..4] { mass = 1 kg }\noutput weight = rod[4].mass";
     ENDLESS = "E0502", "a definition uses itself without end",
-        "A component that holds itself, or parts whose arguments need each other, have no first instance. The same is said of more than 100 nested uses.",
+        "A component that contains itself, or parts whose arguments need each other, have no first instance. More than 100 nested uses give the same message.",
         "component Link(a: Marker) { part next = Link(a) }",
         "part link[i in 1..4] = Link(a)";
     TOO_MANY_INSTANCES = "E0503", "a model has too many instances",
-        "More than 20 000 bodies, elements, parts and indices of one model. A binder's range may be longer than was meant.",
+        "The model has more than 20 000 bodies, elements, parts and indices. Perhaps the range of a binder is longer than intended.",
         "body rod[i in 1..40000] { mass = 1 kg }",
         "body rod[i in 1..4] { mass = 1 kg }";
     NOT_KNOWN = "E0504", "a number must be known while compiling",
@@ -24,7 +24,7 @@ eng_grammar::codes! {
         "const gaps = cylinders - cylinders\nlet pitch = 400 mm/gaps",
         "const gaps = cylinders - 1\nlet pitch = 400 mm/gaps";
     NO_RATE = "E0506", "a value has no known time derivative",
-        "Accelerations, reactions and states of other elements are found by solving; their rates are not. Positions, angles and velocities have a `der`.",
+        "Accelerations, reactions and states of other elements follow from the solution of the equations; their rates do not. Positions, angles and velocities have a `der`.",
         "output jerk = der(pin.acceleration) in ground",
         "output acceleration = pin.acceleration in ground";
     LATE_ACCELERATION = "E0507", "an acceleration is used outside outputs, through a function or in a message",
@@ -32,11 +32,11 @@ eng_grammar::codes! {
         "fn rate(v: Velocity) -> Acceleration = der(v)\nforce drag = Drag(ball.origin, ground, law: rate)",
         "fn damp(v: Velocity) -> Acceleration = v/1 s\nforce drag = Drag(ball.origin, ground, law: damp)";
     DIRECTION = "E0508", "a direction has the length zero, or two are parallel",
-        "It points nowhere. Only the direction of `x:` and `z:` counts, not their length, but it must not be zero; where both are stated, x is made perpendicular to z, so that they must not be parallel.",
+        "A direction of length zero has no meaning. Only the direction of `x:` and `z:` counts, and not their length. If both are stated, x is made perpendicular to z, so they must not be parallel.",
         "marker main = at(origin, z: [0, 0, 0])",
         "marker main = at(origin, z: [0, 0, 1])";
     GROUND_ALONE = "E0509", "`ground` has no partner marker",
-        "As an argument, `ground` is a marker that lies where the element's other marker is at the start. Without another marker it lies nowhere: name a marker of the model.",
+        "As an argument, `ground` is a marker at the place of the element's other marker at the start. Without another marker it has no place: name a marker of the model.",
         "joint pin = Revolute(ground, ground)",
         "marker rail = [0, 0, 0] mm\njoint pin = Revolute(crank.main, rail)";
     LENGTHS = "E0510", "two lists differ in length",
@@ -44,18 +44,18 @@ eng_grammar::codes! {
         "const spread = [i*1 mm for i in 1..2]\nlet place = [1, 2, 3] mm + spread",
         "const spread = [i*1 mm for i in 1..3]\nlet place = [1, 2, 3] mm + spread";
     UNMOVED = "E0511", "a constraint does not depend on the motion",
-        "Both sides are made of parameters alone: nothing can move to fulfil it. What parameters must fulfil is a `require`.",
+        "Both sides depend on parameters alone, so no motion can satisfy the equation. A condition on parameters is a `require`.",
         "joint Rod(a: Marker, b: Marker, length: Length) { constrain length == 100 mm }",
         "joint Rod(a: Marker, b: Marker, length: Length) { constrain norm(a.origin - b.origin) == length }";
     ELEMENT_TOO_LARGE = "E0512", "one element is too large",
         "One element or output touches at most 64 markers, 64 states, 256 equations, 16 rotations, 1024 channels of others and 4096 numbers, and takes at most 100 000 operations. Divide it into several.",
         "", "";
     REQUIRED = "E0513", "a `require` does not hold",
-        "The class or model asks for a condition that the constants of this model do not fulfil. The text is its author's.",
+        "The class or model has a condition that the constants of this model do not fulfil. Its author wrote the text.",
         "require cylinders > 4 else \"this crank is for more than four cylinders\"",
         "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
     MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts",
-        "Between the braces stands an expression whose value is a number or a text. A message of a report takes names alone: name anything else with `let`.",
+        "The braces contain an expression whose value is a number or a text. A message of a report takes only names: give other expressions a name with `let`.",
         "require gap > 1 mm else \"the gap at {marker} is too small\"",
         "require gap > 1 mm else \"the gap is {abs(gap) as um}\"";
     TWO_CYCLES = "E0515", "a model has several cycles",
@@ -63,7 +63,7 @@ eng_grammar::codes! {
         "cycle angle = rotation(crank.main, ground) { period = 720 deg }\npart second = EngineWithCycle()",
         "cycle angle = rotation(crank.main, ground) { period = 720 deg }\npart second = EngineWithoutCycle()";
     LONG_RANGE = "E0516", "a range is endless or too long",
-        "The step is zero or leads away from the end, or there are more than 100 000 values.",
+        "The step is zero, or it has the wrong sign, or there are more than 100 000 values.",
         "analysis sweep[b in 80 mm .. 90 mm by -1 mm] = assemble(M(bore: b))",
         "analysis sweep[b in 80 mm .. 90 mm by 1 mm] = assemble(M(bore: b))";
     ANALYSIS_VALUE = "E0517", "a number of an analysis is out of its range",
@@ -71,10 +71,10 @@ eng_grammar::codes! {
         "analysis run = transient(M(), duration: 0 s, sample: 1 ms)",
         "analysis run = transient(M(), duration: 1 s, sample: 1 ms)";
     FILE = "E0518", "a data file cannot be read",
-        "Data files lie in the folder of the model or below it, and are UTF-8 text. A module in a folder reads beside itself.",
+        "Data files lie in the folder of the model or below it, and are UTF-8 text. A module in a folder reads files beside itself.",
         "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"../gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])",
         "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])";
-    FILE_CONTENT = "E0519", "a data file does not hold what is taken from it",
+    FILE_CONTENT = "E0519", "a data file does not hold the stated columns or numbers",
         "The first row is the header, its names are those in `columns`, and every row below holds finite numbers in these columns. Lines that begin with # are skipped.",
         "", "";
     COLUMN_UNIT = "E0520", "a column has another unit than its table",
@@ -82,15 +82,15 @@ eng_grammar::codes! {
         "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [mm]\"])",
         "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])";
     TABLE_POINTS = "E0521", "the points of a table make no function",
-        "Arguments rise, there are at least two points, and those of a periodic table span no more than a period; where they span a whole one, the last value is the first.",
+        "Arguments increase, and there are at least two points. The points of a periodic table span at most a period. If they span a whole period, the last value equals the first.",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 30] deg, [0, 4, 5] mm)",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 5] mm)";
-    MOTION = "E0522", "a value of the motion stands where only parameters can",
+    MOTION = "E0522", "a value of the motion is used in place of a parameter",
         "Masses, places of markers, gravity and arguments of components are fixed during a run; positions and time are not. Use them in classes and outputs.",
         "gravity = [0, -1, 0]*1 m/s^2*(1 + time/1 s)",
         "gravity = [0, -9.81, 0] m/s^2";
     OUTPUTS_ONLY = "E0523", "a reaction, or a state of another element, is used outside outputs",
-        "Elements see markers and parameters. What other elements exert is known in the outputs of the model.",
+        "Elements can use markers and parameters. Only outputs of the model can use the loads of other elements.",
         "force brake = Brake(crank.main, ground, load: pin.force.x)",
         "output braked = 0.3*pin.force.x as kN";
     NOT_COUNTABLE = "E0524", "a whole number is too large to count with",
@@ -106,7 +106,7 @@ eng_grammar::codes! {
         "flexible block { stiffness = op4(\"block.op4\", matrix: \"KGG\") }",
         "flexible block { stiffness = op4(\"block.op4\", matrix: \"KGG\"); mass = op4(\"block.op4\", matrix: \"MGG\") }";
     MODE_MARKER = "E0527", "a mode set or support names a marker that its body does not have",
-        "Names in a mode set are looked up in the flexible body that uses it.",
+        "Names in a mode set are names of markers of the flexible body that uses it.",
         "flexible crank { marker main = node(12); modes = static(at: mian) }",
         "flexible crank { marker main = node(12); modes = static(at: main) }";
     SAME_BODY = "E0528", "an element constrains a body against itself",
@@ -114,7 +114,7 @@ eng_grammar::codes! {
         "joint pin = Revolute(pivot, pivot)",
         "joint pin = Revolute(bob.top, pivot)";
     EMPTY_LIST = "E0529", "a sum, minimum or maximum of an empty list",
-        "With the constants of this model the list has no element, which would tell the value and its dimension. Say what is meant then.",
+        "With the constants of this model the list has no element, so its value and dimension are unknown. State the value for this case.",
         "const gaps = 0\nlet slack = sum(1 mm for i in 1..gaps)",
         "const gaps = 0\nlet slack = if gaps > 0 then sum(1 mm for i in 1..gaps) else 0 mm";
     CYCLE_PERIOD = "E0530", "the period of the cycle is not positive",
@@ -130,11 +130,11 @@ eng_grammar::codes! {
         "output time = 2*pi/speed",
         "output revolution_time = 2*pi/speed";
     TOO_MANY_USES = "E0533", "functions and values are put in too often",
-        "A function is put in where it is called, and a value of the motion where it is used. Thirty functions that call each other twice would be put in a billion times. Give what is used twice a name with `let`.",
+        "The compiler inserts a function at each call, and a value of the motion at each use. Thirty functions that call each other twice would be inserted a billion times. Give a value that is used twice a name with `let`.",
         "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 = a(x)*a(x)\nfn c(x: 1) -> 1 = b(x)*b(x)",
         "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 { let y = a(x); y*y }\nfn c(x: 1) -> 1 { let y = b(x); y*y }";
     BELOW_ZERO = "E0534", "a table holds an absolute pressure or a temperature below zero",
-        "Absolute pressures count from vacuum and temperatures from 0 K: nothing lies below. The numbers are gauge pressures (`barg`), differences, or have another unit or sign.",
+        "Absolute pressures count from vacuum and temperatures from 0 K: smaller values do not exist. The numbers are gauge pressures (`barg`), differences, or have another unit or sign.",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 180, 360] deg, [-0.2, 30, -0.2] bar, periodic: 360 deg)",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 180, 360] deg, [-0.2, 30, -0.2] barg, periodic: 360 deg)";
     GRID = "E0535", "a file of a table of several arguments does not hold a complete grid",
@@ -149,47 +149,47 @@ eng_grammar::codes! {
         "const damped = false\nforce damper if damped = Damper(a, b, damping: 1 N*s/m)\noutput load = damper.load",
         "const damped = true\nforce damper if damped = Damper(a, b, damping: 1 N*s/m)\noutput load = damper.load";
     OTHER_AXES = "E0540", "components along different axes are taken together",
-        "Components along a marker's axes are numbers: they are added to, multiplied with and shown as those along the same axes only. Vectors carry no axes and are added in space.",
+        "Components along a marker's axes are numbers: they can only be added to, multiplied with and shown in the same axes. Vectors have no axes and are added in space.",
         "output both = film[1].eccentricity + film[2].eccentricity in shell",
         "output both = vector([film[1].eccentricity.x, film[1].eccentricity.y, 0 mm], shell)\n    + vector([film[2].eccentricity.x, film[2].eccentricity.y, 0 mm], case) in shell";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
-        "No model should bring this about: an earlier check should have told what is wrong. Please report it with the model. Changing what stands at the place named may help until it is mended.",
+        "No model should cause this: an earlier check should have reported the mistake. Please report it with the model. Until it is corrected, another form of the text at the named place may help.",
         "", "";
     UNUSED_MARKER = "W0501", "a marker is not used",
-        "Nothing refers to it. It may have been meant where another stands; else remove it. Markers inside components are their author's choice and are not counted.",
+        "Nothing refers to the marker. Perhaps another marker was used in its place; otherwise remove it. Markers inside components do not count.",
         "", "";
     ADVISED = "W0502", "an `advise` does not hold",
-        "The model runs, but its class takes this for a mistake. The text is its author's.",
+        "The model runs, but its class reports a probable mistake. The author of the class wrote the text.",
         "advise teeth > 11 else \"so few teeth are undercut\"",
         "const teeth = 23\nadvise teeth > 11 else \"so few teeth are undercut\"";
     UNTIED = "W0503", "a body is tied to nothing",
-        "No joint, force or journal touches it: it moves by gravity and its start velocity alone. `accept loose` in the body takes it for meant; where nothing touches the ground, free flight is taken for meant.",
+        "No joint, force or journal acts on the body: it moves by gravity and its start velocity alone. If this is intended, write `accept loose` in the body. A model without any connection to the ground gives no warning.",
         "", "";
     ADRIFT = "W0504", "bodies have no path to the ground",
-        "They hang together, but nothing ties one of them to the ground: together they fall or drift. `accept loose` takes it for meant; where nothing touches the ground, free flight is taken for meant.",
+        "These bodies are connected with each other, but none of them is connected to the ground: together they fall or drift. If this is intended, write `accept loose`. A model without any connection to the ground gives no warning.",
         "", "";
     UNSERVED = "W0505", "a load on a flexible body has no static mode",
-        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker answers the load exactly. A term that lists its freedoms is taken as it is; one whose markers nothing loads gives no mode. Constraint modes of a free body that are rigid motions, as those of a single interface, leave nothing: they serve no load.",
+        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker represents the load exactly. A term that lists its freedoms is not changed. A term whose markers have no load gives no mode. Constraint modes of a free body that are rigid motions, such as those of a single interface, give no mode and represent no load.",
         "flexible crank { modes = normal(16) }",
         "flexible crank { modes = static(at: [main, pin]) + normal(16) }";
     PERIOD_GAP = "W0506", "the points of a periodic table leave out a part of the period",
-        "The last point and the first of the next period are much further apart than the others (more than three times the usual distance and a twentieth of the period). A cubic spline bridges that by a curve that the points do not tell. State points over the whole period. `interpolation: monotone` stays between the two values and is taken as meant.",
+        "The last point and the first of the next period are much further apart than the others (more than three times the usual distance and a twentieth of the period). A cubic spline fills this gap with a curve that the points do not determine. State points over the whole period. `interpolation: monotone` remains between the two values and gives no warning.",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 0] mm, periodic: 360 deg)",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 0] mm, periodic: 360 deg, interpolation: monotone)";
-    MOVES_NOTHING = "W0507", "an element acts between a thing and itself",
-        "Both ends of a force are on one marker, on one rigid body or on the ground: its two loads cancel. Or an equation of angles is given the same two markers twice: a gear between a wheel and itself holds the wheel. A marker of another body was probably meant. Where it is meant, `accept idle` stands in the element.",
+    MOVES_NOTHING = "W0507", "an element acts between a marker, body or ground and itself",
+        "Both ends of a force are on one marker, on one rigid body or on the ground: its two loads cancel. Or an equation of angles is given the same two markers twice: a gear between a wheel and itself holds the wheel. A marker of another body was probably meant. If it is intended, write `accept idle` in the element.",
         "force strut = LinearSpring(block.mount, block.mount, stiffness: 10 N/mm)",
         "force strut = LinearSpring(block.mount, foundation, stiffness: 10 N/mm)";
-    TABLE_PEAK = "W0760", "a table reaches a pressure that no engine part stands",
-        "More than 10,000 bar, three times the pressure of fuel injection. Mostly the numbers are in another unit than is stated: pascal read as bar.",
+    TABLE_PEAK = "W0760", "a table reaches a pressure that no engine part can carry",
+        "The pressure is above 10,000 bar, three times that of fuel injection. Usually the numbers have another unit than the stated one: pascal read as bar.",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [6e6, 1e5] bar, extrapolation: hold)",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [60, 1] bar, extrapolation: hold)";
     MUCH_DAMPING = "W0552", "a flexible body is damped like no structure",
-        "More than 20 % of critical damping over all frequencies, or more than critical damping: `2` is 200 %, `2 %` was probably meant. Where it is meant, `accept damping` stands in the body.",
+        "The damping is more than 20 % of the critical one over all frequencies, or more than the critical one: `2` is 200 %, and `2 %` was probably meant. If it is intended, write `accept damping` in the body.",
         "flexible crank { damping = 2 }",
         "flexible crank { damping = 2 % }";
     NO_GRAVITY = "N0501", "no gravity is stated",
-        "It is zero then. State it, or state zeros to say that this is meant.",
+        "Without a statement gravity is zero. State it, or state zeros if zero is intended.",
         "model Engine { }",
         "model Engine { gravity = [0, -9.81, 0] m/s^2 }";
 }

@@ -1,7 +1,7 @@
-//! The registry of message codes: resolving (`02`), checking types and units (`03`), classes and their uses (`04`),
-//! elaborating (`05`), reports (`08`).
+//! The registry of message codes: resolving (`02`), checking types and units (`03`), classes and their uses
+//! (`04`), elaborating (`05`), reports (`08`).
 //!
-//! A code has one meaning and never changes it; a test asserts that each is raised by a fixture.
+//! A code has one meaning and never changes it. A test checks that a fixture raises each code.
 
 mod checking;
 mod classes;

@@ -1,4 +1,4 @@
-//! Modules, names, units: what resolving says.
+//! Codes of resolving: modules, names, units.
 
 eng_grammar::codes! {
     RESOLVING:
@@ -8,10 +8,10 @@ eng_grammar::codes! {
         "use std.joins.Revolute",
         "use std.joints.Revolute";
     USE_CIRCLE = "E0202", "modules use each other in a circle",
-        "Two files need each other before either is known. Move what both need into a third file.",
+        "Two files need each other before either is known. Move the common items into a third file.",
         "", "";
     NOT_IN_MODULE = "E0203", "a module has no item of this name",
-        "The module exists, but not the name that is taken from it. Names are case-sensitive.",
+        "The module exists, but it has no item with this name. Names are case-sensitive.",
         "use std.joints.Revolut",
         "use std.joints.Revolute";
     DEFINED_TWICE = "E0204", "a name is defined twice",
@@ -19,11 +19,11 @@ eng_grammar::codes! {
         "param bore: Length = 86 mm\nlet bore = 87 mm",
         "param bore: Length = 86 mm\nlet larger_bore = 87 mm";
     UNKNOWN_NAME = "E0205", "a name is not known",
-        "Names come from the block, the class or file around it, and from `use`. A unit is no name: it stands after a number.",
+        "Names come from the block, the class or file around it, and from `use`. A unit is no name: it follows a number.",
         "let area = pi/4*boer^2",
         "let area = pi/4*bore^2";
     UNKNOWN_UNIT = "E0206", "a unit is not known",
-        "Units are defined by the library; they are case-sensitive and joined by `*`, `/` and `^` without spaces.",
+        "The library defines the units. They are case-sensitive and joined by `*`, `/` and `^` without spaces.",
         "param torque: Torque = 20 Ncm",
         "param torque: Torque = 20 N*cm";
     UNKNOWN_TYPE = "E0207", "a type or dimension is not known",
@@ -31,11 +31,11 @@ eng_grammar::codes! {
         "param bore: mm = 86 mm",
         "param bore: Length = 86 mm";
     UNIT_CIRCLE = "E0208", "dimensions or units are defined by each other",
-        "Every dimension goes back to base dimensions, every unit to a unit without a right side.",
+        "Every dimension follows from base dimensions, and every unit from a unit without a right side.",
         "unit hand = 1/3 foot\nunit foot = 3 hand",
         "unit foot = 0.3048 m\nunit hand = 1/3 foot";
     BAD_UNIT = "E0209", "the definition of a dimension or unit does not make sense",
-        "A unit is a number in known units, not zero, of the dimension that it states; a point is made of one base dimension.",
+        "A unit is a number in known units. It is not zero and has the stated dimension. A point belongs to one base dimension.",
         "unit knot: Velocity = 1852 m",
         "unit knot: Velocity = 1852/3600 m/s";
     AMBIGUOUS_USE = "E0210", "two modules bring the same name",
@@ -43,11 +43,11 @@ eng_grammar::codes! {
         "use oils.*\nuse greases.*",
         "use oils.House\nuse greases.Lithium";
     NO_MEMBER = "E0211", "a thing has no member of this name",
-        "After a dot stands a marker of a body, an output or value of an element, a field of a record, or what the language gives to markers.",
+        "After a dot follows a marker of a body, an output or value of an element, a field of a record, or a member that every marker has.",
         "start pin.angel = 30 deg",
         "start pin.angle = 30 deg";
     UNUSED_USE = "W0201", "a name is taken from a module but not used",
-        "The model runs. Remove the name, or use it: it may have been meant where another stands.",
+        "The model runs. Remove the name, or use it: perhaps another name was used in its place.",
         "use std.joints.{Revolute, Fixed}",
         "use std.joints.Revolute";
 }

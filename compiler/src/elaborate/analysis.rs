@@ -15,7 +15,7 @@ use eng_system::{Dimension, DisplayUnit};
 /// An analysis and the model that it needs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnalysisPlan {
-    /// What is done.
+    /// The analysis.
     pub analysis: Analysis,
     /// The model's definition.
     pub model: DefinitionId,

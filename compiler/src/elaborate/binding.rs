@@ -32,7 +32,7 @@ pub enum MessagePart {
 /// A `require` or `advise` on parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// A number that is 1 where the condition holds.
+    /// A number that is 1 if the condition holds.
     pub holds: Node,
     /// A lint.
     pub advise: bool,

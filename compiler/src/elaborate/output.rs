@@ -14,7 +14,7 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Channel, Origin, OutputInfo, Role, StateInfo};
 use eng_system::{Dimension, DisplayUnit};
 
-/// Most operations of one element, without its derivatives. Compiling so many takes seconds.
+/// Most operations of one element, without its derivatives. Their compilation takes seconds.
 const MOST_OPERATIONS: usize = 100_000;
 
 /// The display of the numbers of an output.
@@ -387,7 +387,7 @@ impl<'a> Elaborator<'a, '_> {
             return Err(Reported);
         };
         let class = self.class_of(source.definition, name.span)?;
-        // only parameters are allowed here: the mistake is in the text that hands over a quantity that moves
+        // only parameters are allowed here: the mistake is in the text that passes a quantity of the motion
         let asks = self.bench.element.is_none() && self.asked_from.is_none();
         if asks {
             self.asked_from = Some((name.span, format!("{path}.{}", name.text)));
@@ -407,7 +407,7 @@ impl<'a> Elaborator<'a, '_> {
         value
     }
 
-    /// A reaction or state of an element where it is not known.
+    /// The message about a reaction or state of an element outside of outputs.
     fn only_in_outputs(&mut self, path: &str, name: &ast::Name) -> Reported {
         self.report(if self.in_rate {
             Diagnostic::error(

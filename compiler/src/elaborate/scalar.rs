@@ -397,7 +397,7 @@ impl Workbench {
         }
     }
 
-    /// 1 where a bind flag holds, else 0.
+    /// 1 if a bind flag holds, else 0.
     pub fn flag_number(&mut self, flag: Flag) -> Node {
         let graph = &mut self.bind.graph;
         let one = graph.constant(1.0);

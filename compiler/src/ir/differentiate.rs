@@ -1,6 +1,6 @@
 //! Exact derivatives: forward, reverse, in time.
 //!
-//! Rules where a function has no unique derivative:
+//! Rules for places without a unique derivative:
 //!
 //! * `abs`, `min`, `max`, `select`: the derivative of the active branch. At the kink `abs` takes +1, `min`
 //!   and `max` their first argument. A derivative of the other branch that is not finite does not spread:

@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Cost of an operation of the tangent, in operations of `linearize`. A tangent is called once for each
 /// direction, some twenty times for one linearisation, so time alone would suggest twenty. But the code of
 /// both must stay in the cache, where both need the same space. At 3 most tangents have reached their least
-/// length, and the library's largest class is a twentieth larger than without any group.
+/// length, and the code of the library's largest class is a twentieth larger than without eliminating groups.
 const TANGENT_WEIGHT: i64 = 3;
 
 /// Edges into and out of every vertex. Numbers of vertices rise along the edges.

@@ -54,7 +54,7 @@ impl Program {
             })
     }
 
-    /// The unit `N*m/rad`, where all its parts are known.
+    /// The unit `N*m/rad`, if all its parts are known.
     pub(crate) fn unit_of_text(&self, text: &str) -> Option<Unit> {
         let (mut scale, mut dimension) = (1.0, Dimension::ONE);
         let mut sign = 1;

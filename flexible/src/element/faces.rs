@@ -6,7 +6,7 @@ use super::ElementKind;
 pub const ABSENT: u32 = u32::MAX;
 
 /// Nodes of the edge or face with these corners: each corner, and after it the mid-side node between it and
-/// the next one where there is one.
+/// the next one if there is one.
 pub(crate) fn around(
     kind: ElementKind,
     nodes: &[u32],

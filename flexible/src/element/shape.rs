@@ -8,7 +8,7 @@ use super::ElementKind;
 /// The most nodes an element has.
 pub const MOST_NODES: usize = 20;
 
-/// Shape functions at a point: one entry a node of the element, zero behind.
+/// Shape functions at a point: one entry for each node of the element, then zeros.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     /// Values (–).
@@ -33,9 +33,9 @@ impl Shape {
         shape
     }
 
-    /// Removes a mid-side node: the edge becomes straight and linear, as half of the removed function goes to
-    /// each of the edge's corners. What remains still sums to one and holds linear functions, for the removed
-    /// node's place is then the mean of its corners'.
+    /// Removes a mid-side node: the edge becomes straight and linear, because each of its corners gets half
+    /// of the removed function. The other functions still sum to one and represent linear functions, because
+    /// the place of the removed node is then the mean of its corners.
     pub fn remove_midside(&mut self, kind: ElementKind, local: usize) {
         let Some(edge) = local
             .checked_sub(kind.corner_count())

@@ -49,7 +49,8 @@ struct Beam {
     active: [bool; 4],
     /// Polar radius of gyration squared, (I_y + I_z)/A (m²).
     gyration: f64,
-    /// Mass a length (kg/m) and inertia of the section a length about y, z, with their product (kg m).
+    /// Mass per length (kg/m), and inertia of the section per length about y and z, with their product (kg
+    /// m).
     mass: f64,
     inertia: [[f64; 2]; 2],
 }
@@ -99,8 +100,8 @@ impl Beam {
         })
     }
 
-    /// Displacement (v, w, θ_y, θ_z) at `s` of a cantilever clamped at the first end, a unit of each force
-    /// (F_y, F_z, M_y, M_z) at the second: columns are the forces.
+    /// Displacement (v, w, θ_y, θ_z) at `s` of a cantilever clamped at the first end, for a unit of each
+    /// force (F_y, F_z, M_y, M_z) at the second end: columns are the forces.
     fn cantilever(&self, s: f64) -> [[f64; 4]; 4] {
         let mut displacement = [[0.0; 4]; 4];
         // the integrands are quadratic: two points are exact
@@ -124,7 +125,8 @@ impl Beam {
         displacement
     }
 
-    /// Forces (F_y, F_z, M_y, M_z) at the second end a unit of its displacements, the first clamped.
+    /// Forces (F_y, F_z, M_y, M_z) at the second end for unit displacements of this end, with the first end
+    /// clamped.
     fn end_stiffness(&self) -> [[f64; 4]; 4] {
         let flexibility = self.cantilever(self.length);
         let index: Vec<usize> = (0..4).filter(|i| self.active[*i]).collect();
@@ -159,7 +161,7 @@ impl Beam {
         stiffness
     }
 
-    /// How the bending freedoms at distance `s` from the first end follow it rigidly: v += s θ_z, w −= s θ_y.
+    /// The rigid motion of the bending freedoms at distance `s` from the first end: v += s θ_z, w −= s θ_y.
     fn transfer(s: f64) -> [[f64; 4]; 4] {
         [
             [1.0, 0.0, 0.0, s],
@@ -236,7 +238,7 @@ impl Beam {
         shape
     }
 
-    /// Forces (F_y, F_z, M_y, M_z) at the second end a unit of the bending freedoms of both: 4 × 8.
+    /// Forces (F_y, F_z, M_y, M_z) at the second end for a unit of each bending freedom of both ends: 4 × 8.
     fn end_forces(&self) -> [[f64; 8]; 4] {
         let (end, deformation) = (self.end_stiffness(), self.deformation());
         let mut force = [[0.0; 8]; 4];
@@ -274,9 +276,9 @@ impl Beam {
 }
 
 impl Beam {
-    /// Geometric stiffness a unit of tension (1/m, –, m): `∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx` with
-    /// the slopes of the stiffness' own deformation, v' = θ_z + V_y/(k_y GA) and w' = −θ_y + V_z/(k_z GA)
-    /// (Przemieniecki, ch. 15; the last term is H. Wagner's, of the fibres that a turn inclines). Shear
+    /// Geometric stiffness per unit of tension (1/m, –, m): `∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx`
+    /// with the slopes of the stiffness' own deformation, v' = θ_z + V_y/(k_y GA) and w' = −θ_y + V_z/(k_z
+    /// GA) (Przemieniecki, ch. 15; the last term is H. Wagner's, of the fibres that a turn inclines). Shear
     /// forces and moments at rest add nothing here.
     fn tension(&self) -> EndMatrix {
         let force = self.end_forces();
@@ -326,14 +328,14 @@ struct Pair {
     other: EndMatrix,
 }
 
-/// Lets a freedom of an end go: no force passes through it, so it follows the others, K ← K − k kᵀ/K_rr and M
-/// ← Tᵀ M T with the same T, also for the geometric matrix (static condensation, R. J. Guyan, AIAA J. 3,
+/// Releases a freedom of an end: no force passes through it, so it follows the others, K ← K − k kᵀ/K_rr and
+/// M ← Tᵀ M T with the same T, also for the geometric matrix (static condensation, R. J. Guyan, AIAA J. 3,
 /// 1965).
 fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String> {
     let row = matrices.stiffness[freedom];
     let pivot = row[freedom];
     if pivot <= 1e-12 * whole {
-        // carried nothing in the first place, or the other releases left nothing to carry
+        // the freedom had no stiffness, or the other releases removed it
         return if whole == 0.0 {
             Ok(())
         } else {
@@ -443,9 +445,9 @@ pub fn matrices(
 /// The effect of a beam's tension, over the nodes' twelve freedoms in basic axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamTension {
-    /// Mean tension (N) a unit of each freedom.
+    /// Mean tension (N) per unit of each freedom.
     pub tension: [f64; 12],
-    /// Geometric stiffness a unit of tension (1/m, –, m).
+    /// Geometric stiffness per unit of tension (1/m, –, m).
     pub stiffness: EndMatrix,
 }
 

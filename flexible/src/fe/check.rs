@@ -1,14 +1,14 @@
-//! What a mesh must be before anything is computed from it. After [`check`] every index of the mesh is in
-//! range, every place is finite, and every element has the section and the constants it needs: the kernel
-//! indexes without asking again.
+//! The conditions that a mesh must satisfy before any computation. After [`check`] every index of the mesh is
+//! in range, every place is finite, and every element has the section and the constants that it needs. So the
+//! kernel uses indices without further tests.
 
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, Tie};
 
-/// How many ids a message names.
+/// Number of ids that a message names.
 const NAMED: usize = 10;
 
-/// Some ids, and how many there are beyond.
+/// The first ids, and the number of the others.
 pub(super) fn list(ids: impl IntoIterator<Item = String>) -> String {
     let mut ids = ids.into_iter();
     let named: Vec<String> = ids.by_ref().take(NAMED).collect();
@@ -29,12 +29,12 @@ pub(super) fn wrong(problem: String, advice: &str) -> FlexibleError {
 
 const BROKEN: &str = "the mesh refers to something it does not hold; read it again from its file";
 
-/// What an element is to the assembly.
+/// The role of an element in the assembly of the matrices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Role<'a> {
     /// Stiffness and mass of a volume.
     Solid(&'a Material),
-    /// Mass an area (kg/m²), no stiffness.
+    /// Mass per area (kg/m²), no stiffness.
     Shell(f64),
     /// A beam.
     Beam(&'a Material),
@@ -42,7 +42,7 @@ pub(super) enum Role<'a> {
     Facet,
 }
 
-/// The role of a checked element; `None` where its property does not fit it.
+/// The role of a checked element; `None` if its property does not fit it.
 pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
     let property = mesh.properties.get(element.property as usize)?;
     let material = match property.material {
@@ -145,8 +145,8 @@ fn section_fault(section: &Section, role: Role) -> Option<String> {
 /// Checks a mesh.
 ///
 /// # Errors
-/// By id, the first kind of fault found: a place that is not a number; an index out of range; a corner that
-/// is missing; a section or constant that the element can't do with.
+/// The first kind of fault, with the ids of its nodes or elements: coordinates that are not numbers; an index
+/// out of range; a missing corner; a section or constant that does not suit the element.
 pub(super) fn check(mesh: &Mesh) -> Result<(), FlexibleError> {
     check_nodes(mesh)?;
     check_elements(mesh)?;

@@ -18,7 +18,7 @@ use crate::sparse::SymmetricMatrix;
 /// A symmetric matrix in SI, with the node's number and the component 0…5 (analysis frame) of each row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodalMatrix {
-    /// What messages call it.
+    /// Its name in messages.
     pub title: String,
     /// Its entries (SI).
     pub matrix: SymmetricMatrix,

@@ -152,7 +152,8 @@ fn add_solid<'a>(
     solids: &mut [Vec<f64>],
 ) {
     let nodes = recovery.all_nodes(freedoms);
-    // where each pair of nodes stands; two corners at one node are both halves of their pair on its diagonal
+    // index of each pair of nodes; if two corners are at one node, both halves of their pair are on its
+    // diagonal
     let mut places = Vec::with_capacity(nodes.len() * (nodes.len() + 1) / 2);
     for (b, &second) in nodes.iter().enumerate() {
         for (a, &first) in nodes[..=b].iter().enumerate() {

@@ -46,7 +46,7 @@ pub(super) struct EnhancedPoint {
 /// The points of the stiffness with their corrections.
 ///
 /// # Errors
-/// The Jacobian (m³) where it is not positive.
+/// The Jacobian (m³) if it is not positive.
 pub(super) fn enhanced(
     table: &Table,
     places: &[[f64; 3]; MOST_NODES],

@@ -145,7 +145,7 @@ impl Reduction {
         self.start.len() - 1
     }
 
-    /// Index of the full freedom of each free one (in the axes told at [`Reduction`]).
+    /// Index of the full freedom of each free one (in the axes of [`Reduction`]).
     pub fn free(&self) -> &[u32] {
         &self.free
     }
@@ -193,7 +193,7 @@ impl Reduction {
         full
     }
 
-    /// What the free freedoms are in full vectors that satisfy the ties, one after the other.
+    /// The free freedoms of full vectors that satisfy the ties, one vector after the other.
     pub fn restrict(&self, full: &[f64]) -> Vec<f64> {
         let mut free = Vec::with_capacity(full.len() / self.full_size().max(1) * self.size());
         for vector in full.chunks_exact(self.full_size().max(1)) {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::ties::Sum;
 
-/// What is smaller than this, of an equation whose largest coefficient was one, is rounding.
+/// Coefficient that counts as rounding, in an equation whose largest coefficient was one.
 const ROUNDING: f64 = 1e-11;
 
 /// `a` + `factor` · `b`, without the entry at `dropped` and without rounding.

@@ -22,12 +22,12 @@ pub type Components = [f64; 6];
 pub struct StrainPoint {
     /// Place in the basic frame (m).
     pub place: [f64; 3],
-    /// Volume that the point stands for (m³); zero for points that are not integration points.
+    /// Volume of the integration point (m³); zero for other points.
     pub volume: f64,
     /// ∂N/∂x of each node (1/m).
     pub gradients: Vec<[f64; 3]>,
-    /// What the element's form adds to the strain, for a unit displacement of each node along each axis
-    /// (1/m); empty: nothing.
+    /// Correction of the strain by the element's form, for a unit displacement of each node along each axis
+    /// (1/m); empty without a correction.
     pub correction: Vec<Components>,
 }
 

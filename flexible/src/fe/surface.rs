@@ -9,7 +9,7 @@ use crate::element::MOST_NODES;
 /// `mass_per_area` (kg/m²).
 ///
 /// # Errors
-/// The area a unit of the reference domain (m²) at the first point where it vanishes.
+/// The area per unit of the reference domain (m²) at the first point where it vanishes.
 pub(super) fn add_matrices(
     table: &Table,
     present: &Present,

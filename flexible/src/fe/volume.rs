@@ -18,7 +18,7 @@ fn measure(corners: &[[f64; 3]]) -> f64 {
     }
 }
 
-/// What has been added.
+/// The sums so far.
 #[derive(Default)]
 struct Sum {
     mass: f64,
@@ -50,8 +50,8 @@ impl Sum {
 }
 
 /// Mass properties about the origin of the basic frame with straight edges between corners, of a mesh in SI;
-/// `None` where no element has mass. Point masses count with their mass and rotary inertia; what a mesh
-/// refers to and does not hold is passed over.
+/// `None` if no element has mass. Point masses count with their mass and rotary inertia. References to
+/// missing parts of the mesh are skipped.
 pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
     let mut sum = Sum::default();
     for element in &mesh.elements {

@@ -19,8 +19,8 @@ const NAMED: usize = 10;
 pub struct Fitted {
     /// One after the other.
     pub vectors: Vec<f64>,
-    /// Of each shape: what the ties and supports of the structure leave of it, ‖T x − u‖ / ‖u‖ over the
-    /// freedoms given.
+    /// For each shape the misfit with the ties and supports of the structure, ‖T x − u‖ / ‖u‖ over the given
+    /// freedoms.
     pub misfits: Vec<f64>,
     /// Rounding of their entries, of the largest.
     pub noise: f64,

@@ -12,7 +12,7 @@ pub(super) struct HoldingCards {
 }
 
 impl HoldingCards {
-    /// Counts a card; `moved` where it moves its freedoms instead of holding them.
+    /// Counts a card; `moved` if it moves its freedoms instead of holding them.
     pub fn note(&mut self, name: &str, at: &At, moved: bool) {
         let place = (at.file.to_string(), at.line);
         let cards = self

@@ -1,4 +1,4 @@
-//! What a file holds and a mesh does not.
+//! The contents of a file that a mesh does not hold.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ pub(super) struct UnreadCards {
 }
 
 impl UnreadCards {
-    /// Counts something of which a part isn't read.
+    /// Counts a card or keyword of which Eng does not read a part.
     pub fn note(&mut self, name: &str, at: &At, carries: Carries) {
         self.cards
             .entry(name.to_string())
@@ -25,7 +25,7 @@ impl UnreadCards {
             .count += 1;
     }
 
-    /// All, by name.
+    /// All of them, sorted by name.
     pub fn into_list(self) -> Vec<Unread> {
         self.cards.into_values().collect()
     }

@@ -37,7 +37,7 @@ pub(super) fn product(a: &Rotation, b: &Rotation) -> Rotation {
 }
 
 /// Axes of a beam from `first` to `second` with a vector in its first plane: x along it, y in that plane, z
-/// completes. `None` where the beam has no length or the vector no part across it (less than 1e-8 of its
+/// completes. `None` if the beam has no length, or the vector has no part across it (less than 1e-8 of its
 /// length).
 pub(super) fn beam_axes(along: [f64; 3], orientation: [f64; 3]) -> Option<Rotation> {
     let x = unit(along)?;

@@ -78,7 +78,7 @@ pub struct Both {
 pub struct NodeMotion {
     /// Displacement u from its place in the undeformed body (m).
     pub displacement: Both,
-    /// Its small rotation Φr a (rad, body axes), where the node turns: a beam's, a spider's centre.
+    /// Its small rotation Φr a (rad, body axes), if the node has a rotation: a beam's, a spider's centre.
     pub rotation: Option<[f64; 3]>,
     /// Where it is (m, inertial).
     pub position: [f64; 3],
@@ -96,7 +96,7 @@ pub struct NodeShapes {
     modes: usize,
     /// Places in the undeformed body (m, body axes).
     places: Vec<[f64; 3]>,
-    /// Of each node 6 × n: translation, then rotation (zero where the node does not turn).
+    /// For each node 6 × n: translation, then rotation (zero if the node has no rotation).
     rows: Vec<f64>,
     turns: Vec<bool>,
 }

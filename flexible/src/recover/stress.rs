@@ -26,7 +26,7 @@ pub struct ModalStress {
     /// Where.
     pub locations: Vec<Location>,
     modes: usize,
-    /// Six components (Pa a unit of amplitude; xx, yy, zz, xy, yz, zx in body axes) by place and mode.
+    /// Six components (Pa per unit of amplitude; xx, yy, zz, xy, yz, zx in body axes) by place and mode.
     values: Vec<f64>,
 }
 
@@ -137,7 +137,7 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// For so many places, before the first moment.
+    /// The peaks of a number of places, before the first moment.
     pub fn new(places: usize) -> Envelope {
         Envelope {
             von_mises: vec![0.0; places],

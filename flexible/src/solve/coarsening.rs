@@ -72,7 +72,7 @@ fn contract(graph: &Graph, pairs: &[(u32, u32)], coarse: &[u32]) -> Graph {
         weight: Vec::with_capacity(pairs.len()),
     };
     small.start.push(0);
-    // where the edge to a vertex stands, while one vertex's edges are gathered
+    // index of the edge to each vertex, while the edges of one vertex are collected
     let mut slot = vec![usize::MAX; pairs.len()];
     for (index, &(one, two)) in pairs.iter().enumerate() {
         let begin = small.neighbour.len();

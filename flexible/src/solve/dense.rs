@@ -69,7 +69,7 @@ pub(crate) fn symmetric_eigen(
 
 /// The pairs θ, x of `M x = θ A x` with positive definite `A` (its lower triangle is read) and `M`, θ
 /// descending, `xᵀ A x = 1`. With `A = K − σ M`, λ = σ + 1/θ are the eigenvalues of `K x = λ M x`; θ = 0
-/// stands for massless motions.
+/// means motions without mass.
 ///
 /// # Errors
 /// [`FlexibleError::Singular`] when `A` is not positive definite; when memory runs out.

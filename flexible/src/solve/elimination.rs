@@ -1,4 +1,4 @@
-//! The elimination tree of an order, and what a factor in that order costs.
+//! The elimination tree of an order, and the cost of a factor in that order.
 
 use super::graph::{Graph, NONE};
 

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 /// First guess of |σ| over the typical ratio of the diagonals, itself about the largest eigenvalue.
 pub(super) const FIRST_SHIFT: f64 = 1e-9;
-/// How much larger |σ| becomes where the factor is not positive definite: stiffnesses written with few digits
-/// have slightly negative eigenvalues in place of their zeros.
+/// Factor on |σ| if the matrix factor is not positive definite: stiffnesses written with few digits have
+/// slightly negative eigenvalues in place of their zeros.
 const LARGER: f64 = 1e3;
 /// |σ| over the typical ratio is not raised from here.
 const LARGEST: f64 = 1e-3;
@@ -42,10 +42,10 @@ impl Shifted {
     }
 }
 
-/// What a σ gives, tried from the nearest to zero on.
+/// The result of the first shift σ that works; shifts are tried in the order of their distance from zero.
 ///
 /// # Errors
-/// The last one's.
+/// The error of the last shift.
 pub(super) fn first_shift<T>(
     typical: f64,
     mut factor: impl FnMut(f64) -> Result<T, FlexibleError>,

@@ -59,7 +59,7 @@ struct Product<'a> {
 impl WithSimd for Product<'_> {
     type Output = ();
 
-    // code for the processor comes of what is inlined here
+    // only inlined code is compiled for the processor
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         accumulate(self.matrix, self.x, self.y);

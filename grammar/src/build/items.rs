@@ -527,7 +527,7 @@ impl<'t> Builder<'t, '_> {
         })
     }
 
-    /// Where the text of a string stands without its quotes.
+    /// The byte range of the text of a string, without its quotes.
     fn inside_quotes(&self, pair: &Pair<'_, Rule>) -> (usize, usize) {
         let (start, end) = self.range(pair);
         (start + 1, end.saturating_sub(1))

@@ -1,5 +1,6 @@
-//! glTF 2.0, binary (Khronos Group, "glTF 2.0 Specification", 2021): mode shapes are morph targets, whose weights over time are
-//! the modal amplitudes times the scale; poses move nodes. Exact within single precision at the times given.
+//! glTF 2.0, binary (Khronos Group, "glTF 2.0 Specification", 2021): mode shapes are morph targets, whose
+//! weights over time are the modal amplitudes times the scale; poses move nodes. Exact within single
+//! precision at the times given.
 
 use super::quaternion::{nearer, normalised, rotated};
 use super::solid::Solid;
@@ -22,11 +23,12 @@ const COLORS: [[f32; 4]; 6] = [
 impl Animation {
     /// The bytes of a `.glb` file.
     ///
-    /// Each body is a node below one that turns the model's upward axis to y, as glTF has it. Bodies' `extras` name modes and
-    /// fields; the scene's hold scale, slowdown, crank angles, centre and radius of what is seen.
+    /// Each body is a node below a node that turns the model's upward axis to y, the upward axis of glTF. The
+    /// `extras` of bodies name modes and fields. The `extras` of the scene hold scale, slowdown, crank
+    /// angles, and centre and radius of a ball around all bodies.
     ///
     /// # Errors
-    /// Data that don't fit together, or more than 4 GiB of them.
+    /// Data that do not fit together, or more than 4 GiB of data.
     pub fn to_glb(&self) -> Result<Vec<u8>, AnimationError> {
         self.check()?;
         let mut file = File {
@@ -68,7 +70,7 @@ impl Animation {
         file.finish(&self.title, first, extras)
     }
 
-    /// Middle and radius of a ball around all that is ever seen, not deformed, in the inertial axes (m).
+    /// Centre and radius of a ball around all undeformed bodies at all times, in the inertial axes (m).
     pub(super) fn bounds(&self) -> ([f64; 3], f64) {
         let solids: Vec<Solid> = self.rigid.iter().map(|b| Solid::of(&b.parts)).collect();
         let rigid = self.rigid.iter().zip(&solids).map(|(body, solid)| {
@@ -82,7 +84,7 @@ impl Animation {
             .map(|body| (body.surface.nodes.clone(), &body.poses));
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (nodes, poses) in flexible.chain(rigid) {
-            // enough poses to know where it goes
+            // 24 poses are enough for the ball
             let every = poses.len().div_ceil(24).max(1);
             for pose in poses.iter().step_by(every) {
                 for node in &nodes {

@@ -4,19 +4,19 @@
 use super::packed::deflated;
 use flate2::Crc;
 
-/// Samples a pixel along each side.
+/// Samples along each side of a pixel.
 const FINE: usize = 2;
 
 /// Samples of a picture: colour and nearness.
 pub(super) struct Canvas {
     width: usize,
     height: usize,
-    /// Nearest first: larger is nearer; `-∞` where nothing was drawn.
+    /// Nearness of each sample: larger is nearer; `-∞` where nothing is drawn.
     near: Vec<f64>,
     color: Vec<[u8; 3]>,
 }
 
-/// A point in pixels and how near it is.
+/// A point in pixels and its nearness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     pub x: f64,
@@ -25,7 +25,7 @@ pub(super) struct Vertex {
 }
 
 impl Canvas {
-    /// An empty picture of so many pixels.
+    /// An empty picture of a given size in pixels.
     pub fn new(width: usize, height: usize) -> Canvas {
         let (width, height) = (width * FINE, height * FINE);
         Canvas {

@@ -1,6 +1,7 @@
 //! Moving bodies: flexible ones by their modes, rigid ones by simple parts.
 //!
-//! One set of plain data becomes a glTF file, a viewer inside a page, and files for ParaView. Lengths are metres, times seconds.
+//! One set of plain data becomes a glTF file, a viewer inside a page, and files for ParaView. Lengths are
+//! metres, times seconds.
 
 mod gltf;
 mod image;
@@ -25,7 +26,7 @@ pub struct Surface {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Where a body is: a point s of the body is at r + A·s, A the rotation.
+/// The pose of a body: a point s of the body is at r + A·s with the rotation A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// r, in the inertial axes (m).
@@ -53,18 +54,18 @@ impl Pose {
 pub struct ModeShape {
     /// `normal 3, 412 Hz`.
     pub name: String,
-    /// One displacement a node, in the body's axes (m for an amplitude of 1).
+    /// One displacement for each node, in the body's axes (m for an amplitude of 1).
     pub displacements: Vec<[f64; 3]>,
 }
 
-/// A number for each node that stands still, such as the largest stress over a cycle.
+/// A number for each node that does not change in time, such as the largest stress over a cycle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeField {
     /// `von Mises, largest over the cycle`.
     pub name: String,
     /// `MPa`.
     pub unit: String,
-    /// One a node, in that unit.
+    /// One for each node, in this unit.
     pub values: Vec<f64>,
 }
 
@@ -73,15 +74,15 @@ pub struct NodeField {
 pub struct FlexibleBody {
     /// As in the model.
     pub name: String,
-    /// What is seen of it.
+    /// Its visible surface or parts.
     pub surface: Surface,
     /// Its modes.
     pub shapes: Vec<ModeShape>,
-    /// One pose a time; a single one for a body that stands still.
+    /// One pose for each time; a single pose for a body at rest.
     pub poses: Vec<Pose>,
-    /// For each time, one amplitude a mode.
+    /// For each time, one amplitude for each mode.
     pub amplitudes: Vec<Vec<f64>>,
-    /// Numbers to colour it by, besides the displacement.
+    /// Numbers that can colour it, besides the displacement.
     pub fields: Vec<NodeField>,
 }
 
@@ -118,13 +119,13 @@ pub enum Part {
 pub struct RigidBody {
     /// As in the model.
     pub name: String,
-    /// What is seen of it.
+    /// Its visible surface or parts.
     pub parts: Vec<Part>,
-    /// One pose a time; a single one for a body that stands still.
+    /// One pose for each time; a single pose for a body at rest.
     pub poses: Vec<Pose>,
 }
 
-/// Which inertial axis points up.
+/// The inertial axis that points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Up {
     /// x.
@@ -135,28 +136,28 @@ pub enum Up {
     Z,
 }
 
-/// All that moves.
+/// The bodies of an animation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Animation {
-    /// What it is called.
+    /// Its title.
     pub title: String,
     /// Times (s), increasing.
     pub times: Vec<f64>,
     /// Crank angle at each time (°); empty if there is none.
     pub angles: Vec<f64>,
-    /// Which axis points up.
+    /// The axis that points up.
     pub up: Up,
-    /// Displacements are shown so many times larger at first.
+    /// First factor on the displacements.
     pub scale: f64,
-    /// Seconds of playing a second of motion: an engine's cycle lasts hundredths of a second.
+    /// Seconds of the animation for one second of motion. An engine's cycle lasts hundredths of a second.
     pub slowdown: f64,
-    /// What deforms.
+    /// The flexible bodies.
     pub flexible: Vec<FlexibleBody>,
-    /// What doesn't.
+    /// The rigid bodies.
     pub rigid: Vec<RigidBody>,
 }
 
-/// Why an animation cannot be made.
+/// The reason why an animation cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AnimationError {
     /// Nothing to show, or no time.
@@ -167,11 +168,11 @@ pub enum AnimationError {
     Count {
         /// The body, or `the animation`.
         body: String,
-        /// What is counted.
+        /// The counted items.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         found: usize,
-        /// How many there must be.
+        /// The necessary number.
         expected: usize,
     },
     /// A triangle or cell names a node that is not there.
@@ -179,9 +180,9 @@ pub enum AnimationError {
     Node {
         /// The body.
         body: String,
-        /// The node named.
+        /// The index of the node.
         node: u32,
-        /// How many there are.
+        /// Their number.
         nodes: usize,
     },
     /// A number that is infinite or no number, or too large for a file of single precision.
@@ -189,28 +190,28 @@ pub enum AnimationError {
     NotFinite {
         /// The body, or `the animation`.
         body: String,
-        /// Where.
+        /// The place of the number.
         what: &'static str,
     },
     /// A number out of its range.
     #[error("{what} must be {range}, not {value}")]
     Range {
-        /// Which number.
+        /// The name of the number.
         what: &'static str,
-        /// What is allowed.
+        /// The allowed range.
         range: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
     /// More data than a glTF file can hold.
     #[error("the animation needs {bytes} bytes, more than the 4 GiB that a glTF file can hold")]
     TooLarge {
-        /// How much it would be.
+        /// The necessary number of bytes.
         bytes: u64,
     },
 }
 
-/// What a body is one of: `piston` of `piston[3]`.
+/// The kind of a body: `piston` for `piston[3]`.
 fn kind_of(name: &str) -> &str {
     name.split('[').next().unwrap_or(name)
 }
@@ -231,7 +232,8 @@ impl Animation {
 }
 
 impl FlexibleBody {
-    /// Displacements of the nodes at a time (by index), not scaled, in the body's axes (m): Σ amplitude·shape.
+    /// Displacements of the nodes at a time (by index), not scaled, in the body's axes (m): Σ
+    /// amplitude·shape.
     pub fn displacements(&self, time: usize) -> Vec<[f64; 3]> {
         let mut sum = vec![[0.0; 3]; self.surface.nodes.len()];
         let amplitudes = self.amplitudes.get(time).map_or(&[][..], Vec::as_slice);
@@ -290,10 +292,10 @@ impl FlexibleBody {
 }
 
 impl Animation {
-    /// Whether everything fits together; every maker of files calls it first.
+    /// Checks that all data fit together. Every function that makes files calls it first.
     ///
     /// # Errors
-    /// Whatever does not fit, see [`AnimationError`].
+    /// See [`AnimationError`].
     pub fn check(&self) -> Result<(), AnimationError> {
         let times = self.times.len();
         if times == 0 {

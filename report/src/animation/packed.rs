@@ -1,13 +1,15 @@
-//! Bytes of a page's models, small: the four bytes of each number in planes of their own, deflated (RFC 1950), in base64.
+//! Bytes of a page's models, small: the four bytes of each number in planes of their own, deflated (RFC
+//! 1950), in base64.
 //!
-//! Floats of neighbours share signs and exponents, which stand together in a plane; nothing is rounded.
+//! Neighbouring floats share signs and exponents, which are together in a plane. Nothing is rounded.
 
 use crate::escape::base64;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::io::Write;
 
-/// What the page's script undoes: bytes 0, 4, 8, … first, then 1, 5, 9, …; shorter planes are filled with zeros.
+/// Packs bytes in the order 0, 4, 8, …, then 1, 5, 9, …; zeros fill shorter planes. The script of the page
+/// unpacks them.
 pub(super) fn packed(bytes: &[u8]) -> String {
     let length = bytes.len().div_ceil(4);
     let planes = (0..4).flat_map(|plane| {

@@ -1,4 +1,4 @@
-//! A still picture of an animation: on paper, and where no script runs.
+//! A still picture of an animation, for paper and for readers without scripts.
 
 use super::image::{Canvas, Vertex};
 use super::quaternion::{cross, direction, dot, minus, rotated};
@@ -24,7 +24,8 @@ const SHADES: [[f64; 3]; 6] = [
 /// Lines of rigid bodies.
 const LINES: [u8; 3] = [110, 110, 110];
 
-/// Colours of a field from its low to its high end, those of the page's viewer: cividis (Nuñez, Anderton and Renslow 2018).
+/// Colours of a field from its low to its high end, those of the page's viewer: cividis (Nuñez, Anderton and
+/// Renslow 2018).
 const LEVELS: [[f64; 3]; 5] = [
     [0.0, 34.0, 78.0],
     [65.0, 77.0, 107.0],
@@ -33,15 +34,16 @@ const LEVELS: [[f64; 3]; 5] = [
     [254.0, 232.0, 56.0],
 ];
 
-/// The values that a field's colours stand for, in its unit.
+/// The values of a field's colours, in its unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Range {
     pub name: String,
     pub unit: String,
     pub low: f64,
-    /// Where the colours end.
+    /// The value at which the colours end.
     pub high: f64,
-    /// Above `high` where a few sharp edges would take the colours from all the rest.
+    /// The largest value. It is above `high` if the values at a few sharp edges would use up the range of
+    /// colours.
     pub largest: f64,
 }
 
@@ -74,7 +76,8 @@ struct Facet {
 }
 
 impl Animation {
-    /// The range of the first field of the flexible bodies, whose colours end where a hundredth of the nodes has more than twice.
+    /// The range of the first field of the flexible bodies, whose colours end where a hundredth of the nodes
+    /// has more than twice.
     pub(super) fn first_field(&self) -> Option<Range> {
         let first = self.flexible.iter().flat_map(|b| &b.fields).next()?;
         let mut values: Vec<f64> = self
@@ -100,8 +103,8 @@ impl Animation {
         })
     }
 
-    /// All bodies at the first time, deformed at the scale, as a PNG with transparent ground: each kind in its colour, or those that
-    /// have the field in the field's.
+    /// All bodies at the first time, deformed at the scale, as a PNG with a transparent background. Each kind
+    /// has its colour; bodies with the field have the colours of the field.
     pub(super) fn to_poster(&self, colored: Option<&Range>) -> Vec<u8> {
         let towards = direction(VIEW);
         let right = direction(cross([0.0, 1.0, 0.0], towards));
@@ -200,7 +203,7 @@ struct Frame {
 }
 
 impl Frame {
-    /// As large as the sheet allows.
+    /// A frame as large as the sheet allows.
     fn around(points: impl Iterator<Item = [f64; 3]>) -> Frame {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for [x, y, _] in points {

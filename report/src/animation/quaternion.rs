@@ -1,6 +1,6 @@
 //! Rotations by unit quaternions (w, x, y, z).
 
-/// Brought to unit length; one without length becomes no rotation.
+/// A quaternion scaled to unit length; one of length zero becomes the identity.
 pub(super) fn normalised(q: [f64; 4]) -> [f64; 4] {
     let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
     if length > 0.0 && length.is_finite() {
@@ -35,7 +35,7 @@ pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] - b[i])
 }
 
-/// Of length 1; one without length is given back as it is.
+/// A vector scaled to length 1; a vector of length zero does not change.
 pub(super) fn direction(v: [f64; 3]) -> [f64; 3] {
     let length = dot(v, v).sqrt();
     if length > 0.0 {
@@ -45,7 +45,8 @@ pub(super) fn direction(v: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// Of q and −q, which are the same rotation, the one nearer to `before`: interpolation must not take the long way.
+/// The one of q and −q, which are the same rotation, that is nearer to `before`, so that interpolation takes
+/// the short way.
 pub(super) fn nearer(before: [f64; 4], q: [f64; 4]) -> [f64; 4] {
     let product: f64 = before.iter().zip(&q).map(|(a, b)| a * b).sum();
     if product < 0.0 { q.map(|c| -c) } else { q }

@@ -67,7 +67,7 @@ pub struct VtkBody {
 pub struct VtkFrame<'a> {
     /// Time (s).
     pub time: f64,
-    /// Where the body is.
+    /// The pose of the body.
     pub pose: Pose,
     /// Displacement of each node in the body's axes (m), not scaled; empty for none.
     pub displacements: &'a [[f64; 3]],
@@ -77,7 +77,7 @@ pub struct VtkFrame<'a> {
     pub fields: &'a [NodeField],
 }
 
-/// How numbers are written.
+/// The encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VtkEncoding {
     /// As text that can be read, with all digits.
@@ -91,15 +91,15 @@ pub enum VtkEncoding {
 pub struct VtkPart {
     /// Time (s).
     pub time: f64,
-    /// Which body, counted from 0: files of one time and different parts are shown together.
+    /// Index of the body, from 0. Files with one time and different parts are shown together.
     pub part: usize,
     /// Path from the `.pvd` file to the `.vtu` file.
     pub file: String,
 }
 
-/// The text of a `.vtu` file: the body moved but not deformed, with the arrays
-/// `displacement` (m, inertial axes; "Warp By Vector" shows it at any scale), `stress` (Pa, axes of the body, in VTK's order xx, yy,
-/// zz, xy, yz, xz) and `von_mises` (Pa), and the fields by their names and units.
+/// The text of a `.vtu` file: the body moved but not deformed, with the arrays `displacement` (m, inertial
+/// axes; "Warp By Vector" shows it at any scale), `stress` (Pa, axes of the body, in VTK's order xx, yy, zz,
+/// xy, yz, xz) and `von_mises` (Pa), and the fields by their names and units.
 ///
 /// # Errors
 /// Data that don't fit together.
@@ -264,7 +264,7 @@ impl Writer<'_> {
                 }
             }
             VtkEncoding::Base64 => {
-                // a header with the count of bytes goes before them
+                // a header with the number of bytes comes before them
                 let mut all = vec![0; 8];
                 all.extend(bytes);
                 let count = (all.len() - 8) as u64;
@@ -301,7 +301,7 @@ impl Writer<'_> {
 }
 
 impl super::FlexibleBody {
-    /// What is seen of the body, as a mesh of triangles for [`vtu`].
+    /// The visible surface of the body, as a mesh of triangles for [`vtu`].
     pub fn vtk(&self) -> VtkBody {
         VtkBody {
             name: self.name.clone(),

@@ -1,8 +1,8 @@
-//! What stands on the horizontal axis of a history.
+//! The horizontal axis of a history.
 
 use super::ticks::significant;
 
-/// What stands on the horizontal axis.
+/// The quantity of a horizontal axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Abscissa {
     /// Crank angle (°).
@@ -13,38 +13,38 @@ pub enum Abscissa {
     Frequency,
     /// Frequency (Hz) with the orders above the panels: frequency over the shaft's mean speed.
     FrequencyAt {
-        /// Mean speed (revolutions a second).
+        /// Mean speed (revolutions per second).
         speed: f64,
     },
-    /// Order of the shaft: cycles a revolution.
+    /// Order of the shaft: cycles per revolution.
     Order,
     /// The same with the frequency (Hz) above the panels: order times the shaft's mean speed.
     OrderAt {
-        /// Mean speed (revolutions a second).
+        /// Mean speed (revolutions per second).
         speed: f64,
     },
     /// Speed of the shaft (rpm).
     Speed,
     /// Any other quantity, such as the variable of a sweep.
     Other {
-        /// What it is.
+        /// Its name.
         name: String,
         /// Its unit; empty for none.
         unit: String,
     },
 }
 
-/// A second axis, whose numbers are those of the first times a factor.
+/// A second axis. Its numbers are those of the first axis times a factor.
 pub(super) struct Second {
-    /// What it is, with the speed it holds for.
+    /// Its quantity, with the speed for which it holds.
     pub title: String,
     pub factor: f64,
-    /// What the page's script calls the factor.
+    /// The name of the factor in the script of the page.
     pub key: &'static str,
 }
 
 impl Abscissa {
-    /// What stands above the panels; nothing for a shaft that stands.
+    /// The axis above the panels; `None` for a shaft at rest.
     pub(super) fn second(&self) -> Option<Second> {
         let (name, speed, factor, key) = match self {
             Abscissa::OrderAt { speed } => ("Frequency (Hz)", *speed, *speed, "data-speed"),

@@ -1,4 +1,5 @@
-//! A pair of axes: from values to pixels, grid, numbers, and what the page's script must know of them.
+//! A pair of axes: the map from values to pixels, the grid, the numbers, and the data for the script of the
+//! page.
 
 use super::palette::Color;
 use super::svg::{Anchor, Stroke, Svg, TextStyle, coordinate};
@@ -6,7 +7,7 @@ use super::ticks::{self, Ticks};
 
 const NUMBER: f64 = 15.0;
 
-/// How values become lengths.
+/// The map from values to lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Scale {
     /// Equal steps.
@@ -24,7 +25,7 @@ impl Scale {
         }
     }
 
-    /// The number that is laid out evenly: NaN where there is none.
+    /// The number whose equal steps have equal lengths; NaN if there is none.
     pub(super) fn even(self, value: f64) -> f64 {
         match self {
             Scale::Linear => value,
@@ -38,9 +39,9 @@ impl Scale {
 #[derive(Clone, Debug)]
 pub(super) struct Scaled {
     pub ticks: Ticks,
-    /// A text a tick.
+    /// One text for each tick.
     pub numbers: Vec<String>,
-    /// What the numbers were divided by.
+    /// The divisor of the numbers.
     pub factor: f64,
     pub scale: Scale,
     /// For the readout: quantity and unit.
@@ -51,7 +52,7 @@ pub(super) struct Scaled {
 }
 
 impl Scaled {
-    /// An axis whose numbers stand as they are.
+    /// An axis with undivided numbers.
     pub fn plain(ticks: Ticks, name: &str, unit: &str) -> Self {
         Scaled {
             numbers: ticks
@@ -113,13 +114,13 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// Pixel of an evenly laid out number.
+    /// Pixel of a number of [`Scale::even`].
     pub fn x(&self, value: f64, axis: &Ticks) -> f64 {
         let (low, high) = axis.range;
         self.left + (value - low) / (high - low) * self.width
     }
 
-    /// Pixel of an evenly laid out number.
+    /// Pixel of a number of [`Scale::even`].
     pub fn y(&self, value: f64, axis: &Ticks) -> f64 {
         let (low, high) = axis.range;
         self.top + (high - value) / (high - low) * self.height
@@ -133,7 +134,7 @@ impl Area {
         self.top + self.height
     }
 
-    /// What the page's script must know; goes with [`Svg::end_group`].
+    /// Begins a group with the data for the script of the page. [`Svg::end_group`] ends it.
     pub fn begin_panel(
         &self,
         svg: &mut Svg<'_>,
@@ -167,7 +168,7 @@ impl Area {
         svg.begin_group("panel", &attributes);
     }
 
-    /// Grid lines and numbers, those below only where `numbered`, and the frame.
+    /// Draws grid lines, numbers and the frame. Numbers below the panel need `numbered`.
     pub fn draw(&self, svg: &mut Svg<'_>, x: &Scaled, y: &Scaled, numbered: bool) {
         svg.begin_group(if numbered { "grid numbered" } else { "grid" }, &[]);
         let bottom = self.bottom();

@@ -1,10 +1,11 @@
-//! Fewer points, same picture.
+//! Reduces the points of a curve without a visible change of the picture.
 
-/// More points than this in one curve are reduced.
+/// Number of points in one curve from which on they are reduced.
 const MANY: usize = 4000;
 
-/// Runs of points to be drawn as one line each; a point that is not finite ends a run. Above 4,000 points, those that fall
-/// into one of `columns` of the range of x are replaced by the first, lowest, highest and last: no peak is lost.
+/// Runs of points, each of which is drawn as one line. A point that is not finite ends a run. If there are
+/// more than 4,000 points, the first, lowest, highest and last point replace all points in one of `columns`
+/// equal parts of the range of x. So no peak is lost.
 pub(crate) fn runs(
     x: &[f64],
     y: &[f64],
@@ -62,7 +63,8 @@ fn flush(bucket: &mut Vec<(f64, f64)>, run: &mut Vec<(f64, f64)>) {
     bucket.clear();
 }
 
-/// Indices of the points to keep where those closer than `distance` to the last one kept are left out; the ends stay.
+/// Indices of the points that remain if points closer than `distance` to the last kept point are left out.
+/// Both ends remain.
 pub(crate) fn thinned(points: &[(f64, f64)], distance: f64) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     let mut last: Option<(f64, f64)> = None;

@@ -1,6 +1,6 @@
-//! How wide text is.
+//! The width of text.
 
-/// Fonts of a picture. Whoever draws it should have the first; Verdana has nearly the same widths.
+/// Fonts of a picture. The first one has the widths below, and Verdana has nearly the same.
 pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
 /// Advance widths of the characters from space to `~`, in 1/2048 of the size.

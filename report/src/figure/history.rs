@@ -20,19 +20,19 @@ const RIGHT: f64 = 36.0;
 /// A place on the horizontal axis with a name, such as a firing dead centre: a thin line down the panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// On the abscissa, in its unit.
+    /// Its place on the abscissa, in the unit of the abscissa.
     pub at: f64,
-    /// Stands at the line's top; short.
+    /// A short text at the top of the line.
     pub label: String,
-    /// The mark stands again after each of these, as far as the axis goes.
+    /// The distance at which the mark repeats, up to the end of the axis.
     pub period: Option<f64>,
-    /// What marks of this kind are, in the legend; may be empty.
+    /// The meaning of such marks, for the legend; may be empty.
     pub meaning: String,
 }
 
 impl Mark {
-    /// Where a cylinder fires: its top dead centre at `angle` (°), again after each `period` (°; 720 for four-strokes). Cylinders
-    /// without a number are one.
+    /// The firing dead centre of a cylinder at `angle` (°). It repeats after each `period` (°; 720 for a
+    /// four-stroke engine). A cylinder without a number has the label `TDC`.
     pub fn firing_tdc(cylinder: Option<usize>, angle: f64, period: f64) -> Self {
         Mark {
             at: angle,
@@ -68,30 +68,30 @@ pub fn journal_letter(index: usize) -> String {
     }
 }
 
-/// What stands on the vertical axis of all panels.
+/// The vertical axis of all panels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ordinate {
     /// `Force x on the pin`.
     pub quantity: String,
     /// `kN`.
     pub unit: String,
-    /// The axes the components are in; empty for a scalar.
+    /// The axes of the components; empty for a scalar.
     pub frame: String,
 }
 
 /// One named curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// As in the legend; curves of one name have one colour in all panels.
+    /// Its name in the legend. Curves with one name have one colour in all panels.
     pub name: String,
-    /// One value an abscissa of its panel, in the ordinate's unit.
+    /// One value for each abscissa of its panel, in the ordinate's unit.
     pub values: Vec<f64>,
 }
 
 /// One pair of axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Stands above the axes; may be empty.
+    /// The text above the axes; may be empty.
     pub title: String,
     /// Crank angle in ° or time in s, in order of time.
     pub x: Vec<f64>,
@@ -104,7 +104,7 @@ pub struct Panel {
 pub struct History {
     /// Title.
     pub title: String,
-    /// Stands under the title: model, analysis, filter.
+    /// The text below the title: model, analysis, filter.
     pub subtitle: String,
     /// Horizontal axis.
     pub abscissa: Abscissa,
@@ -270,7 +270,7 @@ impl History {
         names
     }
 
-    /// What the marks that are shown are, each once.
+    /// The meanings of the visible marks, each once.
     fn meanings(&self) -> Vec<&str> {
         let range = self.horizontal().ticks.range;
         let mut meanings: Vec<&str> = Vec::new();

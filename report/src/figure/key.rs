@@ -1,4 +1,4 @@
-//! What the lines of a plane figure are: samples of them with words, in rows under the title.
+//! The key of a plane figure: samples of its lines with words, in rows below the title.
 
 use super::font::text_width;
 use super::palette::Color;
@@ -6,7 +6,7 @@ use super::svg::{Anchor, Stroke, Svg, TextStyle};
 
 const NUMBER: f64 = 14.0;
 
-/// What stands in the key.
+/// An entry of the key.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum KeyKind {
     Clearance,
@@ -70,7 +70,7 @@ impl KeyEntry {
     }
 }
 
-/// Entries in rows of this width, and how many rows they take.
+/// The entries in rows of this width, and the number of rows.
 pub(super) fn laid_out(kinds: Vec<(KeyKind, String)>, width: f64) -> (Vec<KeyEntry>, usize) {
     let (mut x, mut row) = (0.0, 0);
     let mut entries = Vec::new();

@@ -26,7 +26,7 @@ pub(super) fn mark_stroke() -> Stroke {
     }
 }
 
-/// What stands in the legend.
+/// A sample in the legend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sample {
     /// The curve with this index.

@@ -1,4 +1,4 @@
-//! Crank angles along a path in a plane: where they stand, and where their numbers find room.
+//! The places of crank angles along a path in a plane, and the places of their numbers.
 
 use super::font::text_width;
 use super::palette::Color;
@@ -7,7 +7,7 @@ use super::svg::{Anchor, Stroke, Svg, TextStyle, coordinate};
 
 const SMALL: f64 = 13.0;
 
-/// Index of the first sample of the last cycle; 0 where all is one cycle or there is no angle.
+/// Index of the first sample of the last cycle; 0 if all samples are one cycle or have no angle.
 pub(super) fn last_cycle(cell: &Cell<'_>, period: f64) -> usize {
     match cell.angle.last() {
         Some(end) => cell
@@ -19,7 +19,8 @@ pub(super) fn last_cycle(cell: &Cell<'_>, period: f64) -> usize {
     }
 }
 
-/// Multiples of 90° between `start` and the end: angle within the cycle (°) and place, linear between samples.
+/// Multiples of 90° between `start` and the end: angle within the cycle (°) and place, linear between
+/// samples.
 pub(super) fn marks(cell: &Cell<'_>, start: usize, period: f64) -> Vec<(i64, f64, f64)> {
     let mut found: Vec<(i64, f64, f64)> = Vec::new();
     let samples = cell.angle.len().min(cell.x.len()).min(cell.y.len());
@@ -36,10 +37,11 @@ pub(super) fn marks(cell: &Cell<'_>, start: usize, period: f64) -> Vec<(i64, f64
     };
     for index in start..samples {
         let here = cell.angle[index];
-        // the first sample has a mark only where it stands on one
+        // the first sample has a mark only if it is at a multiple of 90°
         let before = if index > start { index - 1 } else { index };
         let width = here - cell.angle[before];
-        // an angle that runs backwards, jumps, is no number or so large that 90° are lost in it has no marks
+        // there are no marks if the angle decreases, jumps, is no number or is so large that rounding hides
+        // 90°
         if !(0.0..=period).contains(&width) || here.abs() >= 1e9 {
             continue;
         }
@@ -66,7 +68,7 @@ pub(super) fn marks(cell: &Cell<'_>, start: usize, period: f64) -> Vec<(i64, f64
     found
 }
 
-/// Rings in pixels, each with its angle (°) where this finds room in the square of this side at `corner`.
+/// Draws rings (in pixels). A ring has its angle (°) if there is room in the square of this side at `corner`.
 pub(super) fn draw_marks(
     svg: &mut Svg<'_>,
     rings: &[(i64, (f64, f64))],
@@ -122,7 +124,7 @@ pub(super) fn draw_marks(
     }
 }
 
-/// Where a mark belongs, for the page's script.
+/// The place of a mark, for the script of the page.
 fn place_of(place: (f64, f64)) -> [(&'static str, String); 2] {
     [
         ("data-x", coordinate(place.0)),
@@ -130,7 +132,7 @@ fn place_of(place: (f64, f64)) -> [(&'static str, String); 2] {
     ]
 }
 
-/// A box that a label takes.
+/// The box of a label.
 #[derive(Clone, Copy, Debug)]
 struct Rect {
     left: f64,

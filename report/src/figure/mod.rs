@@ -1,8 +1,9 @@
-//! Pictures of results: as SVG files for papers, and, with a script's help, in a page.
+//! Pictures of results, as SVG files for papers and in a page with a script.
 //!
 //! May contain: scales, ticks, colours, text placement. Must not contain: models, results files, printing.
-//! The text of a picture depends on the data alone. Both kinds come from the same drawing; in a page it has the page's colours,
-//! and on its groups what the script needs to zoom, to read values out and to hide curves. Without the script it is a picture.
+//! The text of a picture depends on the data alone. Both kinds come from the same drawing. In a page a
+//! picture has the colours of the page, and its groups have attributes with which the script zooms, reads
+//! values and hides curves. Without the script the picture does not move.
 
 mod abscissa;
 mod axes;
@@ -91,7 +92,7 @@ impl Figure {
         self.draw(Target::PAPER)
     }
 
-    /// Part of a page; `id` is unlike that of any other drawing in it.
+    /// A part of a page. `id` differs from that of every other drawing in the page.
     pub(crate) fn in_page(&self, id: &str) -> String {
         self.draw(Target {
             theme: Theme::Page,

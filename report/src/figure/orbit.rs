@@ -1,4 +1,4 @@
-//! Paths of pins in their clearance circles, one small picture a journal.
+//! Paths of pins in their clearance circles, one small picture for each journal.
 
 use super::key::{KeyKind, clearance_stroke, half_stroke};
 use super::plane::{Cell, Sheet, Upright};
@@ -30,11 +30,11 @@ pub struct Orbit {
 pub struct Orbits {
     /// Title.
     pub title: String,
-    /// Stands under the title: model, analysis, filter.
+    /// The text below the title: model, analysis, filter.
     pub subtitle: String,
     /// Angle after which the machine repeats (°). The last cycle is drawn strongly and has marks every 90°.
     pub period: f64,
-    /// Which axis points up.
+    /// The axis that points up.
     pub upright: Upright,
     /// The journals.
     pub orbits: Vec<Orbit>,

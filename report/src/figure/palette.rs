@@ -1,7 +1,7 @@
 //! Colours and dashes, on paper and in a page.
 
-/// Okabe and Ito's palette, told apart with any colour vision ("Color Universal Design", 2008), without its yellow,
-/// which is too pale on white; the order puts the most different ones first.
+/// Okabe and Ito's palette, whose colours differ for any colour vision ("Color Universal Design", 2008). Its
+/// yellow is left out because it is too pale on white. The most different colours come first.
 const SERIES: [&str; 7] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9",
 ];
@@ -20,13 +20,14 @@ const SERIES_NAMES: [&str; 7] = [
 /// Dashes, so that curves differ in grey, too.
 const DASHES: [&str; 5] = ["", "9 4", "2.5 3", "12 4 2.5 4", "5 2.5"];
 
-/// Levels of a map, dark to bright: cividis (Nuñez, Anderton and Renslow 2018), even for any colour vision and in grey.
+/// Levels of a map, dark to bright: cividis (Nuñez, Anderton and Renslow 2018), even for any colour vision
+/// and in grey.
 const LEVELS: [&str; 16] = [
     "#00224e", "#00306f", "#213d6b", "#3a486b", "#4c546c", "#5c5f6d", "#6b6a6f", "#7a7676",
     "#8a8279", "#9b8e78", "#ac9a74", "#bea76e", "#d0b465", "#e2c258", "#f3d047", "#fee838",
 ];
 
-/// Where a picture is shown.
+/// The place of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Theme {
     /// A file of its own: fixed colours on white.
@@ -35,7 +36,7 @@ pub(crate) enum Theme {
     Page,
 }
 
-/// What a line or a text is, which decides its colour.
+/// The role of a line or a text. It decides the colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Color {
     /// The sheet itself.
@@ -64,7 +65,7 @@ pub(crate) enum Color {
 pub(crate) const LEVEL_COUNT: usize = LEVELS.len();
 
 impl Color {
-    /// As an attribute's value.
+    /// The value of an attribute.
     pub fn css(self, theme: Theme) -> &'static str {
         let named = |paper, page| match theme {
             Theme::Paper => paper,

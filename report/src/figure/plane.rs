@@ -1,4 +1,4 @@
-//! Paths in a plane, a square with equal axes each: what orbits and polar diagrams share.
+//! Paths in a plane, each in a square with equal axes. Orbits and polar diagrams share this code.
 
 use super::key::{self, KeyKind};
 use super::marks::{draw_marks, last_cycle, marks};
@@ -14,7 +14,7 @@ const SMALL: f64 = 13.0;
 const BOX: f64 = 308.0;
 const CELL: (f64, f64) = (392.0, 424.0);
 
-/// Which axis points up in the picture; z points at the viewer.
+/// The axis that points up in the picture; z points at the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Upright {
     /// x up, y to the left.
@@ -30,11 +30,11 @@ pub(super) struct Sheet<'a> {
     /// Angle after which the machine repeats (°).
     pub period: f64,
     pub upright: Upright,
-    /// What the axes count, for the readout: `x` and `y` go before it.
+    /// The unit of the axes for the readout, after `x` and `y`.
     pub unit: &'a str,
     /// The key's entries besides those of the path.
     pub key: Vec<(KeyKind, String)>,
-    /// What the path is called where there is but one cycle.
+    /// The name of the path if there is only one cycle.
     pub path: &'static str,
     pub cells: Vec<Cell<'a>>,
 }
@@ -44,24 +44,24 @@ pub(super) struct Cell<'a> {
     pub name: &'a str,
     /// Numbers above its right corner.
     pub facts: String,
-    /// Stands under the name.
+    /// The text below the name.
     pub frame: String,
-    /// In the sheet's unit.
+    /// Coordinates in the sheet's unit.
     pub x: Vec<f64>,
-    /// In the sheet's unit.
+    /// Coordinates in the sheet's unit.
     pub y: Vec<f64>,
     /// Crank angle of each sample (°), increasing; empty if there is none.
     pub angle: &'a [f64],
-    /// From the middle to a side, in the sheet's unit.
+    /// Distance from the middle to a side, in the sheet's unit.
     pub reach: f64,
     /// Circles about the origin.
     pub circles: Vec<(f64, Stroke)>,
 }
 
-/// From the cell's axes to pixels.
+/// The map from the cell's axes to pixels.
 struct View {
     center: (f64, f64),
-    /// Pixels a unit.
+    /// Pixels per unit.
     scale: f64,
     upright: Upright,
 }
@@ -123,7 +123,7 @@ impl Sheet<'_> {
         svg.finish()
     }
 
-    /// What stands in the key.
+    /// The entries of the key.
     fn kinds(&self) -> Vec<(KeyKind, String)> {
         let mut kinds = self.key.clone();
         if self.cells.iter().any(|o| last_cycle(o, self.period) > 0) {

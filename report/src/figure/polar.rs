@@ -1,4 +1,5 @@
-//! Polar diagrams: the vector of a force over a cycle, in axes that stand with the housing or turn with the journal.
+//! Polar diagrams: the vector of a force over a cycle, in axes of the housing or in axes that turn with the
+//! journal.
 
 use super::key::{KeyKind, limit_stroke};
 use super::palette::Color;
@@ -6,12 +7,12 @@ use super::plane::{Cell, Sheet, Upright};
 use super::svg::{Stroke, Target};
 use super::ticks;
 
-/// What the axes are fixed to.
+/// The part to which the axes are fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FixedTo {
-    /// The housing: shows where the shell is loaded.
+    /// The housing: shows the loaded part of the shell.
     Housing,
-    /// The journal: shows where the pin is loaded, and where an oil hole may be.
+    /// The journal: shows the loaded part of the pin, and possible places of an oil hole.
     Journal,
 }
 
@@ -20,7 +21,7 @@ pub enum FixedTo {
 pub struct PolarCurve {
     /// `main[1]`.
     pub name: String,
-    /// The axes the components are in: `block.main[1]`.
+    /// The axes of the components: `block.main[1]`.
     pub frame: String,
     /// Components along x, in the diagram's unit.
     pub x: Vec<f64>,
@@ -30,22 +31,22 @@ pub struct PolarCurve {
     pub angle: Vec<f64>,
 }
 
-/// A figure of polar diagrams, all of one scale, so that they can be compared.
+/// A figure of polar diagrams. All have one scale, so they can be compared.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polar {
     /// Title.
     pub title: String,
-    /// Stands under the title: model, analysis, filter.
+    /// The text below the title: model, analysis, filter.
     pub subtitle: String,
     /// `Force on the pin`.
     pub quantity: String,
     /// `kN`.
     pub unit: String,
-    /// What the axes are fixed to.
+    /// The part to which the axes are fixed.
     pub fixed_to: FixedTo,
     /// Angle after which the machine repeats (°).
     pub period: f64,
-    /// Which axis points up.
+    /// The axis that points up.
     pub upright: Upright,
     /// A limit to compare with, drawn as a circle: its size and name.
     pub limit: Option<(f64, String)>,
@@ -54,8 +55,9 @@ pub struct Polar {
 }
 
 impl PolarCurve {
-    /// The same vector in axes that turn with the journal, whose angle about z from the housing's axes is `turn` (°), one a
-    /// sample: x′ = x·cos φ + y·sin φ, y′ = −x·sin φ + y·cos φ. `frame` names those axes.
+    /// The same vector in axes that turn with the journal. `turn` is the angle (°) of these axes about z from
+    /// those of the housing, one for each sample: x′ = x·cos φ + y·sin φ, y′ = −x·sin φ + y·cos φ. `frame`
+    /// names those axes.
     pub fn turned(&self, turn: &[f64], frame: impl Into<String>) -> PolarCurve {
         let (x, y) = self
             .x

@@ -5,8 +5,9 @@ use super::axes::Scale;
 use super::history::{Curve, History, Ordinate, Panel};
 use crate::signal::{Axis, Spectrum};
 
-/// A figure of spectra of one axis and resolution, its window, resolution and overlap under the title. `limit` ends the axis
-/// (Hz, or orders). Spectra that differ in axis or resolution from the first get a panel of their own.
+/// A figure of spectra with one axis and resolution. Window, resolution and overlap are below the title.
+/// `limit` ends the axis (Hz, or orders). Spectra that differ in axis or resolution from the first get a
+/// panel of their own.
 pub fn spectra(
     title: &str,
     subtitle: &str,

@@ -1,18 +1,18 @@
 //! Writes SVG text. Coordinates have two decimals at most, so the text is stable.
 //!
-//! In a page the same drawing carries what its script needs: groups with classes, and on them data attributes. On paper
-//! they are left out.
+//! In a page the same drawing has data for the script: groups with classes and data attributes. On paper
+//! these are left out.
 
 use super::font;
 use super::palette::{Color, Theme};
 use crate::escape::escaped;
 use std::fmt::Write;
 
-/// Where a drawing goes.
+/// The destination of a drawing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Target<'a> {
     pub theme: Theme,
-    /// Unlike that of any other drawing of the page: the ids inside start with it.
+    /// An id that no other drawing of the page has. The ids inside the drawing begin with it.
     pub id: &'a str,
 }
 
@@ -24,7 +24,7 @@ impl Target<'_> {
     };
 }
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stroke {
     pub color: Color,
@@ -43,7 +43,7 @@ impl Stroke {
     }
 }
 
-/// Which point of a text is placed.
+/// The point of a text that is at the given place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -51,7 +51,7 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// How text is drawn.
+/// The style of a text.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TextStyle {
     pub size: f64,
@@ -96,7 +96,7 @@ impl TextStyle {
         self
     }
 
-    /// For text on a map.
+    /// The style for text on a map.
     pub fn on_map(mut self) -> Self {
         self.color = Color::OnMap;
         self.halo = Some(Color::MapSeam);
@@ -104,20 +104,20 @@ impl TextStyle {
     }
 }
 
-/// A piece of a curve: what the page's script knows of it besides its points.
+/// Data of a piece of a curve for the script of the page, besides its points.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CurveTag<'a> {
-    /// Curves of one name are shown and hidden together.
+    /// Name of the curve. The script shows and hides curves with one name together.
     pub name: &'a str,
-    /// Stands at the readout instead of the name.
+    /// The text of the readout, instead of the name.
     pub label: &'a str,
-    /// Something that each point has besides its place: the crank angle (°).
+    /// The crank angle of each point (°).
     pub angles: Vec<f64>,
-    /// The pixel from which this curve's ordinate counts, where that isn't the axis's.
+    /// The pixel from which the ordinate of this curve counts, if it differs from that of the axis.
     pub base: Option<f64>,
 }
 
-/// No text is made smaller than this to fit.
+/// Smallest size to which a text shrinks to fit.
 const SMALLEST: f64 = 9.0;
 
 /// An SVG under construction.
@@ -289,8 +289,9 @@ impl<'a> Svg<'a> {
 
     /// A path through the points; nothing for fewer than two.
     ///
-    /// On paper a `polyline`. In a page a `path` of class `curve` in hundredths of a pixel: a place, then steps; angles are
-    /// hundredths of a degree: one, then differences. That is less than half as long.
+    /// On paper it is a `polyline`. In a page it is a `path` of class `curve` with a first point and steps in
+    /// hundredths of a pixel, and with a first angle and differences in hundredths of a degree. This text is
+    /// less than half as long.
     pub fn curve(&mut self, points: &[(f64, f64)], stroke: Stroke, tag: &CurveTag<'_>) {
         if points.len() < 2 {
             return;
@@ -339,7 +340,7 @@ impl<'a> Svg<'a> {
         self.put(format_args!("\"/>\n"));
     }
 
-    /// A number of a list; a sign parts it from the one before as well as a space does.
+    /// Writes a number of a list. A minus sign separates it from the number before, so it needs no space.
     fn step(&mut self, value: i64, parted: bool) {
         let space = if parted && value >= 0 { " " } else { "" };
         self.put(format_args!("{space}{value}"));
@@ -390,7 +391,7 @@ impl<'a> Svg<'a> {
         self.put(format_args!(">{}</text>\n", escaped(text)));
     }
 
-    /// A text made smaller where it would be wider than `width`, by as much as can be read.
+    /// A text that shrinks to `width` if it is wider, down to a size that is readable.
     pub fn text_within(&mut self, x: f64, y: f64, width: f64, text: &str, mut style: TextStyle) {
         let wide = font::text_width(text, style.size, style.bold);
         if wide > width && wide > 0.0 {
@@ -410,7 +411,8 @@ fn hundredths(value: f64) -> i64 {
     (100.0 * within(value)).round() as i64
 }
 
-/// What lies far outside of any sheet stays far outside; what is no number lands at 0, so that a file can always be read.
+/// Limits a coordinate: far outside of any sheet it remains far outside, and a value that is no number
+/// becomes 0. So the file is always readable.
 fn within(value: f64) -> f64 {
     if value.is_nan() {
         0.0

@@ -1,4 +1,4 @@
-//! Where the marks of an axis stand, and how its numbers read.
+//! The places of the marks of an axis, and the text of its numbers.
 
 /// Marks of an axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,8 +43,8 @@ pub(crate) fn inside(low: f64, high: f64, count: usize) -> Ticks {
     within(low, high, step)
 }
 
-/// Marks of a crank angle (°): steps that divide a revolution, or whole revolutions; at most `count` of them, but for two cycles of
-/// a four-stroke engine, which have the 90° of one.
+/// Marks of a crank angle (°), at steps that divide a revolution, or at whole revolutions. There are at most
+/// `count` of them, except that two cycles of a four-stroke engine have a mark every 90°, as one cycle has.
 pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
     const STEPS: [f64; 11] = [
         1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0,
@@ -64,7 +64,7 @@ pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
     within(low, high, step)
 }
 
-/// Share of an axis by which it is lengthened to end at a mark: samples end a step before 720° or 4 kHz.
+/// Share of an axis by which it may grow to end at a mark, because samples end one step before 720° or 4 kHz.
 const NEAR: f64 = 0.005;
 
 fn within(low: f64, high: f64, step: f64) -> Ticks {
@@ -79,7 +79,7 @@ fn within(low: f64, high: f64, step: f64) -> Ticks {
 }
 
 fn marks(first: f64, last: f64, step: f64) -> Vec<f64> {
-    // nothing more than a few hundred is ever asked for; the limit guards against steps lost to rounding
+    // callers need a few hundred at most; the limit guards against steps that rounding makes zero
     let count = (last - first).clamp(-1.0, 1000.0) as i64;
     (0..=count).map(|i| (first + i as f64) * step).collect()
 }
@@ -106,7 +106,7 @@ fn nice_step(raw: f64) -> f64 {
     factor * power
 }
 
-/// The power of ten, a multiple of three, to be drawn out of an axis's numbers; 0 for numbers that read well.
+/// The power of ten, a multiple of three, by which the numbers of an axis are divided; 0 if they are short.
 pub(crate) fn exponent(range: (f64, f64)) -> i32 {
     let size = range.0.abs().max(range.1.abs());
     if size == 0.0 || !size.is_finite() || (0.01..100_000.0).contains(&size) {

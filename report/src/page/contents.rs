@@ -1,4 +1,4 @@
-//! The tables every report has, from plain data.
+//! The tables of every report, from plain data.
 
 use super::table::{Cell, Column, Table};
 
@@ -11,15 +11,15 @@ pub struct Input {
     pub value: Cell,
     /// `kg`.
     pub unit: String,
-    /// What it would be if nothing were said; empty if it must be said.
+    /// Its default value; empty without a default.
     pub default: Cell,
     /// Whether the value is the default.
     pub is_default: bool,
-    /// What it means, or where it comes from.
+    /// Its meaning or its source.
     pub about: String,
 }
 
-/// Inputs with their units; those that were not said are marked as defaults.
+/// Inputs with their units. Values that the text does not state are marked as defaults.
 pub fn inputs_table(caption: &str, inputs: &[Input]) -> Table {
     Table {
         caption: caption.to_owned(),
@@ -45,17 +45,17 @@ pub fn inputs_table(caption: &str, inputs: &[Input]) -> Table {
 /// A mode of a flexible body, or of the system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// From 1.
+    /// Its number, from 1.
     pub number: usize,
     /// `static`, `normal`, `system`.
     pub kind: String,
-    /// Natural frequency (Hz); `None` for a static mode that was not brought to one.
+    /// Natural frequency (Hz); `None` for a static mode without one.
     pub frequency: Option<f64>,
     /// Damping ratio (1).
     pub damping: Option<f64>,
     /// Generalised mass, in the unit of the caption.
     pub mass: Option<f64>,
-    /// What moves: `block bends in the xz plane`.
+    /// Its shape: `block bends in the xz plane`.
     pub about: String,
 }
 
@@ -88,7 +88,7 @@ pub fn modes_table(caption: &str, modes: &[Mode]) -> Table {
     }
 }
 
-/// What a bearing engineer asks of a journal first. Values in SI units.
+/// The first data of a journal that a bearing engineer needs, in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Journal {
     /// `A`, the name of its curves.
@@ -171,7 +171,7 @@ pub fn journals_table(caption: &str, journals: &[Journal]) -> Table {
     }
 }
 
-/// Where energy went in the time that was audited (J). Positive raises the machine's energy.
+/// The flow of energy in the audited time (J). Positive work raises the machine's energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyAudit {
     /// Work done on the machine, by name.
@@ -183,13 +183,13 @@ pub struct EnergyAudit {
 }
 
 impl EnergyAudit {
-    /// Work less losses less what was stored (J): 0 for an exact solution.
+    /// Work minus losses minus the stored energy (J): 0 for an exact solution.
     pub fn residual(&self) -> f64 {
         let sum = |parts: &[(String, f64)]| parts.iter().map(|(_, v)| v).sum::<f64>();
         sum(&self.work) - sum(&self.losses) - self.stored
     }
 
-    /// The residual over the largest of all parts; 0 where all are 0.
+    /// The residual over the largest of all parts; 0 if all are 0.
     pub fn relative_residual(&self) -> f64 {
         let largest = self.largest();
         if largest > 0.0 {
@@ -244,10 +244,10 @@ impl EnergyAudit {
     }
 }
 
-/// How the results came to be.
+/// The origin of the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {
-    /// As typed.
+    /// The command line.
     pub command: String,
     /// Names and versions of the programs.
     pub versions: Vec<(String, String)>,

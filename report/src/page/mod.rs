@@ -1,7 +1,8 @@
-//! One self-contained HTML file: text, tables, figures, animations. No part of it comes from anywhere else.
+//! One self-contained HTML file: text, tables, figures, animations. It loads no part from another place.
 //!
-//! May contain: markup, style, the two scripts. Must not contain: how its figures are drawn, files.
-//! Readable without scripts, on paper, by keyboard and by screen readers; light or dark as the reader's system is.
+//! May contain: markup, style, the two scripts. Must not contain: the drawing of figures, files. The page is
+//! readable without scripts, on paper, with the keyboard and with screen readers. It is light or dark as the
+//! reader's system is.
 
 mod contents;
 mod table;
@@ -34,12 +35,12 @@ enum Block {
     Section(Section),
 }
 
-/// A figure with what stands below it.
+/// A figure with the text below it.
 #[derive(Clone, Debug, PartialEq)]
 struct Plot {
     figure: Figure,
     caption: String,
-    /// For a file; empty for one made of the caption.
+    /// The name of its file; empty for a name from the caption.
     name: String,
     /// The text that asks for the figure; may be empty.
     written: String,
@@ -54,7 +55,7 @@ impl Plot {
     }
 }
 
-/// A picture that was drawn elsewhere.
+/// A picture that another program part drew as SVG.
 #[derive(Clone, Debug, PartialEq)]
 struct Drawing {
     svg: String,
@@ -63,7 +64,7 @@ struct Drawing {
 }
 
 impl Drawing {
-    /// What stands below it.
+    /// The text below it.
     fn caption(&self) -> &str {
         match self.caption.is_empty() {
             true => &self.title,
@@ -75,17 +76,17 @@ impl Drawing {
 /// A figure of a page as a file of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NumberedFigure {
-    /// From 1, as in the page.
+    /// Its number in the page, from 1.
     pub number: usize,
-    /// What stands below it.
+    /// The text below it.
     pub caption: String,
-    /// What its file is called, where that was said.
+    /// The name of its file, if the text gives one.
     pub name: Option<String>,
     /// The picture.
     pub svg: String,
 }
 
-/// A heading and what stands under it.
+/// A heading with its contents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     title: String,
@@ -115,12 +116,12 @@ impl Section {
         self
     }
 
-    /// Words.
+    /// A paragraph.
     pub fn paragraph(self, text: impl Into<String>) -> Section {
         self.with(Block::Paragraph(text.into()))
     }
 
-    /// Words that must not be overlooked.
+    /// A warning.
     pub fn warning(self, text: impl Into<String>) -> Section {
         self.with(Block::Warning(text.into()))
     }
@@ -152,12 +153,12 @@ impl Section {
         self.with(Block::Table(table))
     }
 
-    /// A figure with what it shows, in words: the caption, which also tells those who cannot see it.
+    /// A figure with a caption. The caption also describes the figure to readers who cannot see it.
     pub fn figure(self, figure: impl Into<Figure>, caption: impl Into<String>) -> Section {
         self.figure_named(figure, caption, "", "")
     }
 
-    /// A figure that a text asks for: the name of its file, and how it is written.
+    /// A figure of a `report` block, with the name of its file and its text in the block.
     pub fn figure_named(
         self,
         figure: impl Into<Figure>,
@@ -173,8 +174,8 @@ impl Section {
         })))
     }
 
-    /// A picture of its own, as the text of an SVG file: shown as it is, without the script's help. `title` is what it is called
-    /// for those who cannot see it.
+    /// A picture as the text of an SVG file. The page shows it unchanged, and the script does not serve it.
+    /// `title` is its name for readers who cannot see it.
     pub fn drawing(
         self,
         svg: impl Into<String>,
@@ -210,7 +211,7 @@ impl Page {
         }
     }
 
-    /// Stands under the title.
+    /// The text below the title.
     pub fn subtitle(mut self, text: impl Into<String>) -> Page {
         self.subtitle = text.into();
         self
@@ -334,7 +335,7 @@ struct Writer {
     entries: Vec<(usize, String, String)>,
     sections: usize,
     figures: usize,
-    /// Figures with the script's help.
+    /// Number of figures that the script serves.
     plots: usize,
     animations: usize,
 }
@@ -410,7 +411,7 @@ impl Writer {
         Ok(())
     }
 
-    /// As an image, whose text can run no script and reach no address.
+    /// Writes the drawing as an image, whose text can run no script and reach no address.
     fn drawing(&mut self, drawing: &Drawing) {
         self.figures += 1;
         let number = self.figures;
@@ -440,7 +441,7 @@ impl Writer {
     }
 }
 
-/// Width and height of a drawing, as its own text states them.
+/// Width and height of a drawing from its own text.
 fn size_of(drawing: &str) -> (&str, &str) {
     let (_, rest) = drawing.split_once("viewBox=\"0 0 ").unwrap_or_default();
     let (size, _) = rest.split_once('"').unwrap_or_default();
@@ -486,7 +487,7 @@ mod tests {
         let text = page.to_html().unwrap();
         assert!(text.contains("<b>Figure 2.</b> What it shows."));
         assert!(text.contains("<img alt=\"first\" src=\"data:image/svg+xml;base64,"));
-        // lists within lists end where they should
+        // lists within lists end at the right place
         assert_eq!(text.matches("<li>").count(), text.matches("</li>").count());
         assert_eq!(text.matches("<ul>").count(), text.matches("</ul>").count());
     }

@@ -3,35 +3,35 @@
 use crate::escape::escaped;
 use std::fmt::Write;
 
-/// What stands in a cell.
+/// The contents of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Words.
+    /// A text.
     Text(String),
-    /// A number with so many significant digits.
+    /// A number with a stated number of significant digits.
     Number {
-        /// Its value; no finite number is shown as a dash.
+        /// Its value; a value that is not finite is shown as a dash.
         value: f64,
-        /// Digits that count, 1 to 17.
+        /// Number of significant digits, 1 to 17.
         digits: usize,
     },
-    /// A number with at most so many significant digits, without trailing zeros: one that somebody wrote.
+    /// A number with at most these significant digits, without trailing zeros, for numbers from a text.
     Short {
-        /// Its value; no finite number is shown as a dash.
+        /// Its value; a value that is not finite is shown as a dash.
         value: f64,
-        /// Digits that count, 1 to 17.
+        /// Number of significant digits, 1 to 17.
         digits: usize,
     },
-    /// A number with so many decimals, for columns that are to be added up.
+    /// A number with a stated number of decimals, for columns whose sum matters.
     Fixed {
-        /// Its value; no finite number is shown as a dash.
+        /// Its value; a value that is not finite is shown as a dash.
         value: f64,
         /// Digits after the point, at most 17.
         decimals: usize,
     },
     /// Text of a program: paths, hashes, commands.
     Code(String),
-    /// Nothing is known.
+    /// No value.
     Empty,
 }
 
@@ -63,7 +63,7 @@ impl From<f64> for Cell {
 /// Heading of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// What stands below.
+    /// The text of the heading.
     pub heading: String,
     /// Its unit; empty for none.
     pub unit: String,
@@ -87,7 +87,7 @@ impl Column {
 /// A table. The first cell of a row is its heading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// What the table shows.
+    /// The caption.
     pub caption: String,
     /// Headings.
     pub columns: Vec<Column>,
@@ -95,7 +95,7 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// Tables of so many rows stay on one sheet of paper.
+/// Largest number of rows of a table that is kept on one sheet of paper.
 const SHORT: usize = 14;
 
 impl Table {
@@ -116,7 +116,7 @@ impl Table {
         let numeric: Vec<bool> = (0..self.columns.len())
             .map(|column| {
                 let mut cells = self.rows.iter().filter_map(|row| row.get(column));
-                // a column of dashes stands as its neighbours of numbers do
+                // a column of dashes is aligned as columns of numbers are
                 cells.clone().any(Cell::is_number) || cells.all(|cell| *cell == Cell::Empty)
             })
             .collect();
@@ -187,7 +187,8 @@ impl Cell {
     }
 }
 
-/// A number with so many digits that count: plain from 10⁻³ to 10⁶, else with a power of ten; a true minus sign.
+/// A number with a stated number of significant digits and a true minus sign: plain from 10⁻³ to 10⁶,
+/// otherwise with a power of ten.
 fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();

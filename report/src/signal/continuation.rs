@@ -1,21 +1,22 @@
-//! What a signal would be beyond its ends, by linear prediction.
+//! Continues a signal beyond its ends by linear prediction.
 
 /// Most coefficients of a prediction.
 const LARGEST_ORDER: usize = 400;
-/// Shares of the mean square that are added to the diagonal of the normal equations, the first with which they can be solved: of the
-/// many solutions of a signal of few sinusoids it takes that of the smallest coefficients.
+/// Shares of the mean square that are added to the diagonal of the normal equations. The first share with
+/// which they can be solved is used. A signal of few sinusoids has many solutions, and this one has the
+/// smallest coefficients.
 const RIDGES: [f64; 4] = [1e-12, 1e-11, 1e-10, 1e-8];
-/// A continuation ends where it outgrows the signal by this.
+/// A continuation ends where it is this many times as large as the signal.
 const GROWTH: f64 = 4.0;
-/// A continuation is as long as the signal this many times, as far as it has not more samples than the second number.
+/// Length of a continuation in lengths of the signal, and its largest number of samples.
 const LENGTH: (usize, usize) = (4, 65_536);
 /// Samples beyond one period from which on a signal is compared with itself a period before.
 const COMPARED: usize = 8;
 
-/// A signal with what is put before and after it, faded to zero.
+/// A signal with its continuations before and after it, which fade to zero.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Continued {
-    /// Before, the signal itself, after.
+    /// The samples before the signal, of the signal, and after it.
     pub values: Vec<f64>,
     /// Samples before the signal.
     pub before: usize,
@@ -23,15 +24,17 @@ pub(super) struct Continued {
 
 /// Continues a signal without trend at both ends.
 ///
-/// By linear prediction each sample is taken as a sum of earlier ones, x[n] = Σₖ aₖ·x[n − k·s], k = 1…p, and likewise of later ones; the a
-/// are those of the least squares of both over the whole signal (the modified covariance method; Kay, "Modern Spectral Estimation",
-/// 1988, §7.5). p is a third of the samples, at most 400, and s the stride with which p·s reaches over that third. A sum of up to p/2
+/// Linear prediction takes each sample as a sum of earlier samples, x[n] = Σₖ aₖ·x[n − k·s], k = 1…p, and
+/// also of later ones. The coefficients a give the least sum of squares of both errors over the whole signal
+/// (the modified covariance method; Kay, "Modern Spectral Estimation", 1988, §7.5). p is a third of the
+/// samples, at most 400, and s the stride with which p·s reaches over that third. A sum of up to p/2
 /// sinusoids, growing or decaying ones included, obeys such a law exactly.
 ///
-/// With a `period` (samples) a signal longer than it goes on as it was a period before, x[n] = x[n − period] + y[n], and
-/// only the change y is predicted: a cycle may then be of any shape.
+/// With a `period` (samples), a signal that is longer than the period continues with its values one period
+/// before, x[n] = x[n − period] + y[n]. Only the change y is predicted, so a cycle may have any shape.
 ///
-/// What follows is weighted from 1 at the end of the signal to 0 with three continuous derivatives, so that a transform sees no edge.
+/// The weight of the continuation falls from 1 at the end of the signal to 0, with three continuous
+/// derivatives. So a transform has no edge.
 pub(super) fn continued(values: &[f64], period: Option<usize>) -> Continued {
     let size = values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     if size == 0.0 || !size.is_finite() {
@@ -65,7 +68,8 @@ pub(super) fn continued(values: &[f64], period: Option<usize>) -> Continued {
     }
 }
 
-/// What follows a signal that repeats but for a change from period to period, which is predicted.
+/// The continuation of a signal that repeats except for a change from period to period. The change is
+/// predicted.
 fn repeated(x: &[f64], period: usize, length: usize) -> Vec<f64> {
     let change: Vec<f64> = x
         .iter()
@@ -104,7 +108,7 @@ fn weight(t: f64) -> f64 {
     1.0 - t * t * t * t * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t)))
 }
 
-/// The coefficients a₁…aₚ; of too few samples those of a signal that stays where it is.
+/// The coefficients a₁…aₚ. For too few samples they are those of a constant signal.
 fn coefficients(x: &[f64], order: usize, stride: usize) -> Vec<f64> {
     let hold = vec![1.0];
     if order < 2 {
@@ -167,8 +171,8 @@ fn set(values: &mut [f64], place: usize, value: f64) {
     }
 }
 
-/// The solution of equations with a symmetric positive matrix, of which the lower triangle is given row by row (Cholesky); `None`
-/// where it is not positive.
+/// The solution of equations with a symmetric positive matrix, of which the lower triangle is given row by
+/// row (Cholesky); `None` if the matrix is not positive.
 fn solved(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
     let order = right.len();
     for i in 0..order {
@@ -206,20 +210,21 @@ fn solved(mut matrix: Vec<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
     Some(right)
 }
 
-/// What follows a signal of size 1 by linear prediction: by the law of least squares, or where that outgrows the signal (what decays
-/// forwards grows backwards) by Burg's, which never grows.
+/// The continuation of a signal of size 1 by linear prediction with the coefficients of least squares. If it
+/// outgrows the signal (a signal that decays forwards grows backwards), Burg's coefficients are used, whose
+/// continuation never grows.
 fn predicted(x: &[f64], length: usize) -> Vec<f64> {
     let reach = x.len() / 3;
     let stride = reach.div_ceil(LARGEST_ORDER).max(1);
     let found = followed(x, &coefficients(x, reach / stride, stride), stride, length);
-    // what rounding alone makes grow does so late
+    // if rounding alone causes growth, the growth comes late
     if found.len() >= length.min(x.len()) {
         return found;
     }
     followed(x, &burg(x, reach.min(LARGEST_ORDER)), 1, length)
 }
 
-/// What follows by x[n] = Σₖ aₖ·x[n − k·s], up to where it outgrows the signal.
+/// The continuation x[n] = Σₖ aₖ·x[n − k·s], up to the sample that outgrows the signal.
 fn followed(x: &[f64], coefficients: &[f64], stride: usize, length: usize) -> Vec<f64> {
     let count = x.len();
     let mut whole = x.to_vec();
@@ -239,15 +244,15 @@ fn followed(x: &[f64], coefficients: &[f64], stride: usize, length: usize) -> Ve
     whole.split_off(count)
 }
 
-/// Burg's coefficients a₁…aₚ (Kay, §7.6): each order takes the reflection k = 2·Σf·b/Σ(f² + b²) of the errors of prediction forwards
-/// and backwards, |k| ≤ 1, so that what follows does not grow.
+/// Burg's coefficients a₁…aₚ (Kay, §7.6): each order takes the reflection k = 2·Σf·b/Σ(f² + b²) of the errors
+/// f and b of prediction forwards and backwards. |k| ≤ 1, so the continuation does not grow.
 fn burg(x: &[f64], order: usize) -> Vec<f64> {
     let mut forwards = x.to_vec();
     let mut backwards = x.to_vec();
     let mut found: Vec<f64> = Vec::with_capacity(order);
     let whole: f64 = x.iter().map(|x| x * x).sum();
     for _ in 0..order {
-        // an error at n beside that at n − 1
+        // pairs of an error at n and one at n − 1
         let ahead = forwards.get(1..).unwrap_or_default().to_vec();
         backwards.pop();
         let (product, squares) = ahead
@@ -282,7 +287,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// What was predicted, its weight taken off again.
+    /// The prediction without its weight.
     fn unfaded(found: &Continued, count: usize) -> Vec<f64> {
         let after = &found.values[found.before + count..];
         let width = (after.len() + 1) as f64;

@@ -4,7 +4,7 @@ use super::{
     Interpolation, SignalError, check_increasing, check_length, check_same_length, resample, rms,
 };
 
-/// How far two runs are apart.
+/// The difference of two runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     /// Crank angle (°) of the samples: those of the first run that the second one covers.
@@ -15,17 +15,18 @@ pub struct Difference {
     pub peak: f64,
     /// Root mean square of the difference.
     pub rms: f64,
-    /// `rms` over the root mean square of the first run on the same samples; `None` where that is 0.
+    /// `rms` over the root mean square of the first run on the same samples; `None` if the latter is 0.
     pub relative_rms: Option<f64>,
-    /// How the second run was brought to the first one's angles.
+    /// The interpolation of the second run at the angles of the first.
     pub interpolation: Interpolation,
 }
 
-/// Second run minus first at the first one's crank angles. Each run is its angles (°, increasing) and values; the second
-/// one is interpolated as stated, and samples that it does not cover are left out.
+/// Second run minus first at the first one's crank angles. Each run is its angles (°, increasing) and values;
+/// the second one is interpolated as stated, and samples that it does not cover are left out.
 ///
 /// # Errors
-/// Different lengths within a run, values that are not finite, angles that do not increase, runs without a common angle.
+/// Different lengths within a run, values that are not finite, angles that do not increase, runs without a
+/// common angle.
 pub fn difference(
     first: (&[f64], &[f64]),
     second: (&[f64], &[f64]),

@@ -5,11 +5,11 @@ use super::{SignalError, check_finite, check_increasing, check_length, check_sam
 /// A largest or smallest value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extreme {
-    /// Abscissa; by the parabola where `refined`.
+    /// Abscissa; from the parabola if `refined`.
     pub position: f64,
-    /// Ordinate; by the parabola where `refined`.
+    /// Ordinate; from the parabola if `refined`.
     pub value: f64,
-    /// The sample it lies at or next to.
+    /// Index of the largest or smallest sample, at the extreme or beside it.
     pub sample: usize,
     /// Whether a parabola through three samples was used; the first and last sample have none.
     pub refined: bool,
@@ -26,7 +26,7 @@ pub fn rms(values: &[f64]) -> Result<f64, SignalError> {
     Ok((sum / values.len() as f64).sqrt())
 }
 
-/// Root mean square over an abscissa of any steps, exact for the straight lines between the samples:
+/// Root mean square over an abscissa with any steps. It is exact for straight lines between the samples:
 /// ∫y²dx of a step h from a to b is h·(a² + ab + b²)/3.
 ///
 /// # Errors
@@ -45,8 +45,9 @@ pub fn rms_over(x: &[f64], y: &[f64]) -> Result<f64, SignalError> {
     Ok((sum / width).sqrt())
 }
 
-/// The largest value and where it is: the first of the largest samples, then the top of the parabola through it and its
-/// neighbours (any spacing). For a smooth signal of step h the place is true to O(h²), the value to O(h⁴).
+/// The largest value and its abscissa: the top of the parabola through the first of the largest samples and
+/// its neighbours (any spacing). For a smooth signal of step h the error of the abscissa is O(h²), and that
+/// of the value O(h⁴).
 ///
 /// # Errors
 /// No sample, different lengths, values that are not finite, an abscissa that does not increase.
@@ -54,7 +55,7 @@ pub fn maximum_at(x: &[f64], y: &[f64]) -> Result<Extreme, SignalError> {
     extreme(x, y, |value, best| value > best)
 }
 
-/// The smallest value and where it is, refined as in [`maximum_at`].
+/// The smallest value and its abscissa, refined as in [`maximum_at`].
 ///
 /// # Errors
 /// As [`maximum_at`].
@@ -101,7 +102,7 @@ fn extreme(x: &[f64], y: &[f64], better: fn(f64, f64) -> bool) -> Result<Extreme
         return Ok(plain);
     }
     let shift = -slope / (2.0 * curvature);
-    // rounding must not carry the place out of the three samples
+    // rounding must not move the abscissa beyond the three samples
     if !(x0 - x1..=x2 - x1).contains(&shift) {
         return Ok(plain);
     }

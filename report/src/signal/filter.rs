@@ -4,10 +4,10 @@ use super::continuation::continued;
 use super::fourier::{inverse, transform_real};
 use super::{Sampling, Signal, SignalError, check_finite, check_length, check_positive};
 
-/// Share of the distance of lines within which rounding may put one that is at a limit.
+/// Share of the distance of lines within which a line counts as being at a limit. It allows for rounding.
 const AT_LIMIT: f64 = 1e-3;
 
-/// What passes (Hz of time-sampled signals, orders of angle-sampled ones).
+/// The band that passes (Hz for signals sampled in time, orders for signals sampled in angle).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Band {
     /// Everything below a limit, the mean included.
@@ -20,7 +20,7 @@ pub enum Band {
         /// Lower limit.
         from: f64,
     },
-    /// What lies between two limits.
+    /// The part between two limits.
     Between {
         /// Lower limit.
         from: f64,
@@ -29,31 +29,35 @@ pub enum Band {
     },
 }
 
-/// How sharp the limits are.
+/// The slope of the gain at the limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slope {
-    /// Gain 1 within the band, 0 outside, ½ for a line at a limit: what is below a limit and what is above add up to the whole. Of a
-    /// signal that repeats a line is at a limit where it is so but for rounding; of another one, which has lines between the bins, the gain goes
-    /// from 1 to 0 in a straight line over one bin about the limit.
+    /// The gain is 1 within the band, 0 outside and ½ for a line at a limit, so the parts below and above a
+    /// limit add up to the whole. In a signal that repeats, a line is at a limit if it is there up to
+    /// rounding. Other signals have lines between the bins. For these the gain falls from 1 to 0 linearly
+    /// over one bin about the limit.
     BrickWall,
-    /// The gain of a Butterworth filter run forwards and backwards, 1/(1 + (f/f₀)²ⁿ): ½ at the limit, no phase.
+    /// The gain of a Butterworth filter run forwards and backwards, 1/(1 + (f/f₀)²ⁿ): ½ at the limit, no
+    /// phase.
     Butterworth {
         /// n, the order of one run.
         order: u32,
     },
 }
 
-/// What the filter takes the signal to be beyond its ends.
+/// The assumption of the filter about the signal beyond its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
-    /// It repeats: whole cycles, of which the last sample is the first of the next. Exact where it does; by what the ends differ is taken as a
-    /// drift, even over the signal.
+    /// The signal repeats: it has whole cycles, and its last sample is the first of the next cycle. The
+    /// filter is exact if this holds. The difference of the ends counts as a drift, uniform over the signal.
     Periodic,
-    /// It goes on about the line of its least squares, by linear prediction, fading over four times its length. Exact for a line; to 10⁻⁶ of
-    /// the size for sums of sinusoids and decays whose frequencies are four periods in the signal or more away from the limits, in some 300
-    /// samples or more; of 120 to 200 samples to 5·10⁻⁴.
+    /// The signal continues about its line of least squares, by linear prediction, and fades over four times
+    /// its length. This is exact for a line. For sums of sinusoids and decays whose frequencies differ from
+    /// the limits by at least four periods in the signal, the error is 10⁻⁶ of the size with some 300 samples
+    /// or more, and 5·10⁻⁴ with 120 to 200 samples.
     Continued {
-        /// Samples after which it comes again, but for a change that is predicted; a signal that is shorter is predicted as a whole.
+        /// Samples after which it repeats, except for a change that is predicted. A shorter signal is
+        /// predicted as a whole.
         period: Option<usize>,
     },
 }
@@ -61,11 +65,11 @@ pub enum Ends {
 /// A band filter without phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
-    /// What passes.
+    /// The band that passes.
     pub band: Band,
-    /// How sharply.
+    /// The slope at its limits.
     pub slope: Slope,
-    /// What lies beyond the ends.
+    /// The assumption about the signal beyond its ends.
     pub ends: Ends,
 }
 
@@ -73,8 +77,8 @@ impl Filter {
     /// The filtered signal, sample by sample.
     ///
     /// # Errors
-    /// Fewer than three samples, values that are not finite, limits that are not finite numbers above 0 or change order, a
-    /// slope of order 0.
+    /// Fewer than three samples, values that are not finite, limits that are not finite numbers above 0 or
+    /// change order, a slope of order 0.
     pub fn apply(&self, signal: Signal<'_>) -> Result<Vec<f64>, SignalError> {
         check_length("a filter", 3, signal.values.len())?;
         check_finite("the signal", signal.values)?;
@@ -115,7 +119,7 @@ impl Filter {
         if self.ends == Ends::Periodic {
             passed.extend(passed.first().copied());
         }
-        // a line passes a filter without phase by its gain at zero
+        // the gain at zero scales the trend, because the filter has no phase
         let gain = self.gain(0.0, bin);
         Ok(passed
             .iter()
@@ -124,8 +128,8 @@ impl Filter {
             .collect())
     }
 
-    /// The line that is taken away before, one value a sample: of a signal that repeats the drift from end to end, about its middle;
-    /// else the line of least squares.
+    /// The line that is subtracted first, one value for each sample: the drift from end to end about its
+    /// middle for a signal that repeats, otherwise the line of least squares.
     fn trend(&self, values: &[f64]) -> Vec<f64> {
         let count = values.len() as f64;
         let middle = (count - 1.0) / 2.0;
@@ -179,7 +183,7 @@ impl Filter {
         match (self.band, self.slope) {
             (Band::Low { to }, _) => self.low(frequency, to, bin),
             (Band::High { from }, _) => self.high(frequency, from, bin),
-            // bands that follow each other add up
+            // adjacent bands add up to the whole
             (Band::Between { from, to }, Slope::BrickWall) => {
                 self.low(frequency, to, bin) - self.low(frequency, from, bin)
             }
@@ -217,7 +221,7 @@ impl Filter {
         }
     }
 
-    /// As printed: band, slope and ends, with the unit of the limits.
+    /// The text for readers: band, slope and ends, with the unit of the limits.
     pub fn description(&self, sampling: Sampling) -> String {
         let unit = match sampling {
             Sampling::Time { .. } => " Hz",
@@ -473,7 +477,8 @@ mod tests {
         }
     }
 
-    /// A line at the limit of a transient: half of it in the middle, and what is below and above add up everywhere.
+    /// A line at the limit of a transient: half of it passes in the middle, and the parts below and above add
+    /// up everywhere.
     #[test]
     fn a_line_at_the_limit_of_a_transient_is_halved() {
         let step = 1e-3;

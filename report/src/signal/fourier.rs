@@ -1,11 +1,12 @@
 //! The discrete Fourier transform of any length.
 //!
-//! Lengths whose prime factors are small go by mixed radices (Cooley and Tukey 1965); others by a convolution of the next
-//! power of two (Bluestein 1970). Roots of unity come from `libm`, so the same input gives the same bits everywhere.
+//! Lengths with small prime factors use mixed radices (Cooley and Tukey 1965). Other lengths use a
+//! convolution whose length is a power of two (Bluestein 1970). Roots of unity come from `libm`, so the same
+//! input gives the same bits everywhere.
 
 use std::f64::consts::TAU;
 
-/// Larger prime factors than this go by Bluestein's convolution.
+/// Largest prime factor without Bluestein's convolution.
 const LARGEST_RADIX: usize = 31;
 
 /// A complex number.
@@ -83,7 +84,7 @@ pub fn transform_real(values: &[f64]) -> Vec<Complex> {
     transform(&complex)
 }
 
-/// Factors, fours first; `None` where one is too large.
+/// Factors, fours first; `None` if one is too large.
 fn factors(mut length: usize) -> Option<Vec<usize>> {
     let mut factors = Vec::new();
     if length == 0 {

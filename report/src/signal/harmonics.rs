@@ -3,26 +3,28 @@
 use super::fourier::transform_real;
 use super::{SignalError, check_finite, check_length, check_positive};
 
-/// One harmonic: cosine·cos(kθ) + sine·sin(kθ) = amplitude·cos(kθ − phase), θ from the first sample on, k the order.
+/// One harmonic: cosine·cos(kθ) + sine·sin(kθ) = amplitude·cos(kθ − phase), θ from the first sample on, k the
+/// order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
-    /// Cycles a revolution: half orders for a four-stroke engine's cycle of 720°.
+    /// Cycles per revolution: half orders for a four-stroke engine's cycle of 720°.
     pub order: f64,
     /// Coefficient of the cosine; the mean for order 0.
     pub cosine: f64,
     /// Coefficient of the sine.
     pub sine: f64,
-    /// 0-peak amplitude.
+    /// Amplitude, zero to peak.
     pub amplitude: f64,
     /// Phase (°) in (−180, 180]: the harmonic's first maximum lies at phase/order.
     pub phase: f64,
 }
 
 /// Harmonics 0…`count` of one cycle of `period` degrees, sampled uniformly without its repeated end.
-/// Exact for signals without content above half of the samples a cycle.
+/// It is exact if the signal has no orders above half the number of samples in a cycle.
 ///
 /// # Errors
-/// Fewer samples than 2·`count` + 1, values that are not finite, a period that is not a finite number above 0.
+/// Fewer samples than 2·`count` + 1, values that are not finite, a period that is not a finite number above
+/// 0.
 pub fn harmonics(values: &[f64], period: f64, count: usize) -> Result<Vec<Harmonic>, SignalError> {
     check_positive("the period", period)?;
     check_finite("the signal", values)?;

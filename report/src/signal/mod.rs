@@ -1,6 +1,7 @@
-//! What is made of sampled results: spectra, orders, filters, extremes, differences.
+//! Evaluation of sampled results: spectra, orders, filters, extremes, differences.
 //!
-//! May contain: arithmetic on plain slices. Must not contain: files, pictures, units (the numbers keep theirs).
+//! May contain: arithmetic on plain slices. Must not contain: files, pictures, units (the numbers keep
+//! theirs).
 
 mod continuation;
 mod difference;
@@ -28,39 +29,39 @@ pub use spectrum::{
 pub use sweep::{SweepMap, sweep_map};
 pub use window::Window;
 
-/// Why a signal cannot be treated as asked.
+/// The reason why a signal cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SignalError {
     /// Too few samples.
     #[error("{what} needs at least {needed} samples, but there are {found}")]
     TooShort {
-        /// What was asked for.
+        /// The wanted quantity.
         what: &'static str,
-        /// Samples it needs.
+        /// Number of samples that it needs.
         needed: usize,
-        /// Samples there are.
+        /// Number of samples.
         found: usize,
     },
     /// A sample is infinite or no number.
     #[error("sample {} of {what} is no finite number", .index.saturating_add(1))]
     NotFinite {
-        /// Which of the inputs.
+        /// The name of the input.
         what: &'static str,
-        /// Counted from 0.
+        /// Index, from 0.
         index: usize,
     },
     /// An abscissa does not increase.
     #[error("{what} must increase from sample to sample, but does not at sample {}", .index.saturating_add(1))]
     NotIncreasing {
-        /// Which of the inputs.
+        /// The name of the input.
         what: &'static str,
-        /// Counted from 0.
+        /// Index, from 0.
         index: usize,
     },
     /// Two inputs that belong together differ in length.
     #[error("{what}: {left} samples against {right}")]
     Lengths {
-        /// Which inputs.
+        /// The names of the inputs.
         what: &'static str,
         /// Samples of the first.
         left: usize,
@@ -70,17 +71,17 @@ pub enum SignalError {
     /// A setting lies outside of its range.
     #[error("{what} must be {range}, not {value}")]
     Setting {
-        /// Which setting.
+        /// The name of the setting.
         what: &'static str,
-        /// What is allowed.
+        /// The allowed range.
         range: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
     /// An abscissa lies outside of the samples.
     #[error("{position} lies outside of the samples, which go from {from} to {to}")]
     Outside {
-        /// The abscissa asked for.
+        /// The wanted abscissa.
         position: f64,
         /// First sample.
         from: f64,
@@ -96,7 +97,7 @@ pub enum SignalError {
         expected: &'static str,
         /// Axis of the one that differs.
         found: &'static str,
-        /// Counted from 0.
+        /// Index, from 0.
         index: usize,
     },
 }

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 /// One sinusoid of a signal, amplitude·cos(2πft + phase), t = 0 at the first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// 0-peak amplitude.
+    /// Amplitude, zero to peak.
     pub amplitude: f64,
     /// Phase (°).
     pub phase: f64,
@@ -21,14 +21,14 @@ pub struct Component {
 pub struct Run<'a> {
     /// Speed of the shaft (rpm).
     pub speed: f64,
-    /// What was sampled.
+    /// The sampled signal.
     pub signal: Signal<'a>,
 }
 
-/// A run over changing speed, sampled by angle.
+/// A run whose speed changes, sampled by angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunUp<'a> {
-    /// The signal, one value an angle.
+    /// The signal, one value for each angle.
     pub values: &'a [f64],
     /// Speed of the shaft at the samples (rpm).
     pub speeds: &'a [f64],
@@ -36,20 +36,20 @@ pub struct RunUp<'a> {
     pub step: f64,
     /// Revolutions of a block.
     pub revolutions: f64,
-    /// Share of a block that the next one repeats, 0 ≤ overlap < 1.
+    /// Share of a block that the next block repeats, 0 ≤ overlap < 1.
     pub overlap: f64,
 }
 
 /// Orders over speed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrderTrack {
-    /// The orders asked for.
+    /// The wanted orders.
     pub orders: Vec<f64>,
     /// Speed (rpm) of each run or block.
     pub speeds: Vec<f64>,
-    /// For each order, one component a speed.
+    /// For each order, one component for each speed.
     pub components: Vec<Vec<Component>>,
-    /// How the blocks were weighted.
+    /// The weight of the blocks.
     pub window: Window,
 }
 
@@ -89,8 +89,8 @@ pub fn component(
     })
 }
 
-/// Amplitude and phase of orders in runs at steady speeds. Exact for runs of whole cycles and [`Window::Rectangular`];
-/// order k of a shaft at n (rpm) is the frequency k·n/60.
+/// Amplitude and phase of orders in runs at steady speeds. Exact for runs of whole cycles and
+/// [`Window::Rectangular`]; order k of a shaft at n (rpm) is the frequency k·n/60.
 ///
 /// # Errors
 /// As [`component`]; an order beyond the Nyquist frequency of a run is refused.
@@ -120,11 +120,12 @@ pub fn order_track(
     })
 }
 
-/// Amplitude and phase of orders along a run of changing speed, block by block; a block's speed is the mean over it.
+/// Amplitude and phase of orders along a run of changing speed, block by block; a block's speed is the mean
+/// over it.
 ///
 /// # Errors
-/// As [`component`], and for different lengths, a block of fewer than two samples or longer than the run, an overlap
-/// below 0 or not below 1.
+/// As [`component`], and for different lengths, a block of fewer than two samples or longer than the run, an
+/// overlap below 0 or not below 1.
 pub fn order_track_of_run_up(
     run: RunUp<'_>,
     orders: &[f64],

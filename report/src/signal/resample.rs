@@ -4,18 +4,18 @@ use super::{
     SignalError, check_finite, check_increasing, check_length, check_positive, check_same_length,
 };
 
-/// How values between samples are found; part of what is printed.
+/// The interpolation between samples; its name is printed with results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// Straight lines: error h²/8·max|y″|.
     Linear,
-    /// Cubic Hermite pieces whose slopes come from the parabola through a sample and its neighbours: exact for parabolas,
-    /// error O(h³).
+    /// Cubic Hermite pieces whose slopes come from the parabola through a sample and its neighbours: exact
+    /// for parabolas, error O(h³).
     Cubic,
 }
 
 impl Interpolation {
-    /// As printed.
+    /// Its name for readers.
     pub fn name(self) -> &'static str {
         match self {
             Interpolation::Linear => "linear interpolation",
@@ -27,7 +27,8 @@ impl Interpolation {
 /// Values at the places `grid`, which must increase and lie within the samples.
 ///
 /// # Errors
-/// Fewer than two samples, different lengths, values that are not finite, abscissae that do not increase, places outside.
+/// Fewer than two samples, different lengths, values that are not finite, abscissae that do not increase,
+/// places outside.
 pub fn resample(
     x: &[f64],
     y: &[f64],
@@ -42,7 +43,7 @@ pub fn resample(
     let (Some(first), Some(last)) = (x.first(), x.last()) else {
         return Ok(Vec::new());
     };
-    // what rounding puts beyond an end counts as the end
+    // a place beyond an end by a rounding error counts as the end
     let slack = 1e-9 * (last - first);
     let slopes = match interpolation {
         Interpolation::Linear => Vec::new(),
@@ -102,7 +103,7 @@ fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
             if last == 1 {
                 return chord(0);
             }
-            // the middle of the three, and where the slope is taken
+            // the middle of the three, and the place of the slope
             let middle = i.clamp(1, last - 1);
             let (left, right) = (width(middle - 1), width(middle));
             let curvature = (chord(middle) - chord(middle - 1)) / (left + right);
@@ -116,8 +117,8 @@ fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// A signal sampled by time or anything else, at uniform shaft angles: first angle (°) and values every `step` degrees.
-/// The angle must increase; it is not wrapped at 360° or 720°.
+/// A signal sampled by time or anything else, at uniform shaft angles: first angle (°) and values every
+/// `step` degrees. The angle must increase; it is not wrapped at 360° or 720°.
 ///
 /// # Errors
 /// As [`resample`], and for a step that is not a finite number above 0 or asks for more than 10⁷ values.

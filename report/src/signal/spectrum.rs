@@ -4,7 +4,7 @@ use super::fourier::{Complex, transform_real};
 use super::{SignalError, Window, check_finite, check_length, check_positive};
 use std::f64::consts::SQRT_2;
 
-/// How a signal was sampled.
+/// The sampling of a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sampling {
     /// Every `step` seconds.
@@ -24,11 +24,11 @@ pub enum Sampling {
 pub struct Signal<'a> {
     /// The samples, in any unit.
     pub values: &'a [f64],
-    /// Where they lie.
+    /// The places of the samples.
     pub sampling: Sampling,
 }
 
-/// How the blocks of a long signal become one spectrum.
+/// The way from the blocks of a long signal to one spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Averaging {
     /// Mean of the amplitudes.
@@ -39,7 +39,7 @@ pub enum Averaging {
     Peak,
 }
 
-/// Which number stands for a sinusoid a·cos(ωt).
+/// The number that represents a sinusoid a·cos(ωt).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Amplitude {
     /// a ("0-peak").
@@ -48,21 +48,21 @@ pub enum Amplitude {
     RootMeanSquare,
 }
 
-/// How a spectrum is made.
+/// Settings of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumOptions {
     /// Weight of a block.
     pub window: Window,
-    /// Samples a block; `None` takes all in one block.
+    /// Samples in a block; `None` for one block of all samples.
     pub block_length: Option<usize>,
-    /// Share of a block that the next one repeats, 0 ≤ overlap < 1.
+    /// Share of a block that the next block repeats, 0 ≤ overlap < 1.
     pub overlap: f64,
-    /// From blocks to one spectrum.
+    /// The way from blocks to one spectrum.
     pub averaging: Averaging,
-    /// Scale.
+    /// The scale of the amplitudes.
     pub amplitude: Amplitude,
-    /// Takes the mean of each block away first, so that it does not leak into low bins; the line at 0 is then the mean's
-    /// remainder, 0.
+    /// Whether the mean of each block is subtracted first, so that it does not leak into low bins. The line
+    /// at 0 is then 0.
     pub remove_mean: bool,
 }
 
@@ -80,17 +80,17 @@ impl Default for SpectrumOptions {
     }
 }
 
-/// What the lines of a spectrum are counted by.
+/// The horizontal axis of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// Hz.
     Frequency,
-    /// Cycles a revolution of the shaft.
+    /// Cycles per revolution of the shaft.
     Order,
 }
 
 impl Axis {
-    /// As printed.
+    /// Its name for readers.
     pub fn name(self) -> &'static str {
         match self {
             Axis::Frequency => "frequency",
@@ -107,38 +107,39 @@ impl Axis {
     }
 }
 
-/// A one-sided amplitude spectrum with all that made it.
+/// A one-sided amplitude spectrum with its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// What the lines are counted by.
+    /// The horizontal axis.
     pub axis: Axis,
     /// Distance of the lines (Hz, or orders): the resolution.
     pub step: f64,
     /// Amplitudes at 0, step, 2·step, …, up to the Nyquist frequency, in the signal's unit.
     pub amplitudes: Vec<f64>,
-    /// Samples a block.
+    /// Samples in a block.
     pub block_length: usize,
-    /// Blocks averaged.
+    /// Number of blocks.
     pub blocks: usize,
-    /// As asked for.
+    /// The settings.
     pub options: SpectrumOptions,
 }
 
 /// A local maximum of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
-    /// Frequency (Hz) or order of the line; true within half a resolution.
+    /// Frequency (Hz) or order of the line. The true peak is at most half the resolution away.
     pub position: f64,
     /// Amplitude of the line.
     pub amplitude: f64,
 }
 
-/// The one-sided linear amplitude spectrum of a signal: `A[k] = 2·|Σ w[n]·x[n]·exp(−2πikn/N)|/Σw`, and half of that for the
-/// lines at 0 and at the Nyquist frequency, which have no mirror image. Blocks that do not fit whole are left out.
+/// The one-sided linear amplitude spectrum of a signal: `A[k] = 2·|Σ w[n]·x[n]·exp(−2πikn/N)|/Σw`, and half
+/// of that for the lines at 0 and at the Nyquist frequency, which have no mirror image. Blocks that do not
+/// fit whole are left out.
 ///
 /// # Errors
-/// Fewer than two samples in a block, a block longer than the signal, samples or settings that are not finite, an overlap
-/// below 0 or not below 1.
+/// Fewer than two samples in a block, a block longer than the signal, samples or settings that are not
+/// finite, an overlap below 0 or not below 1.
 pub fn spectrum(signal: Signal<'_>, options: SpectrumOptions) -> Result<Spectrum, SignalError> {
     check_finite("the signal", signal.values)?;
     let (axis, rate) = match signal.sampling {
@@ -263,9 +264,9 @@ impl Spectrum {
         Ok(self)
     }
 
-    /// Root mean square of what lies from `from` to `to` (Hz, or orders), both ends included: the root of the sum of the
-    /// lines' mean squares over the window's noise bandwidth in bins. With a rectangular window, the whole axis and one
-    /// block it equals the signal's root mean square (Parseval).
+    /// Root mean square of the part from `from` to `to` (Hz, or orders), both ends included: the root of the
+    /// sum of the lines' mean squares over the window's noise bandwidth in bins. With a rectangular window,
+    /// the whole axis and one block it equals the signal's root mean square (Parseval).
     pub fn rms_within(&self, from: f64, to: f64) -> f64 {
         let last = self.amplitudes.len().saturating_sub(1);
         let bandwidth = self.options.window.noise_bandwidth(self.block_length);
@@ -289,7 +290,8 @@ impl Spectrum {
         (sum / bandwidth).sqrt()
     }
 
-    /// The `count` largest lines that are larger than both neighbours, the largest first; the line at 0 is none.
+    /// The `count` largest lines that are larger than both neighbours, the largest first; the line at 0 is
+    /// none.
     pub fn peaks(&self, count: usize) -> Vec<Peak> {
         let mut peaks: Vec<Peak> = self
             .amplitudes
@@ -320,7 +322,7 @@ impl Spectrum {
         })
     }
 
-    /// Everything a reader needs to judge the amplitudes, in one line.
+    /// One line with all data that a reader needs to judge the amplitudes.
     pub fn description(&self) -> String {
         let unit = match self.axis {
             Axis::Frequency => " Hz",

@@ -5,18 +5,19 @@ use super::{Axis, SignalError, Spectrum, check_finite, check_increasing, check_l
 /// Amplitudes over speed and frequency or order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepMap {
-    /// What `positions` are.
+    /// The axis of `positions`.
     pub axis: Axis,
     /// Speed of each row (rpm), increasing.
     pub speeds: Vec<f64>,
     /// Frequency (Hz) or order of each column, from 0 in equal steps.
     pub positions: Vec<f64>,
-    /// A row a speed, a column a position; NaN beyond a run's Nyquist frequency.
+    /// One row for each speed, one column for each position; NaN beyond a run's Nyquist frequency.
     pub amplitudes: Vec<Vec<f64>>,
 }
 
-/// Rows of spectra on one axis, whose step is the coarsest of theirs. A cell holds the largest line within half a step of its
-/// position, so no peak is lost; spectra of equal step are taken line by line. The rows are put in order of speed.
+/// Spectra as rows on one axis, whose step is the largest step of the spectra. A cell holds the largest line
+/// within half a step of its position, so no peak is lost. Spectra with equal steps are copied line by line.
+/// The rows are sorted by speed.
 ///
 /// # Errors
 /// No spectrum, axes of different kinds, speeds that are equal or not finite.

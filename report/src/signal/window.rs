@@ -1,26 +1,26 @@
-//! Windows of a transform, sums of cosines.
+//! Windows of a transform. They are sums of cosines.
 
 use std::f64::consts::TAU;
 
 /// A weight over a block, `w[n] = Σⱼ (−1)ʲ·aⱼ·cos(2πjn/N)`, n = 0…N−1 (periodic, "DFT-even").
 ///
-/// Amplitudes are divided by Σw/N, so that a sinusoid at the centre of a bin, at least as many bins away from 0 and the
-/// Nyquist frequency as the window has cosines, has its exact amplitude.
+/// Amplitudes are divided by Σw/N, so that a sinusoid at the centre of a bin, at least as many bins away from
+/// 0 and the Nyquist frequency as the window has cosines, has its exact amplitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Window {
     /// None: exact for whole cycles of a periodic signal; up to 3.92 dB low between bins.
     Rectangular,
     /// Hann: up to 1.42 dB low between bins; noise bandwidth 1.5 bins.
     Hann,
-    /// Flat top of five terms (D'Antona and Ferrero, "Digital Signal Processing for Measurement Systems", 2006):
-    /// amplitude within 0.01 dB wherever the frequency lies; noise bandwidth 3.77 bins.
+    /// Flat top of five terms (D'Antona and Ferrero, "Digital Signal Processing for Measurement Systems",
+    /// 2006): amplitude within 0.01 dB wherever the frequency lies; noise bandwidth 3.77 bins.
     FlatTop,
     /// Blackman–Harris of four terms (Harris 1978): side lobes under −92 dB; up to 0.83 dB low between bins.
     BlackmanHarris,
 }
 
 impl Window {
-    /// As printed.
+    /// Its name for readers.
     pub fn name(self) -> &'static str {
         match self {
             Window::Rectangular => "rectangular",

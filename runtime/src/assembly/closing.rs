@@ -224,7 +224,7 @@ pub fn close_all(
         close(model, &rows, &every, state, 80)?;
         bad = offending(model, exact, conditioned, state)?;
     }
-    // if this fails, from other first positions
+    // if this fails, the search begins at other positions
     let begin = state.clone();
     for _ in 0..6 {
         if bad.is_empty() {

@@ -12,8 +12,8 @@ use nalgebra::{DMatrix, DVector};
 /// Relative to the model's speed, a row that is left by more contradicts others.
 const CONTRADICTION: f64 = 1e-8;
 
-/// Velocities of smallest kinetic energy with `Φ̇ = 0` and the exact start rows. Guessed rows are fitted first; the exact
-/// ones then correct by the smallest change.
+/// Velocities of smallest kinetic energy with `Φ̇ = 0` and the exact start rows. Guessed rows are fitted
+/// first; the exact ones then correct by the smallest change.
 pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     state.velocity.fill(0.0);
     let system = &model.compiled.system;
@@ -74,7 +74,8 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     let mut open = Vec::new();
     for (rows, values) in [(&constraints, &rates), (&exact, &starts)] {
         for (i, (element, row)) in rows.owners.iter().enumerate() {
-            // Rows that state velocities have the dimension of a velocity: their own gradient says how large that is here.
+            // Rows that state velocities have the dimension of a velocity, and their gradient gives its size
+            // here.
             let scale = rows.scales[i].max(if std::ptr::eq(rows, &exact) {
                 gradient_size(&exact_matrix, i, &scales)
             } else {
@@ -125,11 +126,11 @@ fn stack(parts: &[(&DVector<f64>, &DMatrix<f64>)]) -> (DVector<f64>, DMatrix<f64
     (values, matrix)
 }
 
-/// How much dearer modal rates are than motion as a whole.
+/// Weight of modal rates against rigid motion.
 const VIBRATION: f64 = 1e8;
 
-/// `L⁻ᵀ` of `M = L Lᵀ`, block by block. A body whose mass matrix is not positive definite (a point mass) gets a small
-/// inertia for this purpose alone.
+/// `L⁻ᵀ` of `M = L Lᵀ`, block by block. A body whose mass matrix is not positive definite (a point mass) gets
+/// a small inertia for this purpose alone.
 fn inverse_roots(model: &Model, state: &State) -> DMatrix<f64> {
     let mut out = DMatrix::zeros(model.velocities, model.velocities);
     for body in &model.bodies {

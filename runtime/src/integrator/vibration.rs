@@ -1,46 +1,57 @@
-//! Vibrations that the steps do not follow, and the energy that the scheme's numerical damping takes from them.
+//! Vibrations that the steps do not follow, and the energy that the scheme's numerical damping takes from
+//! them.
 //!
-//! Modes which a step does not resolve are filtered out of the estimate of its error: a stiff joint that follows its load may not
-//! govern the steps. Where such a mode is excited all the same, the scheme damps it, and no estimate sees that. Hence this count.
+//! The estimate of the error filters out modes that a step does not resolve, so that a stiff joint that
+//! follows its load does not govern the steps. If such a mode is excited, the scheme damps it, and the
+//! estimate does not show this. So this module sums the lost energy.
 //!
-//! For a mode of frequency ω the scheme multiplies the energy by `1 − κ (ωh)⁴` in a step, `κ = (γ − ½)³`, while ωh is small
-//! (series of its amplification matrix; Chung and Hulbert 1993 give the matrix). With `δ = v̇' − v̇` of a step, whose mean square over a
-//! period is `ω⁶h²A²/2`, the loss is `κ h² δᵀMδ`. For large ωh this grows without bound; the step's own filter
-//! `S f = c M δ`, that of the error, brings `κ h² δᵀM f` to the size of the loss again: all of it for ρ = 0.5, a seventh of it for
-//! ρ = 0.8, so that what is counted was lost. f lies along the constraints: what they prescribe is not counted.
+//! For a mode of frequency ω the scheme multiplies the energy by `1 − κ (ωh)⁴` in a step, `κ = (γ − ½)³`,
+//! while ωh is small (series of its amplification matrix; Chung and Hulbert 1993 give the matrix). With
+//! `δ = v̇' − v̇` of a step, whose mean square over a period is `ω⁶h²A²/2`, the loss is `κ h² δᵀMδ`. For
+//! large ωh this expression grows without bound. With the filter of the error, `S f = c M δ`, the expression
+//! `κ h² δᵀM f` has the size of the loss again: all of it for ρ = 0.5, and a seventh of it for ρ = 0.8. So
+//! the sum never exceeds the loss. f lies along the constraints, so accelerations that they prescribe do not
+//! count.
 //!
-//! From `R = δᵀM f` and `F = fᵀM f` of a body follow the frequency, `ω² = c (R − F)/F`, and the amplitude of what vibrates. `R − F`
-//! weighs frequencies as `(ωh)²/(c h² + (ωh)²)`: a sixtieth of the loss counts as unresolved at 25 steps a period, half of it at three.
+//! The terms `R = δᵀM f` and `F = fᵀM f` of a body give the frequency of its vibration, `ω² = c (R − F)/F`,
+//! and the amplitude. `R − F` has the weight `(ωh)²/(c h² + (ωh)²)`: at 25 steps per period a sixtieth of the
+//! loss counts as unresolved, and at three steps half of it.
 
 use super::Integrator;
 use crate::dynamics::Dynamics;
 use crate::model::Model;
 use eng_system::system::Origin;
 
-/// Energy that a step may take from a body, as a share of that of its motion, without being looked at: even so many of them are nothing.
+/// Energy that a step may take from a body, as a share of the energy of its motion, without a look at the
+/// vibration: the sum over many such steps is still small.
 const NEGLIGIBLE: f64 = 1e-10;
-/// Change of the accelerations, as a displacement and a share of the tolerance, below which no vibration above the tolerance is in the
-/// step unless it has more than 25 steps a period.
+/// Change of the accelerations, as a displacement and a share of the tolerance. Below it no vibration of the
+/// step is above the tolerance, except one with more than 25 steps per period.
 const UNSEEN: f64 = 5e-3;
-/// Least ωh that is looked at, 125 steps a period: below, rounding decides about R − F, and a period loses 3e-5 of its energy at ρ = 0.5.
+/// Least ωh of a counted vibration, 125 steps per period. Below it rounding decides R − F, and a period loses
+/// 3e-5 of its energy at ρ = 0.5.
 const FOLLOWED: f64 = 0.05;
-/// Share of the energy of a body's motion that the steps' damping may take unseen.
+/// Share of the energy of a body's motion that the damping of the steps may take without a warning.
 const TAKEN: f64 = 1e-2;
-/// Share of it that it may take from what the steps do not follow. In undisturbed mechanisms it is 1e-5 at most.
+/// Share of this energy that the damping may take from vibrations that the steps do not follow. In
+/// undisturbed mechanisms it is 1e-5 at most.
 const UNRESOLVED: f64 = 1e-3;
-/// Energy of a motion, as a share of the kinetic energy: a body that turns on steadily has no other of its own.
+/// Least energy of a motion, as a share of the kinetic energy. A body that turns steadily has no swing of its
+/// kinetic energy.
 const STEADY: f64 = 1e-6;
 
-/// What the steps did to the vibrations of a body.
+/// The losses of a body's vibrations by the damping of the steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vibration {
     /// Least and largest kinetic energy of a step so far (J).
     pub kinetic: [f64; 2],
     /// Most energy of a vibration above the tolerance (J), potential and kinetic.
     pub stored: f64,
-    /// Energy that the steps took from vibrations above the tolerance (J), and the part of it taken where they do not follow.
+    /// Energy that the steps took from vibrations above the tolerance (J), and its part from vibrations that
+    /// the steps do not follow.
     pub taken: [f64; 2],
-    /// Most that one step took of the latter (J), the frequency of the vibration then (rad/s) and the step (s).
+    /// Largest loss of the latter kind in one step (J), with the frequency of the vibration (rad/s) and the
+    /// length of the step (s).
     pub worst: [f64; 3],
 }
 
@@ -56,19 +67,20 @@ impl Default for Vibration {
 }
 
 impl Vibration {
-    /// Energy of the body's motion (J): the swing of its kinetic energy, or all that vibrates where that is more.
+    /// Energy of the body's motion (J): the swing of its kinetic energy, or the energy of its vibration if
+    /// that is larger.
     fn energy(&self) -> f64 {
         let [least, most] = self.kinetic;
         (most - least).max(STEADY * most).max(self.stored)
     }
 
-    /// For a checkpoint.
+    /// The numbers of a checkpoint.
     pub fn numbers(&self) -> [f64; 8] {
         let ([a, b], [c, d], [e, f, g]) = (self.kinetic, self.taken, self.worst);
         [a, b, c, d, e, f, g, self.stored]
     }
 
-    /// From a checkpoint.
+    /// A vibration from the numbers of a checkpoint.
     pub fn from_numbers([a, b, c, d, e, f, g, stored]: [f64; 8]) -> Vibration {
         Vibration {
             kinetic: [a, b],
@@ -84,9 +96,9 @@ impl Vibration {
 pub struct Damped {
     /// The body.
     pub body: Origin,
-    /// Energy taken (J), at least.
+    /// Least energy that the steps took (J).
     pub taken: f64,
-    /// That of the body's motion (J).
+    /// Energy of the body's motion (J).
     pub energy: f64,
     /// Frequency of the vibration (rad/s).
     pub frequency: f64,
@@ -95,7 +107,8 @@ pub struct Damped {
 }
 
 impl Integrator {
-    /// Takes note of the vibrations of the step h (s) that was solved last, before it is accepted. `factor` is that on the tolerances.
+    /// Adds the losses of the step h (s) that was solved last. The caller accepts the step afterwards.
+    /// `factor` is the factor on the tolerances.
     pub fn look_at_vibrations(
         &mut self,
         model: &Model,
@@ -116,7 +129,8 @@ impl Integrator {
         let moved = self.largest(&self.estimate) / stiffness;
         let mut seen = false;
         self.correction.fill(0.0);
-        // of the increment: of a vibration that is not resolved, the scheme's own velocity exceeds the body's by far
+        // the velocity of the increment, because the velocity of the scheme is far too large for a vibration
+        // that is not resolved
         let (trial, scales) = (&self.trial, &self.scales);
         let speed = |i: usize| trial[i] * scales[i] / h;
         for (index, body) in model.bodies.iter().enumerate() {
@@ -171,9 +185,9 @@ impl Integrator {
             if !(rest > 0.0 && followed > 0.0) {
                 continue;
             }
-            // the kept factors are those of another step: their stiffness is as much larger as its square
+            // the kept factors belong to another step, and their stiffness has the factor of its square
             let frequency = libm::sqrt(stiffness * rest / followed) * h / kept;
-            // of δ the amplitude is ω²A times ωh, at most twice
+            // the amplitude of δ is ω²A times ωh, at most 2 ω²A
             let turned = (frequency * h).min(2.0);
             if turned < FOLLOWED {
                 continue;
@@ -194,7 +208,8 @@ impl Integrator {
         }
     }
 
-    /// The body whose motion lost the largest share of its energy to the steps' own damping, where that is more than may be unsaid.
+    /// The body that lost the largest share of its energy to the damping of the steps, if this share needs a
+    /// warning.
     pub fn damped(&self, model: &Model) -> Option<Damped> {
         let share = |v: &Vibration| v.taken[1] / v.energy();
         let (body, vibration) = (model.bodies.iter().zip(&self.vibrations))

@@ -165,8 +165,8 @@ impl<'a> Here<'a> {
             .as_ref()
     }
 
-    /// Change of the eigenvalues by the coefficients after the bodies have turned, as a share of their size. It is
-    /// zero for equal coefficients, and infinite if they differ grossly or if the change is not known.
+    /// Change of the eigenvalues by the coefficients after the bodies have turned, as a share of their size.
+    /// It is zero for equal coefficients, and infinite if they differ grossly or if the change is not known.
     pub fn change(&self, model: &Model, there: &Equations) -> f64 {
         let coefficients = Coefficients::new(model, there);
         if self.same(&coefficients, [SAME, ROUNDING]) {
@@ -253,8 +253,8 @@ pub(super) fn sliding(model: &Model, state: &State) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// Share of the model's length, or angle (rad), over which a motion that does not turn is followed: a tenth
-/// of a clearance where there are films.
+/// Share of the model's length, or angle (rad), over which a motion that does not turn is followed. With
+/// films it is a tenth of a clearance.
 fn reach(model: &Model) -> f64 {
     let share = model.tolerance / model.length;
     if share < 0.99 * OF_LENGTH {
@@ -493,7 +493,7 @@ pub(super) fn varying(
     let at = |bodies: &[usize], angle: f64| {
         turned_on(model, state, bodies, angle / fastest, moment).ok()
     };
-    // where the equations cannot be made, nothing says that they stay
+    // without the equations nothing shows that they are constant
     let change = |bodies: &[usize]| {
         let mut most = 0.0_f64;
         for angle in ANGLES {

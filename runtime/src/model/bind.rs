@@ -56,10 +56,12 @@ impl Slots<'_> {
 impl Model {
     /// Binds a parameter set and checks that system and code fit together.
     ///
-    /// The position tolerance is 1e-3 of the smallest length that a class resolves, or 1e-6 of the model's length.
+    /// The position tolerance is 1e-3 of the smallest length that a class resolves, or 1e-6 of the model's
+    /// length.
     ///
     /// # Errors
-    /// Parameters that the bind graph refuses; bodies that cannot be; a system whose parts do not fit each other.
+    /// Parameters that the bind graph refuses; bodies that cannot be; a system whose parts do not fit each
+    /// other.
     pub fn bind(compiled: &Compiled, overrides: &[Option<f64>]) -> Result<Model, RuntimeError> {
         let system = &compiled.system;
         if compiled.code.len() != system.classes.len() {
@@ -259,7 +261,7 @@ impl Model {
         Ok(())
     }
 
-    /// See [`Model::length`]; one where nothing has a size.
+    /// See [`Model::length`]; one if nothing has a size.
     fn largest_length(&self) -> f64 {
         let mut length: f64 = 0.0;
         for (index, body) in self.bodies.iter().enumerate() {
@@ -433,7 +435,8 @@ fn body_kind(
     }))
 }
 
-/// How a marker of a flexible body follows the modes; one without a place on the mesh moves with the frame.
+/// The motion of a marker of a flexible body with the modes. A marker without a place on the mesh moves with
+/// the frame.
 fn marker_shape(
     reduced: &ReducedBody,
     shape: Option<u32>,

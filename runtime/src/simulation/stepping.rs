@@ -15,8 +15,9 @@ const FOLLOWED: f64 = 0.2;
 /// This share of the largest acceleration is added to the size of each, so that an acceleration near zero
 /// does not shorten the first step.
 const REST: f64 = 1e-4;
-/// Size of an acceleration that is rounding, as a share of the square of the motion's pace: accelerations round to some 1e-16 of that, and
-/// their rates, differences over 1e-4 of the pace's time, to 1e-11 of its cube. What is below asks for no step that the pace does not.
+/// Size of an acceleration that is rounding, as a share of the square of the motion's pace. Accelerations
+/// have rounding errors of some 1e-16 of that square. Their rates are differences over 1e-4 of the pace's
+/// time and have errors of 1e-11 of its cube. Smaller accelerations do not shorten the first step.
 const ROUNDING: f64 = 1e-9;
 /// Smallest first step, as a share of the step that the error allows.
 const LAYER: f64 = 1e-4;
@@ -348,7 +349,8 @@ impl Simulation {
         self.evaluated = None;
         self.cycle_at_ends = None;
         if self.options.step.fixed().is_some() && time >= end {
-            // the speed before a step decides; after the last one no other step would find a body that began at rest
+            // the speed before a step decides; after the last one no other step would find a body that began
+            // at rest
             self.turned_too_far(h)?;
         }
         let current = &self.integrator.current;

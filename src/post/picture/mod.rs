@@ -52,7 +52,7 @@ impl Drawer<'_> {
         &self.figure.display
     }
 
-    /// Model and analyses of what is drawn.
+    /// The model and the analyses of a figure.
     fn about(&self, analyses: &[&str]) -> Result<String, PostError> {
         let mut names: Vec<&str> = Vec::new();
         for name in analyses {
@@ -78,7 +78,7 @@ impl Drawer<'_> {
         Ok(format!("{}, {shown}", models.join(" and ")))
     }
 
-    /// What stands under the title of signals: model, analyses, filters.
+    /// The text below the title of signals: model, analyses, filters.
     fn subtitle(&self, members: &[&Member]) -> Result<String, PostError> {
         let mut analyses = Vec::new();
         let mut filters: Vec<String> = Vec::new();
@@ -96,7 +96,7 @@ impl Drawer<'_> {
         Ok(format!("{}, {filters}", self.about(&analyses)?))
     }
 
-    /// What the filters of an expression do, each once.
+    /// The descriptions of an expression's filters, each once.
     fn filters(&self, expression: &Expression, found: &mut Vec<String>) -> Result<(), PostError> {
         for part in expression.parts() {
             self.filters(part, found)?;
@@ -113,7 +113,7 @@ impl Drawer<'_> {
         Ok(())
     }
 
-    /// The axes that components are along.
+    /// The axes of components.
     fn frame<'e>(&self, expressions: impl IntoIterator<Item = &'e Expression>) -> String {
         let mut frames = Vec::new();
         for expression in expressions {
@@ -135,7 +135,8 @@ impl Drawer<'_> {
         }
     }
 
-    /// The journal's letter of each of some signals, where they are in the axes of different journals: those of one tell none apart.
+    /// The letter of the journal for each signal, if the signals are in the axes of different journals. With
+    /// a single journal letters would not distinguish curves.
     fn lettered<'m>(&self, members: &[&'m Member]) -> Vec<(&'m Member, String)> {
         let found: Vec<(&Member, String)> = members
             .iter()
@@ -147,7 +148,7 @@ impl Drawer<'_> {
         }
     }
 
-    /// The letter of the journal in whose axes an expression is.
+    /// The letter of the journal whose axes an expression uses.
     fn letter(&self, of: &Expression) -> Option<String> {
         let mut found: Vec<String> = Vec::new();
         let mut known = true;
@@ -167,7 +168,7 @@ impl Drawer<'_> {
         (known && found.iter().all(|letter| *letter == first)).then_some(first)
     }
 
-    /// Firing dead centres, where all runs have the same.
+    /// Firing dead centres, if all runs have the same.
     fn marks(&self, members: &[&Member]) -> Result<Vec<Mark>, PostError> {
         let mut runs: Vec<Run<'_>> = Vec::new();
         for member in members {
@@ -197,7 +198,7 @@ impl Drawer<'_> {
         let lettered = self.lettered(&all);
         for members in panels {
             let names = named(told_apart(pairs(members)), members, &lettered);
-            // curves over samples of their own stand in panels of their own
+            // curves with different samples are in different panels
             let mut own: Vec<(Vec<f64>, Vec<&Member>, Vec<Curve>)> = Vec::new();
             for (member, name) in members.iter().zip(names) {
                 let track = self.evaluator.track(&member.expression)?;
@@ -243,7 +244,7 @@ impl Drawer<'_> {
     }
 }
 
-/// The analysis that a panel among several shows; of several analyses the channel that they share.
+/// The analysis of one of several panels; for several analyses their common channel.
 fn panel_title(members: &[&Member], several: bool) -> String {
     let Some(first) = members.first() else {
         return String::new();
@@ -294,7 +295,7 @@ fn degrees(track: &Track) -> Vec<f64> {
     angle.iter().map(|a| a.to_degrees()).collect()
 }
 
-/// Whether two rows can share an axis: the same but for rounding.
+/// Whether two lists can share an axis because they differ only by rounding.
 fn alike(a: &[f64], b: &[f64]) -> bool {
     let span = match (a.first(), a.last()) {
         (Some(first), Some(last)) => (last - first).abs(),

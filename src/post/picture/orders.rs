@@ -16,12 +16,12 @@ use eng_report::signal::{Level, OrderTrack};
 use eng_system::expression::{Limit, Member};
 use eng_system::figure as plan;
 
-/// Share of a mean speed by which those of runs in one figure may differ.
+/// Largest difference of the mean speeds of runs in one figure, as a share.
 const ALIKE: f64 = 1e-3;
 
 impl Drawer<'_> {
-    /// What stands under the title of spectra: analyses, and filters where there are any; the line is long enough with what made
-    /// the spectra.
+    /// The text below the title of spectra: analyses and filters. The model is left out, because the line
+    /// also describes the spectra.
     fn short_subtitle(&self, members: &[&Member]) -> Result<String, PostError> {
         let mut parts: Vec<String> = Vec::new();
         match members {
@@ -67,7 +67,7 @@ impl Drawer<'_> {
             settings.up_to,
             &curves,
         );
-        // orders and frequencies stand for each other where all shafts turn alike
+        // if all shafts have one speed, orders and frequencies convert into each other
         if let Some(Some(speed)) = speeds.first().copied()
             && speeds
                 .iter()
@@ -102,8 +102,8 @@ impl Drawer<'_> {
         Ok(ordinate)
     }
 
-    /// Spectra over speed, with the natural frequencies of linear analyses: of one speed lines across, of several a mark each. What is
-    /// not stated is that of the maps of a page.
+    /// Spectra over speed, with the natural frequencies of linear analyses: of one speed lines across, of
+    /// several a mark each. What is not stated is that of the maps of a page.
     pub(super) fn campbell(&self, campbell: &plan::Campbell) -> Result<Figure, PostError> {
         let plan::Campbell {
             members,
@@ -146,7 +146,7 @@ impl Drawer<'_> {
         let (map, description) = map_of(members, settings, self.display(), self.evaluator)?;
         let ordinate = self.amplitudes(&all, settings)?;
         let mut subtitle = vec![self.short_subtitle(&all)?, description];
-        // beyond the samples of a run its row is empty
+        // a row is empty beyond the frequencies that its run resolves
         let filled = |row: &Vec<f64>| row.iter().take_while(|a| !a.is_nan()).count();
         let held = map.amplitudes.iter().map(filled).min().unwrap_or(0);
         let reach = held.checked_sub(1).and_then(|last| map.positions.get(last));
@@ -242,7 +242,7 @@ impl Drawer<'_> {
     }
 }
 
-/// Highest order that is drawn where no end of the axis is stated.
+/// Highest drawn order if the text states no end of the axis.
 pub(crate) const ORDERS: f64 = 30.0;
 /// Levels this far (dB) below the largest are one colour.
 const DYNAMIC: f64 = 80.0;
@@ -260,7 +260,8 @@ fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Natural) -> C
     }
 }
 
-/// Raises levels (dB) to 80 dB below the largest, and the unit says so. A value that is not a number stays a gap.
+/// Raises levels (dB) to 80 dB below the largest, and the unit says so. A value that is not a number stays a
+/// gap.
 fn with_floor(figure: &mut SweepFigure) {
     let levels = || figure.map.amplitudes.iter().flatten().copied();
     let largest = levels()
@@ -278,7 +279,8 @@ fn with_floor(figure: &mut SweepFigure) {
     figure.unit.push_str(&format!(", at least {lowest:.0}"));
 }
 
-/// Multiples of the firing order: firings a revolution; of a machine that does not fire the first orders. `period`: of its cycle (rad).
+/// Multiples of the firing order (firings per revolution). For a machine that does not fire these are the
+/// first orders. `period` is that of its cycle (rad).
 fn main_orders(period: Option<f64>, firings: usize) -> Vec<f64> {
     let revolutions = period.map_or(1.0, |period| period / std::f64::consts::TAU);
     let main = match firings {
@@ -288,7 +290,8 @@ fn main_orders(period: Option<f64>, firings: usize) -> Vec<f64> {
     (1..=4).map(|k| main * f64::from(k)).collect()
 }
 
-/// What is said where an axis is asked to go on beyond what samples hold, up to `reach` (Hz, or orders).
+/// The text about an axis whose stated end is beyond the samples, which resolve up to `reach` (Hz, or
+/// orders).
 fn not_held(settings: &plan::SpectrumSettings, reach: f64) -> Option<String> {
     let limit = |place| match settings.axis {
         plan::Axis::Frequency => Limit::Frequency(place),

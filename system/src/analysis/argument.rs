@@ -83,7 +83,7 @@ pub enum Value {
     Extent(Extent),
     /// True or false.
     Switch(bool),
-    /// How the motion begins.
+    /// The kind of start.
     Start(Start),
 }
 

@@ -8,7 +8,7 @@ use super::{AnalysisKind, Counted, Extent, Given, Kind, KindRow, Rows, Takes, Un
 pub struct Static {
     /// The place from which the search begins. An angle of the cycle is held.
     pub at: Option<Extent>,
-    /// Whether the motion that `start` and drives state goes on.
+    /// Whether the motion that `start` and drives state continues.
     pub turning: bool,
 }
 
@@ -30,7 +30,7 @@ pub(super) const ROW: KindRow = KindRow {
             Takes::Switch,
             "",
             &[],
-            "whether the stated motion goes on, with its inertia and its films; at rest by default",
+            "whether the stated motion continues, with its inertia and its films; at rest by default",
         ),
     ],
     apart: &[],

@@ -10,13 +10,13 @@ use std::f64::consts::TAU;
 /// Eigenvalues and modes of the motion linearised about a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear {
-    /// How far a transient runs to the state; `None`: the start itself is the state.
+    /// Duration of the transient to the state; `None` if the state is the start.
     pub after: Option<Extent>,
     /// Steps of that transient.
     pub step: StepControl,
     /// Its spectral radius at infinite frequency, 0…1.
     pub rho_infinity: f64,
-    /// How the motion begins.
+    /// The kind of start.
     pub start: Start,
     /// Most oscillations, and most motions without oscillation, that are reported: the slowest of each.
     pub number: Option<u32>,
@@ -86,7 +86,8 @@ pub(super) const ROW: KindRow = KindRow {
     plan,
 };
 
-/// The state of the start is a balance, unless something else is stated; a transient to a later one begins as others do.
+/// The state of the start is a balance, unless something else is stated; a transient to a later one begins as
+/// others do.
 fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
     let after = given.extent("after");
     let unstated = match after {

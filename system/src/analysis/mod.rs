@@ -145,7 +145,7 @@ pub enum Extent {
     Angle(f64),
 }
 
-/// How a transient is integrated.
+/// The control of steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepControl {
     /// Fixed step (s).
@@ -180,7 +180,7 @@ impl StepControl {
     }
 }
 
-/// How a motion begins.
+/// The kind of start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Start {
     /// Quasi-static if the cycle turns at the start and the model has journals or flexible bodies; otherwise

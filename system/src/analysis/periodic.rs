@@ -5,7 +5,7 @@ use super::{
     AnalysisKind, Extent, Given, Kind, KindRow, Limit, Rows, Start, StepControl, Takes, Unplanned,
 };
 
-/// `change` and `cycles` where they are not stated, and most cycles.
+/// Defaults of `change` and `cycles`, and most cycles.
 const PLAIN_CHANGE: f64 = 1e-3;
 const PLAIN_CYCLES: u32 = 40;
 const MOST_CYCLES: f64 = 1e5;
@@ -19,9 +19,10 @@ pub struct Periodic {
     pub step: StepControl,
     /// Spectral radius at infinite frequency, 0…1.
     pub rho_infinity: f64,
-    /// How it begins.
+    /// The kind of start.
     pub start: Start,
-    /// Largest change from cycle to cycle, and largest estimated distance to the limit, as a share of each channel's swing.
+    /// Largest change from cycle to cycle, and largest estimated distance to the limit, as a share of each
+    /// channel's swing.
     pub change: f64,
     /// Most cycles.
     pub cycles: u32,

@@ -6,23 +6,23 @@ use super::{
     Unplanned,
 };
 
-/// Samples an analysis may take: all are kept in memory until it ends.
+/// Most samples of an analysis: it keeps all of them in memory until it ends.
 const MOST_SAMPLES: f64 = 1e7;
-/// Samples of a duration without `sample`.
+/// Number of samples in a duration if the text states no `sample`.
 const PLAIN_SAMPLES: f64 = 1000.0;
 
 /// A transient analysis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transient {
-    /// How long.
+    /// Its duration.
     pub duration: Extent,
     /// Distance of the samples.
     pub sample: Extent,
-    /// Steps.
+    /// Fixed steps or error control.
     pub step: StepControl,
     /// Spectral radius at infinite frequency, 0…1.
     pub rho_infinity: f64,
-    /// How it begins.
+    /// The kind of start.
     pub start: Start,
 }
 

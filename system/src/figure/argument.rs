@@ -97,7 +97,7 @@ pub struct Recorded {
 pub struct Signals {
     /// The signals.
     pub members: Vec<Member>,
-    /// How they are shown.
+    /// Their display unit.
     pub shown: Recorded,
     /// Whether the models behind all of them have a cycle.
     pub cycle: bool,
@@ -149,8 +149,8 @@ impl Given {
         }
     }
 
-    /// The signals of an argument for each of a number of items, if the text states it. The words say what is done
-    /// with the items by the signals, and what the signals are.
+    /// The signals of an argument for each of a number of items, if the text states it. The words say what is
+    /// done with the items by the signals, and what the signals are.
     pub fn for_each(
         &self,
         name: &'static str,

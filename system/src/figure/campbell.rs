@@ -14,9 +14,9 @@ use crate::expression::{Expression, Member};
 pub struct Campbell {
     /// The signals, one of each run.
     pub members: Vec<Member>,
-    /// How their spectra are made.
+    /// Settings of their spectra.
     pub settings: SpectrumSettings,
-    /// Orders with a line each; absent: those of the firing, or the first four.
+    /// Orders with a line; `None` for the firing order and its multiples, or the first four.
     pub orders: Option<Vec<f64>>,
     /// Linear analyses whose natural frequencies are drawn.
     pub modes: Vec<String>,

@@ -15,7 +15,7 @@ pub struct OrderTrack {
     pub orders: Vec<f64>,
     /// Weight of a block.
     pub window: Window,
-    /// Revolutions of a block of one run over changing speed, and their overlap.
+    /// For one run whose speed changes: revolutions of a block, and overlap of blocks.
     pub block: Option<(f64, f64)>,
 }
 

@@ -19,9 +19,9 @@ pub struct Polar {
 pub struct Vector {
     /// The analysis.
     pub analysis: String,
-    /// `main[5].force`; of a journal `main[5]`.
+    /// `main[5].force`; for a journal `main[5]`.
     pub path: String,
-    /// Whether it is the load that a journal's pin puts on its shell, −force; else a vector as it was recorded.
+    /// Whether it is the load of a journal's pin on its shell, −force; otherwise a recorded vector.
     pub load: bool,
     /// Component along x.
     pub x: Expression,

@@ -10,7 +10,7 @@ use crate::expression::{Expression, Limit, Member, WINDOWS, Window};
 pub struct Spectrum {
     /// The signals.
     pub members: Vec<Member>,
-    /// How their spectra are made.
+    /// Settings of their spectra.
     pub settings: SpectrumSettings,
 }
 
@@ -28,11 +28,11 @@ pub enum Averaging {
 pub enum Axis {
     /// Hz.
     Frequency,
-    /// Cycles a revolution.
+    /// Cycles per revolution.
     Order,
 }
 
-/// How spectra are made.
+/// Settings of spectra.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumSettings {
     /// Weight of a block.
@@ -41,17 +41,17 @@ pub struct SpectrumSettings {
     pub axis: Axis,
     /// The end of the axis (Hz, or orders).
     pub up_to: Option<f64>,
-    /// Length of a block; absent: one block of all.
+    /// Length of a block; `None` for one block of all samples.
     pub block: Option<Extent>,
-    /// Share of a block that the next one repeats.
+    /// Share of a block that the next block repeats.
     pub overlap: f64,
-    /// From blocks to one spectrum.
+    /// The way to one spectrum from the spectra of blocks.
     pub averaging: Averaging,
-    /// Whether the mean of each block is taken away.
+    /// Whether the mean of each block is subtracted.
     pub remove_mean: bool,
-    /// Logarithmic ordinate.
+    /// Whether the ordinate is logarithmic.
     pub logarithmic: bool,
-    /// Amplitudes as decibels over this.
+    /// Reference of the decibels; `None` for amplitudes.
     pub reference: Option<f64>,
 }
 

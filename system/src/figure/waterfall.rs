@@ -10,7 +10,7 @@ use crate::expression::{Expression, Member};
 pub struct Waterfall {
     /// The signals, one of each run.
     pub members: Vec<Member>,
-    /// How their spectra are made.
+    /// Settings of their spectra.
     pub settings: SpectrumSettings,
 }
 

@@ -8,7 +8,7 @@ use eng_system::expression::{Expression, Function, Operator};
 use eng_system::system::{BodyRef, Slot, System};
 use std::rc::Rc;
 
-/// Which frames of a model's columns are parallel.
+/// Groups of parallel frames among the columns of a model.
 pub(super) struct Frames(Vec<(String, Group)>);
 
 /// Markers of one body at one orientation have parallel axes, up to the body's deformation.
@@ -16,7 +16,7 @@ pub(super) struct Frames(Vec<(String, Group)>);
 enum Group {
     Ground,
     Turned(BodyRef, [Slot; 9]),
-    /// Lies as its partner does at the start.
+    /// A marker on the ground that takes the pose of its partner at the start.
     Alone,
 }
 
@@ -51,7 +51,7 @@ impl Frames {
     }
 }
 
-/// The channel whose component the samples of an expression are, or a multiple of it; none where they are something else.
+/// The channel of which an expression is a component or a multiple of one; `None` for other expressions.
 fn component(expression: &Expression) -> Option<(&str, &str)> {
     match expression {
         Expression::Channel { analysis, path } => Some((analysis, path)),
@@ -90,7 +90,7 @@ impl Reporter<'_, '_> {
             let (p, q) = (group(&a), group(&b));
             a.0 == b.0 || (p == q && p != Some(Group::Alone))
         } else {
-            // frames of two models are told by their names alone
+            // frames of two models can only be compared by name
             let ground =
                 |of: &(String, Rc<Channels>)| of.1.frames.group(&of.0) == Some(&Group::Ground);
             a.0 == b.0 || (ground(&a) && ground(&b))
@@ -112,7 +112,7 @@ impl Reporter<'_, '_> {
         None
     }
 
-    /// The frame of what an expression is a component of, with the channels of its model.
+    /// The frame of a component, with the channels of its model.
     fn frame(&mut self, expression: &Expression) -> Option<(String, Rc<Channels>)> {
         let (analysis, path) = component(expression)?;
         let plan = self.models.plan(analysis)?;

@@ -17,14 +17,14 @@ use eng_system::host::Host;
 use eng_system::recorded::{Recorded, of_modes, recorded};
 use std::rc::Rc;
 
-/// Indices written out in a message.
+/// Largest number of indices that a message lists.
 const SHOWN: usize = 12;
 
-/// What a model records.
+/// The recorded channels of a model.
 pub(super) struct Channels {
-    /// A row a sample.
+    /// One row for each sample.
     samples: Vec<Recorded>,
-    /// Of a linear analysis: a row a mode.
+    /// In a linear analysis: one row for each mode.
     modes: Vec<Recorded>,
     pub journals: Vec<String>,
     pub cycle: bool,
@@ -32,14 +32,14 @@ pub(super) struct Channels {
 }
 
 impl Channels {
-    /// Along whose axes a recorded component is.
+    /// The path of the marker along whose axes a component is recorded.
     pub fn frame(&self, path: &str) -> Option<&str> {
         let column = self.samples.iter().find(|column| column.path == path)?;
         (!column.frame.is_empty()).then_some(column.frame.as_str())
     }
 }
 
-/// What each analysis records; models are elaborated when first asked for.
+/// The recorded channels of each analysis. A model is elaborated at its first use.
 pub(super) struct Models<'a> {
     typed: &'a TypedProgram,
     shared: &'a SharedModels,
@@ -74,12 +74,12 @@ impl<'a> Models<'a> {
         }
     }
 
-    /// What elaborating said that no earlier elaboration of the same model did.
+    /// The new messages of the elaborations since the last call.
     pub fn messages(&mut self) -> Diagnostics {
         std::mem::take(&mut self.messages)
     }
 
-    /// What an analysis records; `None` where its model has a mistake.
+    /// The recorded channels of an analysis; `None` if its model has a mistake.
     pub fn channels(&mut self, plan: &'a AnalysisPlan) -> Option<Rc<Channels>> {
         let same = self
             .known
@@ -122,7 +122,7 @@ impl<'a> Models<'a> {
         channels
     }
 
-    /// The analyses of a name, points of a sweep in their order.
+    /// The analyses with a name. Points of a sweep are in their order.
     pub fn named(&self, name: &str) -> Vec<&'a AnalysisPlan> {
         self.plans
             .iter()
@@ -130,7 +130,7 @@ impl<'a> Models<'a> {
             .collect()
     }
 
-    /// The names of all analyses, sweeps once.
+    /// The names of all analyses; a sweep has one name.
     pub fn names(&self) -> Vec<&'a str> {
         let mut names: Vec<&str> = Vec::new();
         for plan in self.plans {
@@ -158,7 +158,7 @@ enum Step<'a> {
     Index(&'a [IndexArgument], Span),
 }
 
-/// The name at the root of a path with its steps; `None` for what is no path.
+/// The name at the root of a path, and its steps; `None` if the expression is no path.
 fn steps(expr: &Expr) -> Option<(&str, Span, Vec<Step<'_>>)> {
     match &expr.kind {
         ExprKind::Name(name) => Some((name, expr.span, Vec::new())),
@@ -181,7 +181,7 @@ pub(super) fn root_name(expr: &Expr) -> Option<&str> {
     steps(expr).map(|(root, ..)| root)
 }
 
-/// A place in the results of an analysis: the start of channels' paths.
+/// A place in the results of an analysis: the beginning that the paths of its channels share.
 pub(super) struct Found<'a> {
     pub plan: &'a AnalysisPlan,
     pub channels: Rc<Channels>,
@@ -197,7 +197,7 @@ impl Found<'_> {
         }
     }
 
-    /// A member that stands for the place.
+    /// The member for this place.
     pub fn member(&self, expression: Expression) -> Member {
         Member {
             analysis: self.plan.analysis.origin.path.clone(),
@@ -214,7 +214,7 @@ impl Found<'_> {
         }
     }
 
-    /// What the analysis records.
+    /// The recorded channels of the analysis.
     pub fn columns(&self) -> &[Recorded] {
         if are_modes(self.plan) {
             &self.channels.modes
@@ -223,7 +223,7 @@ impl Found<'_> {
         }
     }
 
-    /// The column at the place with a name put to it.
+    /// The column whose path is that of the place followed by `name`.
     pub fn column(&self, name: &str) -> Option<&Recorded> {
         let path = format!("{}{name}", self.path);
         self.columns().iter().find(|column| column.path == path)
@@ -235,21 +235,21 @@ pub(super) fn are_modes(plan: &AnalysisPlan) -> bool {
     plan.analysis.kind.rows() == eng_system::analysis::Rows::Modes
 }
 
-/// Places of several analyses, and what tells them apart.
+/// Places of one or more analyses.
 pub(super) struct Places<'a> {
     pub found: Vec<Found<'a>>,
-    /// Whether a range or `*` was written.
+    /// Whether the text has a range or `*`.
     pub list: bool,
 }
 
-/// The numbers of one index that a text asks for.
+/// The numbers of one index in a text.
 enum Wanted {
     All,
     Some(Vec<i64>),
 }
 
 impl<'a> Reporter<'a, '_> {
-    /// The places that a path names; `None` where a message was given.
+    /// The places that a path names; `None` after a message.
     pub(super) fn places(&mut self, expr: &'a Expr) -> Option<Places<'a>> {
         let (name, root_span, steps) = steps(expr)?;
         let mut plans = self.models.named(name);
@@ -341,7 +341,7 @@ impl<'a> Reporter<'a, '_> {
         Some(Places { found, list })
     }
 
-    /// The things whose indices are asked for, in the order asked; whether several may be meant.
+    /// The items with the given indices, in the order of the text, and whether the text means a list.
     fn chosen<T: Clone>(
         &mut self,
         what: &str,
@@ -384,7 +384,7 @@ impl<'a> Reporter<'a, '_> {
             }
         }
         let matching: Vec<T> = match wanted.as_slice() {
-            // in the order asked for
+            // in the order of the text
             [Wanted::Some(numbers)] => {
                 let mut chosen = Vec::new();
                 for number in numbers {
@@ -514,7 +514,7 @@ impl<'a> Reporter<'a, '_> {
         Some(found)
     }
 
-    /// A column whose unit has a zero of its own is of points: degC of temperatures.
+    /// The kind of a column: points if its unit has a zero of its own, such as degC for temperatures.
     fn kind_of(&self, column: &Recorded) -> Kind {
         let display = &column.display;
         let unit = self.checker.program.units.get(&display.symbol);
@@ -526,7 +526,7 @@ impl<'a> Reporter<'a, '_> {
     }
 }
 
-/// Whether a path is the other one or continues it.
+/// Whether a path equals `start` or continues it.
 pub(super) fn begins(path: &str, start: &str) -> bool {
     path.strip_prefix(start)
         .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
@@ -544,7 +544,7 @@ fn numbers(text: &str) -> Vec<i64> {
         .collect()
 }
 
-/// The indices that follow a place, each with the path up to it, in the order of the channels.
+/// The indices after a place, each with the path that ends with it, in the order of the channels.
 fn indexed(place: &Found<'_>) -> Vec<(Vec<i64>, String)> {
     let mut known: Vec<(Vec<i64>, String)> = Vec::new();
     for column in place.columns() {
@@ -562,7 +562,7 @@ fn indexed(place: &Found<'_>) -> Vec<(Vec<i64>, String)> {
     known
 }
 
-/// What can follow a place: the next names, or indices.
+/// The names that can follow a place.
 fn next_names(place: &Found<'_>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for column in place.columns() {
@@ -611,7 +611,7 @@ fn no_channel(place: &Found<'_>, field: &Name) -> Diagnostic {
     ))
 }
 
-/// The message for a place that several channels begin with.
+/// The message for a place with which the paths of several channels begin.
 pub(super) fn not_one(place: &Found<'_>, span: Span) -> Diagnostic {
     let known = next_names(place);
     let indices = indexed(place);

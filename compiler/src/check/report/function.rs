@@ -17,7 +17,7 @@ use eng_system::expression::{
 };
 
 impl<'a> Reporter<'a, '_> {
-    /// A call; `None` where a message was given.
+    /// A call; `None` after a message.
     pub(super) fn call(
         &mut self,
         span: Span,

@@ -1,9 +1,9 @@
-//! Reports: figures and values made of the channels that runs record.
+//! Checks reports: figures and values of the channels that runs record.
 //!
-//! They are checked when the analyses are known and their models elaborated, so that every recorded channel can be named, index
-//! by index, and nothing else. Lists are written out here: what is handed on names single channels.
+//! The check comes after the elaboration of all models. So a report can name every recorded channel with its
+//! indices, and no other. Lists are expanded here, so later stages get single channels.
 //!
-//! May contain: names, types, numbers that are known. Must not contain: results.
+//! May contain: names, types, constants. Must not contain: results.
 
 mod axes;
 mod channel;
@@ -29,7 +29,7 @@ use eng_system::report as plan;
 use std::collections::BTreeMap;
 use value::Typed;
 
-/// The reports of the root module. Those with a mistake are left out, and messages given.
+/// The reports of the root module. Reports with a mistake are left out, with messages.
 pub fn reports(
     typed: &TypedProgram,
     sources: &SourceMap,
@@ -94,11 +94,11 @@ pub fn reports(
 /// A name of a report.
 #[derive(Clone)]
 enum Named<'a> {
-    /// Evaluated when first asked for.
+    /// Not evaluated before its first use.
     Lazy(&'a Expr),
     /// Being evaluated.
     Busy,
-    /// Known; `None` where a message was given.
+    /// Its value; `None` after a message.
     Done(Option<Typed>),
 }
 
@@ -108,7 +108,7 @@ struct Reporter<'a, 'd> {
     constants: Constants<'a, 'd>,
     models: Models<'a>,
     scope: Scope<'a>,
-    /// `let`s and values of the report at hand.
+    /// `let`s and values of the present report.
     names: BTreeMap<&'a str, (Span, Named<'a>)>,
 }
 
@@ -179,7 +179,7 @@ impl<'a> Reporter<'a, '_> {
             let kind = match &item.kind {
                 ItemKind::Entry(entry) => self.entry(entry).map(Some),
                 ItemKind::Binding(binding) if binding.value.is_some() => {
-                    // a mistake is told even where nothing reads it
+                    // a mistake gives a message even if nothing reads the value
                     self.named(&binding.name.text, binding.name.span)
                         .map(|_| None)
                 }
@@ -250,7 +250,7 @@ impl<'a> Reporter<'a, '_> {
         })
     }
 
-    /// The unit of a number: as stated, as the channels have it, or a usual one.
+    /// The unit of a number: the stated one, that of the channels, or a usual one.
     fn display(
         &mut self,
         typed: &Typed,
@@ -282,7 +282,7 @@ impl<'a> Reporter<'a, '_> {
             let unit = self.checker.program.unit(stated).ok()?;
             return Some(DisplayUnit::from(unit));
         }
-        // the zero of a unit is one of points alone
+        // only points use the zero of a unit
         let quantity = typed.quantity();
         let point = matches!(quantity.kind, super::types::Kind::Point(_));
         if let Some(display) = &typed.display
@@ -399,7 +399,7 @@ impl<'a> Reporter<'a, '_> {
                 self.checker.depth += 1;
                 let mut typed = self.expression(expr);
                 self.checker.depth -= 1;
-                // a circle has told its mistake meanwhile
+                // a circle has already given its message
                 if let Some((_, Named::Done(None))) = self.names.get(name) {
                     typed = None;
                 }
@@ -435,7 +435,7 @@ impl<'p> Checker<'p> {
     }
 }
 
-/// As stated, or the name as words.
+/// The stated title, or the name as words.
 fn title(stated: Option<&ast::Title>, name: &str) -> String {
     match stated {
         Some(title) => title.text.clone(),

@@ -19,7 +19,7 @@ use eng_system::figure::{
 use eng_system::recorded::Recorded;
 
 impl<'a> Reporter<'a, '_> {
-    /// A figure; `None` where a message was given.
+    /// A figure; `None` after a message.
     pub(super) fn figure(&mut self, expr: &'a Expr, display: Option<&UnitExpr>) -> Option<Figure> {
         let ExprKind::Call { callee, arguments } = &expr.kind else {
             self.no_picture(expr.span, None);
@@ -374,7 +374,7 @@ impl<'a> Reporter<'a, '_> {
                 self.tell(
                     Diagnostic::error(
                         codes::LIST_ELEMENTS,
-                        "loads of journals and other vectors stand in diagrams of their own",
+                        "loads of journals and other vectors need separate diagrams",
                     )
                     .at(expr.span, "both"),
                 );
@@ -447,7 +447,7 @@ impl<'a> Reporter<'a, '_> {
         Some((vector, x.clone()))
     }
 
-    /// The places of a path; says what is due where an expression is none.
+    /// The places of a path. Gives a message with the expected form if an expression is no path.
     fn of_path(&mut self, expr: &'a Expr, title: &str, label: &str) -> Option<Places<'a>> {
         let known =
             super::channel::root_name(expr).is_some_and(|root| !self.models.named(root).is_empty());
@@ -489,7 +489,7 @@ pub(super) fn no_vector(place: &Found<'_>, span: Span) -> Diagnostic {
     .at(span, "it has no x and y")
 }
 
-/// How many runs there are.
+/// The number of runs.
 fn runs(members: &[Member]) -> usize {
     let mut analyses: Vec<&str> = members.iter().map(|m| m.analysis.as_str()).collect();
     analyses.sort_unstable();

@@ -14,7 +14,7 @@ use eng_system::Dimension;
 use eng_system::expression::{Expression, Limit, WINDOWS, Window};
 use eng_system::system::Extent;
 
-/// Whether places are told by time instead of crank angle.
+/// The words of `over:`, and whether they mean time instead of crank angle.
 pub(super) const OVER: [(&str, bool); 2] = [("crank_angle", false), ("time", true)];
 
 fn frequency() -> Quantity {
@@ -22,7 +22,7 @@ fn frequency() -> Quantity {
 }
 
 impl<'a> Reporter<'a, '_> {
-    /// Says that a number lies outside of what it may be.
+    /// Gives a message about a number outside of its range.
     pub(super) fn refuse(&mut self, expr: &Expr, what: &str, due: &str) -> Option<()> {
         self.tell(
             Diagnostic::error(codes::REPORT_NUMBER, format!("{what} must be {due}"))
@@ -31,7 +31,7 @@ impl<'a> Reporter<'a, '_> {
         None
     }
 
-    /// One of several words; `None` inside where the argument is absent.
+    /// One of several words; `Some(None)` without the argument.
     pub(super) fn word<T: Copy>(
         &mut self,
         value: Option<&Expr>,
@@ -107,7 +107,7 @@ impl<'a> Reporter<'a, '_> {
         }
     }
 
-    /// Whether the model behind each member has a cycle; `None` where a message was given.
+    /// Whether the model of each member has a cycle; `None` after a message.
     pub(super) fn has_cycle(&mut self, of: &Typed) -> Option<bool> {
         let mut all = true;
         for member in &of.members {
@@ -117,7 +117,7 @@ impl<'a> Reporter<'a, '_> {
         Some(all)
     }
 
-    /// Says where something needs a cycle that the model has not.
+    /// Gives a message if an expression needs a cycle and the model has none.
     pub(super) fn with_cycle(&mut self, expr: &Expr, of: &Typed, what: &str) -> Option<()> {
         if self.has_cycle(of)? {
             return Some(());
@@ -140,13 +140,13 @@ impl<'a> Reporter<'a, '_> {
         );
     }
 
-    /// Says that something takes what is recorded in time, where a place is of modes.
+    /// Gives a message if a function of samples gets modes.
     pub(super) fn samples_at(&mut self, expr: &Expr, place: &Found<'_>, name: &str) -> Option<()> {
         let found = Type::Int.in_rows(&place.rows());
         self.checker.of_samples(expr, &found, name)
     }
 
-    /// Whether all members are of analyses whose cycle repeats, and whole.
+    /// Whether all members are whole signals of analyses whose cycle repeats.
     pub(super) fn repeats(&self, of: &Typed) -> bool {
         of.members.iter().all(|member| {
             whole(&member.expression)
@@ -166,7 +166,7 @@ impl<'a> Reporter<'a, '_> {
         Some(share)
     }
 
-    /// The window as stated; else rectangular where the cycle repeats, Hann elsewhere.
+    /// The stated window; otherwise rectangular if the cycle repeats, and Hann if it does not.
     pub(super) fn window(&mut self, taken: &Bound<'a>, of: &Typed) -> Option<Window> {
         let stated = self.word(taken.option("window"), "`window`", &WINDOWS)?;
         Some(stated.unwrap_or(if self.repeats(of) {
@@ -176,7 +176,7 @@ impl<'a> Reporter<'a, '_> {
         }))
     }
 
-    /// The reference of a level: above zero, and of what it is a level of.
+    /// The reference of a level: above zero, with the dimension of the signal.
     pub(super) fn reference(&mut self, expr: &'a Expr, of: &Typed) -> Option<f64> {
         let value = self.constant(expr, &of.quantity(), "`reference`")?;
         if !(value > 0.0 && value.is_finite()) {
@@ -186,7 +186,7 @@ impl<'a> Reporter<'a, '_> {
     }
 }
 
-/// Whether no part of a signal was selected.
+/// Whether an expression uses whole signals.
 fn whole(expression: &Expression) -> bool {
     !matches!(expression, Expression::Last(..)) && expression.parts().into_iter().all(whole)
 }

@@ -20,18 +20,18 @@ use eng_system::recorded::Recorded;
 #[derive(Clone, Debug)]
 pub(super) struct Typed {
     pub members: Vec<Member>,
-    /// Whether it is a list, of however many.
+    /// Whether it is a list, even of one member.
     pub list: bool,
     /// The type of each member: a signal, a number or a truth value.
     pub ty: Type,
-    /// How its channels are shown.
+    /// The display unit of its channels.
     pub display: Option<DisplayUnit>,
     /// The reference, for a level in decibels.
     pub level: Option<String>,
 }
 
 impl Typed {
-    /// Signals of a dimension, shown as one of their channels is.
+    /// Signals with the dimension and display unit of the channel `like`.
     pub fn signals(members: Vec<Member>, list: bool, like: &Recorded, rows: SignalRows) -> Typed {
         let quantity = Quantity::hard(like.dimension);
         Typed {
@@ -52,13 +52,13 @@ impl Typed {
         self.ty.each().unwrap_or_default()
     }
 
-    /// Members of the same type, each made of one of these.
+    /// Wraps each member; the type remains.
     pub fn kept(self, wrap: impl Fn(Expression) -> Expression) -> Typed {
         let ty = self.ty.clone();
         self.mapped(ty, wrap)
     }
 
-    /// Members of another type, each made of one of these.
+    /// Wraps each member and sets another type.
     pub fn mapped(mut self, ty: Type, wrap: impl Fn(Expression) -> Expression) -> Typed {
         self.ty = ty;
         for member in &mut self.members {
@@ -71,7 +71,7 @@ impl Typed {
 }
 
 impl<'a> Reporter<'a, '_> {
-    /// What an expression is; `None` where a message was given.
+    /// The type and members of an expression; `None` after a message.
     pub(super) fn expression(&mut self, expr: &'a Expr) -> Option<Typed> {
         if self.is_constant(expr) {
             return self.known(expr);
@@ -141,7 +141,7 @@ impl<'a> Reporter<'a, '_> {
         }
     }
 
-    /// Whether an expression reads nothing of results, and so is one of the language outside of reports.
+    /// Whether an expression reads no results, so that the rules outside of reports apply.
     pub(super) fn is_constant(&self, expr: &Expr) -> bool {
         let mut names = Vec::new();
         collect_names(expr, &mut names);
@@ -193,7 +193,7 @@ impl<'a> Reporter<'a, '_> {
         })
     }
 
-    /// Says which name of an expression is of nothing that a report can read.
+    /// Gives a message about a name in an expression that a report cannot read.
     pub(super) fn all_known(&mut self, expr: &Expr) -> Option<()> {
         let mut names = Vec::new();
         collect_names(expr, &mut names);
@@ -222,7 +222,7 @@ impl<'a> Reporter<'a, '_> {
         None
     }
 
-    /// A number that is known while checking.
+    /// A constant number.
     pub(super) fn constant(
         &mut self,
         expr: &'a Expr,
@@ -240,7 +240,7 @@ impl<'a> Reporter<'a, '_> {
         }
     }
 
-    /// A number that is known while checking, with what it is.
+    /// A constant number with its quantity.
     pub(super) fn constant_of(&mut self, expr: &'a Expr, what: &str) -> Option<(Quantity, f64)> {
         if !self.is_constant(expr) {
             self.tell(
@@ -283,7 +283,7 @@ impl<'a> Reporter<'a, '_> {
                 None
             }
             _ => {
-                // neither an analysis nor a value: the rest of the language says what it is
+                // neither an analysis nor a value, so the checker of expressions gives the message
                 let ty = self.checker.infer(&self.scope, expr);
                 if !ty.is_error() {
                     self.tell(
@@ -362,7 +362,7 @@ impl<'a> Reporter<'a, '_> {
         whole
     }
 
-    /// Says where something of another shape stands than is due.
+    /// Gives a message if an expression has another shape than the place needs.
     pub(super) fn shaped(
         &mut self,
         expr: &Expr,
@@ -398,7 +398,7 @@ impl<'a> Reporter<'a, '_> {
         (!ty.is_error()).then(|| self.paired(operator(op), op_span, a, b, ty))?
     }
 
-    /// Member by member; a single one goes with every member of a list.
+    /// Combines two values member by member. A single member is combined with every member of a list.
     pub(super) fn paired(
         &mut self,
         operator: Operator,
@@ -438,7 +438,7 @@ impl<'a> Reporter<'a, '_> {
             }
             let (mut analysis, channel) = joined(&x, &y, operator);
             if a.shape() != Shape::Signal && b.shape() == Shape::Signal {
-                // the samples are those of this run
+                // the result has the samples of this run
                 analysis.clone_from(&y.analysis);
             }
             let sides = (Box::new(x.expression), Box::new(y.expression));
@@ -464,7 +464,7 @@ impl<'a> Reporter<'a, '_> {
     }
 }
 
-/// The analysis and the channel that stand for an operator between two members.
+/// The analysis and the channel text of an operator between two members.
 fn joined(a: &Member, b: &Member, operator: Operator) -> (String, String) {
     let own = |member: &Member| (member.analysis.clone(), member.channel.clone());
     if b.analysis.is_empty() {

@@ -24,7 +24,7 @@ pub(super) const STILL: Motion = Motion {
 };
 
 impl Motion {
-    /// Where a point goes.
+    /// The place of a point after the motion.
     pub fn place(&self, x: [f64; 3]) -> [f64; 3] {
         if *self == STILL {
             return x;
@@ -44,7 +44,7 @@ impl Motion {
     }
 
     /// Reads the data lines of `*INSTANCE`: a translation, then an axis (two points) and an angle in degrees.
-    /// The rotation is about the axis as it stands in the assembly, after the translation.
+    /// The rotation is about the axis in the assembly, after the translation.
     pub fn read(rows: &[Row]) -> Result<Motion, FileProblem> {
         let mut rows = rows.iter().filter(|row| !row.is_blank());
         let Some(first) = rows.next() else {
@@ -238,7 +238,7 @@ impl Transform {
         self.kind == TransformKind::Rectangular
     }
 
-    /// The axes at a place; `None` where they aren't determined.
+    /// The axes at a place; `None` if they are not determined.
     pub fn axes_at(&self, place: [f64; 3]) -> Option<Rotation> {
         match self.kind {
             TransformKind::Rectangular => {
@@ -260,7 +260,7 @@ impl Transform {
     }
 }
 
-/// The part of a vector across a unit vector; `None` where it is nothing but rounding.
+/// The part of a vector across a unit vector; `None` if it is only rounding.
 fn across(a: [f64; 3], along: [f64; 3]) -> Option<[f64; 3]> {
     let length = a.iter().zip(along).map(|(a, b)| a * b).sum::<f64>();
     let across = subtract(a, along.map(|x| x * length));

@@ -25,7 +25,7 @@ pub(super) struct Materials {
     open: Option<String>,
 }
 
-/// What a material may hold without being another structure.
+/// Keywords of a material that do not change the linear structure.
 const HARMLESS: &[&str] = &[
     "PLASTIC",
     "EXPANSION",
@@ -47,7 +47,7 @@ const HARMLESS: &[&str] = &[
 ];
 
 impl Materials {
-    /// Reads a block that belongs to a material; `false` where it doesn't.
+    /// Reads a block that belongs to a material; `false` for another block.
     pub fn read(&mut self, block: &Block, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
         let keyword = &block.keyword;
         if keyword.key == "MATERIAL" {

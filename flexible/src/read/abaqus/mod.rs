@@ -3,13 +3,13 @@
 //!
 //! Keywords and names count without case; `*INCLUDE` is followed. Parts are placed as their instances say:
 //! numbers of nodes and elements stay those of the file unless those of two instances meet; then the k-th
-//! instance (from 0, what stands outside all instances last) adds k times the power of ten above all numbers.
+//! instance (from 0; the part outside all instances is last) adds k times the power of ten above all numbers.
 //! Sets of an instance are called `Instance.SET`, and `SET` where that is clear; a surface is the set of its
-//! nodes, `surface:NAME`, and `NAME` where no set is called so.
+//! nodes, `surface:NAME`, and `NAME` if no set has this name.
 //!
 //! The two codes differ in the dimensions of beam sections and in the rules of elements, whose variants (`R`,
-//! `I`, …) the mesh keeps. Of what stands behind `*STEP`, only `*BOUNDARY` is read: that of the first step
-//! holds with the model's.
+//! `I`, …) the mesh keeps. After `*STEP` only `*BOUNDARY` is read: that of the first step counts together
+//! with the model's.
 //!
 //! ```text
 //! lines ─▶ deck (parts, instances, scopes) ─▶ model (numbered through) ─▶ sets, surfaces ─▶ elements, points, ties, supports ─▶ mesh

@@ -69,7 +69,7 @@ pub(super) fn make(
 }
 
 /// A mass, or the inertia tensor `I11, I22, I33, I12, I13, I23` about the node in the axes of the part;
-/// products are entered as they stand in the tensor, I12 = −∫ x y dm (Abaqus Analysis User's Guide, Rotary
+/// products are given as entries of the tensor, I12 = −∫ x y dm (Abaqus Analysis User's Guide, Rotary
 /// inertia).
 fn mass(
     model: &Model,
@@ -120,7 +120,7 @@ fn mass(
 }
 
 /// `*SPRING`: freedoms (none for an axial spring), then the stiffness. Freedoms are those of the nodes, in
-/// their own frames. An axial spring is read where it lies along an axis.
+/// their own frames. An axial spring is read if it is along an axis.
 fn spring(
     model: &Model,
     mesh: &mut Mesh,

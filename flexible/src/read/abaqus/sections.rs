@@ -12,7 +12,7 @@ use crate::read::builder::Once;
 use crate::read::nastran::shapes;
 use crate::read::unread::UnreadCards;
 
-/// What an element takes from its section.
+/// The family of an element's section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Family {
     /// A solid.
@@ -28,7 +28,7 @@ pub(super) enum Family {
 }
 
 impl Family {
-    /// The family of a shape; `None` for what is no element of the mesh.
+    /// The family of a shape; `None` for a shape that is no element of the mesh.
     pub fn of(shape: Shape) -> Option<Self> {
         match shape {
             Shape::Solid(..) => Some(Family::Solid),

@@ -2,7 +2,7 @@
 
 use crate::mesh::{ElementKind, VARIANT_LETTERS, Variant};
 
-/// What an element of a type is.
+/// The shape of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     /// A solid.

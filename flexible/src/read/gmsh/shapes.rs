@@ -2,7 +2,7 @@
 
 use crate::mesh::ElementKind;
 
-/// What an element of a type is.
+/// The shape of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Type {
     /// Dimension of its shape.
@@ -40,7 +40,7 @@ const OTHERS: &[(i32, u8, usize)] = &[
 ];
 
 impl Type {
-    /// The type of a number; `None` where it isn't known.
+    /// The type with a number; `None` if the number is unknown.
     pub fn of(number: i32) -> Option<Type> {
         if let Some(kind) = ElementKind::of_gmsh(number) {
             return Some(Type {

@@ -42,7 +42,7 @@ pub(super) fn elements(stream: &mut Stream, content: &mut Content) -> Result<(),
             tags.clear();
             for _ in 0..tag_count {
                 let tag = stream.integer("a tag of an element")?;
-                // entity and partitions stand behind the group
+                // entity and partitions follow the group
                 if tags.is_empty() {
                     tags.push(i64::from(tag).abs());
                 }

@@ -20,8 +20,8 @@ struct Before {
 /// this format rounds them.
 ///
 /// # Errors
-/// With file and line: a binary file, a line that isn't what it should be, a number that isn't one; modes on
-/// different nodes, or none.
+/// With file and line: a binary file, a wrong line, a text that is no number; modes on different nodes, or no
+/// modes.
 pub fn read_frd_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, FileProblem> {
     let mut text = Text::open(files, file)?;
     let mut modes = ForeignModes::new(file, ShapeFrame::Basic, 6);

@@ -17,7 +17,7 @@ pub enum ShapeFrame {
 pub struct ForeignMode {
     /// The file's number.
     pub number: u64,
-    /// Square of the angular frequency, in the file's unit of time; `None` where the file doesn't say it.
+    /// Square of the angular frequency, in the file's unit of time; `None` if the file does not state it.
     pub eigenvalue: Option<f64>,
     /// For each node its three translations and three rotations, in the file's units and scaling.
     pub shape: Vec<[f64; 6]>,
@@ -36,7 +36,7 @@ pub struct ForeignModes {
     pub frame: ShapeFrame,
     /// Significant decimal digits of the shapes.
     pub digits: u32,
-    /// What a reader of these should know: few digits, what was passed over.
+    /// Warnings for the user of the shapes: few digits, skipped parts.
     pub warnings: Vec<String>,
 }
 
@@ -84,7 +84,7 @@ impl ForeignModes {
         Ok(())
     }
 
-    /// These, where there are any.
+    /// The modes, if there are any.
     pub(super) fn finish(self, advice: &str) -> Result<Self, FileProblem> {
         if self.nodes.is_empty() || self.modes.is_empty() {
             return Err(whole(&self.file, "holds no mode shape", advice));

@@ -110,6 +110,6 @@ pub(super) fn count(text: &str) -> Option<u64> {
     number::integer(text).and_then(|value| u64::try_from(value).ok())
 }
 
-/// What to do about a number that isn't one.
+/// The remedy for a text that is no number.
 pub(super) const NUMBERS: &str =
     "stars or NaN come from a run that failed; otherwise look whether the file was edited or cut";

@@ -7,7 +7,7 @@ use super::unread::UnreadCards;
 use crate::error::FileProblem;
 use crate::mesh::{ABSENT, Carries, ElementKind};
 
-/// What an element takes its property from. Properties of different families may share a number.
+/// The family of an element's property. Properties of different families may share a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Family {
     /// `PSOLID`.
@@ -20,7 +20,7 @@ pub(super) enum Family {
     Rod,
 }
 
-/// What an element has beside its nodes and property.
+/// Data of an element beside its nodes and property.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Extra {
     /// Nothing.
@@ -59,7 +59,7 @@ pub(super) struct ElementCard {
 pub(super) struct Elements {
     /// The cards.
     pub cards: Vec<ElementCard>,
-    /// Their grid points, zero where one is absent, in the order of the mesh.
+    /// Their grid points, zero if one is absent, in the order of the mesh.
     pub grids: Vec<u64>,
 }
 
@@ -163,7 +163,7 @@ impl Elements {
         });
     }
 
-    /// Node indices of an element; [`ABSENT`] where a mid-side node is blank.
+    /// Node indices of an element; [`ABSENT`] if a mid-side node is blank.
     pub fn nodes(
         &self,
         element: &ElementCard,

@@ -71,7 +71,7 @@ pub(super) struct Masses {
 }
 
 impl Masses {
-    /// Reads a card; `false` where it is none of these.
+    /// Reads a card; `false` if it is none of these.
     pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
         match card.name.as_str() {
             "CONM2" => self.rigid(card)?,
@@ -99,7 +99,7 @@ impl Masses {
     }
 
     /// `CONM2 EID G CID M X1 X2 X3 / I11 I21 I22 I31 I32 I33`: moments about the centre of mass; products are
-    /// entered as the positive integral ∫ x y dm and stand in the matrix with a minus. With CID = -1 the
+    /// given as the positive integral ∫ x y dm, and the matrix has them with a minus. With CID = -1 the
     /// offset is a place in the basic frame.
     fn rigid(&mut self, card: &Card) -> Result<(), FileProblem> {
         let absolute = card.text(2) == "-1";
@@ -147,7 +147,7 @@ impl Masses {
         Ok(())
     }
 
-    /// `CMASS2 EID M G1 C1 G2 C2`: read where one end is the ground.
+    /// `CMASS2 EID M G1 C1 G2 C2`: read if one end is the ground.
     fn freedom(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let ends = ends(card, 2)?;
         let mass = card.real(1, "M")?;

@@ -12,7 +12,7 @@ use crate::error::FileProblem;
 use crate::mesh::{BeamSection, Carries, Material, Property, Section, Variant};
 use crate::read::builder::Once;
 
-/// A rod: nothing but area, torsion constant and added mass a length.
+/// A rod: only area, torsion constant and added mass per length.
 pub(super) fn rod(area: f64, torsion: f64, mass_per_length: f64) -> BeamSection {
     BeamSection {
         area,
@@ -113,7 +113,7 @@ impl Properties {
         }
     }
 
-    /// How the solids of a property are integrated.
+    /// The integration of the solids of a property.
     pub fn variant(&self, family: Family, id: u64) -> Variant {
         match self.properties.get(&(family, id)).map(|card| card.kind) {
             Some(Kind::Solid(variant)) => variant,
@@ -121,7 +121,7 @@ impl Properties {
         }
     }
 
-    /// Reads a property or material card; `false` where it is none of those known.
+    /// Reads a property or material card; `false` for an unknown one.
     pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
         match card.name.as_str() {
             "PSOLID" => self.solid(card)?,
@@ -465,7 +465,7 @@ impl<'d> Made<'d> {
         }
     }
 
-    /// Index of the property that an element uses, with a shell's own thickness where it has one.
+    /// Index of the property that an element uses, with a shell's own thickness if it has one.
     pub fn property(
         &mut self,
         family: Family,

@@ -13,8 +13,8 @@ use crate::mesh::{Frame, Node};
 pub(super) type Freedom = (u32, u8);
 
 /// Coefficients of each dependent freedom in the independent ones: `u_d = Σ c u_i`, a row for each dependent.
-/// `None` where the independent freedoms leave a rigid motion free. Translations and rotations keep their
-/// units: metres and radians in SI.
+/// `None` if the independent freedoms leave a rigid motion free. Translations and rotations keep their units:
+/// metres and radians in SI.
 pub(super) fn dependence(
     independent: &[Freedom; 6],
     dependent: &[Freedom],
@@ -68,7 +68,7 @@ pub(super) fn dependence(
         .collect()
 }
 
-/// Solves `matrix · x = right` by elimination with row exchange; `None` where it is singular (entries are of
+/// Solves `matrix · x = right` by elimination with row exchange; `None` if it is singular (entries are of
 /// order 1).
 fn solve(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
     for k in 0..6 {

@@ -1,5 +1,5 @@
-//! The sections of a deck: executive and case control are passed over but for what selects supports and
-//! equations; a deck of cards alone has none of them.
+//! The sections of a deck: executive and case control are skipped, except for the entries that select
+//! supports and equations; a deck of cards alone has none of them.
 
 use super::card::{Card, cut};
 use super::continuation::Assembler;
@@ -10,7 +10,7 @@ use crate::read::Files;
 /// Lines before the first card.
 const LONGEST_HEAD: usize = 100_000;
 
-/// What case control says that matters here.
+/// The entries of case control that select parts of the mesh.
 #[derive(Debug, Default)]
 pub(super) struct CaseControl {
     /// The set of supports it selects first.
@@ -135,7 +135,7 @@ fn select(text: &str, name: &str, selected: &mut Option<(u64, At)>, at: &At) {
     }
 }
 
-/// The first word of a line, upper case, without what follows a comma, bracket or asterisk.
+/// The first word of a line, in upper case, up to a comma, bracket or asterisk.
 fn first_word(text: &str) -> String {
     text.trim_start()
         .split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))

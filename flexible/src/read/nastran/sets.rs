@@ -26,7 +26,7 @@ pub(super) struct Sets {
 }
 
 impl Sets {
-    /// Reads a card; `false` where it is none of these.
+    /// Reads a card; `false` if it is none of these.
     pub fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
         let (kind, from) = match (card.name.as_str(), card.text(1)) {
             ("SET1", "SKIN") => (Kind::Either, 2),

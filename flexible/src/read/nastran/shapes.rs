@@ -60,7 +60,7 @@ fn lying(y: f64, z: f64, width: f64, thickness: f64, line: f64) -> Wall {
     }
 }
 
-/// The section of a shape: y up, shear factors along y and z; `None` where the dimensions don't make it.
+/// The section of a shape: y up, shear factors along y and z; `None` if the dimensions do not give a section.
 pub(in crate::read) fn section(shape: &str, dimensions: &[f64]) -> Option<BeamSection> {
     if dimensions.iter().any(|d| *d < 0.0 || !d.is_finite()) {
         return None;

@@ -49,7 +49,7 @@ pub(super) struct Ties {
 }
 
 impl Ties {
-    /// Reads a card; `false` where it is none of these.
+    /// Reads a card; `false` if it is none of these.
     pub fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
         let kind = match card.name.as_str() {
             "RBE2" => spider(card)?,
@@ -228,7 +228,7 @@ fn spider(card: &Card) -> Result<Kind, FileProblem> {
 }
 
 /// `RBE3 EID blank REFGRID REFC WT1 C1 G1,1 … WT2 C2 … [UM …] [ALPHA …]`: a real in the list begins a group.
-/// `UM` only says which freedoms of the same equations Nastran eliminates, so that it needs no reading.
+/// `UM` selects only the freedoms that Nastran eliminates from the same equations, so Eng need not read it.
 fn averaging(card: &Card) -> Result<Kind, FileProblem> {
     let reference = card.id(2, "REFGRID")?;
     let components = card.components(3, "REFC")?;

@@ -12,13 +12,13 @@ use crate::signal::Axis;
 /// Colours over speed and frequency, with the lines of orders and of natural frequencies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Campbell {
-    /// What is shown.
+    /// The amplitudes over speed.
     pub figure: SweepFigure,
-    /// Orders to draw a line for.
+    /// Orders with a line.
     pub orders: Vec<f64>,
     /// Natural frequencies (Hz) with names, drawn across.
     pub natural_frequencies: Vec<(String, f64)>,
-    /// Natural frequencies (Hz) at speeds (rpm), a mark each.
+    /// Speeds (rpm) and natural frequencies (Hz), each with a mark.
     pub modes: Vec<(f64, f64)>,
 }
 
@@ -153,7 +153,7 @@ impl Campbell {
                     dash: "2.5 3",
                 },
             );
-            // names that would lie over each other are left away
+            // of names that would overlap only one is drawn
             if (named - at).abs() > SMALL + 2.0 {
                 named = at;
                 svg.text(

@@ -15,7 +15,7 @@ const TITLE: f64 = 22.0;
 const LABEL: f64 = 16.0;
 const SMALL: f64 = 13.0;
 
-/// What both diagrams say of themselves.
+/// The data that both diagrams have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepFigure {
     /// Title.

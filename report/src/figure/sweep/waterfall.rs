@@ -9,7 +9,7 @@ use super::{LABEL, SMALL, SweepFigure, WIDTH};
 /// Spectra one behind the other, the highest speed at the back.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Waterfall {
-    /// What is shown.
+    /// The amplitudes over speed.
     pub figure: SweepFigure,
 }
 

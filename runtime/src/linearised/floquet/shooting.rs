@@ -10,8 +10,8 @@
 //! It finds unstable motions too. Directions that W does not change (a free turn, the phase) get no
 //! correction: the inverse is that of the least change.
 //!
-//! **Steps.** If the steps are too long for fast oscillations in the state, W is wrong, and so is the direction
-//! of a correction, however short it is. Then the number of steps is multiplied by four.
+//! **Steps.** If the steps are too long for fast oscillations in the state, W is wrong, and so is the
+//! direction of a correction, however short it is. Then the number of steps is multiplied by four.
 //!
 //! **Period.** If the period is stated as an angle, the time for this angle from the first state on is only a
 //! first guess of T, because the angle swings before the motion repeats. A part that a drive turns has no
@@ -175,8 +175,8 @@ impl Round {
         }
     }
 
-    /// δT (s) that closes the moves (ground axes) outside all freedoms, `None` without a drive; and the share of
-    /// these moves in the mass norm.
+    /// δT (s) that closes the moves (ground axes) outside all freedoms, `None` without a drive; and the share
+    /// of these moves in the mass norm.
     fn detuning(&self, moves: &DVector<f64>) -> (Option<f64>, f64) {
         let (basis, mass) = (&self.first.basis, &self.first.mass);
         let given = |x: &DVector<f64>| x - basis * (basis.transpose() * (mass * x));
@@ -320,8 +320,8 @@ fn not_repeating(
     }
 }
 
-/// Why the search ended: what drives impose, or what no move mends, is a matter of the period; the rest of
-/// the way from the state.
+/// The reason why the search ended. If drives impose the gap, or no move closes it, the period is wrong.
+/// Otherwise the start is too far from the motion.
 fn why(gap: &Gap, left: f64, period: Period) -> NotBack {
     let imposed = gap.given > UNMENDED && !(period.free && gap.driven.is_some());
     if imposed || left > UNMENDED {

@@ -28,8 +28,7 @@ impl Points {
         Ok(())
     }
 
-    /// The freedom of each row of a matrix over all points; `None` where the table is missing or makes no
-    /// sense.
+    /// The freedom of each row of a matrix over all points; `None` if the table is missing or makes no sense.
     pub fn rows(&self) -> Option<Vec<(u64, u8)>> {
         let mut points = self
             .0

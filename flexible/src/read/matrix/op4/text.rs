@@ -1,5 +1,5 @@
-//! OP4 as text. The head's format says how many values stand on a line and how wide they are; they touch each
-//! other.
+//! OP4 as text. The format in the head gives the number of values in a line and their width. No blank
+//! separates them.
 
 use super::super::text::{NUMBERS, Text, columns, real};
 use super::{Head, Taken, Wrong, keep};
