@@ -10,7 +10,8 @@
 //! use eng_report::page::{Page, Section};
 //! use eng_report::signal::{Sampling, Signal, SpectrumOptions, Window, spectrum};
 //!
-//! // two revolutions, one sample for each degree: 3 N of the second order let force: Vec<f64> = (0..720)
+//! // two revolutions, one sample for each degree: 3 N of the second order
+//! let force: Vec<f64> = (0..720)
 //!     .map(|degree| 3.0 * libm::cos(2.0 * f64::from(degree).to_radians()))
 //!     .collect();
 //! let signal = Signal { values: &force, sampling: Sampling::Angle { step: 1.0 } };

@@ -43,8 +43,8 @@ impl Integrator {
     /// inertia dominates, this is of third order in the step, like the interpolation. Positions do not
     /// change. Without kept factors, or if a correction is no number, nothing changes.
     ///
-    /// One correction leaves the error of interpolation times the contraction of the kept matrix. Two more
-    /// corrections change channels of the examples by at most a tenth of their error at the default tolerance.
+    /// One correction leaves the error of interpolation times the contraction of the kept matrix. In the
+    /// examples, two more corrections change no channel by more than its error at the default tolerance.
     pub fn settle(
         &mut self,
         model: &Model,

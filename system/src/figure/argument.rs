@@ -149,13 +149,13 @@ impl Given {
         }
     }
 
-    /// The signals of an argument for each of a number of items, if the text states it. The words say what is
-    /// done with the items by the signals, and what the signals are.
+    /// The signals of an argument for each of a number of items, if the text states it. The words are the
+    /// plural names of the items and of the signals.
     pub fn for_each(
         &self,
         name: &'static str,
         count: usize,
-        (done, signals): (&str, &str),
+        (items, signals): (&str, &str),
     ) -> Result<Option<Vec<Expression>>, Unplanned> {
         let Ok(of) = self.signals(name) else {
             return Ok(None);
@@ -165,7 +165,9 @@ impl Given {
             [one] => Ok(Some(vec![expression(one); count])),
             members if members.len() == count => Ok(Some(members.iter().map(expression).collect())),
             members => {
-                let title = format!("{count} {done} {} {signals}", members.len());
+                let given = members.len();
+                let title =
+                    format!("the numbers of {items} ({count}) and {signals} ({given}) differ");
                 Err(Unplanned::Counts(name, title))
             }
         }

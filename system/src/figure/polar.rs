@@ -51,7 +51,7 @@ fn plan(given: &Given) -> Result<Figure, Unplanned> {
         return Err(Unplanned::Absent("vectors"));
     };
     let mut vectors = vectors.clone();
-    let words = ("vectors are turned by", "angles");
+    let words = ("vectors", "angles");
     if let Some(turned) = given.for_each("turned_by", vectors.len(), words)? {
         for (vector, angle) in vectors.iter_mut().zip(turned) {
             vector.turned_by = Some(angle);

@@ -34,7 +34,7 @@ pub(super) const ROW: FigureRow = FigureRow {
 
 fn plan(given: &Given) -> Result<Figure, Unplanned> {
     let (x, y) = (given.signals("x")?, given.signals("y")?);
-    let words = ("signals are drawn over", "other ones");
+    let words = ("signals `y`", "signals `x`");
     let over = given.for_each("x", y.members.len(), words)?;
     let cycles = given.count("cycles");
     if cycles.is_some() && !y.cycle {
