@@ -24,6 +24,17 @@
 #![forbid(unsafe_code)]
 // Tests may call the standard library's functions, to compare with them.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+// no input may end the library in a panic
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo
+    )
+)]
 
 mod active;
 mod band;

@@ -745,7 +745,7 @@ fn is_count(member: Member<'_>) -> bool {
     ty.is_some_and(crate::typed::lineage::is_int)
 }
 
-/// What a member is, in a message.
+/// The kind of a member, for a message.
 fn kind_of(member: Member<'_>) -> &'static str {
     match member {
         Member::Function(_) => "a function",
