@@ -35,6 +35,8 @@ const ATTEMPTS: usize = 12;
 const VELOCITY_ROUNDS: usize = 6;
 /// Largest |Φ̇| after the corrections, of that before them.
 const VELOCITY_GOAL: f64 = 1e-9;
+/// Rounding of Φ̇, of the model's speed: both are scaled to 1/s.
+const VELOCITY_ROUNDING: f64 = 1e-12;
 /// Most refinements of a solution with the factors of a nearby position.
 const REFINEMENTS: usize = 6;
 
@@ -288,7 +290,7 @@ impl AccelerationSystem {
         Ok(())
     }
 
-    /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of the model's speed,
+    /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of its first value or at rounding,
     /// accelerations, multipliers and rates.
     ///
     /// Loads belong to the given velocity, at which `dynamics` was evaluated: see the head of this module.
@@ -306,23 +308,28 @@ impl AccelerationSystem {
         }
         self.take_forces(model, dynamics, state);
         self.fill(model, dynamics)?;
-        let largest = |rates: &[f64]| {
-            rates
-                .iter()
-                .fold(0.0_f64, |most, rate| most.max(rate.abs()))
-        };
-        let (mut first, mut last) = (0.0, f64::INFINITY);
+        let speed = state.velocity.iter().zip(&self.scales);
+        let speed = speed.fold(0.0_f64, |most, (v, scale)| most.max((v / scale).abs()));
+        let rounding = VELOCITY_ROUNDING * speed;
+        let (mut first, mut last, mut refined) = (0.0, f64::INFINITY, false);
         for round in 0..=VELOCITY_ROUNDS {
             dynamics.velocity_level(model, &state.velocity)?;
-            let left = largest(&dynamics.constraint_rates);
+            let rates = dynamics.constraint_rates.iter().zip(&self.scales[n..]);
+            let left = rates.fold(0.0_f64, |most, (rate, scale)| {
+                most.max((rate * scale).abs())
+            });
             if round == 0 {
                 first = left;
             }
-            // after the first round each one leaves 1e-6 of the violation; no progress means rounding
-            let enough = round > 1 && (left <= VELOCITY_GOAL * first || left > 0.1 * last);
-            if enough || round == VELOCITY_ROUNDS {
+            // the first round hardly changes the films, so it always happens
+            let progress = left <= 0.1 * last;
+            let enough =
+                left <= VELOCITY_GOAL * first || (!progress && (refined || left <= rounding));
+            if (round > 1 && enough) || round == VELOCITY_ROUNDS {
                 break;
             }
+            // without progress above rounding the factors belong to a position too far away
+            refined |= round > 1 && !progress;
             last = left;
             for (wanted, rate) in self.wanted_rates.iter_mut().zip(&dynamics.constraint_rates) {
                 *wanted = -rate;
@@ -334,8 +341,12 @@ impl AccelerationSystem {
                 for (i, wanted) in self.wanted_rates.iter().enumerate() {
                     self.rhs[n + i] = wanted * self.scales[n + i];
                 }
-                // the next round removes the error of factors at a nearby position
-                self.solver.solve(&mut self.rhs);
+                if refined {
+                    self.solve(model, moment)?;
+                } else {
+                    // the next round removes the error of factors at a nearby position
+                    self.solver.solve(&mut self.rhs);
+                }
                 for ((x, y), s) in self.change.iter_mut().zip(&self.rhs).zip(&self.scales) {
                     *x = y * s;
                 }
