@@ -56,7 +56,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             wrong_branch(d(codes::WRONG_BRANCH), origin, chain.as_deref(), system)
         }
         R::FarGuess { origin, .. } => place(d(codes::FAR_GUESS), origin, "guessed far away")
-            .with_help("check the unit of its `guess position`; what is meant to stand far away is stated by `start position`"),
+            .with_help("check the unit of its `guess position`; `start position` states a place that is far away on purpose"),
         R::StartVelocity { rows, chain } => {
             start_velocity(d(codes::START_VELOCITY), rows, chain.as_deref(), system)
         }
@@ -117,7 +117,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             })
         }
         R::NoEquilibrium { origin, carried, turning, films, .. } => {
-            let message = place(d(codes::NO_EQUILIBRIUM), origin, "stands in the way");
+            let message = place(d(codes::NO_EQUILIBRIUM), origin, "the obstacle");
             no_equilibrium(message, *carried, *turning, *films)
         }
         R::NoPeriod { .. } => d(codes::NO_PERIOD).with_help("give the period as a time, such as `over: 20 ms`"),
@@ -207,7 +207,7 @@ pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Di
     let (code, title) = match (&*slow.pace, rest) {
         (Pace::Jump(_), _) => (
             codes::JUMPING,
-            format!("{analysis} goes on slowly at {}; its {slow}", slow.moment),
+            format!("{analysis} advances slowly at {}; its {slow}", slow.moment),
         ),
         (_, Some(rest)) => (
             codes::SLOWING,
@@ -422,9 +422,9 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
         ),
     );
     Some(
-        place(message, &obstacle.origin, "stands in the way")
+        place(message, &obstacle.origin, "the obstacle")
             .with_note(format!(
-                "so it stands with {:.3} % of the load; the run starts as assembled",
+                "so it is in equilibrium with {:.3} % of the load; the run starts as assembled",
                 100.0 * obstacle.carried
             ))
             .with_help("`start: assembled` takes this start without a warning"),

@@ -20,7 +20,7 @@ fn a_code_is_explained_with_an_example() {
         assert_eq!(output.status.code(), Some(0));
         assert_eq!(
             text(&output.stdout),
-            "E0301: a number without a unit stands where a quantity is due\n\
+            "E0301: a number has no unit where a quantity is expected\n\
              \n\
              Every quantity has a unit. A zero needs one, too.\n\
              \n\

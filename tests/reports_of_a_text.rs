@@ -462,7 +462,7 @@ fn what_samples_cannot_tell_is_refused() {
     );
     assert_eq!(
         error("long"),
-        "turned goes from 720.000000 deg to 1440.000000 deg, and `like`, of coarse, from 0.000000 deg to 1440.000000 deg: it is asked for what it has not; take parts that agree: `last`, `last_cycle`"
+        "turned covers 720.000000 deg to 1440.000000 deg, and `like`, of coarse, covers 0.000000 deg to 1440.000000 deg: it has no values there; take parts that agree: `last`, `last_cycle`"
     );
     assert_eq!(
         error("block"),

@@ -118,7 +118,7 @@ fn a_law_that_does_not_fill_the_interface_is_no_journal() {
         refused("journal", "radial_clearance", ""),
         "E0421 the journal `OwnFilm` does not say that it fills `JournalLaw`"
     );
-    // the parameter that it does not repeat is that of the interface, and is due at the use
+    // the parameter that it does not repeat is that of the interface, and is expected at the use
     assert_eq!(
         refused("journal", "clearance", ": JournalLaw"),
         "E0402 `OwnFilm` needs `radial_clearance`"

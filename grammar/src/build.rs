@@ -234,7 +234,7 @@ impl<'t, 'd> Builder<'t, 'd> {
     fn two_on_a_line(&mut self, last_end: usize, start: usize, end: usize) {
         let first_line = self.text.get(start..end).unwrap_or("");
         let shown = first_line.split_whitespace().next().unwrap_or("");
-        let diagnostic = Diagnostic::error(codes::TWO_ITEMS, "two items stand on one line")
+        let diagnostic = Diagnostic::error(codes::TWO_ITEMS, "two items are on one line")
             .at(
                 self.span(start, start + shown.len()),
                 "a second item begins here",

@@ -48,7 +48,7 @@ codes! {
         "Something is missing, misplaced or not of this language. The message lists what is possible at this place.",
         "let area = pi/4*",
         "let area = pi/4*bore^2";
-    TWO_ITEMS = "E0102", "two items stand on one line",
+    TWO_ITEMS = "E0102", "two items are on one line",
         "An item ends at the end of its line or at a semicolon.",
         "mass = 5 kg inertia = [1, 2, 3] g*m^2",
         "mass = 5 kg; inertia = [1, 2, 3] g*m^2";
@@ -56,7 +56,7 @@ codes! {
         "Every bracket that opens must close. The message shows the place of the open one.",
         "let sum = (a + b",
         "let sum = (a + b)";
-    SPACE_BEFORE_BRACKET = "E0104", "a space stands before the bracket of a call or an index",
+    SPACE_BEFORE_BRACKET = "E0104", "a space before the bracket of a call or an index",
         "The bracket of a call or an index follows its name without a space. After a space it would begin a new value.",
         "let lift = cam (angle)",
         "let lift = cam(angle)";

@@ -117,7 +117,7 @@ pub(crate) fn digits(value: f64) -> String {
 
 fn standing(moment: &Moment, angle: f64) -> String {
     if moment.time == 0.0 {
-        "the cycle does not turn: it stands at the start, and nothing accelerates it".to_owned()
+        "the cycle does not turn: it is at rest at the start, and nothing accelerates it".to_owned()
     } else {
         format!(
             "the cycle angle has not gone beyond {:.3}° until {moment}",

@@ -99,7 +99,7 @@ pub(super) fn start_velocity(
     }
     let message = match chain {
         Some(chain) => with_axes(message, chain).with_help(format!(
-            "see whether the joints of {chain} let them follow: an axis that stands across, a bore along the crank"
+            "see whether the joints of {chain} let them follow: an axis that is across, a bore along the crank"
         )),
         None => message,
     };

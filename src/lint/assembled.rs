@@ -207,7 +207,7 @@ impl Start<'_> {
         let offset = (a.position - b.position).norm();
         (offset > UNPLACED).then(|| {
             let message = format!(
-                "{} begins {} mm from {}: nothing says where it begins, and where nothing does, a body stands at the origin",
+                "{} begins {} mm from {}: nothing says where it begins, and where nothing does, a body is at the origin",
                 self.path(markers[0]),
                 mm(offset),
                 self.path(markers[1])

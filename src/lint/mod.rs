@@ -314,7 +314,7 @@ pub(crate) fn needless(accepted: &Accepted) -> Diagnostic {
         format!("nothing says `{}` here", accepted.name),
     )
     .at(span(accepted.at), "accepts nothing")
-    .with_help("take it away, so that a later mistake of this kind is told")
+    .with_help("remove it, so that a later mistake of this kind is reported")
 }
 
 /// Whether a covered element has an `advise` of this name on its motion.

@@ -155,7 +155,7 @@ pub enum PostError {
     },
     /// Samples beyond those of the resampled signal.
     #[error(
-        "{analysis} goes from {own}, and `like`, of {other}, from {asked}: it is asked for what it has not; take parts that agree: `last`, `last_cycle`"
+        "{analysis} covers {own}, and `like`, of {other}, covers {asked}: it has no values there; take parts that agree: `last`, `last_cycle`"
     )]
     Outside {
         /// The analysis that is resampled.
@@ -215,7 +215,7 @@ pub enum PostError {
     #[error("{0} is no finite number")]
     NotFinite(String),
     /// A tree that no checked text gives.
-    #[error("a {found} stands where a {due} is due")]
+    #[error("a {found} is where a {due} is expected")]
     Shape {
         /// The necessary kind.
         due: &'static str,

@@ -199,7 +199,7 @@ impl Table {
         }
     }
 
-    /// Whether a checkpoint is due.
+    /// Whether a checkpoint is expected.
     pub fn wants_checkpoint(&self) -> bool {
         self.disk
             .as_ref()

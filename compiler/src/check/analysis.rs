@@ -276,7 +276,7 @@ impl<'p> Checker<'p> {
             Some(near) => message
                 .meant(value.span, near),
             None => message.with_help(
-                "`quasi_static`: pins and flexible bodies stand where the loads of the steady motion hold them; `assembled`: where the text and the joints put them",
+                "`quasi_static`: pins and flexible bodies are where the loads of the steady motion hold them; `assembled`: where the text and the joints put them",
             ),
         };
         self.report(message);

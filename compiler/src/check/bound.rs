@@ -213,7 +213,7 @@ impl Checker<'_> {
         self.report(match near {
             Some(near) => message.meant(name.span, near),
             None if by_name.count() == 0 && !called.parameters.is_empty() => {
-                message.with_help("its arguments stand without names")
+                message.with_help("its arguments have no names")
             }
             None => called.takes(message),
         });

@@ -348,7 +348,7 @@ impl<'p> Checker<'p> {
                 place,
                 what,
                 "at a definition",
-                "a class with arguments is a definition; the index and the block stand at its uses",
+                "a class with arguments is a definition; the index and the block belong to its uses",
             );
         }
         if !matches!(value.kind, ExprKind::Call { .. }) {
@@ -358,7 +358,7 @@ impl<'p> Checker<'p> {
                     codes::MISSING_ARGUMENT,
                     format!("`{}` is defined without arguments", name.text),
                 )
-                .at(value.span, "a class with some of its arguments stands here")
+                .at(value.span, "this is a class with some of its arguments")
                 .with_help(format!(
                     "write `{word} {} = Class(parameter: …)`, or put an element into a model",
                     name.text
@@ -600,7 +600,7 @@ impl<'p> Checker<'p> {
             let mut message = Diagnostic::error(
                 codes::NOT_OF_INTERFACE,
                 format!(
-                    "the parameters of `{class_name}` stand in another order than those of `{interface_name}`"
+                    "the parameters of `{class_name}` are in another order than those of `{interface_name}`"
                 ),
             )
             .at(expr.span, format!("has `{}` in the place of `{}`", odd.name, promise.name));

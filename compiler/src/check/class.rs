@@ -49,7 +49,7 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
                 if kind == Kind::Record {
                     "the values of a record are its `let`s"
                 } else {
-                    "the parameters of a class stand in the parentheses after its name"
+                    "the parameters of a class are in the parentheses after its name"
                 },
             ),
             BindingKind::Let => (true, "", ""),
@@ -298,7 +298,7 @@ impl<'p> Checker<'p> {
                     )),
                 };
                 message.with_help(format!(
-                    "a class of your own stands at the top of the file: `{word} {name}(…) {{ … }}`"
+                    "a class of your own is at the top of the file: `{word} {name}(…) {{ … }}`"
                 ))
             }
         };
@@ -338,7 +338,10 @@ impl<'p> Checker<'p> {
                         codes::KIND,
                         format!("`{name}` is a function, not {}", with_article(word)),
                     )
-                    .at(callee.span, format!("a class of the kind `{word}` is due")),
+                    .at(
+                        callee.span,
+                        format!("a class of the kind `{word}` is expected"),
+                    ),
                 );
                 return Type::Error;
             }
@@ -417,7 +420,7 @@ impl<'p> Checker<'p> {
                     .at(callee.span, format!("this is {found}"))
                     .also(
                         declaration.kind_span,
-                        format!("a class of the kind `{word}` is due"),
+                        format!("a class of the kind `{word}` is expected"),
                     ),
                 );
                 Type::Error
@@ -516,7 +519,7 @@ impl<'p> Checker<'p> {
                     item_place(item),
                     "this",
                     "into the block of a use",
-                    "it takes `branch`, `require`, `advise` and `accept`; start values stand in the model: `start joint.angle = 30 deg`",
+                    "it takes `branch`, `require`, `advise` and `accept`; start values belong to the model: `start joint.angle = 30 deg`",
                 ),
             }
         }

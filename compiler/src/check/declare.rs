@@ -282,7 +282,7 @@ impl<'p> Checker<'p> {
                 other => {
                     let found = self.describe(&other);
                     self.report(
-                        Diagnostic::error(codes::UNKNOWN_TYPE, "a dimension is due here")
+                        Diagnostic::error(codes::UNKNOWN_TYPE, "a dimension is expected here")
                             .at(ty.span, format!("this is {found}")),
                     );
                     None
@@ -584,7 +584,7 @@ impl<'p> Checker<'p> {
             }
             return ty;
         };
-        let due = Due::new("what stands after `in`");
+        let due = Due::new("the value after `in`");
         let marker = self.infer(scope, frame);
         if !marker.is_error() && marker != Type::Marker {
             let found = self.describe(&marker);

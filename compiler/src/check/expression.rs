@@ -164,7 +164,7 @@ impl<'p> Checker<'p> {
                 self.report(
                     Diagnostic::error(
                         codes::UNIT_TWICE,
-                        format!("the unit `{}` stands on {found}", unit_text(unit)),
+                        format!("the unit `{}` follows {found}", unit_text(unit)),
                     )
                     .at(unit.span, "a unit makes a quantity of a plain number")
                     .also(inside, format!("this is {found} already"))
@@ -205,7 +205,7 @@ impl<'p> Checker<'p> {
         }
         if matches!(element, Type::Range(_)) {
             self.report(
-                Diagnostic::error(codes::RANGE, "a range stands in a list")
+                Diagnostic::error(codes::RANGE, "a range is in a list")
                     .at(span, "a range is a list itself: leave the brackets away"),
             );
             return Type::Error;

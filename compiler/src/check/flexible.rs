@@ -201,17 +201,14 @@ impl<'p> Checker<'p> {
             _ => {
                 let examples: Vec<&str> = words(Place::Marker).map(|w| w.example).collect();
                 self.report(
-                    Diagnostic::error(
-                        codes::MARKER,
-                        format!("`{name}` does not say which nodes it stands on"),
-                    )
-                    .at(value.span, "no place on a mesh")
-                    .with_note("a marker of a flexible body moves with nodes of its mesh")
-                    .with_help(format!(
-                        "for instance `{}` or `{}`",
-                        examples.first().unwrap_or(&""),
-                        examples.get(1).unwrap_or(&""),
-                    )),
+                    Diagnostic::error(codes::MARKER, format!("`{name}` does not name its nodes"))
+                        .at(value.span, "no place on a mesh")
+                        .with_note("a marker of a flexible body moves with nodes of its mesh")
+                        .with_help(format!(
+                            "for instance `{}` or `{}`",
+                            examples.first().unwrap_or(&""),
+                            examples.get(1).unwrap_or(&""),
+                        )),
                 );
             }
         }
@@ -505,7 +502,7 @@ impl<'p> Checker<'p> {
                     .with_fix("the name alone", value.span, name.text.clone()),
             ),
             _ => self.report(
-                Diagnostic::error(codes::FLEXIBLE, "names of markers are due here")
+                Diagnostic::error(codes::FLEXIBLE, "names of markers are expected here")
                     .at(value.span, "no marker's name")
                     .with_help("for instance `main`, `main[1]`, `[main, pin[2..4]]`"),
             ),

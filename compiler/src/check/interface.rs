@@ -50,7 +50,7 @@ impl<'p> Checker<'p> {
         if let Some(other) = found {
             let message =
                 Diagnostic::error(codes::INTERFACE, format!("`{}` is no interface", name.text))
-                    .at(name.span, "an interface stands here");
+                    .at(name.span, "this is an interface");
             let message = match self.declaration(other) {
                 Some(other) => message.also(other.name.span, "defined here"),
                 None => message,
@@ -280,7 +280,7 @@ impl<'p> Checker<'p> {
                     ),
                 )
                 .at(place, fault)
-                .also(function_head(asked), "asked for here")
+                .also(function_head(asked), "required here")
                 .with_help(format!("write `fn {text} = …`")),
             );
         }

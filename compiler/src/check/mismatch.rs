@@ -148,11 +148,16 @@ impl<'p> Checker<'p> {
                         due.label(
                             Diagnostic::error(
                                 codes::FRAME,
-                                format!("{} is a vector, not components along a marker's axes", due.what),
+                                format!(
+                                    "{} is a vector, not components along a marker's axes",
+                                    due.what
+                                ),
                             )
                             .at(expr.span, "components, whose axes would be lost"),
                         )
-                        .with_note("a list of three stands for a vector only where it means the ground's axes")
+                        .with_note(
+                            "a list of three is a vector only where it means the ground's axes",
+                        )
                         .with_help("make a vector of it: `vector(components, marker)`"),
                     );
                     return Type::Error;

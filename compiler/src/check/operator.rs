@@ -119,7 +119,7 @@ impl<'p> Checker<'p> {
         let whole = unit.span.to(right.span);
         let text = self.sources.text(whole);
         let title = match text.contains(char::is_whitespace) {
-            true => "a blank stands in a unit",
+            true => "a blank is in a unit",
             false => "a product of units is written with `*`",
         };
         let mut joined: String = text.chars().filter(|c| !c.is_whitespace()).collect();
@@ -514,7 +514,7 @@ impl<'p> Checker<'p> {
                 let due = Due::new("this number").declared(
                     other_expr.span,
                     format!(
-                        "it stands beside {}",
+                        "it is beside {}",
                         self.describe(&Type::Scalar(other.clone()))
                     ),
                 );

@@ -252,7 +252,7 @@ impl<'p> Checker<'p> {
         );
         let message = if is_asked(elder.member) {
             message
-                .also(first, "asked for here as something else")
+                .also(first, "used here as something else")
                 .with_help(format!(
                     "give what `{interface}` asks for: {}",
                     kind_of(elder.member)
@@ -419,7 +419,7 @@ impl<'p> Checker<'p> {
             message = self.offer_use(message, scope.module, &path, name);
         } else if self.program.units.contains_key(name) {
             message = message.with_help(format!(
-                "`{name}` is a unit: it stands after a number, as in `1 {name}`, a list or a parenthesis"
+                "`{name}` is a unit: it follows a number, as in `1 {name}`, a list or a parenthesis"
             ));
         } else if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
             message = message.meant(span, near);
@@ -489,7 +489,7 @@ impl<'p> Checker<'p> {
                             codes::WRONG_TYPE,
                             format!("`{}` is no value", declaration.name.text),
                         )
-                        .at(span, "a value is due here")
+                        .at(span, "a value is expected here")
                         .also(declaration.name.span, "defined here"),
                     );
                     Type::Error
@@ -507,7 +507,7 @@ impl<'p> Checker<'p> {
                         codes::WRONG_TYPE,
                         format!("`{}` is a report, not a value", report.name.text),
                     )
-                    .at(span, "a value is due here")
+                    .at(span, "a value is expected here")
                     .also(report.name.span, "defined here"),
                 );
                 Type::Error
@@ -518,7 +518,7 @@ impl<'p> Checker<'p> {
                         codes::WRONG_TYPE,
                         format!("`{}` is a dimension, not a value", dimension.name.text),
                     )
-                    .at(span, "a value is due here"),
+                    .at(span, "a value is expected here"),
                 );
                 Type::Error
             }

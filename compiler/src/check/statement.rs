@@ -32,14 +32,9 @@ impl<'p> Checker<'p> {
                 };
                 let due = Due::new(format!("what `apply {word}` applies"));
                 self.expect(scope, value, &Type::vector(Quantity::hard(dimension)), &due);
-                self.expect(
-                    scope,
-                    on,
-                    &Type::Marker,
-                    &Due::new("what stands after `on`"),
-                );
+                self.expect(scope, on, &Type::Marker, &Due::new("the value after `on`"));
                 if let Some(against) = against {
-                    let due = Due::new("what stands after `against`");
+                    let due = Due::new("the value after `against`");
                     self.expect(scope, against, &Type::Marker, &due);
                 }
             }

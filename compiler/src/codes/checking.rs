@@ -3,11 +3,11 @@
 eng_grammar::codes! {
     CHECKING:
 
-    UNIT_MISSING = "E0301", "a number without a unit stands where a quantity is due",
+    UNIT_MISSING = "E0301", "a number has no unit where a quantity is expected",
         "Every quantity has a unit. A zero needs one, too.",
         "param bore: Length = 86",
         "param bore: Length = 86 mm";
-    DIMENSION = "E0302", "a quantity has another dimension than is due",
+    DIMENSION = "E0302", "a quantity has another dimension than expected",
         "The dimension of the value does not fit the place: a mass in newtons, a width in bar.",
         "param mass: Mass = 3 N",
         "param mass: Mass = 3 kg";
@@ -35,7 +35,7 @@ eng_grammar::codes! {
         "degC counts from the melting point of ice; in a product or a power only the size of a degree counts, and its unit is K.",
         "param conductivity: ThermalConductivity = 40 W/m/degC",
         "param conductivity: ThermalConductivity = 40 W/m/K";
-    WRONG_TYPE = "E0309", "a thing of another type is due",
+    WRONG_TYPE = "E0309", "a thing of another type is expected",
         "A body is given for a marker, a list for a number, or a text for a quantity. The message names both types.",
         "joint pin = Revolute(rod, crank)",
         "joint pin = Revolute(rod.big_end, crank.pin)";
@@ -55,7 +55,7 @@ eng_grammar::codes! {
         "A list, the sides of an `if`, and the arguments of `min` and `max` have one dimension.",
         "let sizes = [86 mm, 3 s]",
         "let sizes = [86 mm, 90 mm]";
-    LIST_LENGTH = "E0315", "a list has another length than is due",
+    LIST_LENGTH = "E0315", "a list has another length than expected",
         "A place has three coordinates, a table as many values as arguments.",
         "marker main = [0, 46] mm",
         "marker main = [0, 46, 0] mm";

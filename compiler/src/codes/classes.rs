@@ -31,7 +31,7 @@ eng_grammar::codes! {
         "The name after the colon is an interface. The class gives each output and function that the interface requires, with the same types. A class may repeat a parameter or output with its type. An interface may extend an interface that extends none.",
         "journal Film(pin: Marker) : JournalLaw { }",
         "journal Film(pin: Marker) { output height = dot(pin.origin, ground.y) as mm }";
-    NOT_OF_INTERFACE = "E0408", "a class does not belong to the interface that is due",
+    NOT_OF_INTERFACE = "E0408", "a class does not belong to the interface that is expected",
         "A class that is passed as an argument states the interface after its parameters. It has no required parameters besides those of the interface.",
         "part main = Bearing(law: Revolute)",
         "part main = Bearing(law: Short)";

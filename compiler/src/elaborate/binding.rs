@@ -650,7 +650,7 @@ impl<'a> Elaborator<'a, '_> {
                 let title = |paths: &[&str]| titled(&text, paths);
                 let places = |diagnostic: Diagnostic| match used_at.map(span_of) {
                     Some(place) => diagnostic
-                        .at(place, "asked for by what is used here")
+                        .at(place, "needed by the item used here")
                         .also(condition.span, "this does not hold"),
                     None => diagnostic.at(condition.span, "this does not hold"),
                 };

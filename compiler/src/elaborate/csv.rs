@@ -199,7 +199,7 @@ impl<'a> Elaborator<'a, '_> {
                             .at(
                                 file,
                                 if cell.is_empty() {
-                                    format!("nothing stands in its column {:?}", name)
+                                    format!("it is empty in the column {:?}", name)
                                 } else {
                                     format!("its column {:?} holds {cell:?}", name)
                                 },

@@ -60,7 +60,7 @@ impl<'a> Elaborator<'a, '_> {
                             codes::MOTION,
                             "time is known in classes and outputs only",
                         )
-                        .at(span, "stands where only parameters can"),
+                        .at(span, "only parameters are allowed here"),
                     ));
                 };
                 let node = element.graph.input(InputLayout::TIME);
@@ -362,7 +362,7 @@ impl<'a> Elaborator<'a, '_> {
                         "a marker moves: it is known in classes and outputs only",
                     );
                     if let Some(span) = span {
-                        message = message.at(span, "stands where only parameters can");
+                        message = message.at(span, "only parameters are allowed here");
                     }
                     return Err(self.report(message.with_help(
                         "measure it in a class, which sees its markers, or in an output",

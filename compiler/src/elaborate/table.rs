@@ -313,7 +313,7 @@ impl<'a> Elaborator<'a, '_> {
                     codes::TABLE_PEAK,
                     format!("table `{}` reaches {}", table.name.text, unit.text(peak)),
                 )
-                .at(table.name.span, "no engine part stands this pressure")
+                .at(table.name.span, "no engine part withstands this pressure")
                 .also(
                     stated.map_or(table.source.span, |e| e.span),
                     format!("read in {}", unit.symbol),

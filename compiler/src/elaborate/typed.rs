@@ -99,7 +99,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn read<T: Reading<'a>>(&mut self, value: Value<'a>, place: Span) -> Eval<T> {
         T::read(value).map_err(|found| {
             let (due, found) = (T::KIND, found.kind());
-            self.contradiction(place, &format!("{due} is due, but this is {found}"))
+            self.contradiction(place, &format!("{due} is expected, but this is {found}"))
         })
     }
 

@@ -449,7 +449,7 @@ fn better_shift(
 
 fn too_few(there: usize, wanted: usize) -> FlexibleError {
     FlexibleError::Numerical {
-        problem: format!("{wanted} modes asked for, there are {there}"),
+        problem: format!("{wanted} modes are requested, there are {there}"),
         advice: "only freedoms with mass have modes; ask for fewer".into(),
     }
 }

@@ -270,7 +270,7 @@ pub(crate) fn item(builder: &Builder<'_, '_>, start: usize, end: usize) -> Optio
         .first()
         .map_or((start, end), |token| (token.start, token.end));
     found(
-        Diagnostic::error(codes::UNEXPECTED, "this cannot stand here")
+        Diagnostic::error(codes::UNEXPECTED, "this cannot be here")
             .at(builder.span(from, to), "no item begins like this"),
     )
 }
@@ -326,7 +326,7 @@ fn brackets(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic> {
                 Some((opening, opening_sign)) => {
                     return Some(unclosed(opening, opening_sign).also(
                         builder.span(token.start, token.end),
-                        format!("`{sign}` stands here instead"),
+                        format!("found `{sign}`"),
                     ));
                 }
                 None => {
@@ -419,7 +419,7 @@ fn first_word(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic>
         return match word {
             "use" | "let" => None,
             "for" => Some(diagnostic.with_help(
-                "repetition stands after a name, `body rod[i in 1..4]`, or inside a list or a call",
+                "repetition follows a name, `body rod[i in 1..4]`, or inside a list or a call",
             )),
             "if" => Some(diagnostic.with_help("`if` is a value: `let x = if c then a else b`")),
             _ => Some(diagnostic),

@@ -265,7 +265,7 @@ impl<'t> Builder<'t, '_> {
                 _ => {
                     self.report(
                         Diagnostic::error(codes::UNEXPECTED, "`by` gives the step of a range")
-                            .at(op_span, "no range stands before it")
+                            .at(op_span, "no range is before it")
                             .with_help("write `first .. last by step`"),
                     );
                     error(span)

@@ -249,12 +249,9 @@ impl<'t> Builder<'t, '_> {
             } {
                 if tails.contains(&rule) {
                     self.report(
-                        Diagnostic::error(
-                            codes::UNEXPECTED,
-                            format!("`{shown}` stands here twice"),
-                        )
-                        .at(place, "the second one")
-                        .with_help("remove one of them"),
+                        Diagnostic::error(codes::UNEXPECTED, format!("`{shown}` is here twice"))
+                            .at(place, "the second one")
+                            .with_help("remove one of them"),
                     );
                     continue;
                 }

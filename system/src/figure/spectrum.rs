@@ -150,7 +150,7 @@ impl SpectrumSettings {
         let (stated, up_to) = (given.word("axis", &AXES), given.limit("up_to"));
         let axis = match (stated, up_to) {
             (Some(Axis::Order), Some(Limit::Frequency(_))) => {
-                return Err(other_axis("orders: a plain number is due"));
+                return Err(other_axis("orders: a plain number is expected"));
             }
             (Some(Axis::Frequency), Some(Limit::Order(_))) => {
                 return Err(other_axis("frequencies: write `2 kHz`"));

@@ -158,7 +158,7 @@ impl<'a> Reporter<'a, '_> {
                     codes::REPORT_SHAPE,
                     format!("`{name}` draws a figure, and gives no value"),
                 )
-                .at(place, "a signal or number is due")
+                .at(place, "a signal or number is expected")
                 .with_help(format!("write `figure name = {name}(…)`")),
             );
             return;
@@ -233,11 +233,14 @@ impl<'a> Reporter<'a, '_> {
     fn fold(&mut self, operator: Operator, expr: &Expr, of: Typed) -> Option<Typed> {
         if !of.list || of.shape() == Shape::Truth {
             self.tell(
-                Diagnostic::error(codes::REPORT_SHAPE, "a list of numbers or signals is due")
-                    .at(expr.span, "one alone")
-                    .with_help(
-                        "of a signal over its samples take `minimum`, `maximum`, `mean` or `rms`",
-                    ),
+                Diagnostic::error(
+                    codes::REPORT_SHAPE,
+                    "a list of numbers or signals is expected",
+                )
+                .at(expr.span, "one alone")
+                .with_help(
+                    "of a signal over its samples take `minimum`, `maximum`, `mean` or `rms`",
+                ),
             );
             return None;
         }

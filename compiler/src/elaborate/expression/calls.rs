@@ -187,7 +187,7 @@ impl<'a> Elaborator<'a, '_> {
                         codes::LATE_ACCELERATION,
                         "a function that asks for a condition is given what is known in outputs only",
                     )
-                    .at(call, "an acceleration, a reaction or an output of another element stands in its condition")
+                    .at(call, "an acceleration, a reaction or an output of another element is in its condition")
                     .also(requirement.condition.span, "its condition is watched at every step")
                     .with_help("call it in the class that knows the value, or a function without `require`"),
                 ));
@@ -210,7 +210,7 @@ impl<'a> Elaborator<'a, '_> {
             Stage::Motion => Err(self.report(
                 Diagnostic::error(
                     codes::MOTION,
-                    "a value of the motion stands where only parameters can",
+                    "a value of the motion is where only parameters are allowed",
                 )
                 .at(span, "depends on positions, velocities or time")
                 .with_help("what moves is known in classes and outputs"),

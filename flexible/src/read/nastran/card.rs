@@ -218,7 +218,7 @@ impl Card {
     fn wrong(&self, i: usize, field: &str, what: &str) -> FileProblem {
         self.problem(
             &format!("field {field} is \"{}\", not {what}", self.text(i)),
-            "look whether the fields stand in their columns; no blank may stand inside a number",
+            "check that the fields are in their columns; no blank may be inside a number",
         )
     }
 

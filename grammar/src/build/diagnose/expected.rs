@@ -117,7 +117,7 @@ impl<'b> Failure<'b> {
                 return Some(
                     Diagnostic::error(codes::NUMBER, "this number is malformed")
                         .at(whole, "not a number")
-                        .with_help("digits stand on both sides of the point: `1.0`, `0.5`"),
+                        .with_help("write digits on both sides of the point: `1.0`, `0.5`"),
                 );
             }
             if number && here.text(self.text).starts_with('_') {
@@ -273,7 +273,7 @@ impl<'b> Failure<'b> {
             "\u{2212}" | "\u{2013}" => diagnostic.with_fix("write a minus sign", span, "-"),
             "\u{b2}" => diagnostic.with_fix("write `^2`", span, "^2"),
             "\u{b3}" => diagnostic.with_fix("write `^3`", span, "^3"),
-            "\u{201c}" | "\u{201d}" | "'" | "`" => diagnostic.with_help("a text stands in `\"`"),
+            "\u{201c}" | "\u{201d}" | "'" | "`" => diagnostic.with_help("write a text in `\"`"),
             "!" => diagnostic.with_help("write `not`"),
             "&" => diagnostic.with_help("write `and`"),
             "|" => diagnostic.with_help("write `or`"),
@@ -351,7 +351,7 @@ impl<'b> Failure<'b> {
         Some(
             Diagnostic::error(
                 codes::SPACE_BEFORE_BRACKET,
-                format!("a space stands before the `{sign}` of {what}"),
+                format!("a space before the `{sign}` of {what}"),
             )
             .at(self.span(), format!("must touch `{}`", self.before_text()))
             .with_fix(
@@ -387,7 +387,7 @@ impl<'b> Failure<'b> {
             return Some(
                 Diagnostic::error(
                     codes::UNEXPECTED,
-                    "an `if` inside a larger value stands in parentheses",
+                    "an `if` inside a larger value needs parentheses",
                 )
                 .at(span, "expected `(if … then … else …)`"),
             );
@@ -417,7 +417,7 @@ impl<'b> Failure<'b> {
         (token.kind == TokenKind::Doc).then(|| {
             Diagnostic::error(codes::UNEXPECTED, "this documents nothing")
                 .at(self.span(), "not before an item or a parameter")
-                .with_help("`//` begins a plain comment; `//!` stands at the head of the file")
+                .with_help("`//` begins a plain comment; `//!` is for the head of the file")
                 .with_fix(
                     "make it a plain comment",
                     self.builder.span(token.start, token.start + 3),
@@ -435,7 +435,7 @@ impl<'b> Failure<'b> {
             Diagnostic::error(codes::UNEXPECTED, "a function's block ends with its value")
                 .at(self.span(), "expected a value before this")
                 .with_help(
-                    "a line that begins with `-` or `[` goes on with the line before; end that one with `;`",
+                    "a line that begins with `-` or `[` continues the line before; end that one with `;`",
                 )
         })
     }
@@ -586,7 +586,7 @@ impl<'b> Failure<'b> {
                     codes::UNEXPECTED,
                     format!("unexpected `{}`", shortened(sign)),
                 )
-                .at(self.span(), "cannot stand here");
+                .at(self.span(), "cannot be here");
                 if matches!(sign, "(" | "[") {
                     diagnostic.with_help(format!(
                         "the `{sign}` of a call or an index touches what it follows, on the same line"
