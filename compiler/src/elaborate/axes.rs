@@ -90,7 +90,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn same_axes(&self, a: Axes, b: Axes) -> bool {
         let rigid = |axes: Axes| match axes {
             Axes::Ground => true,
-            Axes::Marker(m) => self.markers[m as usize].shape.is_none(),
+            Axes::Marker(m) => self.draft.markers[m as usize].shape.is_none(),
         };
         a == b || (rigid(a) && rigid(b) && self.parallel(a, b))
     }
@@ -109,7 +109,7 @@ impl<'a> Elaborator<'a, '_> {
         match (a, b) {
             (Axes::Ground, Axes::Ground) => true,
             (Axes::Ground, Axes::Marker(m)) | (Axes::Marker(m), Axes::Ground) => {
-                let marker = &self.markers[m as usize];
+                let marker = &self.draft.markers[m as usize];
                 let identity = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
                 let mut entries = identity.iter().zip(&marker.orientation);
                 let turned = entries.any(|(one, slot)| known(slot) != Some(*one));
@@ -117,7 +117,10 @@ impl<'a> Elaborator<'a, '_> {
             }
             (Axes::Marker(a), Axes::Marker(b)) => {
                 // the position of `ground` as an argument is known only at the start
-                let (a, b) = (&self.markers[a as usize], &self.markers[b as usize]);
+                let (a, b) = (
+                    &self.draft.markers[a as usize],
+                    &self.draft.markers[b as usize],
+                );
                 let placed = a.placed_at.is_some() || b.placed_at.is_some();
                 a.body == b.body && a.orientation == b.orientation && !placed
             }
@@ -128,7 +131,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn axes_path(&self, axes: Axes) -> String {
         match axes {
             Axes::Ground => "ground".to_owned(),
-            Axes::Marker(marker) => self.markers[marker as usize].origin.path.clone(),
+            Axes::Marker(marker) => self.draft.markers[marker as usize].origin.path.clone(),
         }
     }
 
@@ -229,7 +232,7 @@ impl<'a> Elaborator<'a, '_> {
     fn counted_from_a_zero(&mut self, value: Scalar) {
         if value.stage == Stage::Bind
             && let Op::Input(index) = self.bench.bind.graph.op(value.node)
-            && let Some(parameter) = self.parameters.get_mut(index as usize)
+            && let Some(parameter) = self.draft.parameters.get_mut(index as usize)
         {
             parameter.point = true;
         }

@@ -417,10 +417,10 @@ impl<'a> Elaborator<'a, '_> {
                     None => (f64::NEG_INFINITY, f64::INFINITY),
                 };
                 if let Some(at) = self.named_by(expr, scope) {
-                    self.stated.insert(path.to_owned(), at);
+                    self.draft.stated.insert(path.to_owned(), at);
                 }
-                let index = self.parameters.len() as u32;
-                self.parameters.push(Parameter {
+                let index = self.draft.parameters.len() as u32;
+                self.draft.parameters.push(Parameter {
                     origin: eng_system::system::Origin {
                         path: path.to_owned(),
                         used_at: Some(location(span)),
@@ -431,7 +431,7 @@ impl<'a> Elaborator<'a, '_> {
                     display,
                     limits,
                 });
-                self.parameter_defaults.push(s.node);
+                self.draft.parameter_defaults.push(s.node);
                 let node = self.bench.bind.graph.input(index);
                 Ok(Value::Scalar(Scalar { node, ..s }))
             }
@@ -499,7 +499,11 @@ impl<'a> Elaborator<'a, '_> {
         let mut at = Some(scope);
         while let Some(id) = at {
             if self.scope(id).entries.contains_key(name) {
-                return self.named.get(&(id.0 as usize, name.clone())).copied();
+                return self
+                    .draft
+                    .named
+                    .get(&(id.0 as usize, name.clone()))
+                    .copied();
             }
             at = self.scope(id).parent;
         }
@@ -514,7 +518,7 @@ impl<'a> Elaborator<'a, '_> {
         for _ in 0..32 {
             let op = graph.op(waiting.pop()?);
             if let Op::Input(index) = op
-                && let Some(parameter) = self.parameters.get(index as usize)
+                && let Some(parameter) = self.draft.parameters.get(index as usize)
                 && parameter.dimension.without_angle() == dimension.without_angle()
             {
                 return Some(parameter.display.clone());
@@ -629,7 +633,7 @@ impl<'a> Elaborator<'a, '_> {
                     });
                 }
                 let holds = self.bench.flag_number(flag);
-                self.checks.push(Check {
+                self.draft.checks.push(Check {
                     holds,
                     advise,
                     name: name.map_or(String::new(), |name| name.text.clone()),
@@ -661,9 +665,14 @@ impl<'a> Elaborator<'a, '_> {
                 let message = places(Diagnostic::warning(codes::ADVISED, text.clone()))
                     .acceptable(name.map_or("", |name| &name.text));
                 // equal messages become one message about several paths
-                match self.advised.iter_mut().find(|(known, _)| *known == message) {
+                match self
+                    .draft
+                    .advised
+                    .iter_mut()
+                    .find(|(known, _)| *known == message)
+                {
                     Some((_, paths)) => paths.push(path.to_owned()),
-                    None => self.advised.push((message, vec![path.to_owned()])),
+                    None => self.draft.advised.push((message, vec![path.to_owned()])),
                 }
                 Ok(None)
             }
@@ -672,7 +681,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Reports failed `advise`s on values known while compiling.
     pub fn tell_advised(&mut self) {
-        for (mut message, paths) in std::mem::take(&mut self.advised) {
+        for (mut message, paths) in std::mem::take(&mut self.draft.advised) {
             let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
             message.title = titled(&message.title, &paths);
             self.diagnostics.push(message);
@@ -681,7 +690,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// A condition that is true if one of the surrounding `if`s takes its other side.
     fn where_it_counts(&mut self, truth: Truth) -> Truth {
-        let guards = self.guards.clone();
+        let guards = self.context.guards.clone();
         guards.into_iter().fold(truth, |truth, (guard, _)| {
             let elsewhere = self.bench.not(guard);
             Truth::Later(match truth {

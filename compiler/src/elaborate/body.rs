@@ -51,7 +51,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The marker at the ground's origin with its axes.
     pub fn ground_frame(&mut self) -> u32 {
-        if let Some(i) = self.markers.iter().position(|m| {
+        if let Some(i) = self.draft.markers.iter().position(|m| {
             m.body == BodyRef::Ground && m.origin.path == "ground" && m.placed_at.is_none()
         }) {
             return i as u32;
@@ -66,8 +66,8 @@ impl<'a> Elaborator<'a, '_> {
         let zero = self.zero();
         let identity = self.identity();
         let marker = self.add_marker(BodyRef::Ground, path, Some(span), [zero; 3], identity);
-        self.markers[marker as usize].placed_at = Some(partner);
-        self.used_markers[marker as usize] = true;
+        self.draft.markers[marker as usize].placed_at = Some(partner);
+        self.draft.used_markers[marker as usize] = true;
         marker
     }
 
@@ -83,7 +83,7 @@ impl<'a> Elaborator<'a, '_> {
         let position = self.slots(position);
         let orientation = self.slots(orientation);
         self.bench.bind.owner = owner;
-        self.markers.push(Marker {
+        self.draft.markers.push(Marker {
             origin: Origin {
                 path,
                 used_at: span.map(location),
@@ -96,8 +96,10 @@ impl<'a> Elaborator<'a, '_> {
             placed_at: None,
         });
         // no warning about an unused marker if the text has no place for it, or if a component offers it
-        self.used_markers.push(span.is_none() || self.in_part);
-        self.markers.len() as u32 - 1
+        self.draft
+            .used_markers
+            .push(span.is_none() || self.context.in_part);
+        self.draft.markers.len() as u32 - 1
     }
 
     /// A body's frame.
@@ -119,13 +121,13 @@ impl<'a> Elaborator<'a, '_> {
         let zero = self.zero();
         let axes = axes.map(|x| self.bench.bind.graph.constant(x));
         let marker = self.add_marker(body, path, Some(span), [zero; 3], axes);
-        self.markers[marker as usize].shape = Some(shape);
+        self.draft.markers[marker as usize].shape = Some(shape);
         marker
     }
 
     /// Notes that an item refers to a marker.
     pub fn used_marker(&mut self, marker: u32) {
-        if let Some(used) = self.used_markers.get_mut(marker as usize) {
+        if let Some(used) = self.draft.used_markers.get_mut(marker as usize) {
             *used = true;
         }
     }
@@ -211,7 +213,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<([Node; 3], Matrix)> {
         let value = self.evaluate(expr, scope)?;
         let index = self.as_marker(value, expr.span)? as usize;
-        let found = self.markers.get(index);
+        let found = self.draft.markers.get(index);
         let found = found.map(|m| (m.body == body, m.shape.is_some(), m.position, m.orientation));
         let (on_body, on_mesh, position, orientation) =
             self.checked(found, expr.span, "no marker")?;
@@ -424,7 +426,7 @@ impl<'a> Elaborator<'a, '_> {
         let own = self.new_scope(Some(scope), module, path.clone());
         self.accepted_in(&block.items, &path);
         self.bench.bind.owner.clone_from(&path);
-        let index = self.bodies.len() as u32;
+        let index = self.draft.bodies.len() as u32;
         let zero = self.zero();
         let mut mass = None;
         let mut inertia = None;
@@ -433,7 +435,7 @@ impl<'a> Elaborator<'a, '_> {
         for item in &block.items {
             if let ItemKind::Attribute(a) = &item.kind {
                 let attribute = format!("{path}.{}", a.name.text);
-                self.stated.insert(attribute, location(a.value.span));
+                self.draft.stated.insert(attribute, location(a.value.span));
                 match a.name.text.as_str() {
                     "mass" => {
                         let value = self.evaluate(&a.value, own)?;
@@ -478,7 +480,7 @@ impl<'a> Elaborator<'a, '_> {
             products[1],
             products[2],
         ]);
-        self.bodies.push(Body {
+        self.draft.bodies.push(Body {
             origin: Origin {
                 path: path.clone(),
                 used_at: Some(location(declaration.name.span)),
@@ -493,7 +495,7 @@ impl<'a> Elaborator<'a, '_> {
             orientation: None,
             guessed_at: Vec::new(),
         });
-        self.body_scopes.push(own);
+        self.draft.body_scopes.push(own);
         let reference = BodyRef::Body(index);
         let origin = self.frame_marker(reference, format!("{path}.origin"));
         self.define(own, "origin", Entry::Value(Value::Marker(origin)));
@@ -563,7 +565,7 @@ impl<'a> Elaborator<'a, '_> {
             stage: Stage::Bind,
             node: flag,
         });
-        self.checks.push(super::Check {
+        self.draft.checks.push(super::Check {
             holds,
             advise: false,
             name: String::new(),
@@ -591,14 +593,14 @@ impl<'a> Elaborator<'a, '_> {
         let position_role = Role::StartPosition { exact };
         let velocity_role = Role::StartVelocity { exact };
         if !exact && matches!(name, "position" | "rotation") {
-            let guessed_at = &mut self.bodies[body as usize].guessed_at;
+            let guessed_at = &mut self.draft.bodies[body as usize].guessed_at;
             guessed_at.push(super::location(target.span));
         }
         match name {
             "position" => {
                 let nodes = self.bind_vector(value, scope)?;
                 let slots = self.slots(nodes);
-                self.bodies[body as usize].position = Some(slots);
+                self.draft.bodies[body as usize].position = Some(slots);
                 if exact {
                     self.pending_start(
                         position_role,
@@ -612,7 +614,7 @@ impl<'a> Elaborator<'a, '_> {
                 let nodes = self.bind_vector(value, scope)?;
                 let matrix = self.rotation_matrix(nodes);
                 let slots = self.slots(matrix);
-                self.bodies[body as usize].orientation = Some(slots);
+                self.draft.bodies[body as usize].orientation = Some(slots);
                 if exact {
                     self.pending_start(
                         position_role,

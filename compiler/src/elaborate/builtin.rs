@@ -461,9 +461,9 @@ impl<'a> Elaborator<'a, '_> {
         let [argument] = arguments else {
             return self.arguments(span);
         };
-        let outer = std::mem::replace(&mut self.in_rate, true);
+        let outer = std::mem::replace(&mut self.context.in_rate, true);
         let value = self.evaluate(&argument.value, scope);
-        self.in_rate = outer;
+        self.context.in_rate = outer;
         self.rate_of(value?, argument.value.span)
     }
 
@@ -481,7 +481,7 @@ impl<'a> Elaborator<'a, '_> {
             .iter()
             .map(|s| self.bench.lift(s.stage, s.node))
             .collect();
-        let rates = self.rates.clone();
+        let rates = self.context.rates.clone();
         let Some(element) = self.bench.element.as_mut() else {
             // a value of parameters alone has no rate
             let zero: Vec<Scalar> = components
@@ -514,7 +514,7 @@ impl<'a> Elaborator<'a, '_> {
             &derivative,
             &super::scalar::PROVISIONAL,
         );
-        if uses_acceleration && !self.in_output {
+        if uses_acceleration && !self.context.in_output {
             return Err(self.report(
                 Diagnostic::error(
                     codes::LATE_ACCELERATION,

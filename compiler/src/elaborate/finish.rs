@@ -99,39 +99,11 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             bench: Workbench::default(),
             scopes: Vec::new(),
             module_scopes: Vec::new(),
-            depth: 0,
-            instances: 0,
-            uses: 0,
-            guards: Vec::new(),
-            bodies: Vec::new(),
-            body_scopes: Vec::new(),
-            flexible: Vec::new(),
-            markers: Vec::new(),
-            used_markers: Vec::new(),
-            parameters: Vec::new(),
-            parameter_defaults: Vec::new(),
-            checks: Vec::new(),
-            tables: Vec::new(),
-            elements: Vec::new(),
-            channels: Vec::new(),
-            journals: Vec::new(),
-            firings: Vec::new(),
-            resolutions: Vec::new(),
-            accepted: Vec::new(),
-            advised: Vec::new(),
+            budget: Default::default(),
+            context: Default::default(),
+            draft: Default::default(),
             lints: program.lints(),
-            stated: BTreeMap::new(),
-            named: Default::default(),
             turns_told: Default::default(),
-            unknowns: 0,
-            gravity: None,
-            cycle: None,
-            pending: Vec::new(),
-            in_output: false,
-            in_rate: false,
-            asked_from: None,
-            in_part: false,
-            rates: None,
         };
         for module in 0..program.modules.len() as u32 {
             let scope = elaborator.new_scope(None, module, String::new());
@@ -205,7 +177,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             .map(|name| (name, None))
             .collect();
         let mut twice = None;
-        for channel in &self.channels {
+        for channel in &self.draft.channels {
             if let Some(first) = known.insert(&channel.path, Some(channel.element)) {
                 twice = Some((channel.path.clone(), channel.element, first));
                 break;
@@ -214,7 +186,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let Some((path, second, first)) = twice else {
             return Ok(());
         };
-        let place = |element: u32| self.elements.get(element as usize).map(|e| e.span);
+        let place = |element: u32| self.draft.elements.get(element as usize).map(|e| e.span);
         let (second, first) = (place(second), first.and_then(place));
         let mut message = Diagnostic::error(
             codes::CHANNEL_TWICE,
@@ -246,7 +218,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
 
     /// The elements with their shared classes. Two classes are equal if their graphs and messages are equal.
     fn share_classes(&mut self) -> Eval<Shared> {
-        let drafts = std::mem::take(&mut self.elements);
+        let drafts = std::mem::take(&mut self.draft.elements);
         let mut class_of: BTreeMap<String, u32> = BTreeMap::new();
         let mut shared = Shared::default();
         for draft in drafts {
@@ -340,21 +312,25 @@ impl<'a, 'd> Elaborator<'a, 'd> {
     ) -> Eval<Elaborated> {
         let zero = self.bench.bind.graph.constant(0.0);
         self.bench.bind.owner = "gravity".into();
-        let gravity = self.gravity.unwrap_or([zero; 3]).map(|n| self.slot(n));
+        let gravity = self
+            .draft
+            .gravity
+            .unwrap_or([zero; 3])
+            .map(|n| self.slot(n));
         let Shared {
             classes,
             functions,
             bodies,
             elements,
         } = self.share_classes()?;
-        for check in &mut self.checks {
+        for check in &mut self.draft.checks {
             // a check of the model itself
             if check.path.is_empty() {
                 check.path.clone_from(&name);
             }
         }
         let bind = std::mem::take(&mut self.bench.bind);
-        let parameters = std::mem::take(&mut self.parameters);
+        let parameters = std::mem::take(&mut self.draft.parameters);
         let slots = bind.slots().len() as u32;
         let program = BindProgram {
             function: Function {
@@ -365,27 +341,27 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             },
             fixed: bind.fixed,
             slot_owners: bind.owners,
-            defaults: std::mem::take(&mut self.parameter_defaults),
+            defaults: std::mem::take(&mut self.draft.parameter_defaults),
             parameters: parameters.clone(),
-            checks: std::mem::take(&mut self.checks),
+            checks: std::mem::take(&mut self.draft.checks),
         };
         let system = Arc::new(System {
             name,
-            bodies: std::mem::take(&mut self.bodies),
-            markers: std::mem::take(&mut self.markers),
+            bodies: std::mem::take(&mut self.draft.bodies),
+            markers: std::mem::take(&mut self.draft.markers),
             parameters,
             slots,
             classes,
             elements,
-            channels: std::mem::take(&mut self.channels),
-            tables: std::mem::take(&mut self.tables),
+            channels: std::mem::take(&mut self.draft.channels),
+            tables: std::mem::take(&mut self.draft.tables),
             gravity,
             cycle,
-            journals: std::mem::take(&mut self.journals),
-            firings: std::mem::take(&mut self.firings),
-            resolutions: std::mem::take(&mut self.resolutions),
-            accepted: std::mem::take(&mut self.accepted),
-            stated: std::mem::take(&mut self.stated),
+            journals: std::mem::take(&mut self.draft.journals),
+            firings: std::mem::take(&mut self.draft.firings),
+            resolutions: std::mem::take(&mut self.draft.resolutions),
+            accepted: std::mem::take(&mut self.draft.accepted),
+            stated: std::mem::take(&mut self.draft.stated),
         });
         let mut elaborated = Elaborated {
             system,

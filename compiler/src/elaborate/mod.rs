@@ -7,9 +7,11 @@ mod analysis;
 mod axes;
 mod binding;
 mod body;
+mod budget;
 mod builtin;
 mod constants;
 mod csv;
+mod draft;
 mod element;
 mod expression;
 mod finish;
@@ -30,16 +32,20 @@ mod value;
 pub use analysis::{AnalysisPlan, analyses};
 pub use binding::{BindProgram, Check, MessagePart, ParameterDefault};
 pub(crate) use constants::Constants;
+pub(crate) use draft::{
+    Argument, ClassMeta, CycleDraft, Draft, ElementDraft, ElementSource, OutputShape,
+};
 pub use finish::{Elaborated, Structural, elaborate};
 pub use flexible::{MarkerName, ModePart};
 
 use crate::codes;
-use crate::program::{DefinitionId, Program};
+use crate::program::Program;
 use crate::typed::types::Solution;
 use crate::typed::{Findings, TypedProgram};
+use budget::Budget;
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, ast};
 use eng_system::host::Host;
-use eng_system::system::{Location, Origin};
+use eng_system::system::Location;
 use scalar::Workbench;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -50,14 +56,6 @@ use value::{ScopeId, Value};
 pub(crate) struct Reported;
 
 pub(crate) type Eval<T> = Result<T, Reported>;
-
-/// Most instances of one model. A text with more is refused.
-const MOST_INSTANCES: usize = 20_000;
-/// Deepest nesting of calls, lets and parts.
-const DEEPEST: u32 = 100;
-/// Most calls and named values that are evaluated for one model. Elaboration inserts a function at each call,
-/// so thirty functions that each call the next one twice would be inserted a billion times.
-const MOST_USES: usize = 1_000_000;
 
 /// The meaning of a name in a scope.
 #[derive(Clone, Debug)]
@@ -107,70 +105,29 @@ pub(crate) struct Scope<'a> {
     pub entries: HashMap<String, Entry<'a>>,
 }
 
-/// A finished element, before elements share classes.
-#[derive(Debug)]
-pub(crate) struct ElementDraft<'a> {
-    pub origin: Origin,
-    pub span: Span,
-    pub role: eng_system::system::Role,
-    /// The definition and arguments, to evaluate its names again in another element.
-    pub source: Option<ElementSource<'a>>,
-    /// Outputs: name, first scalar, shape.
-    pub outputs: Vec<OutputShape>,
-    /// First channel of its outputs.
-    pub first_channel: u32,
-    pub class_name: String,
-    pub body: crate::ir::ClassBody,
-    pub meta: ClassMeta,
-    pub markers: Vec<u32>,
-    pub constants: Vec<crate::ir::Node>,
-    pub state_start: Vec<crate::ir::Node>,
-    pub state_scale: Vec<crate::ir::Node>,
-    pub signals: Vec<u32>,
-    /// Pairs of local markers, and the bind node of a stated angle.
-    pub rotations: Vec<(u32, u32, Option<crate::ir::Node>)>,
-    /// The local markers of each `apply`: on, against.
-    pub applied: Vec<(u32, Option<u32>)>,
+/// The surroundings of the expression that is being evaluated. They decide its meaning.
+#[derive(Default)]
+pub(crate) struct Context {
+    /// Conditions under which the current expression counts: those of the surrounding `if`s whose value is
+    /// not known yet. Each comes with the number of scopes at that moment, because a name of an older scope
+    /// also counts elsewhere.
+    pub guards: Vec<(scalar::Flag, usize)>,
+    /// Unknowns of derivatives that are being taken, one inside the other.
+    pub unknowns: u32,
+    /// Inside an output: accelerations are allowed, and an element's output means its channel.
+    pub in_output: bool,
+    /// Inside `der(…)`: element outputs are evaluated, not read.
+    pub in_rate: bool,
+    /// Inside the block of a component, whose markers are the choice of its author.
+    pub in_part: bool,
+    /// The text that asks for an element's output where no element is lowered, and the output's path.
+    pub asked_from: Option<(Span, String)>,
+    /// Rates of the states of the element being lowered, when known.
+    pub rates: Option<Vec<crate::ir::Node>>,
 }
 
-/// The facts of a class besides its graph.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct ClassMeta {
-    pub rows: Vec<eng_system::system::Row>,
-    pub states: Vec<eng_system::system::StateInfo>,
-    pub outputs: Vec<eng_system::system::OutputInfo>,
-    pub conditions: Vec<eng_system::system::Condition>,
-}
-
-/// The data to evaluate an element's names once more.
-#[derive(Clone, Debug)]
-pub(crate) struct ElementSource<'a> {
-    pub definition: DefinitionId,
-    /// Evaluated arguments; those of the motion stage are evaluated again.
-    pub arguments: Vec<(String, Argument<'a>)>,
-}
-
-#[derive(Clone, Debug)]
-pub(crate) enum Argument<'a> {
-    Value(Value<'a>),
-    /// A value of the motion, evaluated again in its scope for each element.
-    Again(&'a ast::Expr, ScopeId),
-}
-
-/// An output's scalars.
-#[derive(Clone, Debug)]
-pub(crate) struct OutputShape {
-    pub name: String,
-    pub first: u32,
-    /// 1 for a scalar, else the number of components.
-    pub count: u32,
-    /// The axes of the components, if the text states them.
-    pub axes: Option<value::Axes>,
-    /// A vector in space rather than components.
-    pub vector: bool,
-}
-
-/// The state of elaboration of one model.
+/// The state of elaboration of one model: its inputs, the surroundings of the present expression, and the
+/// model as far as it exists.
 pub(crate) struct Elaborator<'a, 'd> {
     pub program: &'a Program,
     pub typed: &'a TypedProgram,
@@ -182,69 +139,18 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub bench: Workbench,
     pub scopes: Vec<Scope<'a>>,
     pub module_scopes: Vec<ScopeId>,
-    pub depth: u32,
-    pub instances: usize,
-    /// Number of calls and named values evaluated so far.
-    pub uses: usize,
-    /// Conditions under which the current expression counts: those of the surrounding `if`s whose value is
-    /// not known yet. Each comes with the number of scopes at that moment, because a name of an older scope
-    /// also counts elsewhere.
-    pub guards: Vec<(scalar::Flag, usize)>,
-
-    pub bodies: Vec<eng_system::system::Body>,
-    pub body_scopes: Vec<ScopeId>,
-    pub flexible: Vec<Option<flexible::FlexibleDraft>>,
-    pub markers: Vec<eng_system::system::Marker>,
-    pub used_markers: Vec<bool>,
-    pub parameters: Vec<eng_system::system::Parameter>,
-    pub parameter_defaults: Vec<crate::ir::Node>,
-    pub checks: Vec<Check>,
-    pub tables: Vec<eng_system::table::Table>,
-    pub elements: Vec<ElementDraft<'a>>,
-    pub channels: Vec<eng_system::system::Channel>,
-    pub journals: Vec<eng_system::system::JournalInfo>,
-    pub firings: Vec<eng_system::system::FiringInfo>,
-    /// Lengths that positions must resolve.
-    pub resolutions: Vec<eng_system::system::Slot>,
-    pub accepted: Vec<eng_system::lint::Accepted>,
-    /// Failed `advise`s on values known while compiling, with the paths of their subjects.
-    pub advised: Vec<(Diagnostic, Vec<String>)>,
+    budget: Budget,
+    pub context: Context,
+    pub draft: Draft<'a>,
     /// Names of all lints.
     pub lints: std::collections::BTreeSet<&'a str>,
-    /// Places of stated attributes, by path. If an argument of a class is the name of a constant, it is the
-    /// place of this constant.
-    pub stated: std::collections::BTreeMap<String, Location>,
     /// Calls of `sin` and similar functions that already have a message about a missing angle.
     pub turns_told: std::collections::HashSet<Span>,
-    /// Unknowns of derivatives that are being taken, one inside the other.
-    pub unknowns: u32,
-    /// Places of the `let`s and `const`s of models and components, by scope and name.
-    pub named: HashMap<(usize, String), Location>,
-    pub gravity: Option<[crate::ir::Node; 3]>,
-    pub cycle: Option<CycleDraft<'a>>,
-    pub pending: Vec<model::Pending<'a>>,
-    /// Inside an output: accelerations are allowed, and an element's output means its channel.
-    pub in_output: bool,
-    /// Inside `der(…)`: element outputs are evaluated, not read.
-    pub in_rate: bool,
-    /// The text that asks for an element's output where no element is lowered, and the output's path.
-    pub asked_from: Option<(Span, String)>,
-    /// Inside the block of a component, whose markers are the choice of its author.
-    pub in_part: bool,
-    /// Rates of the states of the element being lowered, when known.
-    pub rates: Option<Vec<crate::ir::Node>>,
-}
-
-#[derive(Clone, Debug)]
-pub(crate) struct CycleDraft<'a> {
-    pub declaration: &'a ast::Declaration,
-    pub scope: ScopeId,
-    pub period: crate::ir::Node,
 }
 
 impl<'a> Elaborator<'a, '_> {
     pub fn report(&mut self, mut diagnostic: Diagnostic) -> Reported {
-        if let (codes::MOTION, Some((span, output))) = (diagnostic.code, &self.asked_from) {
+        if let (codes::MOTION, Some((span, output))) = (diagnostic.code, &self.context.asked_from) {
             diagnostic.moved_to(*span, format!("`{output}` moves"));
         }
         self.diagnostics.push(diagnostic);
@@ -258,7 +164,7 @@ impl<'a> Elaborator<'a, '_> {
                 continue;
             };
             for name in names {
-                self.accepted.push(eng_system::lint::Accepted {
+                self.draft.accepted.push(eng_system::lint::Accepted {
                     name: name.text.clone(),
                     path: path.to_owned(),
                     at: location(name.span),
@@ -272,7 +178,7 @@ impl<'a> Elaborator<'a, '_> {
     /// Whether the text accepts a lint about the object of a path. Marks the accepting items as used.
     pub fn accepts(&mut self, name: &str, path: &str) -> bool {
         let mut found = false;
-        for accepted in &mut self.accepted {
+        for accepted in &mut self.draft.accepted {
             if accepted.covers(name, path) {
                 accepted.used = true;
                 found = true;
@@ -317,49 +223,19 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub fn count_instance(&mut self, span: Span) -> Eval<()> {
-        self.instances += 1;
-        if self.instances > MOST_INSTANCES {
-            return Err(self.report(
-                Diagnostic::error(
-                    codes::TOO_MANY_INSTANCES,
-                    format!("the model has more than {MOST_INSTANCES} instances"),
-                )
-                .at(span, "the limit is reached here")
-                .with_help("bodies, elements, parts and values of binders count; is a range longer than was meant?"),
-            ));
-        }
-        Ok(())
+        let within = self.budget.instance();
+        within.map_err(|message| self.report(message.at(span, "the limit is reached here")))
     }
 
     pub fn deeper<T>(&mut self, span: Span, f: impl FnOnce(&mut Self) -> Eval<T>) -> Eval<T> {
-        if self.depth >= DEEPEST {
-            return Err(self.report(
-                Diagnostic::error(
-                    codes::ENDLESS,
-                    format!("more than {DEEPEST} uses are nested in each other"),
-                )
-                .at(span, "the limit is reached here")
-                .with_help("does a function or a component use itself?"),
-            ));
+        if let Err(exceeded) = self.budget.enter() {
+            return Err(match exceeded {
+                Some(message) => self.report(message.at(span, "the limit is reached here")),
+                None => Reported,
+            });
         }
-        self.uses += 1;
-        // the branch below reported it when the limit was passed
-        if self.uses > MOST_USES + 1 {
-            return Err(Reported);
-        }
-        if self.uses > MOST_USES {
-            return Err(self.report(
-                Diagnostic::error(
-                    codes::TOO_MANY_USES,
-                    format!("functions and values of this model are put in more than {MOST_USES} times"),
-                )
-                .at(span, "the limit is reached here")
-                .with_help("where a function calls another one twice, give its value a name with `let` and use that twice"),
-            ));
-        }
-        self.depth += 1;
         let result = f(self);
-        self.depth -= 1;
+        self.budget.leave();
         result
     }
 }

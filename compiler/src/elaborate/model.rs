@@ -55,7 +55,7 @@ impl<'a> Elaborator<'a, '_> {
         value: &'a ast::Expr,
         scope: ScopeId,
     ) {
-        self.pending.push(Pending::Start {
+        self.draft.pending.push(Pending::Start {
             role,
             target,
             value,
@@ -75,7 +75,10 @@ impl<'a> Elaborator<'a, '_> {
                     BindingKind::Param if !self.scope(scope).entries.contains_key(&b.name.text) => {
                         self.define(scope, &b.name.text, Entry::Lazy(Lazy::Parameter(b)));
                     }
-                    BindingKind::Output => self.pending.push(Pending::Output { binding: b, scope }),
+                    BindingKind::Output => self
+                        .draft
+                        .pending
+                        .push(Pending::Output { binding: b, scope }),
                     _ => {}
                 }
             }
@@ -130,7 +133,7 @@ impl<'a> Elaborator<'a, '_> {
         for item in items {
             match &item.kind {
                 ItemKind::Statement(Statement::Start { target, value }) => {
-                    self.pending.push(Pending::StartExpression {
+                    self.draft.pending.push(Pending::StartExpression {
                         exact: true,
                         target,
                         value,
@@ -138,7 +141,7 @@ impl<'a> Elaborator<'a, '_> {
                     });
                 }
                 ItemKind::Statement(Statement::Guess { target, value }) => {
-                    self.pending.push(Pending::StartExpression {
+                    self.draft.pending.push(Pending::StartExpression {
                         exact: false,
                         target,
                         value,
@@ -181,7 +184,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn cycle_of(&mut self, declaration: &'a ast::Declaration, scope: ScopeId) {
-        if let Some(first) = &self.cycle {
+        if let Some(first) = &self.draft.cycle {
             let d = Diagnostic::error(codes::TWO_CYCLES, "a model has one cycle")
                 .at(declaration.name.span, "a second one")
                 .also(first.declaration.name.span, "the first")
@@ -231,7 +234,7 @@ impl<'a> Elaborator<'a, '_> {
                     self.bind_check(positive, message, "cycle", span);
                 }
             }
-            self.cycle = Some(CycleDraft {
+            self.draft.cycle = Some(CycleDraft {
                 declaration,
                 scope,
                 period,
@@ -242,9 +245,10 @@ impl<'a> Elaborator<'a, '_> {
     fn model_attribute(&mut self, attribute: &'a ast::Attribute, scope: ScopeId) -> Eval<()> {
         match attribute.name.text.as_str() {
             "gravity" => {
-                self.stated
+                self.draft
+                    .stated
                     .insert("gravity".to_owned(), super::location(attribute.value.span));
-                self.gravity = Some(self.bind_vector(&attribute.value, scope)?);
+                self.draft.gravity = Some(self.bind_vector(&attribute.value, scope)?);
                 Ok(())
             }
             _ => self.checked(None, attribute.name.span, "no attribute of a model"),
@@ -289,11 +293,11 @@ impl<'a> Elaborator<'a, '_> {
                 e.accepted_in(&block.items, &path);
             }
             e.deeper(value.span, |e| {
-                let outer = std::mem::replace(&mut e.in_part, true);
+                let outer = std::mem::replace(&mut e.context.in_part, true);
                 for (items, scope) in &texts {
                     e.block(items, *scope);
                 }
-                e.in_part = outer;
+                e.context.in_part = outer;
                 Ok(())
             })?;
             if let Some(block) = block {
@@ -335,7 +339,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Lowers starts and outputs.
     pub fn finish_pending(&mut self) {
-        for pending in std::mem::take(&mut self.pending) {
+        for pending in std::mem::take(&mut self.draft.pending) {
             self.bench.element = Some(ElementBuilder::default());
             let result = match pending {
                 Pending::Start {
@@ -355,7 +359,7 @@ impl<'a> Elaborator<'a, '_> {
             // the error was reported
             let _ = result;
             self.bench.element = None;
-            self.in_output = false;
+            self.context.in_output = false;
         }
     }
 
@@ -372,7 +376,7 @@ impl<'a> Elaborator<'a, '_> {
             StartTarget::Velocity(m) => (*m, "velocity"),
             StartTarget::AngularVelocity(m) => (*m, "angular_velocity"),
         };
-        let path = self.markers[marker as usize]
+        let path = self.draft.markers[marker as usize]
             .origin
             .path
             .replace(".origin", "");
@@ -520,7 +524,7 @@ impl<'a> Elaborator<'a, '_> {
         let display = self.display_of(binding)?;
         self.for_each(&binding.index, scope, &mut |e, inner, position| {
             e.bench.element = Some(ElementBuilder::default());
-            e.in_output = true;
+            e.context.in_output = true;
             let path = format!("{base}{}", index_text(position));
             e.bench.bind.owner.clone_from(&path);
             let place = binding.ty.as_ref().map_or(expr.span, |ty| ty.span);
@@ -533,24 +537,24 @@ impl<'a> Elaborator<'a, '_> {
             let value = e.bound_value(binding, expr, inner)?;
             e.output_element(path, vec![(name.clone(), value, shown)], binding.name.span)?;
             e.bench.element = None;
-            e.in_output = false;
+            e.context.in_output = false;
             Ok(())
         })
     }
 
     /// The cycle's element: angle and its rate.
     pub fn lower_cycle(&mut self) -> Eval<Option<eng_system::system::Cycle>> {
-        let Some(cycle) = self.cycle.clone() else {
+        let Some(cycle) = self.draft.cycle.clone() else {
             return Ok(None);
         };
         let Form::Instance { value, .. } = &cycle.declaration.form else {
             return Ok(None);
         };
         self.bench.element = Some(ElementBuilder::default());
-        self.in_output = true;
+        self.context.in_output = true;
         let angle = self.evaluate(value, cycle.scope)?;
         let rate = self.rate_of(angle.clone(), value.span)?;
-        let before = self.channels.len();
+        let before = self.draft.channels.len();
         let values = vec![
             ("angle".to_owned(), angle, Columns::of(Dimension::ANGLE)),
             (
@@ -562,8 +566,8 @@ impl<'a> Elaborator<'a, '_> {
         let span = cycle.declaration.name.span;
         let element = self.output_element("cycle".into(), values, span)?;
         // time, angle and speed are columns of their own
-        self.channels.truncate(before);
-        self.in_output = false;
+        self.draft.channels.truncate(before);
+        self.context.in_output = false;
         self.bench.element = None;
         self.bench.bind.owner = "cycle".into();
         let period = self.slot(cycle.period);

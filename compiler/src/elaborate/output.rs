@@ -282,8 +282,8 @@ impl<'a> Elaborator<'a, '_> {
             rotations: element.rotations.iter().map(|r| at(&r.2)).collect(),
             graph,
         };
-        let index = self.elements.len() as u32;
-        let first_channel = self.channels.len() as u32;
+        let index = self.draft.elements.len() as u32;
+        let first_channel = self.draft.channels.len() as u32;
         if matches!(role, Role::Dynamic | Role::Output) {
             for (i, info) in draft.infos.iter().enumerate() {
                 let copied = draft.copied.iter().find(|(output, _)| *output == i);
@@ -300,7 +300,7 @@ impl<'a> Elaborator<'a, '_> {
                     },
                     (_, name) => format!("{}.{name}", origin.path),
                 };
-                self.channels.push(Channel {
+                self.draft.channels.push(Channel {
                     path,
                     element: index,
                     output: i as u32,
@@ -323,7 +323,7 @@ impl<'a> Elaborator<'a, '_> {
             outputs: draft.infos,
             conditions: draft.conditions.into_iter().map(|c| c.1).collect(),
         };
-        self.elements.push(ElementDraft {
+        self.draft.elements.push(ElementDraft {
             origin,
             span,
             role,
@@ -352,14 +352,14 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The value of `joint.output`, or of another name of its class.
     pub fn element_field(&mut self, index: u32, name: &ast::Name) -> Eval<Value<'a>> {
-        let draft = &self.elements[index as usize];
+        let draft = &self.draft.elements[index as usize];
         let shape = draft.outputs.iter().find(|s| s.name == name.text).cloned();
         let first_channel = draft.first_channel;
         let source = draft.source.clone();
         let path = draft.origin.path.clone();
         if let Some(shape) = shape
-            && self.in_output
-            && !self.in_rate
+            && self.context.in_output
+            && !self.context.in_rate
         {
             let mut scalars = Vec::new();
             for k in 0..shape.count {
@@ -388,9 +388,9 @@ impl<'a> Elaborator<'a, '_> {
         };
         let class = self.class_of(source.definition, name.span)?;
         // only parameters are allowed here: the mistake is in the text that passes a quantity of the motion
-        let asks = self.bench.element.is_none() && self.asked_from.is_none();
+        let asks = self.bench.element.is_none() && self.context.asked_from.is_none();
         if asks {
-            self.asked_from = Some((name.span, format!("{path}.{}", name.text)));
+            self.context.asked_from = Some((name.span, format!("{path}.{}", name.text)));
         }
         let own = self
             .class_scope(&source, &class, &path)
@@ -402,14 +402,14 @@ impl<'a> Elaborator<'a, '_> {
             },
         );
         if asks {
-            self.asked_from = None;
+            self.context.asked_from = None;
         }
         value
     }
 
     /// The message about a reaction or state of an element outside of outputs.
     fn only_in_outputs(&mut self, path: &str, name: &ast::Name) -> Reported {
-        self.report(if self.in_rate {
+        self.report(if self.context.in_rate {
             Diagnostic::error(
                 codes::NO_RATE,
                 format!("the rate of `{path}.{}` is not known", name.text),
@@ -489,7 +489,7 @@ impl<'a> Elaborator<'a, '_> {
                 && input >= PROVISIONAL.signal(0)
             {
                 let channel = element.signals[(input - PROVISIONAL.signal(0)) as usize];
-                let copied = &self.channels[channel as usize];
+                let copied = &self.draft.channels[channel as usize];
                 draft.copied.push((i, copied.frame.clone()));
                 if as_copied {
                     draft.infos[i].display = copied.display.clone();

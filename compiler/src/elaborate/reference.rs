@@ -52,7 +52,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.bench.constant(std::f64::consts::PI),
             ))),
             "ground" => Ok(Some(Value::Ground)),
-            "cycle" if self.cycle.is_some() => Ok(Some(Value::Cycle)),
+            "cycle" if self.draft.cycle.is_some() => Ok(Some(Value::Cycle)),
             "time" => {
                 let Some(element) = self.bench.element.as_mut() else {
                     return Err(self.report(
@@ -90,14 +90,17 @@ impl<'a> Elaborator<'a, '_> {
                     && self.scope(scope).lasting
                 {
                     let at = super::location(binding.name.span);
-                    self.named.insert((scope.0 as usize, name.to_owned()), at);
+                    self.draft
+                        .named
+                        .insert((scope.0 as usize, name.to_owned()), at);
                 }
                 self.define(scope, name, Entry::Busy);
-                let guards = self.guards.clone();
-                self.guards
+                let guards = self.context.guards.clone();
+                self.context
+                    .guards
                     .retain(|(_, scopes)| *scopes <= scope.0 as usize);
                 let result = self.deeper(span, |e| e.force(&lazy, scope));
-                self.guards = guards;
+                self.context.guards = guards;
                 let entry = match &result {
                     Ok(value) if self.scope(scope).lasting && self.moves(value) => {
                         Entry::Lazy(lazy)
@@ -169,14 +172,14 @@ impl<'a> Elaborator<'a, '_> {
             Lazy::Element(declaration) => {
                 // another element may be under construction at this first use, so it is set aside
                 let element = self.bench.element.take();
-                let rates = self.rates.take();
-                let in_output = std::mem::replace(&mut self.in_output, false);
-                let in_rate = std::mem::replace(&mut self.in_rate, false);
+                let rates = self.context.rates.take();
+                let in_output = std::mem::replace(&mut self.context.in_output, false);
+                let in_rate = std::mem::replace(&mut self.context.in_rate, false);
                 let made = self.elements_of(declaration, scope);
                 self.bench.element = element;
-                self.rates = rates;
-                self.in_output = in_output;
-                self.in_rate = in_rate;
+                self.context.rates = rates;
+                self.context.in_output = in_output;
+                self.context.in_rate = in_rate;
                 made
             }
         }
@@ -283,7 +286,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.marker_field(marker, name)
             }
             Value::Body(b) => {
-                let scope = self.body_scopes[b as usize];
+                let scope = self.draft.body_scopes[b as usize];
                 self.entry(scope, &name.text, name.span)
             }
             Value::Part(scope) | Value::Record(_, scope) => {
@@ -331,7 +334,7 @@ impl<'a> Elaborator<'a, '_> {
                 .map(|(_, v)| self.field(v, name, span))
                 .collect::<Eval<Vec<_>>>()
                 .map(Value::List),
-            Value::Cycle => match (name.text.as_str(), self.cycle.clone()) {
+            Value::Cycle => match (name.text.as_str(), self.draft.cycle.clone()) {
                 ("angle", Some(cycle)) => self.cycle_angle(&cycle),
                 ("period", Some(cycle)) => Ok(Value::Scalar(Scalar {
                     stage: Stage::Bind,

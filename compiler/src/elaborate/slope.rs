@@ -60,11 +60,11 @@ impl<'a> Elaborator<'a, '_> {
         };
         // The derivative is taken at an input that nothing else uses: what x is made of may reach the function
         // by its other names, too.
-        self.unknowns += 1;
-        let input = u32::MAX - self.unknowns;
+        self.context.unknowns += 1;
+        let input = u32::MAX - self.context.unknowns;
         let unknown = self.bench.unknown(stage, input);
         let value = self.value_of(asked, unknown);
-        self.unknowns -= 1;
+        self.context.unknowns -= 1;
         let mut value = value?;
         if stage == Stage::Motion {
             value = Scalar {

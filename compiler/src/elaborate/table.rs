@@ -110,8 +110,8 @@ impl<'a> Elaborator<'a, '_> {
             }
             self.grid(table, points, ends)?
         };
-        self.tables.push(made);
-        Ok(self.table_handle(self.tables.len() - 1))
+        self.draft.tables.push(made);
+        Ok(self.table_handle(self.draft.tables.len() - 1))
     }
 
     /// The points of a table from its source.

@@ -10,7 +10,7 @@ use eng_system::system::{BodyRef, Location, Origin, Role};
 
 impl Elaborator<'_, '_> {
     fn unused_markers(&self) -> Vec<(Location, Vec<&str>)> {
-        let markers = self.markers.iter().zip(&self.used_markers);
+        let markers = self.draft.markers.iter().zip(&self.draft.used_markers);
         let mut unused = by_place(
             markers
                 .filter(|(_, used)| !**used)
@@ -28,11 +28,11 @@ impl Elaborator<'_, '_> {
         bodies: &[usize],
     ) -> Option<Diagnostic> {
         let (first, others) = bodies.split_first()?;
-        let bends = self.flexible.get(*first).is_some_and(Option::is_some);
+        let bends = self.draft.flexible.get(*first).is_some_and(Option::is_some);
         if element.meta.rows.is_empty() || bends || others.iter().any(|b| b != first) {
             return None;
         }
-        let on = match self.bodies.get(*first) {
+        let on = match self.draft.bodies.get(*first) {
             Some(body) => format!("`{}`", body.origin.path),
             None => "the ground".to_owned(),
         };
@@ -52,7 +52,7 @@ impl Elaborator<'_, '_> {
     /// The body or the ground, in words.
     fn named(&self, body: BodyRef) -> String {
         match body {
-            BodyRef::Body(body) => format!("`{}`", self.bodies[body as usize].origin.path),
+            BodyRef::Body(body) => format!("`{}`", self.draft.bodies[body as usize].origin.path),
             BodyRef::Ground => "the ground".to_owned(),
         }
     }
@@ -60,7 +60,7 @@ impl Elaborator<'_, '_> {
     /// Elements between markers of one body, whose loads cancel. Loads without `against` are external and do
     /// not cancel.
     fn idle_elements(&mut self) -> Vec<Diagnostic> {
-        let found: Vec<(String, Diagnostic)> = (self.elements.iter())
+        let found: Vec<(String, Diagnostic)> = (self.draft.elements.iter())
             .filter(|element| element.role == Role::Dynamic)
             .filter_map(|element| {
                 let told = self
@@ -79,9 +79,13 @@ impl Elaborator<'_, '_> {
     /// rigid body.
     fn loads_itself(&self, element: &super::ElementDraft<'_>) -> Option<Diagnostic> {
         let global = |local: &u32| element.markers.get(*local as usize).copied();
-        let body = |local: &u32| Some(self.markers.get(global(local)? as usize)?.body);
+        let body = |local: &u32| Some(self.draft.markers.get(global(local)? as usize)?.body);
         let bends = |body: BodyRef| match body {
-            BodyRef::Body(b) => self.flexible.get(b as usize).is_some_and(Option::is_some),
+            BodyRef::Body(b) => self
+                .draft
+                .flexible
+                .get(b as usize)
+                .is_some_and(Option::is_some),
             BodyRef::Ground => false,
         };
         let (first, _) = element.applied.first()?;
@@ -100,7 +104,7 @@ impl Elaborator<'_, '_> {
         let same = element.applied.iter().all(|(a, b)| Some(*a) == *b);
         let label = match (same, global(first)) {
             (true, Some(marker)) => {
-                let marker = &self.markers[marker as usize].origin.path;
+                let marker = &self.draft.markers[marker as usize].origin.path;
                 format!("from `{marker}` to itself")
             }
             _ => format!("from {on} to itself"),
@@ -136,7 +140,7 @@ impl Elaborator<'_, '_> {
         }
         let path = &element.origin.path;
         let on = element.markers.first()?;
-        let on = self.named(self.markers.get(*on as usize)?.body);
+        let on = self.named(self.draft.markers.get(*on as usize)?.body);
         Some(
             Diagnostic::warning(
                 codes::MOVES_NOTHING,
@@ -153,26 +157,30 @@ impl Elaborator<'_, '_> {
     fn flies(&self, grounded: bool) -> bool {
         let graph = &self.bench.bind.graph;
         let zero = |n: &crate::ir::Node| graph.as_constant(*n) == Some(0.0);
-        let weightless = self.gravity.as_ref().is_some_and(|g| g.iter().all(zero));
-        let thrown = (self.elements.iter())
+        let weightless = self
+            .draft
+            .gravity
+            .as_ref()
+            .is_some_and(|g| g.iter().all(zero));
+        let thrown = (self.draft.elements.iter())
             .any(|element| matches!(element.role, Role::StartVelocity { exact: true }));
-        !grounded && self.cycle.is_none() && (weightless || thrown)
+        !grounded && self.draft.cycle.is_none() && (weightless || thrown)
     }
 
     /// Lints on bodies that nothing holds and markers that nothing uses.
     pub fn connections(&mut self, model: Span) {
-        let ground = self.bodies.len();
+        let ground = self.draft.bodies.len();
         let mut found = Vec::new();
         let mut parent: Vec<usize> = (0..=ground).collect();
         let mut touched = vec![false; ground + 1];
-        for element in &self.elements {
+        for element in &self.draft.elements {
             if !Self::acts(element.role) {
                 continue;
             }
             let bodies: Vec<usize> = element
                 .markers
                 .iter()
-                .map(|m| match self.markers[*m as usize].body {
+                .map(|m| match self.draft.markers[*m as usize].body {
                     BodyRef::Ground => ground,
                     BodyRef::Body(b) => b as usize,
                 })
@@ -189,7 +197,7 @@ impl Elaborator<'_, '_> {
         let free = self.flies(touched[ground]);
         let untied: Vec<Origin> = (0..ground)
             .filter(|b| !touched[*b] && !free)
-            .map(|b| self.bodies[b].origin.clone())
+            .map(|b| self.draft.bodies[b].origin.clone())
             .collect();
         let untied: Vec<Origin> = untied
             .into_iter()
@@ -215,7 +223,7 @@ impl Elaborator<'_, '_> {
         }
         let mut groups: Vec<usize> = Vec::new();
         for b in (0..ground).filter(|b| touched[*b] && !free) {
-            let origin = self.bodies[b].origin.clone();
+            let origin = self.draft.bodies[b].origin.clone();
             let Some(place) = origin.used_at else {
                 continue;
             };
@@ -228,7 +236,7 @@ impl Elaborator<'_, '_> {
                 }
                 let members: Vec<&str> = (0..ground)
                     .filter(|c| root(&parent, *c) == r)
-                    .map(|c| self.bodies[c].origin.path.as_str())
+                    .map(|c| self.draft.bodies[c].origin.path.as_str())
                     .collect();
                 found.push(
                     Diagnostic::warning(codes::ADRIFT, format!("{path} has no path to the ground"))
@@ -253,7 +261,7 @@ impl Elaborator<'_, '_> {
                 .at(span_of(place), "nothing refers to it"),
             );
         }
-        if self.gravity.is_none() && !self.bodies.is_empty() {
+        if self.draft.gravity.is_none() && !self.draft.bodies.is_empty() {
             found.push(
                 Diagnostic::note(codes::NO_GRAVITY, "no gravity is stated: it is zero")
                     .at(model, "in this model")

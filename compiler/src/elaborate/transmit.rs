@@ -227,7 +227,7 @@ impl Random {
 impl Elaborator<'_, '_> {
     /// Gives the mode sets their freedoms, and warns of loads without a mode.
     pub fn flexible_sources(&mut self, elaborated: &mut Elaborated) {
-        let drafts: Vec<_> = self.flexible.drain(..).flatten().collect();
+        let drafts: Vec<_> = self.draft.flexible.drain(..).flatten().collect();
         if drafts.is_empty() {
             return;
         }

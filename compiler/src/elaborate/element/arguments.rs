@@ -180,6 +180,7 @@ impl<'a> Elaborator<'a, '_> {
         let name = &parameter.name.text;
         let parameter_path = format!("{path}.{name}");
         let known = self
+            .draft
             .parameters
             .iter()
             .position(|p| p.origin.path == parameter_path);

@@ -106,7 +106,7 @@ impl<'a> Elaborator<'a, '_> {
                 node: graph.less(zero, node),
             };
             let holds = self.bench.flag_number(flag);
-            self.checks.push(Check {
+            self.draft.checks.push(Check {
                 holds,
                 advise: false,
                 name: String::new(),
@@ -213,7 +213,7 @@ impl<'a> Elaborator<'a, '_> {
             };
             let holds = self.bench.flag_number(positive);
             let display = self.natural_unit(Dimension::LENGTH);
-            self.checks.push(Check {
+            self.draft.checks.push(Check {
                 holds,
                 advise: false,
                 name: String::new(),
@@ -228,7 +228,7 @@ impl<'a> Elaborator<'a, '_> {
                 defined_at: Some(location(length.span)),
             });
             let slot = self.slot(node);
-            self.resolutions.push(slot);
+            self.draft.resolutions.push(slot);
         }
         Ok(())
     }

@@ -50,10 +50,12 @@ impl<'a> Elaborator<'a, '_> {
     /// Stores the data of an element with its index.
     pub(super) fn note(&mut self, known: Known, element: u32) {
         let journal = known.journal;
-        self.journals
+        self.draft
+            .journals
             .extend(journal.map(|info| JournalInfo { element, ..info }));
         let firing = known.firing;
-        self.firings
+        self.draft
+            .firings
             .extend(firing.map(|info| FiringInfo { element, ..info }));
     }
 

@@ -147,7 +147,7 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
     ) -> Eval<u32> {
         self.bench.element = Some(ElementBuilder::default());
-        self.rates = None;
+        self.context.rates = None;
         self.bench.bind.owner.clone_from(&path);
         let used_at = Some(location(span));
         if let Some(block) = block {
@@ -197,9 +197,9 @@ impl<'a> Elaborator<'a, '_> {
             let zero = element.graph.constant(0.0);
             let mut rates: Vec<Node> = element.states.iter().filter_map(|s| s.rate).collect();
             rates.resize(PROVISIONAL.states as usize, zero);
-            self.rates = Some(rates);
+            self.context.rates = Some(rates);
         }
-        self.in_output = true;
+        self.context.in_output = true;
         let outputs = texts
             .iter()
             .try_for_each(|(items, scope)| self.class_outputs(items, *scope, &mut draft))
@@ -208,8 +208,8 @@ impl<'a> Elaborator<'a, '_> {
                 None => Ok(()),
             })
             .and_then(|()| self.reaction_outputs(class, &mut draft));
-        self.in_output = false;
-        self.rates = None;
+        self.context.in_output = false;
+        self.context.rates = None;
         outputs?;
         self.asked(&mut draft);
         let known = self.by_interface(class, own)?;

@@ -133,9 +133,9 @@ impl<'a> Elaborator<'a, '_> {
         flag: Flag,
         f: impl FnOnce(&mut Self) -> Eval<T>,
     ) -> Eval<T> {
-        self.guards.push((flag, self.scopes.len()));
+        self.context.guards.push((flag, self.scopes.len()));
         let result = f(self);
-        self.guards.pop();
+        self.context.guards.pop();
         result
     }
 
@@ -148,7 +148,7 @@ impl<'a> Elaborator<'a, '_> {
         call: Span,
     ) -> Eval<()> {
         // a function that is differentiated has been asked at the argument itself
-        if self.unknowns > 0 {
+        if self.context.unknowns > 0 {
             return Ok(());
         }
         let path = self.bench.bind.owner.clone();

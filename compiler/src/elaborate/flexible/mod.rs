@@ -101,26 +101,26 @@ impl<'a> Elaborator<'a, '_> {
         let own = self.new_scope(Some(scope), module, path.clone());
         self.accepted_in(&block.items, &path);
         self.bench.bind.owner.clone_from(&path);
-        let body = self.bodies.len() as u32;
-        let index = self.flexible.len() as u32;
+        let body = self.draft.bodies.len() as u32;
+        let index = self.draft.flexible.len() as u32;
         let place = Origin {
             path: path.clone(),
             used_at: Some(location(declaration.name.span)),
             defined_at: None,
         };
-        self.bodies.push(Body {
+        self.draft.bodies.push(Body {
             origin: place.clone(),
             inertia: BodyInertia::Flexible(index),
             position: None,
             orientation: None,
             guessed_at: Vec::new(),
         });
-        self.body_scopes.push(own);
+        self.draft.body_scopes.push(own);
         let reference = BodyRef::Body(body);
         let origin = self.frame_marker(reference, format!("{path}.origin"));
         self.define(own, "origin", Entry::Value(Value::Marker(origin)));
         // reserves the index while the parts are read
-        self.flexible.push(None);
+        self.draft.flexible.push(None);
         let (markers, known) = self.markers_of_block(block, reference, own, &path);
         let mut mesh = None;
         let (mut stiffness, mut mass, mut material) = (None, None, None);
@@ -171,7 +171,7 @@ impl<'a> Elaborator<'a, '_> {
         let damping = self.checked(damping, span, "a flexible body without damping")?;
         self.both_matrices(stiffness.as_ref(), mass.as_ref(), &path, span)?;
         let (sources, indices): (Vec<MarkerSource>, Vec<u32>) = markers.into_iter().unzip();
-        self.flexible[index as usize] = Some(FlexibleDraft {
+        self.draft.flexible[index as usize] = Some(FlexibleDraft {
             source: FlexibleSource {
                 origin: place,
                 mesh,
@@ -365,6 +365,7 @@ impl<'a> Elaborator<'a, '_> {
     /// Welds the frames of bodies with supports to the ground at their start positions.
     pub fn weld_supports(&mut self) {
         let welds: Vec<(String, u32, ScopeId, Span)> = self
+            .draft
             .flexible
             .iter()
             .flatten()

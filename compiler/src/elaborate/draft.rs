@@ -1,0 +1,116 @@
+//! The model as far as elaboration has built it.
+
+use super::binding::Check;
+use super::value::{self, ScopeId, Value};
+use super::{flexible, model};
+use crate::ir::{self, Node};
+use crate::program::DefinitionId;
+use eng_grammar::{Diagnostic, Span, ast};
+use eng_system::lint::Accepted;
+use eng_system::system::{
+    Body, Channel, Condition, FiringInfo, JournalInfo, Location, Marker, Origin, OutputInfo,
+    Parameter, Role, Row, Slot, StateInfo,
+};
+use eng_system::table::Table;
+use std::collections::{BTreeMap, HashMap};
+
+/// Bodies, elements and values of a model in the order of the text. Elements do not share classes yet.
+#[derive(Default)]
+pub(crate) struct Draft<'a> {
+    pub bodies: Vec<Body>,
+    pub body_scopes: Vec<ScopeId>,
+    pub flexible: Vec<Option<flexible::FlexibleDraft>>,
+    pub markers: Vec<Marker>,
+    pub used_markers: Vec<bool>,
+    pub parameters: Vec<Parameter>,
+    pub parameter_defaults: Vec<Node>,
+    pub checks: Vec<Check>,
+    pub tables: Vec<Table>,
+    pub elements: Vec<ElementDraft<'a>>,
+    pub channels: Vec<Channel>,
+    pub journals: Vec<JournalInfo>,
+    pub firings: Vec<FiringInfo>,
+    /// Lengths that positions must resolve.
+    pub resolutions: Vec<Slot>,
+    pub accepted: Vec<Accepted>,
+    /// Failed `advise`s on values known while compiling, with the paths of their subjects.
+    pub advised: Vec<(Diagnostic, Vec<String>)>,
+    /// Places of stated attributes, by path. If an argument of a class is the name of a constant, it is the
+    /// place of this constant.
+    pub stated: BTreeMap<String, Location>,
+    /// Places of the `let`s and `const`s of models and components, by scope and name.
+    pub named: HashMap<(usize, String), Location>,
+    pub gravity: Option<[Node; 3]>,
+    pub cycle: Option<CycleDraft<'a>>,
+    pub pending: Vec<model::Pending<'a>>,
+}
+
+/// A finished element, before elements share classes.
+#[derive(Debug)]
+pub(crate) struct ElementDraft<'a> {
+    pub origin: Origin,
+    pub span: Span,
+    pub role: Role,
+    /// The definition and arguments, to evaluate its names again in another element.
+    pub source: Option<ElementSource<'a>>,
+    /// Outputs: name, first scalar, shape.
+    pub outputs: Vec<OutputShape>,
+    /// First channel of its outputs.
+    pub first_channel: u32,
+    pub class_name: String,
+    pub body: ir::ClassBody,
+    pub meta: ClassMeta,
+    pub markers: Vec<u32>,
+    pub constants: Vec<Node>,
+    pub state_start: Vec<Node>,
+    pub state_scale: Vec<Node>,
+    pub signals: Vec<u32>,
+    /// Pairs of local markers, and the bind node of a stated angle.
+    pub rotations: Vec<(u32, u32, Option<Node>)>,
+    /// The local markers of each `apply`: on, against.
+    pub applied: Vec<(u32, Option<u32>)>,
+}
+
+/// The facts of a class besides its graph.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ClassMeta {
+    pub rows: Vec<Row>,
+    pub states: Vec<StateInfo>,
+    pub outputs: Vec<OutputInfo>,
+    pub conditions: Vec<Condition>,
+}
+
+/// The data to evaluate an element's names once more.
+#[derive(Clone, Debug)]
+pub(crate) struct ElementSource<'a> {
+    pub definition: DefinitionId,
+    /// Evaluated arguments; those of the motion stage are evaluated again.
+    pub arguments: Vec<(String, Argument<'a>)>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Argument<'a> {
+    Value(Value<'a>),
+    /// A value of the motion, evaluated again in its scope for each element.
+    Again(&'a ast::Expr, ScopeId),
+}
+
+/// An output's scalars.
+#[derive(Clone, Debug)]
+pub(crate) struct OutputShape {
+    pub name: String,
+    pub first: u32,
+    /// 1 for a scalar, else the number of components.
+    pub count: u32,
+    /// The axes of the components, if the text states them.
+    pub axes: Option<value::Axes>,
+    /// A vector in space rather than components.
+    pub vector: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct CycleDraft<'a> {
+    pub declaration: &'a ast::Declaration,
+    pub scope: ScopeId,
+    pub period: Node,
+}
