@@ -251,7 +251,7 @@ impl AccelerationSystem {
             dynamics.evaluate(model)?;
             let (at, worst) =
                 dynamics
-                    .constraints
+                    .constraints()
                     .iter()
                     .enumerate()
                     .fold((0, 0.0_f64), |best, (i, x)| {
@@ -278,7 +278,7 @@ impl AccelerationSystem {
             }
             self.rhs[..n].fill(0.0);
             for i in 0..model.rows {
-                self.rhs[n + i] = -dynamics.constraints[i] * self.scales[n + i];
+                self.rhs[n + i] = -dynamics.constraints()[i] * self.scales[n + i];
             }
             self.solver.solve(&mut self.rhs);
             for (x, s) in self.rhs[..n].iter_mut().zip(&self.scales) {
@@ -314,7 +314,7 @@ impl AccelerationSystem {
         let (mut first, mut last, mut refined) = (0.0, f64::INFINITY, false);
         for round in 0..=VELOCITY_ROUNDS {
             dynamics.velocity_level(model, &state.velocity)?;
-            let rates = dynamics.constraint_rates.iter().zip(&self.scales[n..]);
+            let rates = dynamics.constraint_rates().iter().zip(&self.scales[n..]);
             let left = rates.fold(0.0_f64, |most, (rate, scale)| {
                 most.max((rate * scale).abs())
             });
@@ -331,7 +331,11 @@ impl AccelerationSystem {
             // without progress above rounding the factors belong to a position too far away
             refined |= round > 1 && !progress;
             last = left;
-            for (wanted, rate) in self.wanted_rates.iter_mut().zip(&dynamics.constraint_rates) {
+            for (wanted, rate) in self
+                .wanted_rates
+                .iter_mut()
+                .zip(dynamics.constraint_rates())
+            {
                 *wanted = -rate;
             }
             let kept = round == 0
@@ -388,9 +392,7 @@ impl AccelerationSystem {
         dynamics.gather(model, &state.states, &[], &state.rotations);
         self.factor(model, dynamics, moment)?;
         dynamics.velocity_level(model, &state.velocity)?;
-        let rates = std::mem::take(&mut dynamics.constraint_rates);
-        self.normal(model, &rates, out);
-        dynamics.constraint_rates = rates;
+        self.normal(model, dynamics.constraint_rates(), out);
         Ok(())
     }
 
@@ -444,7 +446,7 @@ impl AccelerationSystem {
     fn take_forces(&mut self, model: &Model, dynamics: &Dynamics, state: &mut State) {
         self.forces.fill(0.0);
         dynamics.add_forces(model, -1.0, &mut self.forces);
-        state.rates.copy_from_slice(&dynamics.rates);
+        state.rates.copy_from_slice(dynamics.rates());
     }
 
     /// Solves for accelerations and multipliers with `self.forces`, which are −Q, and the γ of `dynamics`.
@@ -461,7 +463,7 @@ impl AccelerationSystem {
             self.rhs[i] = -self.forces[i] * self.scales[i] / unit;
         }
         for i in 0..model.rows {
-            self.rhs[n + i] = dynamics.constraint_accelerations[i] * self.scales[n + i];
+            self.rhs[n + i] = dynamics.constraint_accelerations()[i] * self.scales[n + i];
         }
         self.solve(model, moment)?;
         for i in 0..n {

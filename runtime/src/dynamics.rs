@@ -8,6 +8,7 @@ mod energy;
 mod levels;
 mod matrix;
 mod plan;
+mod tangents;
 
 pub use plan::MatrixPlan;
 
@@ -21,31 +22,16 @@ use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use eng_system::code::{Function, Pair};
 
-/// All values at one state, with scratch for their evaluation.
+/// Bodies and markers at one position and velocity.
 #[derive(Clone, Debug)]
-pub struct Dynamics {
+struct Placement {
+    time: f64,
     /// Pose numbers of the bodies.
     pose: Vec<f64>,
     /// Their frames' origins and orientations.
     frames: Vec<(V3, M3)>,
     /// Poses and twists of the markers.
-    pub markers: Vec<MarkerKinematics>,
-    /// Dynamic elements.
-    pub batches: Vec<Batch>,
-    /// Scratch of the element functions.
-    pub scratch: Scratch,
-    /// Constraint values (m, rad).
-    pub constraints: Vec<f64>,
-    /// Φ̇ at the given velocities.
-    pub constraint_rates: Vec<f64>,
-    /// γ of `G v̇ = γ`, at body level.
-    pub constraint_accelerations: Vec<f64>,
-    /// Wrenches of the elements on their markers.
-    pub wrenches: Vec<f64>,
-    /// Rates of the states.
-    pub rates: Vec<f64>,
-    /// G of each element at its markers, row-major rows × 6 markers.
-    pub gradients: Vec<f64>,
+    markers: Vec<MarkerKinematics>,
     /// Placement of the markers in flexible bodies, and their motion with these bodies.
     placed: Vec<Option<(Placed, Motion)>>,
     /// Rows of the shapes of second order at the present position, marker after marker.
@@ -54,9 +40,17 @@ pub struct Dynamics {
     /// J of each marker in its reach, 6 × reach each.
     jacobians: Vec<f64>,
     jacobian_at: Vec<usize>,
+}
+
+/// Memory that is reused between evaluations. Nothing in it outlives a call.
+#[derive(Clone, Debug)]
+struct Workspace {
+    /// That of the element functions.
+    elements: Scratch,
     /// Columns of pose and twist along the step's unknown.
     pose_columns: Vec<f64>,
     twist_columns: Vec<f64>,
+    /// A block of the matrix, and all outputs of an element along a marker's reach.
     block: Vec<f64>,
     columns: Vec<f64>,
     /// Sums of the elements' blocks between markers of flexible bodies.
@@ -66,9 +60,31 @@ pub struct Dynamics {
     pulls: Vec<[f64; 6]>,
     /// One row over a body's velocities.
     line: Vec<f64>,
-    /// Scratch of the flexible bodies.
+    /// That of the flexible bodies.
     bending: Work,
-    time: f64,
+    /// Wrenches that are not those of the last evaluation.
+    wrenches: Vec<f64>,
+}
+
+/// All values at one state. They change together: a caller can read them, and only an evaluation writes them.
+#[derive(Clone, Debug)]
+pub struct Dynamics {
+    at: Placement,
+    /// Inputs of the dynamic elements.
+    batches: Vec<Batch>,
+    /// Constraint values (m, rad).
+    constraints: Vec<f64>,
+    /// Φ̇ at the given velocities.
+    constraint_rates: Vec<f64>,
+    /// γ of `G v̇ = γ`, at body level.
+    constraint_accelerations: Vec<f64>,
+    /// Wrenches of the elements on their markers.
+    wrenches: Vec<f64>,
+    /// Rates of the states.
+    rates: Vec<f64>,
+    /// G of each element at its markers, row-major rows × 6 markers.
+    gradients: Vec<f64>,
+    work: Workspace,
 }
 
 /// A body's frame from the cached origins and orientations.
@@ -133,51 +149,86 @@ impl Dynamics {
         }
         let size = matrix_size(model);
         Dynamics {
-            pose: vec![0.0; model.poses],
-            frames: vec![(V3::zeros(), M3::identity()); model.bodies.len()],
-            markers: model.markers.iter().map(chain::ground).collect(),
+            at: Placement {
+                time: 0.0,
+                pose: vec![0.0; model.poses],
+                frames: vec![(V3::zeros(), M3::identity()); model.bodies.len()],
+                markers: model.markers.iter().map(chain::ground).collect(),
+                placed: vec![None; model.markers.len()],
+                shapes: vec![0.0; cached],
+                shape_at,
+                jacobians: vec![0.0; total],
+                jacobian_at,
+            },
             batches: elements::batches(model, &dynamic, false),
-            scratch: Scratch::new(model),
             constraints: vec![0.0; model.rows],
             constraint_rates: vec![0.0; model.rows],
             constraint_accelerations: vec![0.0; model.rows],
             wrenches: vec![0.0; model.wrenches],
             rates: vec![0.0; model.states],
             gradients: vec![0.0; model.gradients],
-            placed: vec![None; model.markers.len()],
-            shapes: vec![0.0; cached],
-            shape_at,
-            jacobians: vec![0.0; total],
-            jacobian_at,
-            pose_columns: vec![0.0; total],
-            twist_columns: vec![0.0; total],
-            block: vec![0.0; size],
-            columns: vec![0.0; size],
-            sums: Vec::new(),
-            pulls: vec![[0.0; 6]; model.markers.len()],
-            line: Vec::new(),
-            bending: Work::default(),
-            time: 0.0,
+            work: Workspace {
+                elements: Scratch::new(model),
+                pose_columns: vec![0.0; total],
+                twist_columns: vec![0.0; total],
+                block: vec![0.0; size],
+                columns: vec![0.0; size],
+                sums: Vec::new(),
+                pulls: vec![[0.0; 6]; model.markers.len()],
+                line: Vec::new(),
+                bending: Work::default(),
+                wrenches: vec![0.0; model.wrenches],
+            },
         }
+    }
+
+    /// Poses and twists of the markers.
+    pub fn markers(&self) -> &[MarkerKinematics] {
+        &self.at.markers
+    }
+
+    /// Φ (m, rad) of the last evaluation.
+    pub fn constraints(&self) -> &[f64] {
+        &self.constraints
+    }
+
+    /// Φ̇ (m/s, rad/s) of the last [`Dynamics::velocity_level`].
+    pub fn constraint_rates(&self) -> &[f64] {
+        &self.constraint_rates
+    }
+
+    /// γ of `G v̇ = γ` at body level (m/s², rad/s²), of the last [`Dynamics::velocity_level`].
+    pub fn constraint_accelerations(&self) -> &[f64] {
+        &self.constraint_accelerations
+    }
+
+    /// Wrenches of the elements on their markers (N, N m) of the last evaluation.
+    pub fn wrenches(&self) -> &[f64] {
+        &self.wrenches
+    }
+
+    /// Rates of the states of the last evaluation.
+    pub fn rates(&self) -> &[f64] {
+        &self.rates
     }
 
     /// Frame and shape of a body at the present position.
     pub fn frame(&self, model: &Model, body: usize) -> BodyFrame<'_> {
-        frame_of(&self.pose, &self.frames, &model.bodies[body], body)
+        frame_of(&self.at.pose, &self.at.frames, &model.bodies[body], body)
     }
 
     /// Adds the mass matrix of a body at the present position, row-major width × width.
     pub fn add_mass(&mut self, model: &Model, index: usize, out: &mut [f64]) {
         let body = &model.bodies[index];
-        let frame = frame_of(&self.pose, &self.frames, body, index);
-        body.add_mass(&frame, &mut self.bending, out);
+        let frame = frame_of(&self.at.pose, &self.at.frames, body, index);
+        body.add_mass(&frame, &mut self.work.bending, out);
     }
 
     /// Sets frames, markers and marker Jacobians.
     pub fn place(&mut self, model: &Model, time: f64, pose: &[f64], velocity: &[f64]) {
-        self.time = time;
-        self.pose.copy_from_slice(pose);
-        for (cached, body) in self.frames.iter_mut().zip(&model.bodies) {
+        self.at.time = time;
+        self.at.pose.copy_from_slice(pose);
+        for (cached, body) in self.at.frames.iter_mut().zip(&model.bodies) {
             let frame = body.frame(pose);
             *cached = (frame.position, frame.rotation);
         }
@@ -190,33 +241,33 @@ impl Dynamics {
     pub fn place_marker(&mut self, model: &Model, index: usize, velocity: &[f64]) {
         let marker = &model.markers[index];
         let Some(b) = marker.body else {
-            self.markers[index] = chain::ground(marker);
+            self.at.markers[index] = chain::ground(marker);
             return;
         };
         let body = &model.bodies[b];
-        let frame = frame_of(&self.pose, &self.frames, body, b);
+        let frame = frame_of(&self.at.pose, &self.at.frames, body, b);
         let v = &velocity[body.velocity..];
-        let at = self.jacobian_at[index];
+        let at = self.at.jacobian_at[index];
         let Some(shape) = &marker.shape else {
-            self.markers[index] = chain::rigid_kinematics(&frame, marker, v);
-            let (out, _) = self.jacobians[at..].as_chunks_mut::<6>();
+            self.at.markers[index] = chain::rigid_kinematics(&frame, marker, v);
+            let (out, _) = self.at.jacobians[at..].as_chunks_mut::<6>();
             chain::rigid_jacobian(&frame, marker, out);
             return;
         };
         if shape.is_curved() {
-            let first = self.shape_at[index];
-            let rows = &mut self.shapes[first..first + shape.length()];
+            let first = self.at.shape_at[index];
+            let rows = &mut self.at.shapes[first..first + shape.length()];
             shape.fill_rows(frame.amplitudes, &v[6..body.width()], rows);
         }
         let placed = Placed::new(&frame, marker);
         let motion = Motion::new(&frame, marker, v);
-        self.markers[index] = chain::seen(&frame.rotation, &frame.position, &placed, &motion);
+        self.at.markers[index] = chain::seen(&frame.rotation, &frame.position, &placed, &motion);
         chain::jacobian_in_reach(
             &frame.rotation,
             &placed,
-            &mut self.jacobians[at..at + 6 * placed.reach()],
+            &mut self.at.jacobians[at..at + 6 * placed.reach()],
         );
-        self.placed[index] = Some((placed, motion));
+        self.at.placed[index] = Some((placed, motion));
     }
 
     /// Gathers the inputs of the dynamic elements.
@@ -228,8 +279,8 @@ impl Dynamics {
         rotations: &[f64],
     ) {
         let from = Inputs {
-            time: self.time,
-            markers: &self.markers,
+            time: self.at.time,
+            markers: &self.at.markers,
             states,
             multipliers,
             rotations,
@@ -250,7 +301,7 @@ impl Dynamics {
             );
             let length = layout.residual_len() as usize;
             for pair in 0..batch.pairs.len() {
-                let out = &mut self.scratch.outputs[..length];
+                let out = &mut self.work.elements.outputs[..length];
                 elements::call(
                     model,
                     batch.class,
@@ -266,7 +317,7 @@ impl Dynamics {
                         return Err(undefined(
                             model,
                             index,
-                            self.time,
+                            self.at.time,
                             Function::Residual,
                             inputs,
                             lane,
@@ -289,6 +340,11 @@ impl Dynamics {
 
     /// `out += factor Σ Jᵀ W` of the last evaluation.
     pub fn add_forces(&self, model: &Model, factor: f64, out: &mut [f64]) {
+        self.add_wrenches(model, &self.wrenches, factor, out);
+    }
+
+    /// `out += factor Σ Jᵀ W` of given wrenches of the elements on their markers.
+    fn add_wrenches(&self, model: &Model, wrenches: &[f64], factor: f64, out: &mut [f64]) {
         for element in model.elements.iter().filter(|e| e.dynamic) {
             for (k, marker) in element.markers.iter().enumerate() {
                 let Some(b) = model.markers[*marker].body else {
@@ -297,9 +353,9 @@ impl Dynamics {
                 let body = &model.bodies[b];
                 let marker_model = &model.markers[*marker];
                 let reach = marker_model.reach();
-                let at = self.jacobian_at[*marker];
-                let wrench = &self.wrenches[element.wrench + 6 * k..element.wrench + 6 * k + 6];
-                let jacobian = &self.jacobians[at..at + 6 * reach];
+                let at = self.at.jacobian_at[*marker];
+                let wrench = &wrenches[element.wrench + 6 * k..element.wrench + 6 * k + 6];
+                let jacobian = &self.at.jacobians[at..at + 6 * reach];
                 if reach == 6 {
                     let mut force = [0.0; 6];
                     for (w, row) in wrench.iter().zip(jacobian.as_chunks::<6>().0) {
@@ -316,7 +372,7 @@ impl Dynamics {
                     add_scaled(force, factor * w, row);
                 }
                 let range = body.velocity..body.velocity + body.width();
-                let rows = shape_rows(marker_model, &self.shapes, self.shape_at[*marker]);
+                let rows = shape_rows(marker_model, &self.at.shapes, self.at.shape_at[*marker]);
                 chain::expand(rows, force, reach, body.width(), &mut out[range]);
             }
         }
@@ -333,11 +389,11 @@ impl Dynamics {
         for (index, body) in model.bodies.iter().enumerate() {
             let range = body.velocity..body.velocity + body.width();
             body.add_inertia(
-                &frame_of(&self.pose, &self.frames, body, index),
+                &frame_of(&self.at.pose, &self.at.frames, body, index),
                 &velocity[range.clone()],
                 &acceleration[range.clone()],
                 &model.gravity,
-                &mut self.bending,
+                &mut self.work.bending,
                 &mut out[range],
             );
         }

@@ -135,7 +135,7 @@ fn states_rest(model: &Model, state: &State) -> Result<Option<Obstacle>, Runtime
     for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| e.dynamic) {
         for (k, info) in model.class(index).states.iter().enumerate() {
             let at = element.state + k;
-            let (rate, value) = (dynamics.rates[at], state.states[at]);
+            let (rate, value) = (dynamics.rates()[at], state.states[at]);
             let scale = model.state_scales[at].max(value.abs());
             if rate.abs() > RESTS * scale {
                 return Ok(Some(Obstacle {

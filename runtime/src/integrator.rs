@@ -37,10 +37,8 @@
 mod dense;
 mod nearest;
 mod newton;
-mod tangents;
 mod vibration;
 
-pub use tangents::constraints_along;
 pub use vibration::{Damped, Vibration};
 
 use crate::body::Weights;
@@ -221,7 +219,6 @@ pub struct Integrator {
     column_factors: Vec<f64>,
     mass_block: Vec<f64>,
     estimate: Vec<f64>,
-    damping_wrenches: Vec<f64>,
     /// The unknown (a velocity or a state) that governed the last estimate.
     governing: Option<usize>,
     /// Vibrations of each body; see the module `vibration`.
@@ -288,7 +285,6 @@ impl Integrator {
             column_factors: vec![0.0; size],
             mass_block: vec![0.0; width * width],
             estimate: vec![0.0; model.velocities],
-            damping_wrenches: vec![0.0; model.wrenches],
             governing: None,
             vibrations: vec![Vibration::default(); model.bodies.len()],
         })
@@ -564,9 +560,9 @@ impl Integrator {
         );
         dynamics.add_forces(model, -1.0, &mut self.residual[..n]);
         for i in 0..s {
-            self.residual[n + i] = self.next.rates[i] - dynamics.rates[i];
+            self.residual[n + i] = self.next.rates[i] - dynamics.rates()[i];
         }
-        self.residual[n + s..].copy_from_slice(&dynamics.constraints);
+        self.residual[n + s..].copy_from_slice(dynamics.constraints());
         for (r, factor) in self.residual.iter_mut().zip(&self.row_factors) {
             *r *= factor;
         }

@@ -138,7 +138,7 @@ impl Outputs {
         }
         let from = Inputs {
             time: state.time,
-            markers: &dynamics.markers,
+            markers: dynamics.markers(),
             states: &state.states,
             multipliers: &state.multipliers,
             rotations: &state.rotations,

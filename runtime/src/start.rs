@@ -264,7 +264,7 @@ fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeEr
     dynamics.place(model, state.time, &state.pose, &state.velocity);
     let from = Inputs {
         time: state.time,
-        markers: &dynamics.markers,
+        markers: dynamics.markers(),
         states: &state.states,
         multipliers: &state.multipliers,
         rotations: &state.rotations,

@@ -12,10 +12,10 @@ impl Dynamics {
         let mut total = [0.0; 4];
         for (index, body) in model.bodies.iter().enumerate() {
             let own = body.energy(
-                &frame_of(&self.pose, &self.frames, body, index),
+                &frame_of(&self.at.pose, &self.at.frames, body, index),
                 &velocity[body.velocity..],
                 &model.gravity,
-                &mut self.bending,
+                &mut self.work.bending,
             );
             for (t, x) in total.iter_mut().zip(own) {
                 *t += x;
@@ -35,7 +35,7 @@ impl Dynamics {
         let (mut loads, mut constraints) = (0.0, 0.0);
         for element in model.elements.iter().filter(|e| e.dynamic) {
             for (k, marker) in element.markers.iter().enumerate() {
-                let m = &self.markers[*marker];
+                let m = &self.at.markers[*marker];
                 let w = &self.wrenches[element.wrench + 6 * k..element.wrench + 6 * k + 6];
                 for i in 0..3 {
                     loads += w[i] * m.velocity[i] + w[3 + i] * m.angular_velocity[i];
@@ -59,13 +59,13 @@ impl Dynamics {
                     batch.class,
                     Function::Linearize,
                     inputs,
-                    &mut self.scratch.tape[..tape],
+                    &mut self.work.elements.tape[..tape],
                 )?;
-                self.scratch.tape[tape..tape + directions].fill([0.0; 2]);
+                self.work.elements.tape[tape..tape + directions].fill([0.0; 2]);
                 for k in 0..layout.markers {
                     let at = layout.marker(k) as usize + 12;
                     for i in 0..6 {
-                        self.scratch.tape[tape + layout.pose_direction(k) as usize + i] =
+                        self.work.elements.tape[tape + layout.pose_direction(k) as usize + i] =
                             inputs[at + i];
                     }
                 }
@@ -73,11 +73,11 @@ impl Dynamics {
                     model,
                     batch.class,
                     Function::Tangent,
-                    &self.scratch.tape[..tape + directions],
-                    &mut self.scratch.outputs[..length],
+                    &self.work.elements.tape[..tape + directions],
+                    &mut self.work.elements.outputs[..length],
                 )?;
-                let along = &self.scratch.outputs[..rows];
-                let rates = &mut self.scratch.tangents[..2 * rows];
+                let along = &self.work.elements.outputs[..rows];
+                let rates = &mut self.work.elements.tangents[..2 * rows];
                 elements::call(model, batch.class, Function::Velocity, inputs, rates)?;
                 for lane in 0..batch.lanes(pair) {
                     let element = &model.elements[batch.pairs[pair][lane]];

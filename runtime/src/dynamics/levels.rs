@@ -18,7 +18,7 @@ impl Dynamics {
                 continue;
             }
             for pair in 0..batch.pairs.len() {
-                let out = &mut self.scratch.outputs[..2 * rows];
+                let out = &mut self.work.elements.outputs[..2 * rows];
                 elements::call(
                     model,
                     batch.class,
@@ -34,7 +34,7 @@ impl Dynamics {
                         return Err(undefined(
                             model,
                             index,
-                            self.time,
+                            self.at.time,
                             Function::Velocity,
                             inputs,
                             lane,
@@ -52,7 +52,7 @@ impl Dynamics {
                         };
                         let body = &model.bodies[b];
                         let bias = chain::bias(
-                            &frame_of(&self.pose, &self.frames, body, b),
+                            &frame_of(&self.at.pose, &self.at.frames, body, b),
                             &model.markers[*marker],
                             &velocity[body.velocity..],
                         );
@@ -85,16 +85,16 @@ impl Dynamics {
                     batch,
                     pair,
                     std::slice::from_ref(&(0..columns)),
-                    &mut self.scratch,
+                    &mut self.work.elements,
                 )?;
                 for lane in 0..batch.lanes(pair) {
                     let index = batch.pairs[pair][lane];
                     let at = model.elements[index].gradient;
                     for i in 0..rows {
                         for d in 0..columns {
-                            let g = self.scratch.tangents[d * length + i][lane];
+                            let g = self.work.elements.tangents[d * length + i][lane];
                             if !g.is_finite() {
-                                return Err(not_finite(model, index, self.time));
+                                return Err(not_finite(model, index, self.at.time));
                             }
                             self.gradients[at + i * columns + d] = g;
                         }
@@ -112,11 +112,11 @@ impl Dynamics {
             return [0.0; 6];
         };
         let reach = model_marker.reach();
-        let at = self.jacobian_at[marker];
+        let at = self.at.jacobian_at[marker];
         let frame = self.frame(model, body);
         let along = Motion::new(&frame, model_marker, x).numbers();
         std::array::from_fn(|d| {
-            let row = &self.jacobians[at + d * reach..at + (d + 1) * reach];
+            let row = &self.at.jacobians[at + d * reach..at + (d + 1) * reach];
             dot(row, &along)
         })
     }
@@ -141,24 +141,24 @@ impl Dynamics {
                 let body = &model.bodies[b];
                 let marker_model = &model.markers[*marker];
                 let reach = marker_model.reach();
-                let at = self.jacobian_at[*marker];
+                let at = self.at.jacobian_at[*marker];
                 for i in 0..rows {
                     let mut seen = [0.0; CURVED_REACH];
                     for d in 0..6 {
                         let g = self.gradients[element.gradient + i * columns + 6 * k + d];
-                        let row = &self.jacobians[at + d * reach..at + (d + 1) * reach];
+                        let row = &self.at.jacobians[at + d * reach..at + (d + 1) * reach];
                         add_scaled(&mut seen, g, row);
                     }
-                    self.line.clear();
-                    self.line.resize(body.width(), 0.0);
+                    self.work.line.clear();
+                    self.work.line.resize(body.width(), 0.0);
                     chain::expand(
-                        shape_rows(marker_model, &self.shapes, self.shape_at[*marker]),
+                        shape_rows(marker_model, &self.at.shapes, self.at.shape_at[*marker]),
                         &seen[..reach],
                         reach,
                         body.width(),
-                        &mut self.line,
+                        &mut self.work.line,
                     );
-                    put(element.row + i, body.velocity, &self.line);
+                    put(element.row + i, body.velocity, &self.work.line);
                 }
             }
         }

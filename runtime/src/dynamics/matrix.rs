@@ -1,11 +1,11 @@
 //! The exact matrix of a step, filled at the places of its plan.
 
 use super::plan::{MatrixPlan, Place};
-use super::{Dynamics, frame_of, not_finite, shape_rows};
+use super::{Dynamics, Placement, Workspace, frame_of, not_finite, shape_rows};
 use crate::body::Weights;
 use crate::chain::{self, CURVED_REACH, Motion, Placed, REACH};
 use crate::dense::{add_product_of_six, add_scaled};
-use crate::elements::{self, Batch, Scratch};
+use crate::elements::{self, Batch};
 use crate::error::RuntimeError;
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
@@ -46,25 +46,9 @@ struct Filling<'a> {
     plan: &'a MatrixPlan,
     model: &'a Model,
     turn: Turn<'a>,
-    time: f64,
     values: &'a mut [f64],
-    scratch: &'a mut Scratch,
-    /// Memory for a block, for all outputs of an element along a marker's reach, and for rows over a body's
-    /// velocities.
-    block: &'a mut [f64],
-    columns: &'a mut [f64],
-    line: &'a mut Vec<f64>,
-    sums: &'a mut [f64],
-    pulls: &'a mut [[f64; 6]],
-    placed: &'a [Option<(Placed, Motion)>],
-    shapes: &'a [f64],
-    shape_at: &'a [usize],
-    pose: &'a [f64],
-    frames: &'a [(V3, M3)],
-    jacobians: &'a [f64],
-    jacobian_at: &'a [usize],
-    pose_columns: &'a [f64],
-    twist_columns: &'a [f64],
+    work: &'a mut Workspace,
+    at: &'a Placement,
     wrenches: &'a [f64],
 }
 
@@ -99,30 +83,16 @@ impl MatrixPlan {
             values,
         );
         dynamics.fill_columns(model, velocity, weights, &turn);
-        dynamics.sums.clear();
-        dynamics.sums.resize(self.sums, 0.0);
-        dynamics.pulls.fill([0.0; 6]);
+        dynamics.work.sums.clear();
+        dynamics.work.sums.resize(self.sums, 0.0);
+        dynamics.work.pulls.fill([0.0; 6]);
         let mut filling = Filling {
             plan: self,
             model,
             turn: &turn,
-            time: dynamics.time,
             values,
-            scratch: &mut dynamics.scratch,
-            block: &mut dynamics.block,
-            columns: &mut dynamics.columns,
-            line: &mut dynamics.line,
-            sums: &mut dynamics.sums,
-            pulls: &mut dynamics.pulls,
-            placed: &dynamics.placed,
-            shapes: &dynamics.shapes,
-            shape_at: &dynamics.shape_at,
-            pose: &dynamics.pose,
-            frames: &dynamics.frames,
-            jacobians: &dynamics.jacobians,
-            jacobian_at: &dynamics.jacobian_at,
-            pose_columns: &dynamics.pose_columns,
-            twist_columns: &dynamics.twist_columns,
+            work: &mut dynamics.work,
+            at: &dynamics.at,
             wrenches: &dynamics.wrenches,
         };
         for batch in &dynamics.batches {
@@ -150,16 +120,16 @@ impl MatrixPlan {
         for (index, body) in model.bodies.iter().enumerate() {
             let width = body.width();
             let range = body.velocity..body.velocity + width;
-            let block = &mut dynamics.block[..width * width];
+            let block = &mut dynamics.work.block[..width * width];
             block.fill(0.0);
             body.add_inertia_matrix(
-                &frame_of(&dynamics.pose, &dynamics.frames, body, index),
+                &frame_of(&dynamics.at.pose, &dynamics.at.frames, body, index),
                 &velocity[range.clone()],
                 &acceleration[range],
                 &model.gravity,
                 weights,
                 &turn(index),
-                &mut dynamics.bending,
+                &mut dynamics.work.bending,
                 block,
             );
             self.table.get(self.bodies[index]).add(values, block, 1.0);
@@ -180,7 +150,13 @@ impl Filling<'_> {
         };
         let directions = [0..6 * markers, twists, 12 * markers..12 * markers + states];
         for pair in 0..batch.pairs.len() {
-            elements::differentiate(self.model, batch, pair, &directions, self.scratch)?;
+            elements::differentiate(
+                self.model,
+                batch,
+                pair,
+                &directions,
+                &mut self.work.elements,
+            )?;
             for lane in 0..batch.lanes(pair) {
                 self.element(Lane {
                     index: batch.pairs[pair][lane],
@@ -223,20 +199,20 @@ impl Filling<'_> {
     /// Writes all outputs of the element along the reach of a marker into `columns`, length × reach.
     fn outputs_along(&mut self, lane: Lane, seen: Seen) -> Result<(), RuntimeError> {
         let reach = seen.reach;
-        let at = self.jacobian_at[seen.marker];
+        let at = self.at.jacobian_at[seen.marker];
         let range = at..at + 6 * reach;
-        let columns = &mut self.columns[..lane.length * reach];
+        let columns = &mut self.work.columns[..lane.length * reach];
         columns.fill(0.0);
-        let along = Along::new(&self.scratch.tangents, lane);
-        let pose = &self.pose_columns[range.clone()];
+        let along = Along::new(&self.work.elements.tangents, lane);
+        let pose = &self.work.pose_columns[range.clone()];
         along.add(6 * seen.own, 0, pose, reach, columns);
         if lane.uses_twist {
             let first = 6 * lane.markers + 6 * seen.own;
-            let twist = &self.twist_columns[range];
+            let twist = &self.work.twist_columns[range];
             along.add(first, lane.rows, twist, reach, columns);
         }
         if columns.iter().any(|x| !x.is_finite()) {
-            return Err(not_finite(self.model, lane.index, self.time));
+            return Err(not_finite(self.model, lane.index, self.at.time));
         }
         Ok(())
     }
@@ -247,26 +223,26 @@ impl Filling<'_> {
             return;
         };
         let Seen { reach, width, .. } = seen;
-        let shape = shape_rows(seen.model, self.shapes, self.shape_at[seen.marker]);
+        let shape = shape_rows(seen.model, &self.at.shapes, self.at.shape_at[seen.marker]);
         let table = &self.plan.table;
-        let line = &mut *self.line;
+        let line = &mut self.work.line;
         expanded(
             shape,
-            &self.columns[..lane.rows * reach],
+            &self.work.columns[..lane.rows * reach],
             reach,
             width,
             line,
         );
         table.get(by_body).add(self.values, line, 1.0);
         // ∂/∂λ of the wrench is −Gᵀ: Jᵀ Gᵀ, without T.
-        let block = &mut self.block[..lane.rows * reach];
+        let block = &mut self.work.block[..lane.rows * reach];
         block.fill(0.0);
-        let at = self.jacobian_at[seen.marker];
-        let along = Along::new(&self.scratch.tangents, lane);
+        let at = self.at.jacobian_at[seen.marker];
+        let along = Along::new(&self.work.elements.tangents, lane);
         along.add(
             6 * seen.own,
             0,
-            &self.jacobians[at..at + 6 * reach],
+            &self.at.jacobians[at..at + 6 * reach],
             reach,
             block,
         );
@@ -280,15 +256,21 @@ impl Filling<'_> {
             return;
         };
         let Seen { reach, width, .. } = seen;
-        let shape = shape_rows(seen.model, self.shapes, self.shape_at[seen.marker]);
+        let shape = shape_rows(seen.model, &self.at.shapes, self.at.shape_at[seen.marker]);
         let table = &self.plan.table;
         let rates = (lane.rows + 6 * lane.markers) * reach..lane.length * reach;
-        expanded(shape, &self.columns[rates], reach, width, self.line);
-        table.get(by_body).add(self.values, self.line, -1.0);
-        let at = self.jacobian_at[seen.marker];
-        let jacobian = &self.jacobians[at..at + 6 * reach];
-        let tangents = &self.scratch.tangents;
-        let block = &mut self.block[..lane.states * reach];
+        expanded(
+            shape,
+            &self.work.columns[rates],
+            reach,
+            width,
+            &mut self.work.line,
+        );
+        table.get(by_body).add(self.values, &self.work.line, -1.0);
+        let at = self.at.jacobian_at[seen.marker];
+        let jacobian = &self.at.jacobians[at..at + 6 * reach];
+        let tangents = &self.work.elements.tangents;
+        let block = &mut self.work.block[..lane.states * reach];
         block.fill(0.0);
         for (s, row) in block.chunks_exact_mut(reach).enumerate() {
             let direction = (12 * lane.markers + s) * lane.length + lane.rows + 6 * seen.own;
@@ -296,10 +278,10 @@ impl Filling<'_> {
                 add_scaled(row, tangents[direction + d][lane.lane], jacobian);
             }
         }
-        expanded(shape, block, reach, width, self.line);
+        expanded(shape, block, reach, width, &mut self.work.line);
         table
             .get(by_states)
-            .add_transposed(self.values, self.line, -1.0);
+            .add_transposed(self.values, &self.work.line, -1.0);
     }
 
     /// Adds the derivatives of the forces on all markers of the element by the body of this marker.
@@ -311,14 +293,14 @@ impl Filling<'_> {
                 continue;
             };
             let height = self.model.markers[*other].reach();
-            let to = self.jacobian_at[*other];
-            let block = &mut self.block[..height * reach];
+            let to = self.at.jacobian_at[*other];
+            let block = &mut self.work.block[..height * reach];
             block.fill(0.0);
             let first = (lane.rows + 6 * i) * reach;
             add_product_of_six(
                 block,
-                &self.jacobians[to..to + 6 * height],
-                &self.columns[first..first + 6 * reach],
+                &self.at.jacobians[to..to + 6 * height],
+                &self.work.columns[first..first + 6 * reach],
             );
             self.put(place, height * reach);
         }
@@ -333,21 +315,21 @@ impl Filling<'_> {
             return;
         };
         let body = &self.model.bodies[seen.body];
-        let frame = frame_of(self.pose, self.frames, body, seen.body);
-        let placed = match &self.placed[marker] {
+        let frame = frame_of(&self.at.pose, &self.at.frames, body, seen.body);
+        let placed = match &self.at.placed[marker] {
             Some((placed, _)) => *placed,
             None => Placed::new(&frame, seen.model),
         };
         let first = self.model.elements[lane.index].wrench + 6 * own;
         let wrench = &self.wrenches[first..first + 6];
-        let block = &mut self.block[..reach * reach];
+        let block = &mut self.work.block[..reach * reach];
         chain::force_by_pose(&frame.rotation, &placed, wrench, block);
         chain::turn_columns(block, reach, reach, &(self.turn)(seen.body));
         self.put(place, reach * reach);
         if reach == CURVED_REACH {
-            let jacobian = &self.jacobians[self.jacobian_at[marker]..];
+            let jacobian = &self.at.jacobians[self.at.jacobian_at[marker]..];
             for (w, row) in wrench.iter().zip(jacobian.chunks_exact(reach)) {
-                add_scaled(&mut self.pulls[marker], *w, &row[6..]);
+                add_scaled(&mut self.work.pulls[marker], *w, &row[6..]);
             }
         }
     }
@@ -358,8 +340,8 @@ impl Filling<'_> {
             return Ok(());
         };
         let n = lane.states;
-        let tangents = &self.scratch.tangents;
-        let block = &mut self.block[..n * n];
+        let tangents = &self.work.elements.tangents;
+        let block = &mut self.work.block[..n * n];
         for r in 0..n {
             for s in 0..n {
                 let direction = (12 * lane.markers + s) * lane.length;
@@ -368,7 +350,7 @@ impl Filling<'_> {
             }
         }
         if block.iter().any(|x| !x.is_finite()) {
-            return Err(not_finite(self.model, lane.index, self.time));
+            return Err(not_finite(self.model, lane.index, self.at.time));
         }
         self.plan.table.get(place).add(self.values, block, -1.0);
         Ok(())
@@ -376,10 +358,10 @@ impl Filling<'_> {
 
     /// Subtracts the first numbers of `block`, an element's block between two markers.
     fn put(&mut self, place: Place, count: usize) {
-        let block = &self.block[..count];
+        let block = &self.work.block[..count];
         match place {
             Place::Matrix(index) => self.plan.table.get(index).add(self.values, block, -1.0),
-            Place::Sum(at) => add_scaled(&mut self.sums[at..at + count], 1.0, block),
+            Place::Sum(at) => add_scaled(&mut self.work.sums[at..at + count], 1.0, block),
         }
     }
 
@@ -389,18 +371,18 @@ impl Filling<'_> {
         for coupling in &self.plan.couplings {
             let height = model.bodies[coupling.rows].width();
             let width = model.bodies[coupling.columns].width();
-            let block = &mut self.block[..height * width];
+            let block = &mut self.work.block[..height * width];
             block.fill(0.0);
             for (first, second, at) in &coupling.markers {
                 let [left, right] = [*first, *second].map(|m| &model.markers[m]);
-                let sum = &self.sums[*at..*at + left.reach() * right.reach()];
-                let rows = shape_rows(right, self.shapes, self.shape_at[*second]);
-                expanded(rows, sum, right.reach(), width, self.line);
-                let rows = shape_rows(left, self.shapes, self.shape_at[*first]);
-                expand_rows(rows, self.line, width, block);
+                let sum = &self.work.sums[*at..*at + left.reach() * right.reach()];
+                let rows = shape_rows(right, &self.at.shapes, self.at.shape_at[*second]);
+                expanded(rows, sum, right.reach(), width, &mut self.work.line);
+                let rows = shape_rows(left, &self.at.shapes, self.at.shape_at[*first]);
+                expand_rows(rows, &self.work.line, width, block);
                 // each marker is paired with itself once, so its pull is added once
                 if let (Some(shape), true) = (&left.shape, first == second) {
-                    shape.add_pull(&self.pulls[*first], width, 6, &mut block[6 * width..]);
+                    shape.add_pull(&self.work.pulls[*first], width, 6, &mut block[6 * width..]);
                 }
             }
             let table = &self.plan.table;
@@ -421,25 +403,25 @@ impl Dynamics {
     ) {
         for (index, marker) in model.markers.iter().enumerate() {
             let Some(b) = marker.body else { continue };
-            let (placed, motion) = match &self.placed[index] {
+            let (placed, motion) = match &self.at.placed[index] {
                 Some(known) => *known,
                 None => {
                     let body = &model.bodies[b];
-                    let frame = frame_of(&self.pose, &self.frames, body, b);
+                    let frame = frame_of(&self.at.pose, &self.at.frames, body, b);
                     let v = &velocity[body.velocity..];
                     (Placed::new(&frame, marker), Motion::new(&frame, marker, v))
                 }
             };
             let reach = placed.reach();
-            let range = self.jacobian_at[index]..self.jacobian_at[index] + 6 * reach;
+            let range = self.at.jacobian_at[index]..self.at.jacobian_at[index] + 6 * reach;
             let t = turn(b);
-            let pose = &mut self.pose_columns[range.clone()];
-            pose.copy_from_slice(&self.jacobians[range.clone()]);
+            let pose = &mut self.work.pose_columns[range.clone()];
+            pose.copy_from_slice(&self.at.jacobians[range.clone()]);
             chain::turn_columns(pose, 6, reach, &t);
-            let twist = &mut self.twist_columns[range.clone()];
-            chain::twist_by_pose(&self.frames[b].1, &placed, &motion, twist);
+            let twist = &mut self.work.twist_columns[range.clone()];
+            chain::twist_by_pose(&self.at.frames[b].1, &placed, &motion, twist);
             chain::turn_columns(twist, 6, reach, &t);
-            add_scaled(twist, weights.velocity, &self.jacobians[range]);
+            add_scaled(twist, weights.velocity, &self.at.jacobians[range]);
         }
     }
 }

@@ -1,7 +1,6 @@
 //! One step: Newton's iteration with a kept matrix, the estimate of the local error, and the cause of a
 //! failure.
 
-use super::tangents::{constraints_along, wrenches_along};
 use super::{Integrator, RESOLVED, STEP_SHARE, Trial};
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
@@ -419,19 +418,9 @@ impl Integrator {
                 self.correction[body.velocity + i] = weight * product;
             }
         }
-        constraints_along(
-            model,
-            dynamics,
-            &self.estimate,
-            &mut self.correction[n + s..],
-        )?;
-        std::mem::swap(&mut dynamics.wrenches, &mut self.damping_wrenches);
-        let damped = wrenches_along(model, dynamics, &self.estimate);
-        if damped.is_ok() {
-            dynamics.add_forces(model, -c.weights(h).velocity, &mut self.correction[..n]);
-        }
-        std::mem::swap(&mut dynamics.wrenches, &mut self.damping_wrenches);
-        damped?;
+        let (loads, rows) = self.correction.split_at_mut(n);
+        dynamics.constraints_along(model, &self.estimate, &mut rows[s..])?;
+        dynamics.add_damping_forces(model, &self.estimate, -c.weights(h).velocity, loads)?;
         for (x, factor) in self.correction.iter_mut().zip(&self.row_factors) {
             *x *= factor;
         }

@@ -19,7 +19,6 @@ use crate::body::BodyKind;
 use crate::chain::{self, CURVED_REACH, Motion, Placed};
 use crate::dense::dot;
 use crate::dynamics::Dynamics;
-use crate::elements;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::state::State;
@@ -142,35 +141,13 @@ impl Ledger {
         dynamics.place(model, state.time, &state.pose, &state.velocity);
         dynamics.gather(model, &state.states, &[], &state.rotations);
         let mut loads: Vec<Option<Load>> = vec![None; model.elements.len()];
-        let Dynamics {
-            batches, scratch, ..
-        } = &mut dynamics;
-        for batch in batches.iter() {
-            let class = &model.compiled.system.classes[batch.class];
-            if !class.applies_load {
-                continue;
-            }
-            let layout = class.layout;
-            let (rows, count) = (layout.rows as usize, 6 * layout.markers as usize);
-            let length = layout.residual_len() as usize;
-            for pair in 0..batch.pairs.len() {
-                let directions = [0..count, count..2 * count];
-                elements::differentiate(model, batch, pair, &directions, scratch)?;
-                for lane in 0..batch.lanes(pair) {
-                    let index = batch.pairs[pair][lane];
-                    let block = |first: usize| {
-                        DMatrix::from_fn(count, count, |i, d| {
-                            scratch.tangents[(first + d) * length + rows + i][lane]
-                        })
-                    };
-                    loads[index] = Some(Load {
-                        markers: model.elements[index].markers.clone(),
-                        by_pose: block(0),
-                        by_twist: block(count),
-                    });
-                }
-            }
-        }
+        dynamics.load_derivatives(model, |index, by_pose, by_twist| {
+            loads[index] = Some(Load {
+                markers: model.elements[index].markers.clone(),
+                by_pose,
+                by_twist,
+            });
+        })?;
         Ok(Ledger {
             parts: parts_of(model),
             stores: stores(model),

@@ -277,7 +277,7 @@ fn gradient_rates(
             dynamics.place(model, state.time, &state.pose, &velocity);
             dynamics.gather(model, &state.states, &[], &state.rotations);
             dynamics.velocity_level(model, &velocity)?;
-            Ok::<_, RuntimeError>(dynamics.constraint_accelerations.clone())
+            Ok::<_, RuntimeError>(dynamics.constraint_accelerations().to_vec())
         };
         let (ahead, behind) = (gamma(1.0)?, gamma(-1.0)?);
         // the bracket is in body axes, G in ground axes

@@ -226,7 +226,7 @@ impl Simulation {
         dynamics.place(model, near.time, &near.pose, &near.velocity);
         dynamics.gather(model, &near.states, &near.multipliers, &near.rotations);
         dynamics.evaluate(model).ok()?;
-        Some([&dynamics.wrenches[..], &dynamics.rates[..]].concat())
+        Some([dynamics.wrenches(), dynamics.rates()].concat())
     }
 
     /// The jump of a part between two moments, if it is one.

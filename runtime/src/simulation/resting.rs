@@ -20,7 +20,7 @@ impl Simulation {
         let mut simulation = Simulation::with_state(model, state, Options::default())?;
         simulation.start = start;
         simulation.stand()?;
-        let rates = simulation.dynamics.rates.clone();
+        let rates = simulation.dynamics.rates().to_vec();
         simulation.integrator.current.rates.copy_from_slice(&rates);
         simulation.observe_state()?;
         simulation.take_energy();

@@ -268,8 +268,8 @@ impl Simulation {
         self.dynamics.velocity_level(&self.model, &state.velocity)?;
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
         Ok((
-            largest(&self.dynamics.constraints),
-            largest(&self.dynamics.constraint_rates),
+            largest(self.dynamics.constraints()),
+            largest(self.dynamics.constraint_rates()),
         ))
     }
 }

@@ -5,7 +5,7 @@ use super::{Simulation, StepReport, Warning};
 use crate::control::{FixedGrid, StepSize};
 use crate::elements::Inputs;
 use crate::error::RuntimeError;
-use crate::integrator::{STEP_SHARE, Trial, constraints_along};
+use crate::integrator::{STEP_SHARE, Trial};
 use crate::rotation::V3;
 use crate::state::move_pose;
 use eng_system::system::{ConditionKind, Origin, StepControl};
@@ -114,7 +114,8 @@ impl Simulation {
             moment,
         )?;
         let mut rates = vec![0.0; self.model.rows];
-        constraints_along(&self.model, &mut self.dynamics, &jerk, &mut rates)?;
+        self.dynamics
+            .constraints_along(&self.model, &jerk, &mut rates)?;
         self.system.normal(&self.model, &rates, &mut self.work);
         self.integrator
             .start(&jerk, &self.work, &multiplier_rate, &state_jerk);
@@ -216,7 +217,7 @@ impl Simulation {
         state.rotations = before;
         let from = Inputs {
             time: state.time,
-            markers: &self.dynamics.markers,
+            markers: self.dynamics.markers(),
             states: &state.states,
             multipliers: &state.multipliers,
             rotations: &self.completed.rotations,
@@ -231,7 +232,7 @@ impl Simulation {
         let state = &self.integrator.current;
         let from = Inputs {
             time: state.time,
-            markers: &self.dynamics.markers,
+            markers: self.dynamics.markers(),
             states: &state.states,
             multipliers: &state.multipliers,
             rotations: &state.rotations,
@@ -392,13 +393,13 @@ impl Simulation {
         dynamics.place(model, state.time, &state.pose, &state.velocity);
         dynamics.gather(model, &state.states, &[], &state.rotations);
         dynamics.velocity_level(model, &state.velocity)?;
-        let rates = &dynamics.constraint_rates;
+        let rates = dynamics.constraint_rates();
         if !self.integrator.nearest_change(model, rates, &mut self.work) {
             return Ok(false);
         }
         // the kept gradients belong to a nearby position, so the remaining violation is removed a second time
-        constraints_along(model, dynamics, &self.work, &mut self.rows)?;
-        for (left, rate) in self.rows.iter_mut().zip(&dynamics.constraint_rates) {
+        dynamics.constraints_along(model, &self.work, &mut self.rows)?;
+        for (left, rate) in self.rows.iter_mut().zip(dynamics.constraint_rates()) {
             *left = rate - *left;
         }
         if !self

@@ -244,7 +244,7 @@ impl<'a> Balance<'a> {
             out[i] = balance[i] * self.motion.scales()[i] / self.unit + held;
         }
         for (i, scale) in model.row_scales().iter().enumerate() {
-            out[n + i] = self.dynamics.constraints[i] / scale;
+            out[n + i] = self.dynamics.constraints()[i] / scale;
         }
         for i in 0..rows.nrows() {
             out[n + m + i] = values[i];

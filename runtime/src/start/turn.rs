@@ -424,7 +424,7 @@ impl<'a> Turning<'a> {
             .place(model, next.time, &next.pose, &next.velocity);
         let inputs = Inputs {
             time: next.time,
-            markers: &self.dynamics.markers,
+            markers: self.dynamics.markers(),
             states: &next.states,
             multipliers: &[],
             rotations: &from.rotations,

@@ -265,7 +265,7 @@ impl Balance<'_> {
             .place(self.model, state.time, &state.pose, &self.velocity);
         let from = Inputs {
             time: state.time,
-            markers: &self.dynamics.markers,
+            markers: self.dynamics.markers(),
             states: &state.states,
             multipliers: &state.multipliers,
             rotations: &state.rotations,

@@ -162,7 +162,7 @@ pub(super) fn unwrap(
     let references = state.rotations.clone();
     let from = Inputs {
         time: state.time,
-        markers: &dynamics.markers,
+        markers: dynamics.markers(),
         states: &state.states,
         multipliers: &state.multipliers,
         rotations: &references,
