@@ -593,8 +593,8 @@ fn a_run_that_nobody_waits_for_is_stopped_with_its_reason() {
     assert!(began.elapsed().as_secs() < 60);
     assert_eq!(output.status.code(), Some(1));
     let told = text(&output.stderr);
-    // after some seconds, while it goes on
-    assert!(told.contains("warning[W0770]: a goes on slowly"), "{told}");
+    // after some seconds, while it runs
+    assert!(told.contains("warning[W0770]: a advances slowly"), "{told}");
     assert!(told.contains("error[E0771]"), "{told}");
     assert!(told.contains("the force of rub jumps by 4"), "{told}");
     assert!(told.contains("model.eng:9:11"), "{told}");

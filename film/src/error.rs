@@ -149,7 +149,7 @@ pub enum FilmError {
         /// A cell that still changes sides.
         place: Place,
     },
-    /// Numbers beyond what floating point holds.
+    /// Numbers beyond the range of floating point.
     #[error("the pressure of a film overflows")]
     Overflow,
 }

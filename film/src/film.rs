@@ -28,7 +28,7 @@ pub(crate) struct Level {
     pub shapes: [Vec<f64>; 3],
 }
 
-/// Memory for solutions of one film. After a solution it holds what [`Film::tangent`], [`Film::accept`] and
+/// Memory for solutions of one film. After a solution it holds the values that [`Film::tangent`], [`Film::accept`] and
 /// [`Film::summary`] read.
 #[derive(Clone, Debug)]
 pub struct Work {

@@ -72,7 +72,7 @@ impl Film {
     pub(crate) fn set_pressure(&self, work: &mut Work) -> Result<(), FilmError> {
         let (piezo, state) = (self.source.piezo, &mut work.levels[0]);
         for (at, (pressure, q)) in state.pressure.iter_mut().zip(&state.q).enumerate() {
-            // what the rule `half` cuts has no force and no slope
+            // pressures that the rule `half` cuts have no force and no slope
             *pressure = if *q <= 0.0 && self.source.cavitation == Cavitation::Half {
                 [0.0, 0.0]
             } else if piezo == 0.0 {
@@ -121,7 +121,7 @@ impl Film {
                 / state.cell_gap[at]
                 + load * state.pin_slope[at][0];
         }
-        // −½ ∫ p ∂h/∂θ dA, summed by parts: what the surfaces carry through a face against the pressure
+        // −½ ∫ p ∂h/∂θ dA, summed by parts: the flow that the surfaces carry through a face against the pressure
         for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
             outputs[TORQUE] -=
                 link.carry * gap * (state.pressure[link.a][0] - state.pressure[link.b][0]);

@@ -370,7 +370,7 @@ impl FilmSource {
                 width: self.width,
             });
         }
-        // an edge closer than this cannot be told from the end after the rounding of a sum
+        // an edge closer than this cannot be distinguished from the end after the rounding of a sum
         let near = 1e-9 * self.width;
         if self.ends == Ends::Open
             && ((low + end).abs() < near || (high - end).abs() < near)

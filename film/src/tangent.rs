@@ -137,7 +137,7 @@ impl Film {
         }
     }
 
-    /// Adds what the gap at the links, ω, μ and the fixed pressures change.
+    /// Adds the changes by the gap at the links, ω, μ and the fixed pressures.
     fn sum_links(
         &self,
         level: &Level,
@@ -193,7 +193,7 @@ impl Film {
         }
     }
 
-    /// Adds what the gap and its rate in the cells, ω and μ change.
+    /// Adds the changes by the gap and its rate in the cells, ω and μ.
     fn sum_cells(
         &self,
         level: &Level,

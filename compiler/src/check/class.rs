@@ -12,132 +12,146 @@ use eng_grammar::ast::{
 };
 use eng_grammar::{Diagnostic, Span};
 
+/// The definition that an item is in, by the abilities that decide about its items.
+#[derive(Clone, Copy)]
+struct Holder {
+    /// A model or a component.
+    parts: bool,
+    /// A class of elements, or an interface: it may have what a class has, and which kind of class can fill
+    /// it is checked there.
+    class: bool,
+    /// May restrict motions.
+    constrains: bool,
+    record: bool,
+    interface: bool,
+}
+
+/// Whether an item may be in a definition, its name in messages, and advice.
+type Placing = (bool, &'static str, &'static str);
+
+const ANYWHERE: Placing = (true, "", "");
+const AT_THE_TOP: &str = "it belongs at the top of the file";
+
 /// The name of an item in messages if the item must not be in a definition of this kind, with advice.
 pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'static str)> {
-    let holds_parts = matches!(kind, Kind::Model | Kind::Component);
-    let class = matches!(
+    let interface = kind == Kind::Interface;
+    let elements = matches!(
         kind,
         Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive
     );
-    // an interface may have what a class has; which kind of class can fill it is checked there
-    let interface = kind == Kind::Interface;
-    let class = class || interface;
-    let constrains = matches!(kind, Kind::Joint | Kind::Drive) || interface;
+    let holder = Holder {
+        parts: matches!(kind, Kind::Model | Kind::Component),
+        class: elements || interface,
+        constrains: matches!(kind, Kind::Joint | Kind::Drive) || interface,
+        record: kind == Kind::Record,
+        interface,
+    };
     let (allowed, what, help) = match item {
-        ItemKind::Error => (true, "", ""),
-        ItemKind::Use(_) => (false, "a `use`", "it belongs at the top of the file"),
-        ItemKind::Dimension(_) | ItemKind::Unit(_) => (
-            false,
-            "a dimension or unit",
-            "it belongs at the top of the file",
-        ),
-        ItemKind::Function(_) => (true, "", ""),
+        ItemKind::Error | ItemKind::Function(_) => ANYWHERE,
+        ItemKind::Use(_) => (false, "a `use`", AT_THE_TOP),
+        ItemKind::Dimension(_) | ItemKind::Unit(_) => (false, "a dimension or unit", AT_THE_TOP),
         ItemKind::Table(_) => (
-            holds_parts || class,
+            holder.parts || holder.class,
             "a table",
             "it belongs into a model or a class, or at the top of the file",
         ),
-        ItemKind::Binding(binding) => match binding.kind {
-            BindingKind::Const => (
-                kind != Kind::Record,
-                "a `const`",
-                "the values of a record are its `let`s",
-            ),
-            BindingKind::Param => (
-                holds_parts || interface,
-                "a `param`",
-                if kind == Kind::Record {
-                    "the values of a record are its `let`s"
-                } else {
-                    "the parameters of a class are in the parentheses after its name"
-                },
-            ),
-            BindingKind::Let => (true, "", ""),
-            BindingKind::State => (class, "a state", "it belongs into a class"),
-            BindingKind::Output => (
-                kind != Kind::Record,
-                "an output",
-                "the values of a record are its `let`s",
-            ),
-        },
-        ItemKind::Report(_) => (false, "a report", "it belongs at the top of the file"),
+        ItemKind::Binding(binding) => placing_of_binding(holder, binding.kind),
+        ItemKind::Report(_) => (false, "a report", AT_THE_TOP),
         ItemKind::Entry(_) => (
             false,
             "a figure or value of results",
             "it belongs into a `report`; what a run records is an `output`",
         ),
-        ItemKind::Attribute(_) => (holds_parts, "an attribute", "a named value is a `let`"),
-        ItemKind::Statement(statement) => match statement {
-            Statement::Constrain(_) | Statement::Branch(_) => (
-                constrains,
-                if matches!(statement, Statement::Branch(_)) {
-                    "a branch"
-                } else {
-                    "a constraint"
-                },
-                if class {
-                    "only a joint or a drive constrains: define it as a `joint`"
-                } else {
-                    "it belongs into a joint; a branch also into the block of a use"
-                },
-            ),
-            Statement::Apply { .. } | Statement::Rate { .. } => (
-                class,
-                "this statement",
-                "it belongs into a joint, force, journal or drive",
-            ),
-            Statement::Resolve(_) => (
-                class,
-                "a `resolve`",
-                "it belongs into a class: it says which length matters at the markers of the class",
-            ),
-            Statement::Start { .. } | Statement::Guess { .. } => (
-                holds_parts,
-                "a start value",
-                "it belongs into a model or a body: `start joint.angle = 30 deg`",
-            ),
-            Statement::Require { .. } => (
-                holds_parts || class,
-                "a requirement",
-                "it belongs into a model or a class",
-            ),
-            Statement::Accept(_) => (
-                holds_parts,
-                "an `accept`",
-                "it belongs into a model, a component, a body, or the block of a use: `journal main = Impedance(…) { accept usual }`",
-            ),
-        },
-        ItemKind::Declaration(declaration) => match declaration.kind {
-            Kind::Default => (true, "", ""),
-            Kind::Body
-            | Kind::Flexible
-            | Kind::Marker
-            | Kind::Joint
-            | Kind::Force
-            | Kind::Journal
-            | Kind::Drive
-            | Kind::Part
-            | Kind::Cycle => {
-                if holds_parts && matches!(declaration.form, Form::Class { .. }) {
-                    (
-                        false,
-                        "a class",
-                        "define it at the top of the file, and use it here",
-                    )
-                } else {
-                    (
-                        holds_parts,
-                        "a part",
-                        "bodies, markers and elements belong into a model or a component",
-                    )
-                }
-            }
-            Kind::Model | Kind::Component | Kind::Interface | Kind::Record | Kind::Analysis => {
-                (false, "a definition", "it belongs at the top of the file")
-            }
-        },
+        ItemKind::Attribute(_) => (holder.parts, "an attribute", "a named value is a `let`"),
+        ItemKind::Statement(statement) => placing_of_statement(holder, statement),
+        ItemKind::Declaration(declaration) => placing_of_declaration(holder, declaration),
     };
     (!allowed).then_some((what, help))
+}
+
+fn placing_of_binding(holder: Holder, kind: BindingKind) -> Placing {
+    const OF_RECORDS: &str = "the values of a record are its `let`s";
+    match kind {
+        BindingKind::Const => (!holder.record, "a `const`", OF_RECORDS),
+        BindingKind::Param => (
+            holder.parts || holder.interface,
+            "a `param`",
+            if holder.record {
+                OF_RECORDS
+            } else {
+                "the parameters of a class are in the parentheses after its name"
+            },
+        ),
+        BindingKind::Let => ANYWHERE,
+        BindingKind::State => (holder.class, "a state", "it belongs into a class"),
+        BindingKind::Output => (!holder.record, "an output", OF_RECORDS),
+    }
+}
+
+fn placing_of_statement(holder: Holder, statement: &Statement) -> Placing {
+    let of_joints = if holder.class {
+        "only a joint or a drive constrains: define it as a `joint`"
+    } else {
+        "it belongs into a joint; a branch also into the block of a use"
+    };
+    match statement {
+        Statement::Constrain(_) => (holder.constrains, "a constraint", of_joints),
+        Statement::Branch(_) => (holder.constrains, "a branch", of_joints),
+        Statement::Apply { .. } | Statement::Rate { .. } => (
+            holder.class,
+            "this statement",
+            "it belongs into a joint, force, journal or drive",
+        ),
+        Statement::Resolve(_) => (
+            holder.class,
+            "a `resolve`",
+            "it belongs into a class: it says which length matters at the markers of the class",
+        ),
+        Statement::Start { .. } | Statement::Guess { .. } => (
+            holder.parts,
+            "a start value",
+            "it belongs into a model or a body: `start joint.angle = 30 deg`",
+        ),
+        Statement::Require { .. } => (
+            holder.parts || holder.class,
+            "a requirement",
+            "it belongs into a model or a class",
+        ),
+        Statement::Accept(_) => (
+            holder.parts,
+            "an `accept`",
+            "it belongs into a model, a component, a body, or the block of a use: `journal main = Impedance(…) { accept usual }`",
+        ),
+    }
+}
+
+fn placing_of_declaration(holder: Holder, declaration: &Declaration) -> Placing {
+    match declaration.kind {
+        Kind::Default => ANYWHERE,
+        Kind::Model | Kind::Component | Kind::Interface | Kind::Record | Kind::Analysis => {
+            (false, "a definition", AT_THE_TOP)
+        }
+        Kind::Body
+        | Kind::Flexible
+        | Kind::Marker
+        | Kind::Joint
+        | Kind::Force
+        | Kind::Journal
+        | Kind::Drive
+        | Kind::Part
+        | Kind::Cycle => match declaration.form {
+            Form::Class { .. } if holder.parts => (
+                false,
+                "a class",
+                "define it at the top of the file, and use it here",
+            ),
+            _ => (
+                holder.parts,
+                "a part",
+                "bodies, markers and elements belong into a model or a component",
+            ),
+        },
+    }
 }
 
 /// Whether a class of this kind makes elements or parts.
@@ -356,58 +370,7 @@ impl<'p> Checker<'p> {
             other => other,
         };
         match ty {
-            Type::Class(id) => {
-                let found = self.declaration(id).map(|d| d.kind);
-                let wanted = if kind == Kind::Part {
-                    Kind::Component
-                } else {
-                    kind
-                };
-                if found == Some(wanted) {
-                    return Type::Instance(id);
-                }
-                let class = self.class_name(id);
-                let found_word = found.map_or("class", kind_word);
-                let right = match found {
-                    Some(Kind::Component) => Some("part"),
-                    Some(Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive) => {
-                        Some(found_word)
-                    }
-                    _ => None,
-                };
-                let mut message = Diagnostic::error(
-                    codes::KIND,
-                    format!(
-                        "`{class}` is {}, not {}",
-                        with_article(found_word),
-                        with_article(kind_word(wanted))
-                    ),
-                )
-                .at(
-                    declaration.kind_span,
-                    format!("declared as {}", with_article(word)),
-                );
-                if let Some(declared) = self.declaration(id) {
-                    message = message.also(
-                        declared.name.span,
-                        format!("defined as {}", with_article(found_word)),
-                    );
-                }
-                if let Some(right) = right {
-                    message = message
-                        .with_help(format!(
-                            "write `{right} {} = {class}(…)`",
-                            declaration.name.text
-                        ))
-                        .with_fix(format!("write `{right}`"), declaration.kind_span, right);
-                }
-                self.report(message);
-                // the intended class is certain, so its members can be checked
-                match right {
-                    Some(_) => Type::Instance(id),
-                    None => Type::Error,
-                }
-            }
+            Type::Class(id) => self.instance_of(declaration, id),
             Type::ClassOf(interface) => Type::InstanceOf(interface),
             Type::Error => Type::Error,
             other => {
@@ -425,6 +388,59 @@ impl<'p> Checker<'p> {
                 );
                 Type::Error
             }
+        }
+    }
+
+    /// The type of an element of a class. Reports a class of another kind than the declaration's.
+    fn instance_of(&mut self, declaration: &Declaration, id: DefinitionId) -> Type {
+        let kind = declaration.kind;
+        let wanted = if kind == Kind::Part {
+            Kind::Component
+        } else {
+            kind
+        };
+        let found = self.declaration(id).map(|d| d.kind);
+        if found == Some(wanted) {
+            return Type::Instance(id);
+        }
+        let class = self.class_name(id);
+        let found_word = found.map_or("class", kind_word);
+        let right = match found {
+            Some(Kind::Component) => Some("part"),
+            Some(Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive) => Some(found_word),
+            _ => None,
+        };
+        let mut message = Diagnostic::error(
+            codes::KIND,
+            format!(
+                "`{class}` is {}, not {}",
+                with_article(found_word),
+                with_article(kind_word(wanted))
+            ),
+        )
+        .at(
+            declaration.kind_span,
+            format!("declared as {}", with_article(kind_word(kind))),
+        );
+        if let Some(declared) = self.declaration(id) {
+            message = message.also(
+                declared.name.span,
+                format!("defined as {}", with_article(found_word)),
+            );
+        }
+        if let Some(right) = right {
+            message = message
+                .with_help(format!(
+                    "write `{right} {} = {class}(…)`",
+                    declaration.name.text
+                ))
+                .with_fix(format!("write `{right}`"), declaration.kind_span, right);
+        }
+        self.report(message);
+        // the intended class is certain, so its members can be checked
+        match right {
+            Some(_) => Type::Instance(id),
+            None => Type::Error,
         }
     }
 

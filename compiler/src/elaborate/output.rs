@@ -1,7 +1,7 @@
 //! Outputs of elements, their channels, and the closing of an element's graph.
 
 use super::element::{Class, Draft, is_marker};
-use super::scalar::{PROVISIONAL, Scalar, Stage, compact_input};
+use super::scalar::{ElementBuilder, PROVISIONAL, Scalar, Stage, compact_input};
 use super::value::{Axes, ScopeId, Shown, Value};
 use super::{
     ClassMeta, Elaborator, ElementDraft, ElementSource, Eval, OutputShape, Reported, location,
@@ -236,30 +236,8 @@ impl<'a> Elaborator<'a, '_> {
         let layout = element.layout();
         let zero = element.graph.constant(0.0);
         element.loads.resize(element.markers.len(), [zero; 6]);
-        if element.constants.len() as u32 > PROVISIONAL.constants
-            || element.signals.len() as u32 > PROVISIONAL.signals
-        {
-            return Err(self.report(
-                Diagnostic::error(
-                    codes::ELEMENT_TOO_LARGE,
-                    format!(
-                        "one element uses more than {} outputs of others or {} numbers",
-                        PROVISIONAL.signals, PROVISIONAL.constants
-                    ),
-                )
-                .at(span, "this one")
-                .with_help("divide it into several elements or outputs"),
-            ));
-        }
-        if element.graph.nodes().len() > MOST_OPERATIONS {
-            return Err(self.report(
-                Diagnostic::error(
-                    codes::ELEMENT_TOO_LARGE,
-                    format!("one element takes more than {MOST_OPERATIONS} operations"),
-                )
-                .at(span, "this one")
-                .with_help("where functions call each other twice, give values that are used twice a name with `let`; or divide it into several elements or outputs"),
-            ));
+        if let Some(message) = too_large(&element) {
+            return Err(self.report(message.at(span, "this one")));
         }
         let (graph, map) = compact(&element.graph, &layout);
         let at = |n: &Node| map[n.0 as usize];
@@ -285,30 +263,7 @@ impl<'a> Elaborator<'a, '_> {
         let index = self.draft.elements.len() as u32;
         let first_channel = self.draft.channels.len() as u32;
         if matches!(role, Role::Dynamic | Role::Output) {
-            for (i, info) in draft.infos.iter().enumerate() {
-                let copied = draft.copied.iter().find(|(output, _)| *output == i);
-                let frame = match (draft.frames[i], copied) {
-                    (Some(axes), _) => self.axes_path(axes),
-                    (None, Some((_, path))) => path.clone(),
-                    (None, None) => String::new(),
-                };
-                let path = match (role, info.name.as_str()) {
-                    // an output of the model is an element of its own
-                    (Role::Output, name) => match name.find(['.', '[']) {
-                        Some(at) => format!("{}{}", origin.path, &name[at..]),
-                        None => origin.path.clone(),
-                    },
-                    (_, name) => format!("{}.{name}", origin.path),
-                };
-                self.draft.channels.push(Channel {
-                    path,
-                    element: index,
-                    output: i as u32,
-                    dimension: info.dimension,
-                    display: info.display.clone(),
-                    frame,
-                });
-            }
+            self.add_channels(index, role, &origin.path, &draft);
         }
         let meta = ClassMeta {
             rows: element.rows.iter().map(|r| r.row.clone()).collect(),
@@ -348,6 +303,34 @@ impl<'a> Elaborator<'a, '_> {
                 .collect(),
         });
         Ok(index)
+    }
+
+    /// The channels of an element's outputs.
+    fn add_channels(&mut self, element: u32, role: Role, of: &str, draft: &Draft) {
+        for (i, info) in draft.infos.iter().enumerate() {
+            let copied = draft.copied.iter().find(|(output, _)| *output == i);
+            let frame = match (draft.frames[i], copied) {
+                (Some(axes), _) => self.axes_path(axes),
+                (None, Some((_, path))) => path.clone(),
+                (None, None) => String::new(),
+            };
+            let path = match (role, info.name.as_str()) {
+                // an output of the model is an element of its own
+                (Role::Output, name) => match name.find(['.', '[']) {
+                    Some(at) => format!("{of}{}", &name[at..]),
+                    None => of.to_owned(),
+                },
+                (_, name) => format!("{of}.{name}"),
+            };
+            self.draft.channels.push(Channel {
+                path,
+                element,
+                output: i as u32,
+                dimension: info.dimension,
+                display: info.display.clone(),
+                frame,
+            });
+        }
     }
 
     /// The value of `joint.output`, or of another name of its class.
@@ -519,4 +502,27 @@ fn compact(graph: &Graph, layout: &InputLayout) -> (Graph, Vec<Node>) {
         map.push(node);
     }
     (out, map)
+}
+
+/// The message about an element that is larger than machine code or its inputs allow.
+fn too_large(element: &ElementBuilder) -> Option<Diagnostic> {
+    if element.constants.len() as u32 > PROVISIONAL.constants
+        || element.signals.len() as u32 > PROVISIONAL.signals
+    {
+        let message = Diagnostic::error(
+            codes::ELEMENT_TOO_LARGE,
+            format!(
+                "one element uses more than {} outputs of others or {} numbers",
+                PROVISIONAL.signals, PROVISIONAL.constants
+            ),
+        );
+        return Some(message.with_help("divide it into several elements or outputs"));
+    }
+    (element.graph.nodes().len() > MOST_OPERATIONS).then(|| {
+        Diagnostic::error(
+            codes::ELEMENT_TOO_LARGE,
+            format!("one element takes more than {MOST_OPERATIONS} operations"),
+        )
+        .with_help("where functions call each other twice, give values that are used twice a name with `let`; or divide it into several elements or outputs")
+    })
 }
