@@ -65,14 +65,14 @@ fn sample(a: Marker, b: Marker) -> Sample {
 }
 
 force Cushion(a: Marker, b: Marker, curve: fn(Length) -> Force, damping: Damping = 3 N*s/m, preload: Pressure = 0 Pa) {
-    let s = sample(a, b)
-    let soon = s.ahead(1 ms)
+    let seen = sample(a, b)
+    let soon = seen.ahead(1 ms)
     state p: Pressure = 3 bar
     der(p) = (preload - p)/(10 ms)
-    apply force (curve(soon) - damping*s.rate + p*1 mm^2)*b.z on a against b
+    apply force (curve(soon) - damping*seen.rate + p*1 mm^2)*b.z on a against b
     apply torque -3 N*m*s/rad * (a.angular_velocity - b.angular_velocity) on a against b
     output force = curve(soon)*b.z in b as kN
-    output jerk = der(s.rate) as m/s^2
+    output jerk = der(seen.rate) as m/s^2
     output pressure = p as bar
     require damping > 0 N*s/m else "damping {damping as N*s/m}"
 }
@@ -178,7 +178,7 @@ fn types_are_handed_on() {
         run.typed.of(cushion, "force"),
         Some(&ValueType::Vector(force))
     );
-    assert_eq!(run.typed.of(cushion, "s"), Some(&ValueType::Other));
+    assert_eq!(run.typed.of(cushion, "seen"), Some(&ValueType::Other));
     assert_eq!(run.typed.of(cushion, "curve"), Some(&ValueType::Other));
     let bearing = definition(&run, "Bearing");
     let markers = ValueType::Array(Box::new(ValueType::Marker));

@@ -7,6 +7,48 @@ use eng_system::code::BindCode;
 use eng_system::host::{Host, HostError};
 use eng_system::system::{AnalysisKind, Extent, Role};
 
+#[test]
+fn factors_behind_units_are_values() {
+    let model = r#"
+use units.*
+unit bolt = 3 kg
+model Numbers {
+    const reach = 5 mm
+    const two = 2
+    require abs(2 N/mm*reach*two - 20 N) < 1e-12 N else "a product"
+    require abs(1/2 N*two - 1/(1 N)) < 1e-12/(1 N) else "behind a quotient"
+    require abs(3 N/(reach*two)*reach^2 - 7.5e-3 N*m) < 1e-15 N*m else "a bracket"
+    require abs(2 N*reach^(1/2)*two^-1*reach^(1/2) - 5e-3 N*m) < 1e-15 N*m else "powers"
+    require abs(2 m*bolt - 6 m*kg) < 1e-12 m*kg else "a unit of this file"
+    require abs(2 m*nut - 10 m*kg) < 1e-12 m*kg else "a unit of a file that is read later"
+    body block { mass = 1 kg*two; inertia = [1, 1, 1] g*m^2 }
+}
+"#;
+    let host = Texts(vec![
+        ("root.eng", format!("use later.*\n{model}")),
+        (
+            "later.eng",
+            "use units.*\nlet early = 2 m*nut\nuse last.*".into(),
+        ),
+        ("last.eng", "use units.*\nunit nut = 5 kg".into()),
+        ("units.eng", UNITS.into()),
+    ]);
+    let mut sources = SourceMap::new();
+    let mut diagnostics = Diagnostics::new();
+    let program = resolve("root.eng", &host, &[], &mut sources, &mut diagnostics);
+    let typed = eng_compiler::check::check(program, &sources, &mut diagnostics);
+    assert!(!diagnostics.has_errors(), "{diagnostics:?}");
+    let model = typed
+        .program
+        .lookup(typed.program.root(), "Numbers")
+        .expect("the model");
+    let made = elaborate(&typed, &mut sources, &host, model, &[], &mut diagnostics);
+    assert!(
+        made.is_some() && !diagnostics.has_errors(),
+        "{diagnostics:?}"
+    );
+}
+
 struct Texts(Vec<(&'static str, String)>);
 
 impl Host for Texts {

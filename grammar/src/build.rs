@@ -4,6 +4,7 @@ pub(crate) mod diagnose;
 mod expressions;
 pub(crate) mod items;
 mod types;
+mod units;
 
 use crate::ast::{Item, ItemKind, Name};
 use crate::codes;
@@ -12,6 +13,7 @@ use crate::grammar::Rule;
 use crate::span::{SourceId, Span};
 use crate::tokens::{Token, last_end, tokens};
 use pest::iterators::{Pair, Pairs};
+use std::collections::BTreeSet;
 
 /// Greatest depth of a tree. Every later stage walks trees by recursion, so this limits the stack of all of
 /// them. An operator, a bracket, a call or a field is one level.
@@ -39,6 +41,12 @@ pub(crate) struct Builder<'t, 'd> {
     pub open_brace: Option<Token>,
     /// The place of the present items.
     pub place_of_items: diagnose::Place,
+    /// Whether a word is a unit. Without it every word after a number counts as one.
+    pub is_unit: Option<&'d dyn Fn(&str) -> bool>,
+    /// The words among the factors behind numbers that are no units.
+    pub unknown_units: BTreeSet<String>,
+    /// The factors behind the unit of the value that was built last.
+    factors: Vec<expressions::Part<'t>>,
 }
 
 /// A run of text in a block, before it becomes items.
@@ -105,6 +113,9 @@ impl<'t, 'd> Builder<'t, 'd> {
             deep: false,
             open_brace: None,
             place_of_items: diagnose::Place::File,
+            is_unit: None,
+            unknown_units: BTreeSet::new(),
+            factors: Vec::new(),
         }
     }
 
@@ -335,9 +346,12 @@ impl<'t, 'd> Builder<'t, 'd> {
             );
             inner.mistakes = self.mistakes;
             inner.place_of_items = self.place_of_items;
+            inner.is_unit = self.is_unit;
             items.extend(inner.items(pairs, depth));
             self.mistakes = inner.mistakes;
             self.headless += inner.headless;
+            let unknown = std::mem::take(&mut inner.unknown_units);
+            self.unknown_units.extend(unknown);
         }
     }
 }

@@ -32,5 +32,5 @@ mod tokens;
 pub use codes::{CODES, Code};
 pub use diagnostic::{Diagnostic, Diagnostics, Fix, Label, Severity};
 pub use message::{MessagePart, parse_message};
-pub use parse::{parse, parse_expression, parse_placeholder};
+pub use parse::{UnitWords, parse, parse_expression, parse_placeholder, parse_with_units};
 pub use span::{Source, SourceId, SourceMap, Span};

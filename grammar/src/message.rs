@@ -25,8 +25,13 @@ pub enum MessagePart {
 
 /// Splits the message of a [`crate::ast::Statement::Require`] into texts and values.
 ///
-/// `{{` and `}}` are braces. An unreadable place gets an error and is left out.
-pub fn parse_message(message: &Name, diagnostics: &mut Diagnostics) -> Vec<MessagePart> {
+/// `{{` and `}}` are braces. An unreadable place gets an error and is left out. With `is_unit` a word that is no unit
+/// ends a unit.
+pub fn parse_message(
+    message: &Name,
+    is_unit: Option<&dyn Fn(&str) -> bool>,
+    diagnostics: &mut Diagnostics,
+) -> Vec<MessagePart> {
     let text = message.text.as_str();
     let source = message.span.source;
     let base = message.span.start as usize;
@@ -63,8 +68,9 @@ pub fn parse_message(message: &Name, diagnostics: &mut Diagnostics) -> Vec<Messa
         if !plain.is_empty() {
             parts.push(MessagePart::Text(std::mem::take(&mut plain)));
         }
+        let inside = &here[1..close];
         if let Some((value, unit)) =
-            parse_placeholder(&here[1..close], source, base + brace + 1, diagnostics)
+            parse_placeholder(inside, source, base + brace + 1, is_unit, diagnostics)
         {
             parts.push(MessagePart::Value {
                 value,

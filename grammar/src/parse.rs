@@ -7,6 +7,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::grammar::{EngGrammar, Rule};
 use crate::span::SourceId;
 use pest::Parser;
+use pest::iterators::{Pair, Pairs};
+use std::collections::BTreeSet;
 
 /// Reads a file. It always returns a tree. Unreadable text is [`ItemKind::Error`] in it, with a message.
 ///
@@ -20,7 +22,38 @@ use pest::Parser;
 /// assert_eq!(file.items.len(), 2);
 /// assert_eq!(diagnostics.iter().next().unwrap().title, "expected a value after `^`");
 /// ```
+///
+/// Every word after a number counts as a unit here; [`parse_with_units`] knows the units of a program.
 pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> File {
+    read(text, source, None, diagnostics)
+}
+
+/// The words that are units of a program.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UnitWords {
+    /// The names of all units that were read.
+    pub known: BTreeSet<String>,
+    /// The words among the factors behind numbers that were no known units.
+    pub unknown: BTreeSet<String>,
+}
+
+/// Reads a file like [`parse`]. A word that is no unit ends the unit before it: `2e6 N/m*depth` is 2e6 N/m times
+/// `depth`. The units that the file defines are added to the known ones first, and words that are none of them are noted.
+pub fn parse_with_units(
+    text: &str,
+    source: SourceId,
+    units: &mut UnitWords,
+    diagnostics: &mut Diagnostics,
+) -> File {
+    read(text, source, Some(units), diagnostics)
+}
+
+fn read(
+    text: &str,
+    source: SourceId,
+    units: Option<&mut UnitWords>,
+    diagnostics: &mut Diagnostics,
+) -> File {
     let mut builder = Builder::new(text, source, 0, diagnostics);
     let whole = builder.span(0, text.len());
     let unread = |docs: Vec<String>| File {
@@ -48,6 +81,17 @@ pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> Fil
             return unread(Vec::new());
         }
     };
+    let (known, unknown) = match units {
+        Some(UnitWords { known, unknown }) => {
+            known.extend(defined_units(pairs.clone()));
+            (Some(&*known), Some(unknown))
+        }
+        None => (None, None),
+    };
+    let is_unit = known.map(|known| move |word: &str| known.contains(word));
+    builder.is_unit = is_unit
+        .as_ref()
+        .map(|is_unit| is_unit as &dyn Fn(&str) -> bool);
     diagnose::braces(&mut builder);
     let mut file = File {
         docs: Vec::new(),
@@ -63,7 +107,21 @@ pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> Fil
             .collect();
         file.items = builder.items(inner, 0);
     }
+    if let Some(unknown) = unknown {
+        unknown.append(&mut builder.unknown_units);
+    }
     file
+}
+
+/// The names of the units that a file defines.
+fn defined_units<'t>(file: Pairs<'t, Rule>) -> impl Iterator<Item = String> + 't {
+    file.flat_map(Pair::into_inner)
+        .filter(|item| item.as_rule() == Rule::item)
+        .flat_map(Pair::into_inner)
+        .filter(|item| item.as_rule() == Rule::unit_item)
+        .flat_map(Pair::into_inner)
+        .filter(|part| part.as_rule() == Rule::unit_def_name)
+        .map(|name| name.as_str().to_owned())
 }
 
 /// Reads one expression, which begins at byte `offset` of `source`.
@@ -73,27 +131,39 @@ pub fn parse_expression(
     offset: usize,
     diagnostics: &mut Diagnostics,
 ) -> Option<Expr> {
-    expression(text, source, offset, diagnostics, Rule::single_expression).map(|(value, _)| value)
+    let rule = Rule::single_expression;
+    expression(text, source, offset, None, diagnostics, rule).map(|(value, _)| value)
 }
 
-/// Reads `expression as unit`, or an expression alone: the contents of braces in a message.
+/// Reads `expression as unit`, or an expression alone: the contents of braces in a message. `is_unit` ends units as
+/// [`parse_with_units`] does.
 pub fn parse_placeholder(
     text: &str,
     source: SourceId,
     offset: usize,
+    is_unit: Option<&dyn Fn(&str) -> bool>,
     diagnostics: &mut Diagnostics,
 ) -> Option<(Expr, Option<UnitExpr>)> {
-    expression(text, source, offset, diagnostics, Rule::placeholder)
+    expression(
+        text,
+        source,
+        offset,
+        is_unit,
+        diagnostics,
+        Rule::placeholder,
+    )
 }
 
 fn expression(
     text: &str,
     source: SourceId,
     offset: usize,
+    is_unit: Option<&dyn Fn(&str) -> bool>,
     diagnostics: &mut Diagnostics,
     rule: Rule,
 ) -> Option<(Expr, Option<UnitExpr>)> {
     let mut builder = Builder::new(text, source, offset, diagnostics);
+    builder.is_unit = is_unit;
     if let Some(diagnostic) = diagnose::nesting(&builder) {
         builder.report(diagnostic);
         return None;

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{expr, messages, parsed, tree, unit};
-use eng_grammar::ast::{ExprKind, ItemKind, Statement};
+use eng_grammar::ast::{Expr, ExprKind, ItemKind, Statement};
 use eng_grammar::{
     Diagnostics, MessagePart, SourceId, parse_expression, parse_message, parse_placeholder,
 };
@@ -39,6 +39,57 @@ fn operators_bind_as_documented() {
     ] {
         assert_eq!(expression(text), expected, "{text}");
     }
+}
+
+/// The tree of an expression in a program whose units are m, mm, s and N.
+fn with_units(text: &str) -> Expr {
+    let mut diagnostics = Diagnostics::new();
+    let is_unit = |word: &str| ["m", "mm", "s", "N"].contains(&word);
+    let value = parse_placeholder(text, SourceId(0), 0, Some(&is_unit), &mut diagnostics);
+    assert!(diagnostics.is_empty(), "{text}: {diagnostics:?}");
+    value.expect("an expression").0
+}
+
+#[test]
+fn a_word_that_is_no_unit_ends_the_unit() {
+    for (text, expected) in [
+        ("2 N/m*s", "2<N m^-1 s>"),
+        ("2 N/m*depth", "(* 2<N m^-1> depth)"),
+        ("2 N/depth*m", "(* (/ 2<N> depth) m)"),
+        ("1/2 N*a", "(* (/ 1 2<N>) a)"),
+        ("-2 N*a", "(* -2<N> a)"),
+        ("2 N*a^2*b^-1", "(* (* 2<N> (^ a 2)) (^ b (neg 1)))"),
+        ("2 N*a^(1/2)", "(* 2<N> (^ a (/ 1 2)))"),
+        ("2 N*a^k", "(* 2<N> (^ a k))"),
+        ("b^2 N*a", "(* (^ b 2<N>) a)"),
+        ("2 N/(a*m)^2*b", "(* (/ 2<N> (^ (paren (* a m)) 2)) b)"),
+        ("2 N/(mm*s)*b", "(* 2<N mm^-1 s^-1> b)"),
+        ("[1, 2] N*a + 3", "(+ (* [1, 2]<N> a) 3)"),
+        ("(1 + 2 N*a) N*b", "(* (paren (+ 1 (* 2<N> a)))<N> b)"),
+        ("f(2 N*a)", "(call f ((* 2<N> a)))"),
+        ("2 N*a > 3 N*b and c", "(and (> (* 2<N> a) (* 3<N> b)) c)"),
+        // a first word that is no unit is a mistake in a unit
+        ("2 a*m", "2<a m>"),
+    ] {
+        assert_eq!(expr(&with_units(text)), expected, "{text}");
+    }
+    let ExprKind::Binary {
+        op_span,
+        left,
+        right,
+        ..
+    } = with_units("12 N*depth^2").kind
+    else {
+        panic!("a product")
+    };
+    let places = [left.span, op_span, right.span].map(|span| (span.start, span.end));
+    assert_eq!(places, [(0, 4), (4, 5), (5, 12)]);
+    // the limit of depth counts the factors behind units
+    let long = format!("2 N{}", "*a".repeat(300));
+    let mut diagnostics = Diagnostics::new();
+    let is_unit = |word: &str| word == "N";
+    parse_placeholder(&long, SourceId(0), 0, Some(&is_unit), &mut diagnostics);
+    assert!(diagnostics.has_errors(), "300 factors");
 }
 
 #[test]
@@ -273,7 +324,7 @@ fn spans_cover_the_text_and_nothing_behind_it() {
 fn part_of_a_text_keeps_its_places() {
     let mut diagnostics = Diagnostics::new();
     let (value, display) =
-        parse_placeholder("a + b as mm/s", SourceId(3), 100, &mut diagnostics).expect("both");
+        parse_placeholder("a + b as mm/s", SourceId(3), 100, None, &mut diagnostics).expect("both");
     assert_eq!(expr(&value), "(+ a b)");
     assert_eq!(display.as_ref().map(unit), Some("<mm s^-1>".to_string()));
     assert_eq!(
@@ -298,7 +349,7 @@ fn messages_split_into_texts_and_values() {
     let span = message.span;
     assert_eq!(&text[span.start as usize..span.end as usize], message.text);
     let mut diagnostics = Diagnostics::new();
-    let shown: Vec<String> = parse_message(message, &mut diagnostics)
+    let shown: Vec<String> = parse_message(message, None, &mut diagnostics)
         .into_iter()
         .map(|part| match part {
             MessagePart::Text(text) => text,

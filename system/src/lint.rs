@@ -26,6 +26,8 @@ pub const SAMPLING: &str = "sampling";
 pub const SAG: &str = "sag";
 /// An angle of many turns.
 pub const TURNS: &str = "turns";
+/// A value with the name of a unit.
+pub const UNIT_NAME: &str = "unit_name";
 
 /// A table of another period than the cycle.
 pub const PERIOD: &str = "period";
@@ -40,9 +42,9 @@ pub const MIRRORED: &str = "mirrored";
 pub const CYCLE: &str = "cycle";
 
 /// All of them.
-pub const BUILT_IN: [&str; 17] = [
+pub const BUILT_IN: [&str; 18] = [
     INERTIA, GRAVITY, DAMPING, LOOSE, APART, SWAPPED, ASKEW, IDLE, STEP, SAMPLING, SAG, TURNS,
-    PERIOD, FIRING, BORE, MIRRORED, CYCLE,
+    UNIT_NAME, PERIOD, FIRING, BORE, MIRRORED, CYCLE,
 ];
 
 /// `accept usual` in the block of a use, of a body, of a component or of the model.

@@ -3,7 +3,9 @@
 use super::Checker;
 use super::scope::{Scope, block_of};
 use crate::codes;
-use eng_grammar::ast::{Function, Item, ItemKind, Name, Statement, UnitExpr};
+use eng_grammar::ast::{
+    BindingKind, Block, Form, Function, Item, ItemKind, Kind, Name, Statement, UnitExpr,
+};
 use eng_grammar::{Diagnostic, Span};
 
 /// Angle (rad, about three turns) above which a literal was probably meant in degrees.
@@ -52,6 +54,89 @@ impl<'p> Checker<'p> {
         here.push(name);
     }
 
+    /// Whether a block accepts a lint. Notes the acceptance as one with effect.
+    fn accepts(&mut self, block: &Block, lint: &str) -> bool {
+        let names = block.items.iter().filter_map(|item| match &item.kind {
+            ItemKind::Statement(Statement::Accept(names)) => Some(names),
+            _ => None,
+        });
+        let accepting = names.flatten().find(|name| name.text == lint);
+        self.findings
+            .accepted
+            .extend(accepting.map(|name| name.span));
+        accepting.is_some()
+    }
+
+    /// Warns of values that have the name of a unit, at their declarations: after a number the name is the unit. The
+    /// library is left out, because the units of a program may be the user's.
+    pub(super) fn values_named_like_units(&mut self) {
+        for module in &self.program.modules {
+            if !module.path.starts_with("std.") {
+                for item in &module.file.items {
+                    self.named_like_units(item, None);
+                }
+            }
+        }
+    }
+
+    /// `around`: the block of the model or component around the item, which may accept the lint.
+    fn named_like_units(&mut self, item: &'p Item, around: Option<&'p Block>) {
+        match &item.kind {
+            // an output is a channel first of all
+            ItemKind::Binding(binding) if binding.kind != BindingKind::Output => {
+                self.named_like_unit(&binding.name, around);
+            }
+            ItemKind::Function(function) => {
+                let parameters = function.parameters.iter().map(|p| &p.name);
+                for name in parameters.chain(function.lets.iter().map(|l| &l.name)) {
+                    self.named_like_unit(name, around);
+                }
+            }
+            ItemKind::Declaration(declaration) => {
+                let Some(block) = block_of(declaration) else {
+                    return;
+                };
+                let around = match declaration.kind {
+                    Kind::Model | Kind::Component => Some(block),
+                    _ => around,
+                };
+                if let Form::Class { parameters, .. } = &declaration.form {
+                    for parameter in parameters {
+                        self.named_like_unit(&parameter.name, around);
+                    }
+                }
+                for inner in &block.items {
+                    self.named_like_units(inner, around);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn named_like_unit(&mut self, name: &Name, around: Option<&Block>) {
+        if !self.program.units.contains_key(&name.text)
+            || around.is_some_and(|block| self.accepts(block, eng_system::lint::UNIT_NAME))
+        {
+            return;
+        }
+        let text = &name.text;
+        let message = Diagnostic::warning(codes::UNIT_NAME, format!("`{text}` is also a unit"))
+            .at(name.span, "a value with the name of a unit")
+            .with_note(format!(
+                "behind a unit it is the unit: `2 N*{text}` does not read this value"
+            ))
+            .with_help(format!(
+                "give it a longer name, or write blanks: `2 N * {text}`"
+            ));
+        self.report(match around {
+            Some(_) => message.with_note(format!(
+                "if it is meant: `accept {}` in this model or component",
+                eng_system::lint::UNIT_NAME
+            )),
+            None => message,
+        });
+    }
+
     /// Warns of an angle of many turns, such as `180 rad`, unless the surrounding definition accepts it.
     pub(super) fn many_turns(
         &mut self,
@@ -67,14 +152,10 @@ impl<'p> Checker<'p> {
         if !plain || value.abs() <= MANY_TURNS || !self.turns_told.insert(span) {
             return;
         }
-        let accepts = |item: &Item| {
-            matches!(&item.kind, ItemKind::Statement(Statement::Accept(names))
-            if names.iter().any(|name| name.text == eng_system::lint::TURNS))
-        };
         let around = scope.definition.and_then(|id| self.declaration(id));
         if around
             .and_then(block_of)
-            .is_some_and(|block| block.items.iter().any(accepts))
+            .is_some_and(|block| self.accepts(block, eng_system::lint::TURNS))
         {
             return;
         }

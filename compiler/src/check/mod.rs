@@ -100,6 +100,7 @@ fn found(program: &Program, sources: &SourceMap, diagnostics: &mut Diagnostics) 
     let earlier = diagnostics.has_errors();
     let mut checker = Checker::new(program, sources);
     checker.names_of_lints();
+    checker.values_named_like_units();
     for (index, module) in program.modules.iter().enumerate() {
         for (item_index, item) in module.file.items.iter().enumerate() {
             let id = DefinitionId {

@@ -46,6 +46,9 @@ impl<'p> Checker<'p> {
             return Type::Error;
         }
         let a = self.infer(scope, left);
+        if self.neither_unit_nor_value(scope, (op, op_span), left, right) {
+            return Type::Error;
+        }
         let b = self.infer(scope, right);
         self.operated(op, op_span, (left, &a), (right, &b))
     }

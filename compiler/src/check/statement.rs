@@ -101,7 +101,11 @@ impl<'p> Checker<'p> {
     pub(super) fn message(&mut self, scope: &Scope<'p>, message: &Name) {
         // the parser has reported unreadable parts of the message
         let mut said = Diagnostics::new();
-        let parts = parse_message(message, &mut said);
+        let parts = parse_message(
+            message,
+            Some(&|word| self.program.units.contains_key(word)),
+            &mut said,
+        );
         for part in &parts {
             let MessagePart::Value { value, unit, .. } = part else {
                 continue;

@@ -6,7 +6,7 @@ use super::types::{Dim, Kind, Quantity, Type};
 use crate::codes;
 use crate::program::{Unit, unit_text};
 use crate::resolve::suggest::EXPLAINED;
-use eng_grammar::ast::UnitExpr;
+use eng_grammar::ast::{BinaryOp, Expr, ExprKind, Name, UnitExpr, UnitFactor};
 use eng_grammar::{Diagnostic, Span};
 
 /// Prefixes of the SI. Micro is `u`.
@@ -60,6 +60,48 @@ impl<'p> Checker<'p> {
         self.program.unit(unit).ok()
     }
 
+    /// Reports a word behind a unit that is neither a unit nor a value: `5 N*m/secnd`.
+    pub(super) fn neither_unit_nor_value(
+        &mut self,
+        scope: &Scope<'p>,
+        operator: (BinaryOp, Span),
+        left: &Expr,
+        right: &Expr,
+    ) -> bool {
+        let base = match &right.kind {
+            ExprKind::Binary {
+                op: BinaryOp::Power,
+                left,
+                ..
+            } => left,
+            _ => right,
+        };
+        let ExprKind::Name(name) = &base.kind else {
+            return false;
+        };
+        if !behind_unit(operator, left, right)
+            || super::scope::BUILT_IN_NAMES.contains(&name.as_str())
+            || self.find(scope, name).is_some()
+        {
+            return false;
+        }
+        let factor = |span: Span| UnitFactor {
+            name: Name {
+                text: name.clone(),
+                span,
+            },
+            numerator: 1,
+            denominator: 1,
+        };
+        // the units before it do not matter, but a factor among others may have any dimension
+        let whole = UnitExpr {
+            span: left.span.to(base.span),
+            factors: vec![factor(left.span), factor(base.span)],
+        };
+        self.unknown_unit(scope, 1, &whole);
+        true
+    }
+
     fn unknown_unit(&mut self, scope: &Scope<'p>, place: usize, whole: &UnitExpr) {
         let Some(factor) = whole.factors.get(place) else {
             return;
@@ -70,36 +112,6 @@ impl<'p> Checker<'p> {
                 .at(span, "not known");
         if self.diagnostics.len() > EXPLAINED {
             return self.report(message);
-        }
-        // `5 mm*bore`: a product of values needs spaces.
-        let before = place.checked_sub(1).and_then(|p| whole.factors.get(p));
-        if let Some(before) = before
-            && (self.find(scope, name).is_some() || super::scope::BUILT_IN_NAMES.contains(&name))
-        {
-            let between = Span::new(
-                span.source,
-                before.name.span.end as usize,
-                span.start as usize,
-            );
-            let operator = if factor.numerator < 0 { '/' } else { '*' };
-            // After an exponent (`mm^2*bore`) the operator is the last character before the name.
-            let last = Span::new(
-                span.source,
-                span.start.saturating_sub(1) as usize,
-                span.start as usize,
-            );
-            message = message.also(
-                between.to(span),
-                "without spaces it is read as a part of the unit",
-            );
-            let help = format!("put spaces around `{operator}` for a product of values");
-            message = if self.sources.text(last) == operator.to_string() {
-                message.with_fix(help, last, format!(" {operator} "))
-            } else {
-                message.with_help(help)
-            };
-            self.report(message);
-            return;
         }
         let units = &self.program.units;
         let wanted = self.wanted.filter(|_| whole.factors.len() == 1);
@@ -241,5 +253,28 @@ impl<'p> Checker<'p> {
             };
             self.report(message);
         }
+    }
+}
+
+/// Whether `right` was written as a factor of the unit at the end of `left`: no blank is between them.
+fn behind_unit((op, sign): (BinaryOp, Span), left: &Expr, right: &Expr) -> bool {
+    if !matches!(op, BinaryOp::Multiply | BinaryOp::Divide)
+        || left.span.end != sign.start
+        || sign.end != right.span.start
+    {
+        return false;
+    }
+    match &left.kind {
+        ExprKind::Number { unit, .. }
+        | ExprKind::List { unit, .. }
+        | ExprKind::Comprehension { unit, .. }
+        | ExprKind::Paren { unit, .. } => unit.is_some(),
+        ExprKind::Binary {
+            op,
+            op_span,
+            left,
+            right,
+        } => behind_unit((*op, *op_span), left, right),
+        _ => false,
     }
 }

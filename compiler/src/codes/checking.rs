@@ -118,6 +118,10 @@ eng_grammar::codes! {
         "The angle is more than 20 rad, which is three turns, and engines have parts of a turn: degrees were probably meant. Or a sine takes a number of more than a turn without a unit of angle: `sin(16)`; `i*360/7 deg` is i*360/(7 deg). If the angle is intended, write `accept turns` in the definition around it.",
         "start crank.angle = 180 rad",
         "start crank.angle = 180 deg";
+    UNIT_NAME = "W0553", "a value has the name of a unit",
+        "Behind a number or another unit the word is the unit: `2 N*m` is a torque, also where a mass `m` is declared. Give the value a longer name. Or keep it, write blanks around the operator (`2 N * m`), and write `accept unit_name` in the definition around it.",
+        "param m: Mass = 2 kg",
+        "param mass: Mass = 2 kg";
     UNUSED_LET = "W0301", "a value is not used",
         "The model runs. Perhaps another value was used in its place; otherwise remove it.",
         "let volume = area*stroke",

@@ -23,7 +23,7 @@ eng_grammar::codes! {
         "let area = pi/4*boer^2",
         "let area = pi/4*bore^2";
     UNKNOWN_UNIT = "E0206", "a unit is not known",
-        "The library defines the units. They are case-sensitive and joined by `*`, `/` and `^` without spaces.",
+        "The library defines the units. They are case-sensitive and joined by `*`, `/` and `^` without spaces. Behind a unit also a value may follow as a factor: `2 N*length`; then the word is neither a unit nor a value.",
         "param torque: Torque = 20 Ncm",
         "param torque: Torque = 20 N*cm";
     UNKNOWN_TYPE = "E0207", "a type or dimension is not known",

@@ -168,8 +168,9 @@ impl<'a> Elaborator<'a, '_> {
                     name: name.text.clone(),
                     path: path.to_owned(),
                     at: location(name.span),
-                    // the checker reports a name that is not a lint's
-                    used: !self.lints.contains(name.text.as_str()),
+                    // the checker reports a name that is not a lint's, and notes the lints that it did not report
+                    used: !self.lints.contains(name.text.as_str())
+                        || self.typed.findings.accepted.contains(&name.span),
                 });
             }
         }

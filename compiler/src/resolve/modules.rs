@@ -5,7 +5,7 @@ use super::suggest::nearest;
 use crate::codes;
 use crate::program::{Module, Offered, Program};
 use eng_grammar::ast::{Form, Item, ItemKind, Kind, Use, UseNames};
-use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, UnitWords};
 use eng_system::host::{Host, HostError};
 use std::collections::BTreeMap;
 
@@ -69,8 +69,14 @@ struct Loader<'a> {
     open: Vec<String>,
     /// Unreadable modules, each reported once.
     missing: Vec<String>,
+    /// The units of the modules read so far.
+    units: &'a mut UnitWords,
+    /// Those of the library alone.
+    library_units: UnitWords,
 }
 
+/// Reads all modules. A word behind a unit belongs to the unit if it is a unit itself, also one of a module that is read
+/// later. In this rare case all modules are read once more.
 pub(super) fn load(
     root: &str,
     host: &dyn Host,
@@ -78,6 +84,37 @@ pub(super) fn load(
     sources: &mut SourceMap,
     diagnostics: &mut Diagnostics,
     program: &mut Program,
+) {
+    let earlier = (sources.clone(), program.clone());
+    let mut messages = Diagnostics::new();
+    let mut units = UnitWords::default();
+    read_all(
+        root,
+        host,
+        library,
+        (sources, &mut messages, program),
+        &mut units,
+    );
+    if !units.unknown.is_disjoint(&units.known) {
+        (*sources, *program) = earlier;
+        messages = Diagnostics::new();
+        read_all(
+            root,
+            host,
+            library,
+            (sources, &mut messages, program),
+            &mut units,
+        );
+    }
+    diagnostics.extend(messages);
+}
+
+fn read_all(
+    root: &str,
+    host: &dyn Host,
+    library: &[(&str, &str)],
+    (sources, diagnostics, program): (&mut SourceMap, &mut Diagnostics, &mut Program),
+    units: &mut UnitWords,
 ) {
     let mut loader = Loader {
         host,
@@ -87,6 +124,8 @@ pub(super) fn load(
         program,
         open: Vec::new(),
         missing: Vec::new(),
+        units,
+        library_units: UnitWords::default(),
     };
     if loader.text_of_library(PRELUDE).is_some() {
         loader.module(PRELUDE, None);
@@ -198,7 +237,16 @@ impl Loader<'_> {
 
     fn text(&mut self, path: &str, file: &str, text: &str) {
         let source = self.sources.add(file, text);
-        let mut tree = eng_grammar::parse(text, source, self.diagnostics);
+        // the units of a user do not change the reading of the library's texts
+        let units = match is_library(path) {
+            true => &mut self.library_units,
+            false => &mut *self.units,
+        };
+        let mut tree = eng_grammar::parse_with_units(text, source, units, self.diagnostics);
+        if is_library(path) {
+            let known = &self.library_units.known;
+            self.units.known.extend(known.iter().cloned());
+        }
         self.open.push(path.to_owned());
         for item in &mut tree.items {
             if let ItemKind::Use(used) = &mut item.kind {

@@ -37,6 +37,8 @@ pub(crate) struct Findings {
     pub calls: BTreeMap<Span, Arc<[u32]>>,
     /// Messages of `require` and `advise` and texts with values in them, by the place inside their quotes.
     pub messages: BTreeMap<Span, Vec<MessagePart>>,
+    /// The names in `accept` items that accepted a lint of the checker.
+    pub accepted: BTreeSet<Span>,
     /// Lengths of arrays that the arguments decide, by the place of the length: `n` of `values: Length[n]`.
     pub lengths: BTreeSet<Span>,
     /// Types of the named values of each definition; a top-level `const` or `let` has the empty name.

@@ -8,10 +8,35 @@ use crate::grammar::Rule;
 use crate::span::Span;
 use crate::strings;
 use pest::iterators::Pair;
-use std::iter::Peekable;
-use std::vec::IntoIter;
+use std::collections::VecDeque;
 
-type Operands<'t> = Peekable<IntoIter<Pair<'t, Rule>>>;
+/// A part of a chain of operators.
+#[derive(Debug)]
+pub(super) enum Part<'t> {
+    /// A `prefix`, `infix` or `postfix` of the grammar.
+    Read(Pair<'t, Rule>),
+    /// A sign between a unit and a factor that is no unit, or before the exponent of such a factor.
+    Sign(&'static str, Span),
+    /// Such a factor, or its exponent.
+    Factor(Expr),
+}
+
+impl Part<'_> {
+    fn is(&self, rule: Rule) -> bool {
+        matches!(self, Part::Read(pair) if pair.as_rule() == rule)
+    }
+
+    /// The infix sign and its strength.
+    fn infix(&self) -> Option<(Infix, u8)> {
+        match self {
+            Part::Read(pair) => infix(pair.as_str()),
+            Part::Sign(sign, _) => infix(sign),
+            Part::Factor(_) => None,
+        }
+    }
+}
+
+type Operands<'t> = VecDeque<Part<'t>>;
 
 /// The expression that an infix sign makes.
 #[derive(Clone, Copy)]
@@ -77,10 +102,13 @@ impl<'t> Builder<'t, '_> {
         let span = self.place(&pair);
         let parts: Vec<_> = pair.into_inner().collect();
         // A chain of operators may lean to one side, so each of them counts as a level.
-        let operators = parts
+        let operators: usize = parts
             .iter()
-            .filter(|part| part.as_rule() != Rule::postfix)
-            .count();
+            .map(|part| match part.as_rule() {
+                Rule::postfix => self.operators_behind_unit(part),
+                _ => 1,
+            })
+            .sum();
         let conditional = parts
             .first()
             .is_some_and(|part| part.as_rule() == Rule::conditional);
@@ -89,13 +117,14 @@ impl<'t> Builder<'t, '_> {
             self.too_deep(span);
             return error(span);
         }
-        let mut parts = parts.into_iter().peekable();
-        match parts.peek() {
-            Some(first) if first.as_rule() == Rule::conditional => match parts.next() {
-                Some(first) => self.conditional(first, depth),
-                None => error(span),
-            },
-            _ => self.climb(&mut parts, 0, depth, span),
+        let mut parts: Operands<'t> = parts.into_iter().map(Part::Read).collect();
+        match parts.pop_front() {
+            Some(Part::Read(first)) if conditional => self.conditional(first, depth),
+            Some(first) => {
+                parts.push_front(first);
+                self.climb(&mut parts, 0, depth, span)
+            }
+            None => error(span),
         }
     }
 
@@ -118,26 +147,40 @@ impl<'t> Builder<'t, '_> {
     }
 
     /// Precedence climbing: takes operators that bind at least as tight as `least`.
-    fn climb(&mut self, parts: &mut Operands<'t>, least: u8, depth: usize, whole: Span) -> Expr {
-        let Some(first) = parts.next() else {
-            return error(whole);
-        };
-        let mut left = if first.as_rule() == Rule::prefix {
-            self.prefixed(first, parts, depth, whole)
-        } else {
-            self.postfix(first, depth)
+    pub(super) fn climb(
+        &mut self,
+        parts: &mut Operands<'t>,
+        least: u8,
+        depth: usize,
+        whole: Span,
+    ) -> Expr {
+        let mut left = match parts.pop_front() {
+            Some(Part::Read(first)) if first.as_rule() == Rule::prefix => {
+                self.prefixed(first, parts, depth, whole)
+            }
+            Some(Part::Read(first)) => {
+                let value = self.postfix(first, depth);
+                // the factors behind its unit are operands of this chain, so that their precedence is the usual one
+                for factor in self.factors.drain(..).rev() {
+                    parts.push_front(factor);
+                }
+                value
+            }
+            Some(Part::Factor(value)) => value,
+            Some(Part::Sign(..)) | None => return error(whole),
         };
         loop {
-            let Some((what, strength)) = parts.peek().and_then(|next| infix(next.as_str())) else {
+            let Some((what, strength)) = parts.front().and_then(Part::infix) else {
                 return left;
             };
             if strength < least {
                 return left;
             }
-            let Some(sign) = parts.next() else {
-                return left;
+            let op_span = match parts.pop_front() {
+                Some(Part::Read(sign)) => self.place(&sign),
+                Some(Part::Sign(_, span)) => span,
+                Some(Part::Factor(_)) | None => return left,
             };
-            let op_span = self.place(&sign);
             let right_least = if strength == POWER {
                 POWER
             } else {
@@ -161,9 +204,7 @@ impl<'t> Builder<'t, '_> {
         } else {
             (UnaryOp::Not, NOT)
         };
-        let literal = parts
-            .peek()
-            .is_some_and(|next| next.as_rule() == Rule::postfix);
+        let literal = parts.front().is_some_and(|next| next.is(Rule::postfix));
         let operand = self.climb(parts, strength, depth, whole);
         let span = sign_span.to(operand.span);
         // `-5 degC` is one literal: an affine unit applies to the signed number.
@@ -277,6 +318,7 @@ impl<'t> Builder<'t, '_> {
     /// Of a `postfix`.
     pub(super) fn postfix(&mut self, pair: Pair<'t, Rule>, depth: usize) -> Expr {
         let span = self.place(&pair);
+        self.factors.clear();
         let parts: Vec<_> = pair.into_inner().collect();
         // the parts behind the first one: fields, calls, indices
         let depth = depth + parts.len().saturating_sub(1);
@@ -329,6 +371,13 @@ impl<'t> Builder<'t, '_> {
             Rule::scaled_list | Rule::scaled_paren => self.scaled(pair, depth),
             _ => ExprKind::Error,
         };
+        // the factors behind its unit are no part of the value
+        let span = match self.factors.first() {
+            Some(Part::Sign(_, sign)) => {
+                Span::new(span.source, span.start as usize, sign.start as usize)
+            }
+            _ => span,
+        };
         Expr { span, kind }
     }
 
@@ -379,7 +428,7 @@ impl<'t> Builder<'t, '_> {
         let unit = pair
             .into_inner()
             .find(|part| part.as_rule() == Rule::unit)?;
-        Some(self.unit(unit, depth))
+        Some(self.unit_and_factors(unit, depth))
     }
 
     fn scaled(&mut self, pair: Pair<'t, Rule>, depth: usize) -> ExprKind {
@@ -506,7 +555,7 @@ impl<'t> Builder<'t, '_> {
     }
 }
 
-fn error(span: Span) -> Expr {
+pub(super) fn error(span: Span) -> Expr {
     Expr {
         span,
         kind: ExprKind::Error,

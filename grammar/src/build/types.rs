@@ -132,7 +132,7 @@ impl<'t> Builder<'t, '_> {
     }
 
     /// Numerator and positive denominator in lowest terms.
-    fn exponent(&mut self, pair: Pair<'t, Rule>) -> (i32, i32) {
+    pub(super) fn exponent(&mut self, pair: Pair<'t, Rule>) -> (i32, i32) {
         let span = self.place(&pair);
         let mut numbers = pair.into_inner().map(|part| part.as_str().parse::<i16>());
         let numerator = numbers.next().unwrap_or(Ok(1));
@@ -155,29 +155,39 @@ impl<'t> Builder<'t, '_> {
     /// The factors of a `unit` or a `display_unit`.
     pub(crate) fn unit(&mut self, pair: Pair<'t, Rule>, depth: usize) -> UnitExpr {
         let span = self.place(&pair);
+        self.unit_of(pair.into_inner(), span, depth)
+    }
+
+    /// A unit of factors and signs.
+    pub(super) fn unit_of(
+        &mut self,
+        parts: impl IntoIterator<Item = Pair<'t, Rule>>,
+        span: Span,
+        depth: usize,
+    ) -> UnitExpr {
         let mut factors = Vec::new();
-        self.unit_factors(pair, (1, 1), depth, &mut factors);
+        self.unit_factors(parts, span, (1, 1), depth, &mut factors);
         UnitExpr { span, factors }
     }
 
     /// Appends the factors of a product to the power `outer`.
     fn unit_factors(
         &mut self,
-        pair: Pair<'t, Rule>,
+        parts: impl IntoIterator<Item = Pair<'t, Rule>>,
+        span: Span,
         outer: (i32, i32),
         depth: usize,
         factors: &mut Vec<UnitFactor>,
     ) {
-        let span = self.place(&pair);
         if depth > MAX_DEPTH {
             self.too_deep(span);
             return;
         }
         let mut sign = 1;
-        for part in pair.into_inner() {
+        for part in parts {
             match part.as_rule() {
                 Rule::unit_operator => sign = if part.as_str() == "/" { -1 } else { 1 },
-                Rule::unit => self.unit_factors(part, outer, depth + 1, factors),
+                Rule::unit => self.unit_factors(part.into_inner(), span, outer, depth + 1, factors),
                 Rule::unit_factor => {
                     let mut name: Option<Name> = None;
                     let mut group = None;
@@ -198,7 +208,8 @@ impl<'t> Builder<'t, '_> {
                             denominator: exponent.1,
                         });
                     } else if let Some(group) = group {
-                        self.unit_factors(group, exponent, depth + 1, factors);
+                        let inside = self.place(&group);
+                        self.unit_factors(group.into_inner(), inside, exponent, depth + 1, factors);
                     }
                 }
                 _ => {}

@@ -323,7 +323,9 @@ impl<'a> Reporter<'a, '_> {
         )?;
         let mut told = Vec::new();
         let mut of_message = Diagnostics::new();
-        let parts = parse_message(message, &mut of_message);
+        let units = &self.checker.program.units;
+        let is_unit = |word: &str| units.contains_key(word);
+        let parts = parse_message(message, Some(&is_unit), &mut of_message);
         let failed = of_message.has_errors();
         for diagnostic in of_message.iter() {
             self.tell(diagnostic.clone());
