@@ -235,28 +235,35 @@ in_place_two! {
     power_pair: libm::pow;
 }
 
-/// Looks up a pair: handles and arguments in, values out in place of the handles.
+/// Looks up a pair: handles and arguments in, values out.
 ///
 /// # Safety
 ///
-/// `io` points to a pair and one more for each argument that `orders` counts, `context` to the tables of the call
-/// that is running.
-unsafe extern "C" fn table_pair(io: *mut Pair, context: *const Surroundings, orders: u64) {
+/// `operands` points to a pair and one more for each argument that `orders` counts, `result` to a pair that is none
+/// of them, `context` to the tables of the call that is running.
+unsafe extern "C" fn table_pair(
+    operands: *const Pair,
+    result: *mut Pair,
+    context: *const Surroundings,
+    orders: u64,
+) {
     let orders = Orders::unpacked(orders);
     // SAFETY: generated code passes this many pairs of its own stack slot, which is aligned for them.
-    let io = unsafe { std::slice::from_raw_parts_mut(io, 1 + orders.arguments()) };
+    let operands = unsafe { std::slice::from_raw_parts(operands, 1 + orders.arguments()) };
+    // SAFETY: another pair of the same slot, which the plan has taken for the result.
+    let result = unsafe { &mut *result };
     // SAFETY: generated code hands on the pointer that `call` gave it, which lives as long as the call.
     let context = unsafe { &*context };
     // SAFETY: made from a slice in `call`, which borrows it for the call.
     let tables = unsafe { std::slice::from_raw_parts(context.tables, context.count) };
-    let lane = |io: &[Pair], k: usize| {
+    let lane = |k: usize| {
         let mut arguments = [0.0; MOST_ARGUMENTS];
-        for (argument, pair) in arguments.iter_mut().zip(&io[1..]) {
+        for (argument, pair) in arguments.iter_mut().zip(&operands[1..]) {
             *argument = pair[k];
         }
-        look_up(tables, io[0][k], &arguments, orders)
+        look_up(tables, operands[0][k], &arguments, orders)
     };
-    io[0] = [lane(io, 0), lane(io, 1)];
+    *result = [lane(0), lane(1)];
 }
 
 /// Functions outside the generated code, by their names in it. Each works in place.
@@ -333,7 +340,7 @@ impl Generator {
         for name in one.chain(TWO_ARGUMENTS.iter().map(|(name, _)| *name)) {
             generator.declare(name, 1)?;
         }
-        generator.declare(TABLE, 3)?;
+        generator.declare(TABLE, 4)?;
         Ok(generator)
     }
 
@@ -475,7 +482,22 @@ impl Body<'_, '_> {
                 let value = self.operation(time, function.graph.op(node))?;
                 self.values[node.0 as usize] = Some(value);
             }
-            Step::Call(node, first) => self.external(function.graph.op(node), first)?,
+            Step::Call(node, first) => {
+                let address = self.addresses.in_room(&mut self.builder, first)?;
+                self.external(function.graph.op(node).mnemonic(), &[address])?;
+            }
+            Step::LookUp(node, first, result) => {
+                let Op::Table(_, _, orders) = function.graph.op(node) else {
+                    return Err("a look-up without a table".into());
+                };
+                let operands = self.addresses.in_room(&mut self.builder, first)?;
+                let result = self.addresses.in_room(&mut self.builder, result)?;
+                let orders = self
+                    .builder
+                    .ins()
+                    .iconst(types::I64, orders.packed() as i64);
+                self.external(TABLE, &[operands, result, self.surroundings, orders])?;
+            }
         }
         self.loaded = match step {
             Step::Load(node, _) => Some(node),
@@ -638,12 +660,8 @@ impl Body<'_, '_> {
         Ok(Lanes::Float(value))
     }
 
-    /// Calls a function on both lanes. Operands and result are in the stack room.
-    fn external(&mut self, op: Op, first: u32) -> Result<(), String> {
-        let (name, orders) = match op {
-            Op::Table(_, _, orders) => (TABLE, Some(orders)),
-            op => (op.mnemonic(), None),
-        };
+    /// Calls a function on both lanes, with addresses of operands and result in the stack room.
+    fn external(&mut self, name: &str, arguments: &[Value]) -> Result<(), String> {
         let (name, id) = self
             .externals
             .get_key_value(name)
@@ -657,19 +675,7 @@ impl Body<'_, '_> {
                 function
             }
         };
-        let address = self.addresses.in_room(&mut self.builder, first)?;
-        match orders {
-            Some(orders) => {
-                let packed = orders.packed() as i64;
-                let orders = self.builder.ins().iconst(types::I64, packed);
-                self.builder
-                    .ins()
-                    .call(function, &[address, self.surroundings, orders]);
-            }
-            None => {
-                self.builder.ins().call(function, &[address]);
-            }
-        }
+        self.builder.ins().call(function, arguments);
         // no register keeps its value over a call
         self.addresses.forget();
         Ok(())

@@ -50,7 +50,7 @@ impl Addresses {
                 Step::Load(_, place) | Step::Store(_, place) | Step::Keep(_, place) => {
                     uses.entry(stretch(*place)).or_default().push(time);
                 }
-                Step::Call(..) => calls.push(time),
+                Step::Call(..) | Step::LookUp(..) => calls.push(time),
                 Step::Operate(_) => {}
             }
         }

@@ -40,6 +40,9 @@ pub(super) enum Step {
     Operate(Node),
     /// Call with operands and result in the room from this pair on.
     Call(Node, u32),
+    /// Look-up with operands in the room from the first pair on, and the result in the second one. The operands
+    /// stay.
+    LookUp(Node, u32, u32),
 }
 
 /// A function's steps.
@@ -102,6 +105,7 @@ pub(super) fn plan(function: &Function, constants: &mut Constants) -> Result<Pla
         resident: BTreeSet::new(),
         uses,
         free: BTreeSet::new(),
+        looked_up: (0, Vec::new()),
     };
     for (index, op) in nodes.iter().enumerate().filter(|(i, _)| needed[*i]) {
         let node = Node(index as u32);
@@ -116,6 +120,7 @@ pub(super) fn plan(function: &Function, constants: &mut Constants) -> Result<Pla
                 });
             }
             Op::Constant(bits) => planner.homes[index] = Some(constants.place(bits)),
+            op @ Op::Table(..) => planner.look_up(node, op),
             op if is_call(op) => planner.call(node, op),
             op => planner.operate(node, op),
         }
@@ -178,6 +183,9 @@ struct Planner {
     uses: Vec<Vec<usize>>,
     /// Pairs of the room that are free.
     free: BTreeSet<u32>,
+    /// Operands of the last look-up, in the room from this pair on. A value and its derivatives have the same
+    /// operands, and tables over the same arguments differ by the handle alone.
+    looked_up: (u32, Vec<Node>),
 }
 
 impl Planner {
@@ -243,6 +251,40 @@ impl Planner {
         });
         self.free
             .extend((1..operands.len() as u32).map(|k| first + k));
+    }
+
+    fn look_up(&mut self, node: Node, op: Op) {
+        let operands: Vec<Node> = op.operands().collect();
+        if self.looked_up.1.len() != operands.len() {
+            let (first, count) = (self.looked_up.0, self.looked_up.1.len() as u32);
+            self.free.extend(first..first + count);
+            self.looked_up = (self.take(operands.len() as u32), Vec::new());
+        }
+        let first = self.looked_up.0;
+        let known = std::mem::take(&mut self.looked_up.1);
+        let changed = (0..)
+            .zip(&operands)
+            .filter(|(k, operand)| known.get(*k as usize) != Some(operand));
+        for (k, operand) in changed {
+            self.load(*operand, &operands);
+            let place = Place {
+                area: Area::Room,
+                index: first + k,
+            };
+            self.plan.steps.push(Step::Store(*operand, place));
+        }
+        self.looked_up.1 = operands;
+        self.used(op);
+        // no register keeps its value over a call
+        for resident in std::mem::take(&mut self.resident) {
+            self.keep(resident);
+        }
+        let result = self.take(1);
+        self.plan.steps.push(Step::LookUp(node, first, result));
+        self.homes[node.0 as usize] = Some(Place {
+            area: Area::Room,
+            index: result,
+        });
     }
 
     /// Removes the present use of each operand.
