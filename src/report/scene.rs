@@ -581,26 +581,10 @@ mod tests {
                 .enumerate()
                 .map(|(mode, a)| if modes.contains(&mode) { *a } else { 0.0 })
                 .collect();
-            let [w, x, y, z] = own.orientations[time];
+            let rotation = eng_runtime::rotation::matrix(&own.orientations[time]);
             let frame = FrameMotion {
                 position: own.positions[time],
-                rotation: [
-                    [
-                        1.0 - 2.0 * (y * y + z * z),
-                        2.0 * (x * y - w * z),
-                        2.0 * (x * z + w * y),
-                    ],
-                    [
-                        2.0 * (x * y + w * z),
-                        1.0 - 2.0 * (x * x + z * z),
-                        2.0 * (y * z - w * x),
-                    ],
-                    [
-                        2.0 * (x * z - w * y),
-                        2.0 * (y * z + w * x),
-                        1.0 - 2.0 * (x * x + y * y),
-                    ],
-                ],
+                rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)])),
                 ..FrameMotion::REST
             };
             let amplitudes = Amplitudes {
