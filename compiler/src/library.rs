@@ -16,7 +16,7 @@ pub const LIBRARY: &[(&str, &str)] = &[
 ];
 
 /// Data files of the library's tables, by the names that its texts give to `csv`.
-pub const FILES: &[(&str, &str)] = &[];
+pub const FILES: &[(&str, &str)] = &[("reynolds.csv", include_str!("../../stdlib/reynolds.csv"))];
 
 #[cfg(test)]
 mod tests {

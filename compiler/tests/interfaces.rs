@@ -372,6 +372,7 @@ journal Wide = Thin(width: 30 mm)
 journal Grooved(grooves: 1, depth: Length = 1 mm) : PiFilm {
     fn response(film: Attitude) -> Vector2<1> = short_response(film)/(1 + grooves*(depth/width))
     fn resistance() -> Damping = viscosity*diameter*width^3/(2*radial_clearance^3)
+    fn film_width() -> Length = width
 }
 journal Three = Grooved(grooves: 3)
 component Bearing(law: JournalLaw, pin: Marker, shell: Marker) {

@@ -12,7 +12,7 @@
 //! `Reynolds` of the library stores them relative to the formula of Childs, Moes & van Leeuwen:
 //!
 //! ```text
-//! load = ln(W/W_m)     side = (β − β_m)/y     over B/D, −ln(1 − ε) and cos α = x/ε
+//! load = W/W_m     side = (β − β_m)/y     over B/D, −ln(1 − ε) and cos α = x/ε
 //! ```
 //!
 //! Both are even in α, the angle of e from v_s, so they are smooth in cos α, and no angle is needed. At e = 0
@@ -120,7 +120,7 @@ pub fn correction(slenderness: f64, u: f64, cosine: f64) -> Result<[f64; 2], Fil
         let [along, across] = solved_response(slenderness, ratio, cosine)?;
         let y = ratio * (1.0 - cosine * cosine).max(0.0).sqrt();
         let [x_m, y_m] = childs_response(ratio * cosine, y, slenderness);
-        let load = libm::log(libm::hypot(along, across) / libm::hypot(x_m, y_m));
+        let load = libm::hypot(along, across) / libm::hypot(x_m, y_m);
         let turned = libm::atan2(across * x_m - along * y_m, along * x_m + across * y_m);
         Ok([load, turned / y])
     };

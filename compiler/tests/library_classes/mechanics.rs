@@ -398,7 +398,7 @@ fn films_only_take_energy() {
         }
         classes.push(instance.case.class);
     }
-    assert_eq!(classes, ["Short", "Impedance"]);
+    assert_eq!(classes, ["Short", "Impedance", "Reynolds"]);
 }
 
 /// Gas, actuator and motor work on what they move: the travel along b.z, seen from b, or the spin about it.
