@@ -491,7 +491,7 @@ pub(crate) fn periodic(
         };
         let clearance = bound
             .slots
-            .get(journal.radial_clearance.0 as usize)
+            .get(journal.clearance.0 as usize)
             .copied()
             .unwrap_or(0.0);
         if whirl.radius <= NO_WHIRL * clearance {

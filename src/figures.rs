@@ -54,7 +54,7 @@ pub(crate) fn of_run(run: &Run<'_>) -> Vec<Wanted> {
 
 /// The outputs of the model and the forces of its journals.
 pub(crate) fn histories(run: &Run<'_>) -> Vec<Wanted> {
-    let journals = ["x", "y"].map(|axis| Family::journal_forces(run, axis));
+    let journals = [0, 1].map(|axis| Family::journal_forces(run, axis));
     let wanted = Family::outputs(run.results).into_iter().chain(journals);
     wanted
         .filter_map(|family| family.history(std::slice::from_ref(run)))
@@ -76,7 +76,7 @@ pub(crate) fn comparisons(runs: &[Run<'_>]) -> Vec<Wanted> {
         return Vec::new();
     }
     let mut wanted = Family::outputs(first.results);
-    wanted.push(Family::journal_forces(first, "x"));
+    wanted.push(Family::journal_forces(first, 0));
     wanted
         .iter()
         .filter(|family| {
@@ -118,9 +118,10 @@ impl Family {
         families
     }
 
-    fn journal_forces(run: &Run<'_>, axis: &str) -> Family {
-        let path = |journal: &JournalGeometry| format!("{}.force.{axis}", journal.path);
-        let paths = run.machine.journals.iter().map(path);
+    /// The forces along an axis of the shells: 0 is x, 1 is y.
+    fn journal_forces(run: &Run<'_>, axis: usize) -> Family {
+        let paths = run.machine.journals.iter().map(|j| j.force[axis].clone());
+        let axis = ["x", "y"][axis];
         Family {
             name: format!("journal-force-{axis}"),
             quantity: format!("Journal force {axis} on the pin"),
@@ -197,11 +198,8 @@ pub(crate) fn distinct(all: Vec<Wanted>, results: &Results) -> Vec<Wanted> {
 pub(crate) fn orbits(run: &Run<'_>) -> Option<Wanted> {
     let analysis = run.results.analysis();
     let recorded = |journal: &&JournalGeometry| {
-        let column = |axis| {
-            run.results
-                .column(&format!("{}.eccentricity.{axis}", journal.path))
-        };
-        column("x").is_some() && column("y").is_some()
+        let mut columns = journal.eccentricity.iter();
+        columns.all(|path| run.results.column(path).is_some())
     };
     let journals: plan::Journals = run
         .machine
@@ -225,19 +223,20 @@ pub(crate) fn orbits(run: &Run<'_>) -> Option<Wanted> {
 pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
     let analysis = run.results.analysis();
     let vector = |journal: &JournalGeometry, turned: bool| {
-        let known = |path: String| run.results.column(&path).map(|_| channel(analysis, &path));
-        let load = |axis: &str| {
-            let force = known(format!("{}.force.{axis}", journal.path))?;
+        let known = |path: &str| run.results.column(path).map(|_| channel(analysis, path));
+        let load = |path: &str| {
+            let force = known(path)?;
             Some(Expression::Map(Function::Negate, Box::new(force)))
         };
+        let [x, y] = &journal.force;
         Some(Vector {
             analysis: analysis.to_owned(),
             path: journal.path.clone(),
             load: true,
-            x: load("x")?,
-            y: load("y")?,
+            x: load(x)?,
+            y: load(y)?,
             turned_by: match turned {
-                true => Some(known(format!("{}.{TURN}", journal.path))?),
+                true => Some(known(&format!("{}.{TURN}", journal.path))?),
                 false => None,
             },
         })
@@ -474,6 +473,7 @@ mod tests {
     fn machine(period: Option<f64>) -> Machine {
         Machine {
             journals: Vec::new(),
+            summaries: Vec::new(),
             cycle_period: period,
             periodic: period.is_some(),
             upright: Upright::Y,

@@ -79,10 +79,11 @@ pub use eng_runtime::{
     Energy, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Statistics, TopologyReport,
     Turning, Verdict, Warning,
 };
+pub use eng_system::system::summary::{SummaryColumn, SummaryParameter, Taken};
 pub use eng_system::system::{Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::{Error, Report};
-pub use machine::{JournalGeometry, Machine};
+pub use machine::{InterfaceSummary, JournalGeometry, Machine, SummarisedElement};
 pub use model::{Channel, ChannelInfo, Model, Parameter, ParameterInfo};
 pub use program::{Checked, Program, check};
 pub use quantity::{Quantity, QuantityError};
@@ -90,4 +91,4 @@ pub use reduction::Reduction;
 pub use results::Results;
 pub use simulation::{Simulation, SimulationBuilder};
 pub use sources::Sources;
-pub use tables::JournalSummary;
+pub use tables::{Summarised, SummaryTable};

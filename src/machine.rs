@@ -1,7 +1,8 @@
-//! The data of the machine behind results that tables and figures need: journals, cycle, firing order.
+//! The data of the machine behind results that tables and figures need: journals, summaries, cycle, firing order.
 
 use eng_report::figure::Upright;
 use eng_system::code::Bound;
+use eng_system::system::summary::{SummaryColumn, SummaryParameter};
 use eng_system::system::{AnalysisKind, Rows, Slot, System};
 
 /// A machine with the parameters of an analysis.
@@ -9,6 +10,8 @@ use eng_system::system::{AnalysisKind, Rows, Slot, System};
 pub struct Machine {
     /// Journals in the order of the text.
     pub journals: Vec<JournalGeometry>,
+    /// Tables of the elements whose classes fill an interface with summaries.
+    pub summaries: Vec<InterfaceSummary>,
     /// The cycle's period (rad), if the model has a cycle.
     pub cycle_period: Option<f64>,
     /// Whether the analysis asks for one cycle that repeats.
@@ -19,20 +22,41 @@ pub struct Machine {
     pub firing: Vec<(Option<usize>, f64)>,
 }
 
-/// A journal for tables and figures. Columns are named by the journal's path: `main[1].force.x` and `.y` (N),
-/// `main[1].eccentricity.x` and `.y` (m, pin's centre from the shell's along the shell's axes),
-/// `main[1].minimum_film` (m), `main[1].power_loss` (W). A table or figure leaves out a column that is
-/// absent.
+/// A journal for figures. A figure leaves out a column that is absent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JournalGeometry {
     /// `main[1]`.
     pub path: String,
-    /// Diameter (m).
-    pub diameter: f64,
-    /// Width (m).
-    pub width: f64,
     /// Radial clearance (m).
-    pub radial_clearance: f64,
+    pub clearance: f64,
+    /// Columns of the force on the pin (N) along x and y of the shell.
+    pub force: [String; 2],
+    /// Columns of the pin's centre from the shell's (m) along x and y of the shell.
+    pub eccentricity: [String; 2],
+}
+
+/// The elements whose classes fill one interface, with the columns that its summaries read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InterfaceSummary {
+    /// Name of the interface.
+    pub interface: String,
+    /// The parameters of the interface that are numbers.
+    pub parameters: Vec<SummaryParameter>,
+    /// The outputs with a summary.
+    pub columns: Vec<SummaryColumn>,
+    /// The elements in the order of the text.
+    pub elements: Vec<SummarisedElement>,
+}
+
+/// A row of a summary before its numbers are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SummarisedElement {
+    /// `main[1]`.
+    pub path: String,
+    /// The values of the parameters (SI); NaN for one that depends on the motion.
+    pub parameters: Vec<f64>,
+    /// Names of the columns of results; `None` for an output that the element has not.
+    pub channels: Vec<Option<String>>,
 }
 
 impl Machine {
@@ -40,6 +64,7 @@ impl Machine {
     pub(crate) fn new(system: &System, bound: &Bound, kind: &AnalysisKind) -> Machine {
         Machine {
             journals: journals(system, bound),
+            summaries: summaries(system, bound),
             cycle_period: cycle_period(system, bound),
             periodic: kind.rows() == Rows::Cycle,
             upright: upright(system, bound),
@@ -69,16 +94,45 @@ fn journals(system: &System, bound: &Bound) -> Vec<JournalGeometry> {
         .journals
         .iter()
         .map(|j| JournalGeometry {
-            path: system
-                .elements
-                .get(j.element as usize)
-                .map(|e| e.origin.path.clone())
-                .unwrap_or_default(),
-            diameter: at(bound, j.diameter),
-            width: at(bound, j.width),
-            radial_clearance: at(bound, j.radial_clearance),
+            path: path_of(system, j.element),
+            clearance: at(bound, j.clearance),
+            force: [j.force, j.force + 1].map(|channel| column_of(system, channel)),
+            eccentricity: [j.eccentricity, j.eccentricity + 1]
+                .map(|channel| column_of(system, channel)),
         })
         .collect()
+}
+
+fn summaries(system: &System, bound: &Bound) -> Vec<InterfaceSummary> {
+    let summaries = system.summaries.iter();
+    summaries
+        .map(|summary| InterfaceSummary {
+            interface: summary.interface.clone(),
+            parameters: summary.parameters.clone(),
+            columns: summary.columns.clone(),
+            elements: (summary.rows.iter())
+                .map(|row| SummarisedElement {
+                    path: path_of(system, row.element),
+                    parameters: (row.parameters.iter())
+                        .map(|slot| slot.map_or(f64::NAN, |slot| at(bound, slot)))
+                        .collect(),
+                    channels: (row.channels.iter())
+                        .map(|channel| channel.map(|channel| column_of(system, channel)))
+                        .collect(),
+                })
+                .collect(),
+        })
+        .collect()
+}
+
+fn path_of(system: &System, element: u32) -> String {
+    let element = system.elements.get(element as usize);
+    element.map_or_else(String::new, |element| element.origin.path.clone())
+}
+
+fn column_of(system: &System, channel: u32) -> String {
+    let channel = system.channels.get(channel as usize);
+    channel.map_or_else(String::new, |channel| channel.path.clone())
 }
 
 /// Orbits are drawn with gravity downwards.

@@ -137,7 +137,7 @@ fn the_interfaces_of_the_reference_run() {
             .unwrap_or_else(|failed| panic!("{}", failed.error));
         results.push(outcome.results);
     }
-    let [stop, shaft] = results.as_slice() else {
+    let [stop, wheel, shaft, plug] = results.as_slice() else {
         panic!("{} models", results.len());
     };
     // it falls 4 mm in 28.6 ms; the energy m g (4 mm + d) = k (d^2/2 + d^4/(4 full^2)) gives d = 2.6389 mm at
@@ -146,6 +146,23 @@ fn the_interfaces_of_the_reference_run() {
     assert!(load.iter().take(280).all(|load| *load == 0.0), "{load:?}");
     let most = load.iter().copied().fold(0.0, f64::max);
     assert!((most - 144.661).abs() < 0.2, "{most}");
+    // the wheel sinks at the speed v at which the dampers carry it, m g = c v + k v^2: v = 0.29487 m/s
+    let last = |path: &str| {
+        let values = &wheel.column(path).expect("an output").values;
+        values[values.len() - 1]
+    };
+    let v = 0.294_871;
+    for (path, due) in [("soft.load", 400.0 * v), ("hard.load", 900.0 * v * v)] {
+        assert!(
+            (last(path) / due - 1.0).abs() < 1e-3,
+            "{path}: {}",
+            last(path)
+        );
+    }
+    // the gas takes the energy of the plug, 6.25 J = p0 V0/0.4 ((V0/V)^0.4 - 1) - p0 (V0 - V): V/V0 = 0.403634
+    let pressure = &plug.column("gas.net_pressure").expect("an output").values;
+    let most = pressure.iter().copied().fold(0.0, f64::max);
+    assert!((most / 2.561_369e5 - 1.0).abs() < 1e-3, "{most}");
     // both films carry the shaft, the grooved one by a fifth less at the same eccentricity
     let film = |path: &str| {
         let column = shaft.column(&format!("{path}.minimum_film"));

@@ -5,7 +5,7 @@
 #[path = "../report/tests/report/tools.rs"]
 mod tools;
 
-use eng::{JournalGeometry, JournalSummary, Results};
+use eng::{InterfaceSummary, Results, SummarisedElement, SummaryColumn, SummaryTable, Taken};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -159,26 +159,49 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
         assert!(page.contains(&format!(">TDC {cylinder}</text>")));
     }
 
-    let rows = table(&page, "Journals over the last cycle, short");
+    let rows = table(&page, "Journal law over the last cycle, short");
     assert_eq!(rows.len(), 5);
+    let columns = [
+        ("radial_load", Taken::Largest),
+        ("minimum_film", Taken::Least),
+        ("power_loss", Taken::Mean),
+    ];
+    let element = |index: usize| {
+        let path = format!("main[{}]", index + 1);
+        SummarisedElement {
+            channels: (columns.iter())
+                .map(|(output, _)| Some(format!("{path}.{output}")))
+                .collect(),
+            parameters: Vec::new(),
+            path,
+        }
+    };
+    let films = InterfaceSummary {
+        interface: "JournalLaw".to_owned(),
+        parameters: Vec::new(),
+        columns: (columns.iter())
+            .map(|(output, taken)| SummaryColumn {
+                output: (*output).to_owned(),
+                about: String::new(),
+                taken: *taken,
+            })
+            .collect(),
+        elements: (0..5).map(element).collect(),
+    };
+    let known = SummaryTable::new(&results, &films, Some(4.0 * PI));
     for (index, row) in rows.iter().enumerate() {
-        let journal = JournalGeometry {
-            path: format!("main[{}]", index + 1),
-            diameter: 0.054,
-            width: 0.02,
-            radial_clearance: 27e-6,
-        };
-        let known = JournalSummary::new(&results, &journal, Some(4.0 * PI));
-        assert_eq!(row[1], journal.path);
-        let [force, film, power] = [known.peak_load, known.minimum_film, known.friction_power]
-            .map(|value| value.expect("a number"));
-        for (cell, value, digits) in [
-            (2, 54.0, 4),
-            (5, 1e-3 * force, 4),
-            (8, 1e6 * film, 3),
-            (11, power, 4),
+        assert_eq!(row[1], format!("main[{}]", index + 1));
+        let [load, film, power] = [0, 1, 2].map(|k| known.rows[index][k].expect("a number").value);
+        // curve, path, four parameters, then load, its angle, specific load, film, its angle, ratio, power
+        for (cell, value) in [
+            (2, 54.0),
+            (4, 27.0),
+            (6, load),
+            (8, 1e-6 * load / (0.054 * 0.02)),
+            (9, 1e6 * film),
+            (12, power),
         ] {
-            let rounding = 0.51 * 10f64.powi(1 - digits);
+            let rounding = 0.51e-3;
             let shown = number(&row[cell]);
             assert!(
                 (shown / value - 1.0).abs() < rounding,
@@ -186,6 +209,10 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
             );
         }
     }
+    // the cylinders have a table, too
+    let rows = table(&page, "Gas law over the last cycle, short");
+    assert_eq!(rows.len(), 4);
+    assert_eq!(rows[3][0], "gas[4]");
     // what the command line set is an input that differs from its default
     let inputs = table(&page, "Inputs of Inline4");
     let speed = inputs
@@ -418,8 +445,8 @@ fn a_sweep_over_speed_has_maps_and_curves() {
     let page = std::fs::read_to_string(folder.join("page.html")).expect("the page");
     let captions = captions(&page);
     for start in [
-        "Minimum film of main, sweep runup.",
-        "Peak load of main, sweep runup.",
+        "Least minimum film of main, sweep runup.",
+        "Largest radial load of main, sweep runup.",
         "Waterfall of vertical[",
         "Campbell diagram of vertical[",
     ] {
@@ -434,10 +461,14 @@ fn a_sweep_over_speed_has_maps_and_curves() {
     }
     let points =
         Results::read_parquet(folder.join("results/engine/runup.parquet")).expect("points");
-    let column = points.column("main[3].peak_load").expect("a column");
+    let column = points
+        .column("main[3].radial_load.largest")
+        .expect("a column");
     let rows = table(&page, "Points of runup");
     assert_eq!(rows.len(), points.columns().len());
-    let row = rows.iter().find(|row| row[0] == "main[3].peak_load");
+    let row = rows
+        .iter()
+        .find(|row| row[0] == "main[3].radial_load.largest");
     let row = row.expect("the largest load");
     for (cell, value) in row[2..].iter().zip(&column.values) {
         assert!((number(cell) / value - 1.0).abs() < 1e-4, "{cell} {value}");

@@ -316,7 +316,7 @@ fn rows(output: &Output) -> Vec<Vec<f64>> {
                 .skip(1)
                 .map(|x| x.parse().unwrap())
                 .collect();
-            vec![numbers[0], numbers[3], numbers[5]]
+            vec![numbers[0], numbers[3], numbers[6]]
         })
         .collect()
 }

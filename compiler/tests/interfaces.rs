@@ -79,14 +79,13 @@ fn a_film_law_of_the_text_is_a_journal_by_its_interface() {
         let made = elaborated(&film(kind, "radial_clearance", ": JournalLaw")).expect("no mistake");
         let none = vec![None; made.system.parameters.len()];
         let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
-        let found: Vec<[f64; 3]> = made
+        let found: Vec<f64> = made
             .system
             .journals
             .iter()
-            .map(|j| [j.diameter, j.width, j.radial_clearance].map(|s| bound.slots[s.0 as usize]))
-            .map(|found| found.map(|x| (x * 1e6).round()))
+            .map(|j| (bound.slots[j.clearance.0 as usize] * 1e6).round())
             .collect();
-        assert_eq!(found, [[50e3, 20e3, 30.0], [40e3, 10e3, 20.0]], "{kind}");
+        assert_eq!(found, [30.0, 20.0], "{kind}");
         let paths: Vec<&str> = made
             .system
             .journals
@@ -128,12 +127,126 @@ fn a_law_that_does_not_fill_the_interface_is_no_journal() {
 #[test]
 fn the_measures_of_a_film_follow_from_parameters() {
     let text = film("journal", "radial_clearance", ": JournalLaw");
-    let moving = text.replace("diameter: 40 mm", "diameter: 40 mm*(1 + time/1 s)");
+    let moving = text.replace("clearance: 20 um", "clearance: 20 um*(1 + time/1 s)");
     let refused = elaborated(&moving).expect_err("a mistake");
     assert!(
-        refused[0].contains("`own.diameter` depends on the motion"),
+        refused[0].contains("`own.radial_clearance` depends on the motion"),
         "{refused:?}"
     );
+    // tables show no number of a parameter that moves
+    let moving = text.replace("diameter: 40 mm", "diameter: 40 mm*(1 + time/1 s)");
+    let made = elaborated(&moving).expect("no mistake");
+    let [films] = made.system.summaries.as_slice() else {
+        panic!("{:?}", made.system.summaries);
+    };
+    let names: Vec<&str> = films.parameters.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(
+        names,
+        ["diameter", "width", "radial_clearance", "viscosity"]
+    );
+    let known = |row: usize| -> Vec<bool> {
+        let values = films.rows[row].parameters.iter();
+        values.map(Option::is_some).collect()
+    };
+    assert_eq!(
+        (known(0), known(1)),
+        (vec![true; 4], vec![false, true, true, true])
+    );
+}
+
+/// Two interfaces with summaries; one extends the other. `LEAST` is the class's own output.
+const SUMMARIES: &str = "
+interface Loss {
+    param a: Marker
+    param b: Marker
+    /// Torque on a.
+    output moment: Torque
+    /// Its magnitude.
+    output load: Torque = abs(moment) as N*mm summary largest
+    /// Power that becomes heat.
+    output heat: Power summary mean
+}
+interface Warm : Loss {
+    output rise: Power = heat/2 as W summary largest
+}
+force Plain(a: Marker, b: Marker) : Loss {
+    apply torque 3 N*m*b.z on a against b
+    output moment: Torque = 3 N*m
+    output heat: Power = 3 W
+    LEAST
+}
+force Heated() : Warm {
+    apply torque 4 N*m*b.z on a against b
+    output moment: Torque = 4 N*m
+    output heat: Power = 4 W
+}
+model M {
+    marker base = [0, 0, 0] mm
+    body one { mass = 1 kg; inertia = [1, 1, 1] kg*m^2 }
+    force cold = Plain(one.origin, base)
+    force warm[i in 1..2] = Heated(one.origin, base)
+}
+analysis a = assemble(M())";
+
+#[test]
+fn an_interface_with_summaries_has_a_table() {
+    let made = elaborated(&SUMMARIES.replace("LEAST", "")).expect("no mistake");
+    let [loss] = made.system.summaries.as_slice() else {
+        panic!("{:?}", made.system.summaries);
+    };
+    assert_eq!(
+        (loss.interface.as_str(), loss.parameters.len()),
+        ("Loss", 0)
+    );
+    let columns: Vec<(&str, &str, &str)> = (loss.columns.iter())
+        .map(|c| (c.output.as_str(), c.taken.word(), c.about.as_str()))
+        .collect();
+    assert_eq!(
+        columns,
+        [
+            ("load", "largest", "Its magnitude."),
+            ("heat", "mean", "Power that becomes heat."),
+            ("rise", "largest", ""),
+        ]
+    );
+    let path = |channel: &Option<u32>| {
+        channel.map_or("", |channel| {
+            made.system.channels[channel as usize].path.as_str()
+        })
+    };
+    let rows: Vec<Vec<&str>> = (loss.rows.iter())
+        .map(|row| row.channels.iter().map(path).collect())
+        .collect();
+    assert_eq!(
+        rows,
+        [
+            ["cold.load", "cold.heat", ""],
+            ["warm[1].load", "warm[1].heat", "warm[1].rise"],
+            ["warm[2].load", "warm[2].heat", "warm[2].rise"],
+        ]
+    );
+}
+
+#[test]
+fn a_class_may_give_its_own_value_of_an_output() {
+    let made = elaborated(&SUMMARIES.replace("LEAST", "output load: Torque = 7 N*m as N*m"))
+        .expect("no mistake");
+    let of_cold = (made.system.channels.iter()).filter(|c| c.path == "cold.load");
+    let units: Vec<&str> = of_cold.map(|c| c.display.symbol.as_str()).collect();
+    assert_eq!(units, ["N*m"]);
+    for (wrong, title) in [
+        (
+            "output load: Power = 7 W",
+            "E0407 the output `load` of `Plain` is a Power, not an Energy or Torque",
+        ),
+        (
+            "let load = 7 N*m",
+            "E0426 `load` of `Plain` is in its interface `Loss` already",
+        ),
+    ] {
+        let refused = elaborated(&SUMMARIES.replace("LEAST", wrong)).expect_err("a mistake");
+        assert_eq!(refused[0], title);
+    }
 }
 
 const GAS: &str = "

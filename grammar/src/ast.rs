@@ -157,6 +157,8 @@ pub struct Binding {
     pub limits: Option<(Expr, Expr)>,
     /// `scale 0.1 mm`: the size against which errors of a state are measured. States only.
     pub scale: Option<Expr>,
+    /// `summary largest`: the number that tables take of an output. Outputs only.
+    pub summary: Option<Name>,
 }
 
 /// `j in 1..5`.

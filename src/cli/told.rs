@@ -9,7 +9,7 @@ use crate::figures;
 use crate::post::Run;
 use crate::program::Program;
 use crate::run::RunOutcome;
-use crate::tables::{JournalSummary, journal_table, modes, state};
+use crate::tables::{SummaryTable, modes, state};
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::path::Path;
 
@@ -157,13 +157,10 @@ fn summary(outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop>
         write!(console.output, "{}", state::text(results))?;
         return Ok(());
     }
-    let machine = &outcome.machine;
-    let summaries: Vec<JournalSummary> = machine
-        .journals
-        .iter()
-        .map(|journal| JournalSummary::new(results, journal, machine.cycle_period))
-        .collect();
-    write!(console.output, "{}", journal_table(&summaries))?;
+    for summary in &outcome.machine.summaries {
+        let table = SummaryTable::new(results, summary, outcome.machine.cycle_period);
+        write!(console.output, "{}", table.text())?;
+    }
     if results.are_modes() {
         write!(console.output, "{}", modes::table(results))?;
     }

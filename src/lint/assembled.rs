@@ -370,7 +370,7 @@ impl Start<'_> {
             origin: first,
             message: format!("nothing holds it {directions}: no joint, spring or film{with}"),
             label: "moves freely".to_owned(),
-            help: "hold it by a joint, a spring or a film; a shaft on films has a thrust bearing such as `PointOnPlane`".to_owned(),
+            help: "hold it by a joint, a spring or a film; a shaft on films has a thrust bearing, a joint that holds it along its axis".to_owned(),
             decided_by: Vec::new(),
         }
     }

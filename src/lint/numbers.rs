@@ -510,7 +510,7 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
     let (message, help) = match most == all.len() {
         true => (
             format!("all {most} cylinders fire at {shown}"),
-            "give each its `firing:`",
+            format!("give each its `{}:`", first.stated_as),
         ),
         false => {
             let others = group.iter().skip(1).filter_map(|firing| origin(firing));
@@ -520,7 +520,7 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
                     "it fires at {shown} together with {}, and other cylinders do not fire together",
                     super::listed(&others)
                 ),
-                "each cylinder fires at an angle of its own: one of two dead centres of a four-stroke cycle, 360 deg apart",
+                "each cylinder fires at an angle of its own: one of two dead centres of a four-stroke cycle, 360 deg apart".to_owned(),
             )
         }
     };
@@ -533,12 +533,12 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
         },
         message,
         label: "of this cylinder".to_owned(),
-        help: help.to_owned(),
+        help,
         decided_by: Vec::new(),
     };
     if most < all.len() {
         let stated = group.iter().filter_map(|firing| {
-            let path = format!("{}.firing", origin(firing)?.path);
+            let path = format!("{}.{}", origin(firing)?.path, firing.stated_as);
             Some(Origin {
                 used_at: Some(*system.stated.get(&path)?),
                 path,

@@ -371,7 +371,7 @@ impl Watched<'_> {
                 Where::Head => places.push(system.markers[self.markers[1]].origin.clone()),
                 Where::Bore => places.extend(parameters(self.firing.bore)),
                 Where::Firing => {
-                    let path = format!("{path}.firing");
+                    let path = format!("{path}.{}", self.firing.stated_as);
                     let stated = system.stated.get(&path).copied();
                     places.extend(stated.map(|at| Origin {
                         path,
@@ -483,12 +483,11 @@ impl Watched<'_> {
                 deg(self.angle),
                 deg(dead_center.rem_euclid(TAU))
             );
-            let finding = self.finding(
-                compiled,
-                lint::FIRING,
-                message,
-                "give `firing:` the cycle angle of this cylinder's firing dead centre",
+            let help = format!(
+                "give `{}:` the cycle angle of this cylinder's firing dead centre",
+                self.firing.stated_as
             );
+            let finding = self.finding(compiled, lint::FIRING, message, &help);
             let places = [Where::Firing, Where::Head, Where::Throw];
             found.push(self.with_places(finding, compiled, &places));
         }

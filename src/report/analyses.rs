@@ -1,4 +1,4 @@
-//! The section of one analysis: journals, histories, orbits and loads, spectra, energy.
+//! The section of one analysis: summaries, histories, orbits and loads, spectra, energy.
 
 use super::drawn::drawn;
 use super::{Entry, ReportError, tables};
@@ -37,7 +37,7 @@ pub(super) fn section(
             _ => section.table(tables::state(entry)),
         });
     }
-    if let Some(table) = tables::journals(entry) {
+    for table in tables::summaries(entry) {
         section = section.table(table);
     }
     let elsewhere: &[String] = match detail {

@@ -3,9 +3,10 @@
 use super::Entry;
 use super::drawn::drawn;
 use crate::figures::{Wanted, campbell, over_variable, waterfall};
-use crate::post::{ORDERS, Run};
+use crate::post::{ORDERS, Run, capital};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use crate::run::RunOutcome;
+use crate::tables::readable;
 use crate::tables::sweep::{families, table};
 use eng_report::figure::Figure;
 use eng_report::page::{self as pages, Cell, Section, Table};
@@ -91,7 +92,7 @@ fn shown(points: &Results) -> Table {
     }
 }
 
-/// The extremes of journals and outputs over the variable of the sweep, with captions. A sweep of several
+/// The summaries of elements and the extremes of outputs over the variable of the sweep, with captions. A sweep of several
 /// variables, or of one that is no number, has none.
 fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<(Wanted, String)> {
     let Some([variable]) = family.first().map(|o| o.point.as_slice()) else {
@@ -115,14 +116,12 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<(Wanted, String)
         let Some((owner, taken)) = column.path.rsplit_once('.') else {
             continue;
         };
-        let base = owner.split('[').next().unwrap_or(owner).replace('_', " ");
-        let name = match taken {
-            "smallest" => format!("Smallest {base}"),
-            "largest" => format!("Largest {base}"),
-            "peak_load" => format!("Peak load of {base}"),
-            "minimum_film" => format!("Minimum film of {base}"),
-            "friction" => format!("Friction of {base}"),
-            _ => continue,
+        let base = |owner: &str| readable(owner.split('[').next().unwrap_or(owner));
+        let taken = capital(taken);
+        // an output of the model has no dot in its name
+        let name = match owner.rsplit_once('.') {
+            Some((element, output)) => format!("{taken} {} of {}", readable(output), base(element)),
+            None => format!("{taken} {}", base(owner)),
         };
         match groups.iter_mut().find(|(other, _)| *other == name) {
             Some((_, columns)) => columns.push(column),

@@ -1,15 +1,14 @@
-//! Tables of a report: analyses, inputs, modes, journals, energy.
+//! Tables of a report: analyses, inputs, modes, summaries by interface, energy.
 
 use super::Entry;
 use super::describe::InputValue;
 use crate::Reduction;
-use crate::machine::JournalGeometry;
+use crate::machine::{Machine, SummarisedElement};
+use crate::post::capital;
 use crate::results::{CYCLE_SPEED, Results, TIME};
-use crate::tables::JournalSummary;
+use crate::tables::{Summarised, SummaryTable, in_words, readable};
 use eng_report::figure::journal_letter;
-use eng_report::page::{
-    Cell, Column, EnergyAudit, Journal, Mode, Table, journals_table, modes_table,
-};
+use eng_report::page::{Cell, Column, EnergyAudit, Mode, Table, modes_table};
 use eng_report::readable_unit;
 
 fn code(text: &str) -> Cell {
@@ -238,57 +237,79 @@ pub(super) fn modes(reduction: &Reduction) -> Table {
     )
 }
 
-/// The journals of an analysis; none without journals.
-pub(super) fn journals(entry: &Entry) -> Option<Table> {
-    let results = &entry.outcome.results;
-    let period = entry.described.machine.cycle_period;
-    let mut last = false;
-    let rows: Vec<Journal> = entry
-        .described
-        .machine
-        .journals
-        .iter()
-        .enumerate()
-        .map(|(index, journal)| {
-            let summary = JournalSummary::new(results, journal, period);
-            last = summary.last_cycle;
-            let pair = |value: Option<f64>, angle: Option<f64>| {
-                (
-                    value.unwrap_or(f64::NAN),
-                    angle.map_or(f64::NAN, f64::to_degrees),
-                )
-            };
-            Journal {
-                letter: journal_letter(index),
-                path: journal.path.clone(),
-                diameter: journal.diameter,
-                width: journal.width,
-                radial_clearance: journal.radial_clearance,
-                largest_force: pair(summary.peak_load, summary.peak_load_angle),
-                smallest_film: pair(summary.minimum_film, summary.minimum_film_angle),
-                eccentricity: eccentricity(results, journal),
-                friction: summary.friction_power,
-            }
+/// The summaries of an analysis, a table for each interface. Films have the letters of their curves.
+pub(super) fn summaries(entry: &Entry) -> Vec<Table> {
+    let machine = &entry.described.machine;
+    let tables = machine.summaries.iter();
+    tables
+        .map(|summary| {
+            let results = &entry.outcome.results;
+            let table = SummaryTable::new(results, summary, machine.cycle_period);
+            of_interface(&table, machine, entry.name())
         })
-        .collect();
-    let span = if last {
-        "the last cycle"
-    } else {
-        "the whole run"
-    };
-    (!rows.is_empty())
-        .then(|| journals_table(&format!("Journals over {span}, {}", entry.name()), &rows))
+        .collect()
 }
 
-/// Largest eccentricity over clearance in all samples; NaN if it is not known.
-fn eccentricity(results: &Results, journal: &JournalGeometry) -> f64 {
-    let column = |axis: &str| results.column(&format!("{}.eccentricity.{axis}", journal.path));
-    match (column("x"), column("y")) {
-        (Some(x), Some(y)) => {
-            let squares = x.values.iter().zip(&y.values).map(|(x, y)| x * x + y * y);
-            libm::sqrt(squares.fold(0.0, f64::max)) / journal.radial_clearance
+fn of_interface(table: &SummaryTable<'_>, machine: &Machine, analysis: &str) -> Table {
+    let summary = table.of;
+    let letter = |path: &str| {
+        let place = machine.journals.iter().position(|j| j.path == path);
+        place.map(journal_letter)
+    };
+    let words = capital(&in_words(&summary.interface));
+    let has_letters = summary.elements.iter().any(|e| letter(&e.path).is_some());
+    let mut columns = Vec::new();
+    if has_letters {
+        columns.push(Column::new("Curve"));
+    }
+    columns.push(Column::new(&words));
+    for parameter in &summary.parameters {
+        let unit = readable_unit(&parameter.display.symbol);
+        columns.push(Column::with_unit(
+            &capital(&readable(&parameter.name)),
+            &unit,
+        ));
+    }
+    for (index, (column, unit)) in summary.columns.iter().zip(&table.units).enumerate() {
+        let heading = format!(
+            "{} {}",
+            capital(column.taken.word()),
+            readable(&column.output)
+        );
+        let unit = readable_unit(&unit.symbol);
+        columns.push(Column::with_unit(&heading, &unit).about(&column.about));
+        if table.shows_angles(index) {
+            columns.push(Column::with_unit("at", "°CA"));
         }
-        _ => f64::NAN,
+    }
+    let row = |(element, cells): (&SummarisedElement, &Vec<Option<Summarised>>)| {
+        let mut row = Vec::new();
+        if has_letters {
+            row.push(letter(&element.path).map_or(Cell::Empty, Cell::Text));
+        }
+        row.push(code(&element.path));
+        for (parameter, value) in summary.parameters.iter().zip(&element.parameters) {
+            row.push(Cell::Short {
+                value: parameter.display.from_si(*value),
+                digits: 6,
+            });
+        }
+        for (index, (cell, unit)) in cells.iter().zip(&table.units).enumerate() {
+            row.push(cell.map_or(Cell::Empty, |cell| Cell::number(unit.from_si(cell.value))));
+            if table.shows_angles(index) {
+                let angle = cell.and_then(|cell| cell.angle);
+                row.push(angle.map_or(Cell::Empty, |angle| Cell::Fixed {
+                    value: angle.to_degrees(),
+                    decimals: 1,
+                }));
+            }
+        }
+        row
+    };
+    Table {
+        caption: format!("{words} {}, {analysis}", table.span()),
+        columns,
+        rows: summary.elements.iter().zip(&table.rows).map(row).collect(),
     }
 }
 

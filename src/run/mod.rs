@@ -25,7 +25,7 @@ pub struct RunOutcome {
     pub results: Results,
     /// The motion of the bodies in the last cycle, `ANALYSIS.motion`; absent if unknown.
     pub motion: Option<Results>,
-    /// Journals, cycle and firing order. Modes have no journals.
+    /// Journals, summaries, cycle and firing order. Modes have no journals and no summaries.
     pub machine: Machine,
     /// Warnings of the run (failed `advise`s), with places in the texts of the program.
     pub diagnostics: Diagnostics,
@@ -247,8 +247,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     }
     let mut machine = Machine::new(system, &bound, analysis.kind());
     if outcome.results.are_modes() {
-        // modes have no orbits and no peaks, so journals have no table
+        // modes have no orbits and no peaks
         machine.journals.clear();
+        machine.summaries.clear();
     }
     Ok(RunOutcome {
         machine,

@@ -1,12 +1,14 @@
-//! Tables of results: journals, points of a sweep, modes; as text with aligned columns.
+//! Tables of results: summaries by interface, points of a sweep, modes; as text with aligned columns.
 
-mod journals;
+mod cycle;
 pub(crate) mod modes;
 pub(crate) mod state;
+mod summary;
 pub(crate) mod sweep;
 
-pub use journals::JournalSummary;
-pub(crate) use journals::{journal_table, last_cycle, shifted};
+pub(crate) use cycle::{last_cycle, shifted};
+pub use summary::{Summarised, SummaryTable};
+pub(crate) use summary::{in_words, readable};
 
 use crate::significant::without_sign_of_zero;
 

@@ -1,6 +1,6 @@
 //! The points of a sweep side by side.
 
-use super::{JournalSummary, Table, last_cycle};
+use super::{SummaryTable, Table, last_cycle};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use crate::run::RunOutcome;
 use crate::significant::short;
@@ -35,9 +35,9 @@ pub(crate) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
 }
 
 /// One row for each point. It has the variables of the sweep; for a periodic analysis the number of cycles,
-/// and 1 if the last cycle repeats (no numbers if the point was complete and was not run again); for each
-/// journal the peak load, the smallest film and the friction; for each output of the model the smallest and
-/// the largest value. The values cover the last whole cycle if there is one, otherwise the whole run.
+/// and 1 if the last cycle repeats (no numbers if the point was complete and was not run again); the summaries
+/// of the elements, such as `main[1].radial_load.largest`; for each output of the model the smallest and the
+/// largest value. The values cover the last whole cycle if there is one, otherwise the whole run.
 pub(crate) fn table(family: &[&RunOutcome]) -> Results {
     let Some(first) = family.first() else {
         return Results::new("", "");
@@ -95,40 +95,28 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
             );
         }
     }
-    for (k, journal) in first.machine.journals.iter().enumerate() {
-        let summaries: Vec<Option<JournalSummary>> = family
-            .iter()
-            .map(|o| {
-                o.machine
-                    .journals
-                    .get(k)
-                    .map(|j| JournalSummary::new(&o.results, j, o.machine.cycle_period))
-            })
-            .collect();
-        type Taken = fn(&JournalSummary) -> Option<f64>;
-        let taken: [(&str, Dimension, &str, f64, Taken); 3] = [
-            ("peak_load", Dimension::FORCE, "N", 1.0, |s| s.peak_load),
-            ("minimum_film", Dimension::LENGTH, "um", 1e-6, |s| {
-                s.minimum_film
-            }),
-            ("friction", power(), "W", 1.0, |s| s.friction_power),
-        ];
-        for (name, dimension, symbol, scale, take) in taken {
-            let values = summaries
-                .iter()
-                .map(|s| s.as_ref().and_then(take).unwrap_or(f64::NAN))
-                .collect();
-            let display = DisplayUnit {
-                symbol: symbol.to_owned(),
-                scale,
-                offset: 0.0,
-            };
-            push(
-                format!("{}.{name}", journal.path),
-                dimension,
-                display,
-                values,
-            );
+    let of_interfaces: Vec<Vec<SummaryTable<'_>>> = family.iter().map(|o| summaries(o)).collect();
+    for (k, summary) in first.machine.summaries.iter().enumerate() {
+        for (row, element) in summary.elements.iter().enumerate() {
+            for (at, (column, channel)) in summary.columns.iter().zip(&element.channels).enumerate()
+            {
+                let Some(own) = channel.as_ref().and_then(|path| first.results.column(path)) else {
+                    continue;
+                };
+                let value = |tables: &Vec<SummaryTable<'_>>| {
+                    let row = tables.get(k)?.rows.get(row)?;
+                    Some(row.get(at).copied().flatten()?.value)
+                };
+                let values = of_interfaces
+                    .iter()
+                    .map(|tables| value(tables).unwrap_or(f64::NAN));
+                push(
+                    format!("{}.{}.{}", element.path, column.output, column.taken.word()),
+                    own.dimension,
+                    own.display.clone(),
+                    values.collect(),
+                );
+            }
         }
     }
     for column in outputs().filter(|_| !first.results.is_state()) {
@@ -165,10 +153,13 @@ fn extremes(outcome: &RunOutcome, path: &str) -> Option<(f64, f64)> {
         })
 }
 
-fn power() -> Dimension {
-    Dimension::FORCE
-        .times(Dimension::LENGTH)
-        .over(Dimension::TIME)
+/// The summaries of a point. A state has no samples, and its values are columns of their own.
+fn summaries(outcome: &RunOutcome) -> Vec<SummaryTable<'_>> {
+    let machine = &outcome.machine;
+    let summaries = machine.summaries.iter();
+    summaries
+        .map(|summary| SummaryTable::new(&outcome.results, summary, machine.cycle_period))
+        .collect()
 }
 
 /// The largest number of columns of the printed table. The file has all columns.

@@ -13,6 +13,8 @@ use crate::layout::InputLayout;
 pub use crate::place::{Location, Origin};
 use crate::table::Table;
 
+pub mod summary;
+
 /// Index into the bound values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Slot(pub u32);
@@ -304,6 +306,8 @@ pub struct FiringInfo {
     pub element: u32,
     /// Cycle angle of its firing dead centre (rad).
     pub angle: Slot,
+    /// The parameter that states this angle.
+    pub stated_as: String,
     /// Bore (m).
     pub bore: Slot,
     /// Index into the element's markers: the piston.
@@ -317,16 +321,18 @@ pub struct FiringInfo {
 pub struct JournalInfo {
     /// Index of the element.
     pub element: u32,
-    /// Diameter (m).
-    pub diameter: Slot,
-    /// Width (m).
-    pub width: Slot,
     /// Radial clearance (m).
-    pub radial_clearance: Slot,
+    pub clearance: Slot,
     /// Index into the element's markers: the pin.
     pub pin: u32,
     /// Index into the element's markers: the shell.
     pub shell: u32,
+    /// The channel of the x component of the force on the pin (N), along the shell's axes. Those of y and z
+    /// follow.
+    pub force: u32,
+    /// The channel of the x component of the pin's eccentricity (m), along the shell's axes. That of y
+    /// follows.
+    pub eccentricity: u32,
 }
 
 /// A compiled model without its code.
@@ -354,10 +360,12 @@ pub struct System {
     pub gravity: [Slot; 3],
     /// The cycle, if the model states one.
     pub cycle: Option<Cycle>,
-    /// Journals, for the summary, the error control and the pictures.
+    /// Journals, for the start and the pictures.
     pub journals: Vec<JournalInfo>,
     /// Cylinders that fire, for figures and orders.
     pub firings: Vec<FiringInfo>,
+    /// Tables of results by interface.
+    pub summaries: Vec<summary::Summary>,
     /// Lengths (m) that positions must resolve, as the classes state them. The smallest is the unit of
     /// position errors.
     pub resolutions: Vec<Slot>,

@@ -250,6 +250,7 @@ impl<'p> Checker<'p> {
         }
         self.states_and_rates(id, declaration);
         self.conformity(id, declaration);
+        self.summaries(id, declaration);
     }
 
     pub(super) fn attribute_once(&mut self, seen: &mut Vec<&'p Name>, name: &'p Name) {

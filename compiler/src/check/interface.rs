@@ -33,10 +33,15 @@ impl<'p> Checker<'p> {
         let levels = levels(self.program, id);
         self.lints_once(&levels);
         for level in levels.iter().filter(|level| level.definition != id) {
-            for item in level.block.items.iter().filter(|item| asks(&item.kind)) {
+            for item in &level.block.items {
                 match &item.kind {
-                    ItemKind::Binding(asked) => self.bound_as_asked(id, declaration, *level, asked),
-                    ItemKind::Function(asked) => {
+                    // a class may give its own value of an output, with the same type
+                    ItemKind::Binding(stated)
+                        if asks(&item.kind) || stated.kind == BindingKind::Output =>
+                    {
+                        self.bound_as_asked(id, declaration, *level, stated);
+                    }
+                    ItemKind::Function(asked) if asks(&item.kind) => {
                         self.function_as_asked(id, declaration, *level, asked);
                     }
                     _ => {}
@@ -184,7 +189,7 @@ impl<'p> Checker<'p> {
             return self.as_promised(declaration, level.definition, asked, held);
         }
         // a parameter need not be repeated, and an interface hands on what it asks for
-        if is_parameter(asked) || declaration.kind == Kind::Interface {
+        if is_parameter(asked) || asked.value.is_some() || declaration.kind == Kind::Interface {
             return;
         }
         let text = self.promise_text(asked);

@@ -29,6 +29,7 @@ mod signal;
 mod slope;
 mod state;
 mod statement;
+mod summary;
 mod table;
 mod unit;
 mod unused;

@@ -131,6 +131,11 @@ impl<'p> Checker<'p> {
         }
         let mut members: BTreeMap<&'p str, Held<'p>> = BTreeMap::new();
         for home in self.program.lineage(id) {
+            let kind = self.declaration(home).map(|declaration| declaration.kind);
+            // a class may give its own value of an output that its interface computes
+            let anew = |own: Member<'p>, elder: Member<'p>| {
+                kind != Some(Kind::Interface) && is_output(own) && is_output(elder)
+            };
             let own = self.own_members(home);
             let counted = self.counted_members(home, &own, &members);
             let own = own
@@ -138,7 +143,10 @@ impl<'p> Checker<'p> {
                 .map(|(name, member)| (&name.text, name.span, member));
             for (name, place, member) in own.chain(counted) {
                 let elder = members.get(name.as_str()).copied();
-                if elder.is_none_or(|elder| elder.home != home && gives(member, elder.member)) {
+                if elder.is_none_or(|elder| {
+                    elder.home != home
+                        && (gives(member, elder.member) || anew(member, elder.member))
+                }) {
                     members.insert(name, Held { home, member });
                 } else if let Some(elder) = elder {
                     self.named_before(home, name, place, elder);
@@ -725,14 +733,16 @@ fn gives(own: Member<'_>, elder: Member<'_>) -> bool {
         Member::Binding(binding) => is_parameter(binding),
         _ => false,
     };
-    let is_output =
-        |member: Member<'_>| matches!(member, Member::Binding(b) if b.kind == BindingKind::Output);
     is_asked(elder)
         && match elder {
             Member::Function(_) => matches!(own, Member::Function(_)),
             elder if given_by_use(elder) => given_by_use(own),
             elder => is_output(elder) && is_output(own),
         }
+}
+
+fn is_output(member: Member<'_>) -> bool {
+    matches!(member, Member::Binding(binding) if binding.kind == BindingKind::Output)
 }
 
 /// Whether a member is a whole number by its declared type.

@@ -88,7 +88,11 @@ eng_grammar::codes! {
         "state lift: Length = 0 mm",
         "state lift: Length = 0 mm scale 0.1 mm";
     REPLACED = "E0426", "a class replaces an item of its interface",
-        "A class has all items of its interface and adds others. It gives the items that the interface states without a value. It replaces no item, so each name has one meaning in the class and its interface.",
+        "A class has all items of its interface and adds others. It gives the items that the interface states without a value, and it may give its own value of an output. It replaces no other item, so each name has one meaning in the class and its interface.",
         "interface Law { let gain = 3 }\nforce Push(a: Marker) : Law { let gain = 4; apply force gain*1 N*a.x on a }",
         "interface Law { let gain = 3 }\nforce Push(a: Marker) : Law { let own_gain = 4; apply force own_gain*gain*1 N*a.x on a }";
+    SUMMARY = "E0431", "a summary does not belong to this output",
+        "`summary least`, `largest` or `mean` makes a column of a table, with a row for each element whose class fills the interface. So it belongs to an output of an interface, and the output is a single number.",
+        "force Pull(a: Marker) { output load: Force = 3 N summary largest }",
+        "interface Loaded {\n    param a: Marker\n    output load: Force summary largest\n}\nforce Pull() : Loaded { apply force 3 N*a.x on a; output load: Force = 3 N }";
 }

@@ -7,6 +7,7 @@ use crate::ir::{self, Node};
 use crate::program::DefinitionId;
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::lint::Accepted;
+use eng_system::system::summary::Summary;
 use eng_system::system::{
     Body, Channel, Condition, FiringInfo, JournalInfo, Location, Marker, Origin, OutputInfo,
     Parameter, Role, Row, Slot, StateInfo,
@@ -30,6 +31,8 @@ pub(crate) struct Draft<'a> {
     pub channels: Vec<Channel>,
     pub journals: Vec<JournalInfo>,
     pub firings: Vec<FiringInfo>,
+    /// Tables of results by the interface that asks for them.
+    pub summaries: Vec<(DefinitionId, Summary)>,
     /// Lengths that positions must resolve.
     pub resolutions: Vec<Slot>,
     pub accepted: Vec<Accepted>,

@@ -359,6 +359,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             cycle,
             journals: std::mem::take(&mut self.draft.journals),
             firings: std::mem::take(&mut self.draft.firings),
+            summaries: self.finished_summaries(),
             resolutions: std::mem::take(&mut self.draft.resolutions),
             accepted: std::mem::take(&mut self.draft.accepted),
             stated: std::mem::take(&mut self.draft.stated),

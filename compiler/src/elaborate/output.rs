@@ -4,7 +4,8 @@ use super::element::{Class, Draft, is_marker};
 use super::scalar::{ElementBuilder, PROVISIONAL, Scalar, Stage, compact_input};
 use super::value::{Axes, ScopeId, Shown, Value};
 use super::{
-    ClassMeta, Elaborator, ElementDraft, ElementSource, Eval, OutputShape, Reported, location,
+    ClassMeta, Elaborator, ElementDraft, ElementSource, Entry, Eval, OutputShape, Reported,
+    location,
 };
 use crate::codes;
 use crate::ir::{ClassBody, Graph, Node, Op};
@@ -55,6 +56,10 @@ impl<'a> Elaborator<'a, '_> {
                 continue;
             }
             let Some(expr) = &b.value else { continue };
+            // the class gives a value of its own
+            if let Some(Entry::In(_)) = self.scope(scope).entries.get(&b.name.text) {
+                continue;
+            }
             let value = if self.scope(scope).entries.contains_key(&b.name.text) {
                 self.entry(scope, &b.name.text, b.name.span)?
             } else {

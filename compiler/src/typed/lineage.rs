@@ -8,7 +8,7 @@ use crate::program::{DefinitionId, Program};
 use eng_grammar::Span;
 use eng_grammar::ast::{
     Binding, BindingKind, Block, Declaration, Expr, ExprKind, Form, ItemKind, Kind, Name, TypeExpr,
-    TypeExprKind,
+    TypeExprKind, UnitExpr,
 };
 
 /// One definition of a lineage.
@@ -45,6 +45,8 @@ pub(crate) struct ClassParameter<'p> {
     pub ty: &'p TypeExpr,
     pub default: Option<&'p Expr>,
     pub limits: Option<&'p (Expr, Expr)>,
+    /// The unit that the text states for tables.
+    pub display: Option<&'p UnitExpr>,
     pub span: Span,
 }
 
@@ -128,6 +130,7 @@ fn parameters_of(level: Level<'_>) -> Vec<ClassParameter<'_>> {
                 ty: &parameter.ty,
                 default: parameter.default.as_ref(),
                 limits: parameter.limits.as_ref(),
+                display: None,
                 span: parameter.span,
             })
             .collect(),
@@ -140,6 +143,7 @@ fn parameters_of(level: Level<'_>) -> Vec<ClassParameter<'_>> {
                     ty: binding.ty.as_ref()?,
                     default: binding.value.as_ref(),
                     limits: binding.limits.as_ref(),
+                    display: binding.display.as_ref(),
                     span: binding.name.span,
                 })
             })

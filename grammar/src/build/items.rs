@@ -236,6 +236,7 @@ impl<'t> Builder<'t, '_> {
             display: None,
             limits: None,
             scale: None,
+            summary: None,
         };
         let mut tails: Vec<Rule> = Vec::new();
         for part in pair.into_inner() {
@@ -245,6 +246,7 @@ impl<'t> Builder<'t, '_> {
                 Rule::limits | Rule::frame => Some("in"),
                 Rule::display => Some("as"),
                 Rule::error_scale => Some("scale"),
+                Rule::summary => Some("summary"),
                 _ => None,
             } {
                 if tails.contains(&rule) {
@@ -284,6 +286,14 @@ impl<'t> Builder<'t, '_> {
                     Diagnostic::error(codes::UNEXPECTED, "only a `state` has a `scale`")
                         .at(place, "not of a `state`")
                         .with_help("it says from which size on errors of a state matter"),
+                ),
+                Rule::summary if binding.kind == BindingKind::Output => {
+                    binding.summary = self.names(part).pop();
+                }
+                Rule::summary => self.report(
+                    Diagnostic::error(codes::UNEXPECTED, "only an `output` has a `summary`")
+                        .at(place, "not of an `output`")
+                        .with_help("it says which number of an output the tables of results show"),
                 ),
                 Rule::frame if binding.kind == BindingKind::Output => {
                     binding.frame = self.inner_expression(part, depth);

@@ -88,89 +88,6 @@ pub fn modes_table(caption: &str, modes: &[Mode]) -> Table {
     }
 }
 
-/// The first data of a journal that a bearing engineer needs, in SI units.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Journal {
-    /// `A`, the name of its curves.
-    pub letter: String,
-    /// `main[1]`.
-    pub path: String,
-    /// Diameter and width (m).
-    pub diameter: f64,
-    /// Width (m).
-    pub width: f64,
-    /// Radial clearance (m).
-    pub radial_clearance: f64,
-    /// Largest force (N) and its crank angle (°).
-    pub largest_force: (f64, f64),
-    /// Smallest film thickness (m) and its crank angle (°).
-    pub smallest_film: (f64, f64),
-    /// Largest eccentricity over radial clearance (1).
-    pub eccentricity: f64,
-    /// Mean friction power (W).
-    pub friction: Option<f64>,
-}
-
-/// Journals; the specific load is force/(diameter·width) in MPa, the clearance radial.
-pub fn journals_table(caption: &str, journals: &[Journal]) -> Table {
-    Table {
-        caption: caption.to_owned(),
-        columns: vec![
-            Column::new("Curve"),
-            Column::new("Journal"),
-            Column::with_unit("Diameter", "mm"),
-            Column::with_unit("Width", "mm"),
-            Column::with_unit("Radial clearance", "µm"),
-            Column::with_unit("Largest force", "kN"),
-            Column::with_unit("at", "°CA"),
-            Column::with_unit("Specific load", "MPa"),
-            Column::with_unit("Smallest film", "µm"),
-            Column::with_unit("at", "°CA"),
-            Column::with_unit("Largest ε", "1"),
-            Column::with_unit("Friction", "W"),
-        ],
-        rows: journals
-            .iter()
-            .map(|journal| {
-                let (force, force_angle) = journal.largest_force;
-                let (film, film_angle) = journal.smallest_film;
-                vec![
-                    journal.letter.as_str().into(),
-                    Cell::Code(journal.path.clone()),
-                    (journal.diameter * 1e3).into(),
-                    (journal.width * 1e3).into(),
-                    Cell::Number {
-                        value: journal.radial_clearance * 1e6,
-                        digits: 3,
-                    },
-                    (force * 1e-3).into(),
-                    Cell::Fixed {
-                        value: force_angle,
-                        decimals: 1,
-                    },
-                    Cell::Number {
-                        value: force / (journal.diameter * journal.width) * 1e-6,
-                        digits: 3,
-                    },
-                    Cell::Number {
-                        value: film * 1e6,
-                        digits: 3,
-                    },
-                    Cell::Fixed {
-                        value: film_angle,
-                        decimals: 1,
-                    },
-                    Cell::Number {
-                        value: journal.eccentricity,
-                        digits: 3,
-                    },
-                    journal.friction.map_or(Cell::Empty, Cell::number),
-                ]
-            })
-            .collect(),
-    }
-}
-
 /// The flow of energy in the audited time (J). Positive work raises the machine's energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyAudit {
@@ -301,27 +218,5 @@ mod tests {
                 decimals: 3
             }
         );
-    }
-
-    #[test]
-    fn specific_load_is_force_over_projected_area() {
-        let table = journals_table(
-            "Journals",
-            &[Journal {
-                letter: "A".to_owned(),
-                path: "main[1]".to_owned(),
-                diameter: 0.05,
-                width: 0.02,
-                radial_clearance: 25e-6,
-                largest_force: (20e3, 15.0),
-                smallest_film: (1.2e-6, 30.0),
-                eccentricity: 0.952,
-                friction: None,
-            }],
-        );
-        assert!(
-            matches!(table.rows[0][7], Cell::Number { value, .. } if (value - 20.0).abs() < 1e-12)
-        );
-        assert_eq!(table.rows[0][11], Cell::Empty);
     }
 }

@@ -67,6 +67,8 @@ pub struct Column {
     pub heading: String,
     /// Its unit; empty for none.
     pub unit: String,
+    /// What it shows, for readers that point at the heading; may be empty.
+    pub about: String,
 }
 
 impl Column {
@@ -80,6 +82,15 @@ impl Column {
         Column {
             heading: heading.to_owned(),
             unit: unit.to_owned(),
+            about: String::new(),
+        }
+    }
+
+    /// The column with an explanation.
+    pub fn about(self, about: &str) -> Column {
+        Column {
+            about: about.to_owned(),
+            ..self
         }
     }
 }
@@ -122,9 +133,13 @@ impl Table {
             .collect();
         for (column, numeric) in self.columns.iter().zip(&numeric) {
             let class = if *numeric { " class=\"number\"" } else { "" };
+            let title = match column.about.as_str() {
+                "" => String::new(),
+                about => format!(" title=\"{}\"", escaped(about)),
+            };
             let _ = write!(
                 text,
-                "<th scope=\"col\"{class}>{}",
+                "<th scope=\"col\"{class}{title}>{}",
                 escaped(&column.heading)
             );
             if !column.unit.is_empty() {

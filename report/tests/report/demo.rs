@@ -8,8 +8,8 @@ use eng_report::figure::{
     PolarCurve, Scale, SweepFigure, Upright, Waterfall, journal_letter, spectra,
 };
 use eng_report::page::{
-    Cell, EnergyAudit, Input, Journal, Mode, Page, Provenance, Section, inputs_table,
-    journals_table, modes_table,
+    Cell, Column, EnergyAudit, Input, Mode, Page, Provenance, Section, Table, inputs_table,
+    modes_table,
 };
 use eng_report::signal::{Level, Sampling, Signal, SpectrumOptions, Window, spectrum, sweep_map};
 
@@ -389,20 +389,44 @@ pub fn animation() -> Animation {
     }
 }
 
-fn journals() -> Vec<Journal> {
-    (0..5)
-        .map(|journal| Journal {
-            letter: journal_letter(journal),
-            path: format!("main[{}]", journal + 1),
-            diameter: 0.052,
-            width: 0.019,
-            radial_clearance: 27e-6,
-            largest_force: (36e3 - 2e3 * journal as f64, 372.5),
-            smallest_film: (1.1e-6, 391.0),
-            eccentricity: 0.959,
-            friction: Some(118.0),
-        })
-        .collect()
+fn journals() -> Table {
+    let row = |journal: usize| {
+        let digits = |value, digits| Cell::Number { value, digits };
+        let angle = |value| Cell::Fixed { value, decimals: 1 };
+        let force = 36.0 - 2.0 * journal as f64;
+        vec![
+            journal_letter(journal).as_str().into(),
+            Cell::Code(format!("main[{}]", journal + 1)),
+            52.0.into(),
+            19.0.into(),
+            digits(27.0, 3),
+            force.into(),
+            angle(372.5),
+            digits(force / (0.052 * 0.019) * 1e-3, 3),
+            digits(1.1, 3),
+            angle(391.0),
+            digits(0.959, 3),
+            Cell::number(118.0),
+        ]
+    };
+    Table {
+        caption: "Main journals".to_owned(),
+        columns: vec![
+            Column::new("Curve"),
+            Column::new("Journal"),
+            Column::with_unit("Diameter", "mm"),
+            Column::with_unit("Width", "mm"),
+            Column::with_unit("Radial clearance", "µm"),
+            Column::with_unit("Largest force", "kN"),
+            Column::with_unit("at", "°CA"),
+            Column::with_unit("Specific load", "MPa").about("Force over the projected area."),
+            Column::with_unit("Smallest film", "µm"),
+            Column::with_unit("at", "°CA"),
+            Column::with_unit("Largest ε", "1"),
+            Column::with_unit("Friction", "W"),
+        ],
+        rows: (0..5).map(row).collect(),
+    }
 }
 
 pub fn page() -> Page {
@@ -476,7 +500,7 @@ pub fn page() -> Page {
         )))
         .section(
             Section::new("Journals")
-                .table(journals_table("Main journals", &journals()))
+                .table(journals())
                 .figure(history(), "Vertical force on the main journals over a cycle, unfired above and fired below.")
                 .figure(spectrum_figure(), "The second order leads.")
                 .figure(orbits(), "Paths of the pins; the shells' x axis is up.")

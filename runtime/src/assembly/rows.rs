@@ -343,7 +343,7 @@ pub fn wishes(model: &Model) -> Vec<Wish> {
             (!follows(pin) && !follows(shell)).then(|| Wish {
                 pin,
                 shell,
-                reach: Some(model.slot(journal.radial_clearance).max(0.0)),
+                reach: Some(model.slot(journal.clearance).max(0.0)),
             })
         })
         .collect()

@@ -760,6 +760,6 @@ pub fn film_ratios(model: &Model, pose: &[f64]) -> Vec<f64> {
         .journals
         .iter()
         .zip(eccentricities(model, pose))
-        .map(|(journal, [x, y])| libm::hypot(x, y) / model.slot(journal.radial_clearance))
+        .map(|(journal, [x, y])| libm::hypot(x, y) / model.slot(journal.clearance))
         .collect()
 }

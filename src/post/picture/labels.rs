@@ -18,8 +18,7 @@ pub(super) fn letters(results: &Results, journals: &[JournalGeometry]) -> Vec<(S
         .iter()
         .enumerate()
         .filter_map(|(index, journal)| {
-            let force = format!("{}.force.x", journal.path);
-            let frame = results.column(&force)?.frame.clone();
+            let frame = results.column(&journal.force[0])?.frame.clone();
             Some((frame, journal_letter(index)))
         })
         .collect();

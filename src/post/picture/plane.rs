@@ -27,15 +27,16 @@ impl Drawer<'_> {
                     analysis: analysis.clone(),
                     path: path.clone(),
                 })?;
-            let axis = |axis: &str| Expression::Channel {
-                analysis: analysis.clone(),
-                path: format!("{path}.eccentricity.{axis}"),
-            };
-            let (x, y) = self.plane(&axis("x"), &axis("y"), *cycles)?;
+            let [x, y] = geometry.eccentricity.each_ref();
             let frame = run
                 .results
-                .column(&format!("{path}.eccentricity.x"))
+                .column(x)
                 .map_or("", |column| column.frame.as_str());
+            let [x, y] = [x, y].map(|path| Expression::Channel {
+                analysis: analysis.clone(),
+                path: path.clone(),
+            });
+            let (x, y) = self.plane(&x, &y, *cycles)?;
             let place = run.machine.journals.iter().position(|j| j.path == *path);
             orbits.push(Orbit {
                 name: match place.filter(|_| run.machine.journals.len() > 1) {
@@ -43,7 +44,7 @@ impl Drawer<'_> {
                     None => name,
                 },
                 frame: frame.to_owned(),
-                clearance: geometry.radial_clearance,
+                clearance: geometry.clearance,
                 angle: degrees(&x),
                 x: x.values,
                 y: y.values,

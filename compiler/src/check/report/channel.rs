@@ -26,9 +26,16 @@ pub(super) struct Channels {
     samples: Vec<Recorded>,
     /// In a linear analysis: one row for each mode.
     modes: Vec<Recorded>,
-    pub journals: Vec<String>,
+    pub journals: Vec<Journal>,
     pub cycle: bool,
     pub frames: Frames,
+}
+
+/// A journal of a model.
+pub(super) struct Journal {
+    pub path: String,
+    /// The channels of the force on its pin, along x and y of the shell.
+    pub force: [String; 2],
 }
 
 impl Channels {
@@ -110,7 +117,13 @@ impl<'a> Models<'a> {
                     .journals
                     .iter()
                     .filter_map(|j| {
-                        Some(system.elements.get(j.element as usize)?.origin.path.clone())
+                        let element = system.elements.get(j.element as usize)?;
+                        let channel =
+                            |index: u32| Some(system.channels.get(index as usize)?.path.clone());
+                        Some(Journal {
+                            path: element.origin.path.clone(),
+                            force: [channel(j.force)?, channel(j.force + 1)?],
+                        })
                     })
                     .collect(),
                 cycle: system.cycle.is_some(),
@@ -225,8 +238,18 @@ impl Found<'_> {
 
     /// The column whose path is that of the place followed by `name`.
     pub fn column(&self, name: &str) -> Option<&Recorded> {
-        let path = format!("{}{name}", self.path);
+        self.column_at(&format!("{}{name}", self.path))
+    }
+
+    /// The column with a path.
+    pub fn column_at(&self, path: &str) -> Option<&Recorded> {
         self.columns().iter().find(|column| column.path == path)
+    }
+
+    /// The journal at the place.
+    pub fn journal(&self) -> Option<&Journal> {
+        let mut journals = self.channels.journals.iter();
+        journals.find(|journal| journal.path == self.path)
     }
 }
 

@@ -342,8 +342,8 @@ impl<'a> Reporter<'a, '_> {
         let mut journals = Vec::new();
         for place in &places.found {
             self.samples_at(expr, place, name)?;
-            if !place.channels.journals.contains(&place.path) {
-                let known = place.channels.journals.iter().map(String::as_str);
+            if place.journal().is_none() {
+                let known = place.channels.journals.iter().map(|j| j.path.as_str());
                 let message = Diagnostic::error(
                     codes::REPORT_SHAPE,
                     format!("`{}` is no journal", place.path),
@@ -361,7 +361,7 @@ impl<'a> Reporter<'a, '_> {
     /// Recorded vectors or loads of journals, and the column of the first one's component along x.
     fn vectors(&mut self, row: &FigureRow, expr: &'a Expr) -> Option<(Vec<Vector>, Recorded)> {
         let title = format!("`{}` takes journals and recorded vectors", row.name);
-        let help = "such as `run.main[1..5]` or `run.pin.force`";
+        let help = "such as `run.main[1..5]` or `run.hinge.force`";
         let places = self.of_path(expr, &title, help)?;
         let mut vectors: Vec<Vector> = Vec::new();
         let mut column = None;
@@ -415,10 +415,13 @@ impl<'a> Reporter<'a, '_> {
         place: &Found<'a>,
     ) -> Option<(Vector, Recorded)> {
         self.samples_at(expr, place, row.name)?;
-        let load = place.channels.journals.contains(&place.path);
-        let vector = if load { ".force" } else { "" };
-        let axis = |axis: &str| place.column(&format!("{vector}.{axis}"));
-        let (Some(x), Some(y)) = (axis("x"), axis("y")) else {
+        let journal = place.journal();
+        let load = journal.is_some();
+        let [x, y] = match journal {
+            Some(journal) => journal.force.each_ref().map(|path| place.column_at(path)),
+            None => [".x", ".y"].map(|axis| place.column(axis)),
+        };
+        let (Some(x), Some(y)) = (x, y) else {
             let below = |column: &&Recorded| begins(&column.path, &place.path);
             let message = if place.columns().iter().filter(below).count() > 1 {
                 not_one(place, expr.span)

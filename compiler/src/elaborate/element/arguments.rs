@@ -226,13 +226,28 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         for (elder, (items, scope)) in texts.iter().enumerate() {
-            for name in items.iter().filter_map(named) {
+            // an interface also reads what the one that it extends asks for
+            let asked = texts
+                .iter()
+                .take(elder + 1)
+                .flat_map(|(items, _)| items.iter());
+            for name in asked.filter_map(named) {
                 let has = |e: &Self, scope: ScopeId| e.scope(scope).entries.contains_key(name);
                 let mut younger = texts.iter().skip(elder + 1).map(|(_, scope)| *scope);
                 if !has(self, *scope)
                     && let Some(gives) = younger.find(|younger| has(self, *younger))
                 {
                     self.define(*scope, name, Entry::In(gives));
+                }
+            }
+            // a class may give its own value of an output that its interface computes
+            for name in items.iter().filter_map(output) {
+                let gives = texts.iter().skip(elder + 1).find(|(younger, _)| {
+                    let mut own = younger.iter().filter_map(output);
+                    own.any(|own| own == name)
+                });
+                if let Some((_, gives)) = gives {
+                    self.define(*scope, name, Entry::In(*gives));
                 }
             }
         }
@@ -312,6 +327,15 @@ fn named(item: &ast::Item) -> Option<&str> {
     match &item.kind {
         ItemKind::Binding(binding) => Some(&binding.name.text),
         ItemKind::Function(function) => Some(&function.name.text),
+        _ => None,
+    }
+}
+
+fn output(item: &ast::Item) -> Option<&str> {
+    match &item.kind {
+        ItemKind::Binding(binding) if binding.kind == BindingKind::Output => {
+            binding.value.as_ref().map(|_| binding.name.text.as_str())
+        }
         _ => None,
     }
 }

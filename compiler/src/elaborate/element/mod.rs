@@ -157,7 +157,9 @@ impl<'a> Elaborator<'a, '_> {
             definition: class.definition,
             arguments: bound,
         };
-        let ClassScope { own, texts } = self.class_scope(&source, class, &path)?;
+        let class_scope = self.class_scope(&source, class, &path)?;
+        let ClassScope { own, texts } = &class_scope;
+        let own = *own;
         // marker parameters come first, so that their local indices follow the order of the parameters
         for parameter in class.parameters.iter() {
             if is_marker(&self.type_at(parameter.ty.span)?) {
@@ -165,7 +167,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.touch(value)?;
             }
         }
-        for (items, scope) in &texts {
+        for (items, scope) in texts {
             self.states(items, *scope, &path, used_at)?;
         }
         let at_use = block.map(|b| (b, self.use_scope(own, scope)));
@@ -177,7 +179,7 @@ impl<'a> Elaborator<'a, '_> {
             frames: Vec::new(),
             copied: Vec::new(),
         };
-        for (items, scope) in &texts {
+        for (items, scope) in texts {
             self.equations(items, *scope, &path, used_at, &mut draft)?;
         }
         if let Some((b, use_scope)) = at_use {
@@ -212,8 +214,8 @@ impl<'a> Elaborator<'a, '_> {
         self.context.rates = None;
         outputs?;
         self.asked(&mut draft);
-        let known = self.by_interface(class, own)?;
-        for (items, scope) in &texts {
+        let known = self.by_interface(class, &class_scope)?;
+        for (items, scope) in texts {
             self.resolutions(items, *scope, &path, used_at)?;
         }
         let origin = Origin {
@@ -229,7 +231,7 @@ impl<'a> Elaborator<'a, '_> {
             Some(source),
             draft,
         )?;
-        self.note(known, index);
+        self.note(known, class, index)?;
         Ok(index)
     }
 

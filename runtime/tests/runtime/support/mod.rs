@@ -353,6 +353,7 @@ impl Builder {
                 cycle: None,
                 journals: vec![],
                 firings: vec![],
+                summaries: vec![],
                 resolutions: vec![],
                 accepted: vec![],
                 stated: Default::default(),

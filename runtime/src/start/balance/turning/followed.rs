@@ -314,7 +314,7 @@ fn change(model: &Model, from: &State, to: &State) -> f64 {
         .iter()
         .zip(films)
         .fold(0.0_f64, |w, (journal, (a, b))| {
-            w.max(libm::hypot(b[0] - a[0], b[1] - a[1]) / model.slot(journal.radial_clearance))
+            w.max(libm::hypot(b[0] - a[0], b[1] - a[1]) / model.slot(journal.clearance))
         });
     for body in &model.bodies {
         let shapes = body.pose + 7..body.pose + 7 + body.modes();

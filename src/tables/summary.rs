@@ -1,0 +1,383 @@
+//! Tables of the elements whose classes fill one interface: a number of each output for which the interface
+//! states a summary.
+
+use super::{Table, last_cycle};
+use crate::machine::{InterfaceSummary, SummarisedElement};
+use crate::results::{CYCLE_ANGLE, Results, TIME};
+use crate::significant::significant;
+use eng_system::DisplayUnit;
+use eng_system::system::summary::{SummaryColumn, Taken};
+
+/// A number of a summary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summarised {
+    /// Its value (SI).
+    pub value: f64,
+    /// For an extreme of a machine with a cycle: the crank angle (rad, within the cycle).
+    pub angle: Option<f64>,
+}
+
+/// The numbers of the elements of one interface. They cover the last cycle if the run has a whole cycle,
+/// otherwise the whole run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SummaryTable<'m> {
+    /// The interface with its columns and elements.
+    pub of: &'m InterfaceSummary,
+    /// A row for each element, a cell for each column; `None` for a column that is absent or has no number.
+    pub rows: Vec<Vec<Option<Summarised>>>,
+    /// The unit of each column, which the first element decides.
+    pub units: Vec<DisplayUnit>,
+    /// Whether the values cover the last whole cycle.
+    pub last_cycle: bool,
+}
+
+impl<'m> SummaryTable<'m> {
+    /// The table of the results of a run. `cycle_period` in rad.
+    pub fn new(results: &Results, of: &'m InterfaceSummary, cycle_period: Option<f64>) -> Self {
+        let angle = results.column(CYCLE_ANGLE).map(|c| c.values.as_slice());
+        let whole = last_cycle(angle, cycle_period);
+        let first = whole.unwrap_or(0);
+        let cycle_angle = |index: usize| {
+            let angle = *angle?.get(index)?;
+            match cycle_period {
+                // a crank angle of 719.999999999° is 0°
+                Some(period) if period > 0.0 => {
+                    Some(angle - period * ((angle + 1e-9) / period).floor())
+                }
+                _ => Some(angle),
+            }
+        };
+        let time = results.column(TIME).map(|c| c.values.as_slice());
+        let number = |column: &SummaryColumn, channel: Option<&String>| {
+            let values = results.column(channel?)?.values.as_slice();
+            let found = match column.taken {
+                Taken::Least => extreme(values, first, |a, b| a < b),
+                Taken::Largest => extreme(values, first, |a, b| a > b),
+                Taken::Mean => {
+                    let value = mean(time?.get(first..)?, values.get(first..)?)?;
+                    return value
+                        .is_finite()
+                        .then_some(Summarised { value, angle: None });
+                }
+            };
+            let (index, value) = found?;
+            Some(Summarised {
+                value,
+                angle: cycle_angle(index),
+            })
+        };
+        let row = |element: &SummarisedElement| {
+            let channels = element.channels.iter();
+            let cells = of.columns.iter().zip(channels);
+            cells
+                .map(|(column, channel)| number(column, channel.as_ref()))
+                .collect()
+        };
+        let unit = |index: usize| {
+            let channels = of.elements.iter().filter_map(|e| e.channels.get(index));
+            let mut columns = channels.flatten().filter_map(|path| results.column(path));
+            let first = columns.next();
+            first.map_or_else(
+                || DisplayUnit::si(eng_system::Dimension::ONE),
+                |column| column.display.clone(),
+            )
+        };
+        SummaryTable {
+            of,
+            rows: of.elements.iter().map(row).collect(),
+            units: (0..of.columns.len()).map(unit).collect(),
+            last_cycle: whole.is_some(),
+        }
+    }
+
+    /// Whether a column shows the angles of its extremes. One with the angles of the extremes before it does
+    /// not repeat them.
+    pub fn shows_angles(&self, column: usize) -> bool {
+        let angles = |column: usize| -> Vec<Option<f64>> {
+            let cells = self
+                .rows
+                .iter()
+                .map(|row| row.get(column).copied().flatten());
+            cells.map(|cell| cell.and_then(|cell| cell.angle)).collect()
+        };
+        let is_extreme = |column: &usize| {
+            let column = self.of.columns.get(*column);
+            column.is_some_and(|column| column.taken != Taken::Mean)
+        };
+        let own = angles(column);
+        let before = (0..column).rev().find(is_extreme).map(angles);
+        let before = before.unwrap_or_else(|| vec![None; own.len()]);
+        let mut both = own.iter().zip(&before);
+        both.any(|(own, before)| own.is_some() && own != before)
+    }
+
+    /// The part of the run that the values cover.
+    pub fn span(&self) -> &'static str {
+        match self.last_cycle {
+            true => "over the last cycle",
+            false => "over the whole run",
+        }
+    }
+
+    /// The table as text.
+    pub(crate) fn text(&self) -> String {
+        let mut heads = [
+            vec![in_words(&self.of.interface)],
+            vec![String::new()],
+            vec![String::new()],
+        ];
+        let mut cells: Vec<Vec<String>> = (self.of.elements.iter())
+            .map(|element| vec![element.path.clone()])
+            .collect();
+        for (index, (column, unit)) in self.of.columns.iter().zip(&self.units).enumerate() {
+            let own = || {
+                self.rows
+                    .iter()
+                    .map(|row| row.get(index).copied().flatten())
+            };
+            let shown = own().map(|cell| cell.map(|cell| unit.from_si(cell.value)));
+            let mut texts = vec![alike(&shown.collect::<Vec<_>>())];
+            let unit = eng_report::readable_unit(&unit.symbol);
+            heads[0].push(readable(&column.output));
+            heads[1].push(column.taken.word().to_owned());
+            heads[2].push(unit);
+            if self.shows_angles(index) {
+                heads[0].push("at".to_owned());
+                heads[1].push(String::new());
+                heads[2].push("°CA".to_owned());
+                let angle = |cell: Summarised| Some(format!("{:.1}", cell.angle?.to_degrees()));
+                let angles = own().map(|cell| cell.and_then(angle));
+                texts.push(angles.map(|text| text.unwrap_or_else(dash)).collect());
+            }
+            for texts in texts {
+                for (cells, text) in cells.iter_mut().zip(texts) {
+                    cells.push(text);
+                }
+            }
+        }
+        let heads = heads
+            .each_ref()
+            .map(|row| row.iter().map(String::as_str).collect());
+        let heads: [Vec<&str>; 3] = heads;
+        let mut table = Table::new(&heads.each_ref().map(Vec::as_slice));
+        for row in cells {
+            table.row(row);
+        }
+        format!("{}  {}\n", table.render(), self.span())
+    }
+}
+
+fn dash() -> String {
+    "–".to_owned()
+}
+
+/// `radial load` of `radial_load`.
+pub(crate) fn readable(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// `journal law` of `JournalLaw`.
+pub(crate) fn in_words(name: &str) -> String {
+    let mut words = String::new();
+    let mut before = None;
+    for letter in name.chars() {
+        // a row of capitals is one word
+        let begins = letter.is_uppercase() && before.is_some_and(|b: char| !b.is_uppercase());
+        if letter == '_' || begins {
+            words.push(' ');
+        }
+        if letter != '_' {
+            words.extend(letter.to_lowercase());
+        }
+        before = Some(letter);
+    }
+    words
+}
+
+/// Numbers of one column with the same decimals: the largest has four significant digits.
+fn alike(values: &[Option<f64>]) -> Vec<String> {
+    let sizes = values.iter().flatten().map(|value| value.abs());
+    let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
+    // 1e-30 is a clear zero in any unit that a table shows
+    let exponent = libm::floor(libm::log10(largest.max(1e-30)));
+    let shown = |value: f64| match exponent {
+        _ if largest == 0.0 => "0".to_owned(),
+        exponent if (-3.0..=8.0).contains(&exponent) => {
+            // between 0 and 6
+            let decimals = (3.0 - exponent).max(0.0) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => significant(value, 4),
+    };
+    let cells = values.iter();
+    cells.map(|value| value.map_or_else(dash, shown)).collect()
+}
+
+/// Index and value of the best finite value from `first` on, by `better`.
+fn extreme(
+    values: &[f64],
+    first: usize,
+    better: impl Fn(f64, f64) -> bool,
+) -> Option<(usize, f64)> {
+    values
+        .iter()
+        .copied()
+        .enumerate()
+        .skip(first)
+        .filter(|(_, value)| value.is_finite())
+        .reduce(|best, next| if better(next.1, best.1) { next } else { best })
+}
+
+/// Mean over time by the trapezoidal rule.
+fn mean(time: &[f64], values: &[f64]) -> Option<f64> {
+    let duration = time.last()? - time.first()?;
+    if duration <= 0.0 {
+        return values.first().copied();
+    }
+    let area: f64 = time
+        .windows(2)
+        .zip(values.windows(2))
+        .map(|(t, v)| 0.5 * (v[0] + v[1]) * (t[1] - t[0]))
+        .sum();
+    Some(area / duration)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Column;
+    use eng_system::Dimension;
+    use std::f64::consts::PI;
+
+    fn films() -> InterfaceSummary {
+        let column = |output: &str, taken| SummaryColumn {
+            output: output.to_owned(),
+            about: String::new(),
+            taken,
+        };
+        let element = |path: &str, pressed: bool| SummarisedElement {
+            path: path.to_owned(),
+            parameters: Vec::new(),
+            channels: vec![
+                Some(format!("{path}.load")),
+                pressed.then(|| format!("{path}.pressure")),
+                Some(format!("{path}.least_gap")),
+                Some(format!("{path}.heat")),
+            ],
+        };
+        InterfaceSummary {
+            interface: "OwnFilm".to_owned(),
+            parameters: Vec::new(),
+            columns: vec![
+                column("load", Taken::Largest),
+                column("pressure", Taken::Largest),
+                column("least_gap", Taken::Least),
+                column("heat", Taken::Mean),
+            ],
+            elements: vec![element("main[1]", true), element("main[2]", false)],
+        }
+    }
+
+    fn results(samples: &[(f64, f64, f64)]) -> Results {
+        let mut results = Results::new("unfired", "Inline4");
+        let column = |path: &str, symbol: &str, scale: f64, values: Vec<f64>| Column {
+            path: path.to_owned(),
+            dimension: Dimension::ONE,
+            display: DisplayUnit {
+                symbol: symbol.to_owned(),
+                scale,
+                offset: 0.0,
+            },
+            frame: String::new(),
+            values,
+        };
+        let time: Vec<f64> = (0..samples.len()).map(|i| i as f64 * 0.01).collect();
+        let angle = samples.iter().map(|s| s.0.to_radians()).collect();
+        results.push(Column::time(time)).unwrap();
+        results.push(Column::cycle_angle(angle)).unwrap();
+        for (path, share) in [("main[1]", 1.0), ("main[2]", 0.1)] {
+            let loads: Vec<f64> = samples.iter().map(|s| share * s.1).collect();
+            let pressure = loads.iter().map(|f| f / 0.00108).collect();
+            let gaps: Vec<f64> = samples.iter().map(|s| s.2).collect();
+            let heat = gaps.iter().map(|f| f * 1e6).collect();
+            for (name, symbol, scale, values) in [
+                ("load", "N", 1.0, loads),
+                ("pressure", "MPa", 1e6, pressure),
+                ("least_gap", "um", 1e-6, gaps),
+                ("heat", "W", 1.0, heat),
+            ] {
+                let path = format!("{path}.{name}");
+                results.push(column(&path, symbol, scale, values)).unwrap();
+            }
+        }
+        results
+    }
+
+    #[test]
+    fn takes_the_last_cycle() {
+        // the start-up peak of 9 kN and the film of 1 µm lie before the last 720°
+        let samples = [
+            (0.0, 9e3, 1e-6),
+            (360.0, 300.0, 5e-6),
+            (720.0, 600.0, 4e-6),
+            (900.0, 2000.0, 3e-6),
+            (1080.0, 300.0, 5e-6),
+        ];
+        let (results, films) = (results(&samples), films());
+        let table = SummaryTable::new(&results, &films, Some(4.0 * PI));
+        assert!(table.last_cycle);
+        let [load, pressure, gap, heat] = [0, 1, 2, 3].map(|k| table.rows[0][k].unwrap());
+        assert_eq!((load.value, gap.value), (2000.0, 3e-6));
+        assert!((pressure.value - 2000.0 / 0.00108).abs() < 1e-6);
+        assert!((load.angle.unwrap().to_degrees() - 180.0).abs() < 1e-9);
+        // trapezoid over 5, 4, 3, 5 W
+        assert!((heat.value - 4.0).abs() < 1e-12);
+        assert_eq!((heat.angle, table.rows[1][1]), (None, None));
+        let whole = SummaryTable::new(&results, &films, Some(8.0 * PI));
+        assert!(!whole.last_cycle);
+        assert_eq!(whole.rows[0][0].unwrap().value, 9000.0);
+        insta::assert_snapshot!(format!("{}{}", table.text(), whole.text()));
+    }
+
+    #[test]
+    fn absent_columns_are_dashes() {
+        let mut bare = Results::new("a", "M");
+        bare.push(Column::time(vec![0.0, 1.0])).unwrap();
+        let films = films();
+        let text = SummaryTable::new(&bare, &films, None).text();
+        assert_eq!(text.matches('–').count(), 8, "{text}");
+    }
+
+    #[test]
+    fn numbers_of_a_column_have_the_same_decimals() {
+        for (values, texts) in [
+            (
+                vec![Some(12.3456), Some(-0.5), None],
+                ["12.35", "-0.50", "–"],
+            ),
+            (
+                vec![Some(0.0), Some(12345.6), Some(1.0)],
+                ["0", "12346", "1"],
+            ),
+            (vec![Some(0.0), None, Some(0.0)], ["0", "–", "0"]),
+            (
+                vec![Some(1.5e-7), None, Some(2e-9)],
+                ["1.500e-7", "–", "2.000e-9"],
+            ),
+        ] {
+            assert_eq!(alike(&values), texts);
+        }
+    }
+
+    #[test]
+    fn names_in_words() {
+        for (name, words) in [
+            ("JournalLaw", "journal law"),
+            ("GasLaw", "gas law"),
+            ("PInD", "pin d"),
+            ("own_law", "own law"),
+        ] {
+            assert_eq!(in_words(name), words);
+        }
+    }
+}

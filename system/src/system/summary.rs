@@ -1,0 +1,99 @@
+//! Tables of results by interface: the text of an interface states which number a table takes of an output.
+
+use super::Slot;
+use crate::dimension::{Dimension, DisplayUnit};
+
+/// The number that a table takes of a column of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Taken {
+    /// The least value and its place.
+    Least,
+    /// The largest value and its place.
+    Largest,
+    /// The mean over time.
+    Mean,
+}
+
+impl Taken {
+    /// All with their words in a text.
+    pub const ALL: [(&'static str, Taken); 3] = [
+        ("least", Taken::Least),
+        ("largest", Taken::Largest),
+        ("mean", Taken::Mean),
+    ];
+
+    /// By its word.
+    pub fn of(word: &str) -> Option<Taken> {
+        let known = Taken::ALL.iter().find(|(other, _)| *other == word);
+        known.map(|(_, taken)| *taken)
+    }
+
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Taken::Least => "least",
+            Taken::Largest => "largest",
+            Taken::Mean => "mean",
+        }
+    }
+}
+
+/// The elements whose classes fill one interface, and the numbers of them that a table shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Name of the interface.
+    pub interface: String,
+    /// Its parameters that are numbers, in their order.
+    pub parameters: Vec<SummaryParameter>,
+    /// The outputs with a summary, in their order: those of the interface, then those that interfaces
+    /// between it and a class add.
+    pub columns: Vec<SummaryColumn>,
+    /// A row for each element, in the order of the text.
+    pub rows: Vec<SummaryRow>,
+}
+
+/// A parameter of an interface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SummaryParameter {
+    /// Its name.
+    pub name: String,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// Its display unit.
+    pub display: DisplayUnit,
+}
+
+/// An output of an interface that has a summary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SummaryColumn {
+    /// Name of the output.
+    pub output: String,
+    /// Its comment.
+    pub about: String,
+    /// The number that the table takes.
+    pub taken: Taken,
+}
+
+/// An element of a summary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SummaryRow {
+    /// Index into [`crate::system::System::elements`].
+    pub element: u32,
+    /// The values of the parameters; `None` for a value that depends on the motion.
+    pub parameters: Vec<Option<Slot>>,
+    /// Indices into [`crate::system::System::channels`]; `None` for a column that the element's class has not.
+    pub channels: Vec<Option<u32>>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_and_numbers_correspond() {
+        for (word, taken) in Taken::ALL {
+            assert_eq!((Taken::of(word), taken.word()), (Some(taken), word));
+        }
+        assert_eq!(Taken::of("smallest"), None);
+    }
+}
