@@ -61,6 +61,14 @@ pub enum Error {
         /// A name with a similar spelling.
         nearest: Option<String>,
     },
+    /// No such element, body, marker, parameter or output.
+    #[error("there is no {path} in the model{}", hint(nearest))]
+    NoItem {
+        /// The wanted path.
+        path: String,
+        /// A path with a similar spelling.
+        nearest: Option<String>,
+    },
     /// A handle of a parameter or channel of another model.
     #[error("the handle is of another model")]
     OtherModel,

@@ -51,6 +51,7 @@ mod analysis;
 pub mod assembled;
 mod counted;
 mod error;
+mod explained;
 mod failure;
 mod figures;
 mod lint;

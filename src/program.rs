@@ -250,6 +250,14 @@ impl Program {
         hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
     }
 
+    /// The text of the class whose name stands at a place.
+    pub(crate) fn class_at(
+        &self,
+        name: eng_grammar::Span,
+    ) -> Option<eng_compiler::typed::ClassText> {
+        self.inner.typed.class_at(name)
+    }
+
     fn name_of(&self, id: DefinitionId) -> Option<&str> {
         match &self.inner.typed.program.item(id)?.kind {
             ItemKind::Declaration(d) => Some(&d.name.text),

@@ -1,6 +1,7 @@
 //! `eng explain` as a process.
 
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn eng(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_eng"))
@@ -106,4 +107,108 @@ fn analyses_and_figures_are_explained() {
             assert!(told.contains(argument.about), "{told}");
         }
     }
+}
+
+const SWING: &str = "use std.joints.Revolute
+use std.forces.TorsionSpring
+model Swing {
+    param stiffness: TorsionalStiffness = 3 N*m/rad
+    marker pivot = [0, 0, 0] mm
+    body bob {
+        mass = 1.2 kg
+        inertia = [2, 2, 2] g*m^2
+        marker top = [0, 400, 0] mm
+    }
+    joint pin = Revolute(bob.top, pivot)
+    force spring = TorsionSpring(bob.top, pivot, stiffness: stiffness, damping: 2 N*m*s/rad)
+    output height = dot(bob.origin.origin, ground.y) as mm
+}
+analysis swing = transient(Swing(), duration: 1 s)
+";
+
+/// Runs `eng explain` on a file with the model.
+fn part(path: &[&str]) -> Output {
+    // tests run at the same time, so each call has a folder of its own
+    let number = CALLS.fetch_add(1, Ordering::Relaxed);
+    let name = format!("eng-explain-{}-{number}", std::process::id());
+    let folder = std::env::temp_dir().join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("swing.eng");
+    std::fs::write(&file, SWING).expect("the model");
+    let mut arguments = vec!["explain", file.to_str().expect("a name")];
+    arguments.extend(path);
+    let output = eng(&arguments);
+    std::fs::remove_dir_all(&folder).expect("the folder");
+    output
+}
+
+static CALLS: AtomicUsize = AtomicUsize::new(0);
+
+#[test]
+fn a_part_of_a_model_is_explained() {
+    let told = |path: &[&str]| {
+        let output = part(path);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let list = told(&[]);
+    for line in [
+        "bob",
+        "pin     Revolute",
+        "spring  TorsionSpring  swing.eng:12",
+    ] {
+        assert!(list.contains(line), "{line} in {list}");
+    }
+    let spring = told(&["spring"]);
+    for line in [
+        "spring: a force of the class TorsionSpring, which fills DampingLaw",
+        "force spring = TorsionSpring(bob.top, pivot, stiffness: stiffness",
+        "a       bob.top  bob",
+        "b       pivot    ground",
+        "damping     2 N*m*s/rad  swing.eng:12",
+        "takes no freedom; applies loads that depend on velocities",
+        "twist       deg",
+        "    interface DampingLaw {",
+        "    /// Spring and damper about b.z.",
+        "        apply torque moment*b.z on a against b",
+    ] {
+        assert!(spring.contains(line), "{line} in {spring}");
+    }
+    let pin = told(&["pin"]);
+    assert!(pin.contains("takes 5 freedoms\n"), "{pin}");
+    assert_eq!(pin.matches("std/joints.eng:").count(), 6, "{pin}");
+    for (path, line) in [
+        (
+            "bob",
+            "bob: a rigid body with six freedoms, stated at swing.eng:6\n  mass 1.2 kg",
+        ),
+        ("bob", "bob.top      0  400   0  pin, spring"),
+        ("bob.top", "at [0, 400, 0] mm of its body"),
+        (
+            "stiffness",
+            "stiffness: a parameter, 3 N*m/rad, stated at swing.eng:4",
+        ),
+        ("pin.force", "pin.force.y in N, along pivot"),
+        ("height", "height: an output of height"),
+    ] {
+        assert!(told(&[path]).contains(line), "{line} in {}", told(&[path]));
+    }
+}
+
+#[test]
+fn a_path_that_a_model_has_not_is_refused() {
+    let output = part(&["sprign"]);
+    assert_eq!(output.status.code(), Some(2));
+    let errors = text(&output.stderr);
+    assert!(
+        errors.contains("there is no sprign in the model; did you mean spring?"),
+        "{errors}"
+    );
+    let output = eng(&["explain", "E0301", "main[1]"]);
+    assert_eq!(output.status.code(), Some(2));
+    let errors = text(&output.stderr);
+    assert!(
+        errors.contains("`eng explain MODEL.eng main[1]`"),
+        "{errors}"
+    );
 }

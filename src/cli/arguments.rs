@@ -45,7 +45,7 @@ pub(super) enum Command {
     Results(ResultsArguments),
     /// Write a result file in the format of another tool: CSV, universal file (58), MAT
     Export(ExportArguments),
-    /// Explain a message code, such as E0301, an analysis or a figure; list all codes without one
+    /// Explain a message code, such as E0301, an analysis or a figure, or a part of a model; list all codes without one
     Explain(ExplainArguments),
 }
 
@@ -134,9 +134,12 @@ pub(super) struct ReportArguments {
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArguments {
-    /// The code in the brackets of a message, or the name of an analysis or a figure
-    #[arg(value_name = "CODE")]
+    /// The code in the brackets of a message, the name of an analysis or a figure, or the file of a model
+    #[arg(value_name = "CODE|MODEL")]
     pub code: Option<String>,
+    /// With a model: the path of an element, body, marker, parameter or output; without it all elements are listed
+    #[arg(value_name = "PATH")]
+    pub path: Option<String>,
 }
 
 #[derive(Debug, Args)]

@@ -1,9 +1,11 @@
 //! `eng explain`.
 
 use super::arguments::ExplainArguments;
+use super::open::checked;
 use super::terminal::Terminal;
-use super::{Stop, USAGE_OR_SYSTEM};
+use super::{Refusal, Stop, USAGE_OR_SYSTEM};
 use crate::codes::{self, Code};
+use std::path::Path;
 
 /// Width of the text.
 const WIDTH: usize = 96;
@@ -19,6 +21,16 @@ pub(super) fn explain(
         return Ok(());
     };
     let asked = asked.trim();
+    if asked.ends_with(".eng") {
+        return part(Path::new(asked), arguments.path.as_deref(), console);
+    }
+    if let Some(path) = &arguments.path {
+        writeln!(
+            console.errors,
+            "error: {asked} is no file of a model, and {path} is a path in one: `eng explain MODEL.eng {path}`"
+        )?;
+        return Err(Stop::Code(USAGE_OR_SYSTEM));
+    }
     match codes::find(asked).map(explanation).or_else(|| kind(asked)) {
         Some(text) => {
             write!(console.output, "{text}")?;
@@ -33,6 +45,19 @@ pub(super) fn explain(
             writeln!(console.errors, "`eng explain` lists all codes")?;
             Err(Stop::Code(USAGE_OR_SYSTEM))
         }
+    }
+}
+
+/// A part of a model, or a list of its parts.
+fn part(model: &Path, path: Option<&str>, console: &mut Terminal<'_>) -> Result<(), Stop> {
+    let program = checked(model, console)?;
+    let text = match path {
+        Some(path) => program.explain(path.trim()),
+        None => program.items(),
+    };
+    match text {
+        Ok(text) => Ok(write!(console.output, "{text}")?),
+        Err(error) => Err(Refusal::from(error).show(program.texts(), console)),
     }
 }
 

@@ -9,8 +9,11 @@
 //! its dimension variables. Each use of the function has a `types::Solution` with the dimensions of these
 //! variables.
 
+mod class_text;
 pub(crate) mod lineage;
 pub(crate) mod types;
+
+pub use class_text::{ClassText, LevelText};
 
 use crate::functions::BuiltIn;
 use crate::program::{DefinitionId, Program, ValueType};

@@ -1,0 +1,454 @@
+//! The parts of a model in words: what a path is, where its text is, and the numbers that it has.
+
+use crate::counted::counted;
+use crate::machine::at;
+use crate::places::span;
+use crate::significant::short;
+use crate::tables::Table;
+use crate::{Error, Model, Program, Report};
+use eng_compiler::typed::{ClassText, LevelText};
+use eng_grammar::{Diagnostics, SourceMap};
+use eng_runtime::RuntimeError;
+use eng_system::code::Bound;
+use eng_system::system::{
+    BodyInertia, BodyRef, Channel, Element, ElementClass, Location, Origin, Role, System,
+};
+use std::fmt::Write;
+
+/// Most elements that the text about a body or a marker names.
+const MOST: usize = 12;
+
+impl Program {
+    /// A text about the element, body, marker, output or parameter with this path, for each model of the file
+    /// that has it: its class with the text, its markers, parameters, equations and outputs. The numbers are
+    /// those of the defaults, and rigid bodies replace flexible ones.
+    ///
+    /// # Errors
+    /// A path that no model has; a model with a mistake.
+    pub fn explain(&self, path: &str) -> Result<String, Error> {
+        let mut texts = Vec::new();
+        let mut known = Vec::new();
+        for name in self.models() {
+            let model = self.outlined(name)?;
+            let bound = bound(&model)?;
+            let explained = Explained {
+                program: self,
+                system: &model.compiled().system,
+                bound: &bound,
+            };
+            texts.extend(explained.of(path).map(|text| match self.models().len() {
+                1 => text,
+                _ => format!("model {name}\n{text}"),
+            }));
+            known.extend(explained.paths().map(str::to_owned));
+        }
+        if texts.is_empty() {
+            return Err(Error::NoItem {
+                path: path.to_owned(),
+                nearest: nearest(path, &known),
+            });
+        }
+        Ok(texts.join("\n"))
+    }
+
+    /// The elements and bodies of all models with their classes.
+    ///
+    /// # Errors
+    /// A model with a mistake.
+    pub fn items(&self) -> Result<String, Error> {
+        let mut text = String::new();
+        for name in self.models() {
+            let model = self.outlined(name)?;
+            let system = &model.compiled().system;
+            let mut table = Table::new(&[&["path", "is", "stated at"]]);
+            let texts = self.texts();
+            for body in &system.bodies {
+                let place = stated_at(texts, body.origin.used_at);
+                table.row(vec![body.origin.path.clone(), "body".to_owned(), place]);
+            }
+            for (element, class) in elements(system) {
+                let place = stated_at(texts, element.origin.used_at);
+                table.row(vec![element.origin.path.clone(), class.name.clone(), place]);
+            }
+            // writing to a String cannot fail
+            let _ = write!(text, "model {name}\n{}", table.render_left(1));
+        }
+        Ok(text)
+    }
+}
+
+/// The values of a model with the defaults of its parameters.
+fn bound(model: &Model) -> Result<Bound, Error> {
+    let compiled = model.compiled();
+    let defaults = vec![None; compiled.system.parameters.len()];
+    let bound = compiled.bind.bind(&defaults, &compiled.system.tables);
+    bound.map_err(|error| {
+        let cause = Box::new(RuntimeError::from(error));
+        let mut messages = Diagnostics::new();
+        messages.push(crate::failure::diagnostic(&cause, &compiled.system));
+        Error::Run {
+            cause,
+            report: Report::new(model.texts().clone(), messages),
+        }
+    })
+}
+
+/// The elements that the text states, with their classes.
+fn elements(system: &System) -> impl Iterator<Item = (&Element, &ElementClass)> {
+    let stated = system.elements.iter().filter(|e| e.role == Role::Dynamic);
+    stated.filter_map(|element| Some((element, system.classes.get(element.class as usize)?)))
+}
+
+fn nearest(path: &str, known: &[String]) -> Option<String> {
+    let distance = |other: &String| strsim::damerau_levenshtein(path, other);
+    let near = known.iter().map(|other| (distance(other), other)).min()?;
+    (near.0 <= 2 + path.len() / 6).then(|| near.1.clone())
+}
+
+/// `engine.eng:84`; empty if the place is not known.
+fn stated_at(texts: &SourceMap, place: Option<Location>) -> String {
+    let found = place.and_then(|place| {
+        let span = span(place);
+        let (line, _) = texts.line_column(span.source, span.start)?;
+        Some(format!("{}:{line}", texts.get(span.source)?.name))
+    });
+    found.unwrap_or_default()
+}
+
+struct Explained<'a> {
+    program: &'a Program,
+    system: &'a System,
+    bound: &'a Bound,
+}
+
+impl Explained<'_> {
+    /// The paths that have a text.
+    fn paths(&self) -> impl Iterator<Item = &str> {
+        let system = self.system;
+        let bodies = system.bodies.iter().map(|body| body.origin.path.as_str());
+        let markers = system.markers.iter().map(|m| m.origin.path.as_str());
+        let elements = elements(system).map(|(element, _)| element.origin.path.as_str());
+        let parameters = system.parameters.iter().map(|p| p.origin.path.as_str());
+        let channels = system.channels.iter().map(|channel| channel.path.as_str());
+        let all = bodies.chain(markers).chain(elements);
+        all.chain(parameters).chain(channels)
+    }
+
+    fn of(&self, path: &str) -> Option<String> {
+        let named = |origin: &Origin| origin.path == path;
+        let system = self.system;
+        if let Some((element, class)) = elements(system).find(|(e, _)| named(&e.origin)) {
+            return Some(self.element(element, class));
+        }
+        if let Some(body) = system.bodies.iter().position(|body| named(&body.origin)) {
+            return Some(self.body(body));
+        }
+        if let Some(marker) = system.markers.iter().position(|m| named(&m.origin)) {
+            return Some(self.marker(marker));
+        }
+        let texts = self.program.texts();
+        let parameters = system.parameters.iter().zip(&self.bound.parameters);
+        if let Some((parameter, value)) = parameters.into_iter().find(|(p, _)| named(&p.origin)) {
+            return Some(format!(
+                "{path}: a parameter, {}, stated at {}\n",
+                parameter.display.text(*value),
+                stated_at(texts, parameter.origin.used_at)
+            ));
+        }
+        // `main[1].force` is the path of three channels
+        let part = |channel: &&Channel| {
+            let rest = channel.path.strip_prefix(path);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        };
+        let channels: Vec<&Channel> = system.channels.iter().filter(part).collect();
+        let first = channels.first()?;
+        let element = system.elements.get(first.element as usize)?;
+        let mut text = format!(
+            "{path}: an output of {}, stated at {}\n",
+            element.origin.path,
+            stated_at(texts, element.origin.used_at)
+        );
+        for channel in channels {
+            let frame = match channel.frame.as_str() {
+                "" => String::new(),
+                frame => format!(", along {frame}"),
+            };
+            let unit = &channel.display.symbol;
+            let _ = writeln!(text, "  {} in {unit}{frame}", channel.path);
+        }
+        Some(text)
+    }
+
+    /// An element: class, markers, parameters, equations, outputs, text.
+    fn element(&self, element: &Element, class: &ElementClass) -> String {
+        let texts = self.program.texts();
+        let path = &element.origin.path;
+        let written = element
+            .origin
+            .defined_at
+            .and_then(|at| self.program.class_at(span(at)));
+        let mut text = format!("{path}: {}", class.name);
+        if let Some(ClassText { levels, .. }) = &written
+            && let Some((own, interfaces)) = levels.split_last()
+        {
+            let names: Vec<&str> = interfaces.iter().rev().map(|i| i.name.as_str()).collect();
+            let fills = match names.is_empty() {
+                true => String::new(),
+                false => format!(", which fills {}", names.join(" : ")),
+            };
+            let kind = texts.text(own.span).split_whitespace().next();
+            let kind = kind.unwrap_or("use");
+            text = format!("{path}: a {kind} of the class {}{fills}", class.name);
+        }
+        let _ = writeln!(
+            text,
+            "\n  stated at {}",
+            stated_at(texts, element.origin.used_at)
+        );
+        self.line(&mut text, element.origin.used_at);
+        self.markers(&mut text, element, written.as_ref());
+        self.parameters(&mut text, path);
+        equations(&mut text, class, texts);
+        self.outputs(&mut text, element);
+        for level in written.iter().flat_map(|written| &written.levels) {
+            self.level(&mut text, level);
+        }
+        text
+    }
+
+    /// The line of the text at a place.
+    fn line(&self, text: &mut String, place: Option<Location>) {
+        let Some(place) = place.map(span) else {
+            return;
+        };
+        let source = self.program.texts().get(place.source);
+        let all = source.map_or("", |source| source.text.as_str());
+        let start = place.start as usize;
+        let before = all.get(..start).unwrap_or_default();
+        let begin = before.rfind('\n').map_or(0, |at| at + 1);
+        let rest = all.get(begin..).unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "    {}",
+            rest.lines().next().unwrap_or_default().trim()
+        );
+    }
+
+    fn markers(&self, text: &mut String, element: &Element, written: Option<&ClassText>) {
+        let mut table = Table::new(&[&["marker", "is", "on"]]);
+        for (index, marker) in element.markers.iter().enumerate() {
+            let Some(marker) = self.system.markers.get(*marker as usize) else {
+                continue;
+            };
+            let name = written.and_then(|written| written.markers.get(index));
+            table.row(vec![
+                name.cloned().unwrap_or_default(),
+                marker.origin.path.clone(),
+                self.body_of(marker.body).to_owned(),
+            ]);
+        }
+        if !element.markers.is_empty() {
+            let _ = write!(text, "\n{}", table.render_left(1));
+        }
+    }
+
+    fn body_of(&self, body: BodyRef) -> &str {
+        match body {
+            BodyRef::Ground => "ground",
+            BodyRef::Body(index) => {
+                let body = self.system.bodies.get(index as usize);
+                body.map_or("", |body| body.origin.path.as_str())
+            }
+        }
+    }
+
+    /// The parameters of an item: those with its path before their name.
+    fn parameters(&self, text: &mut String, path: &str) {
+        let texts = self.program.texts();
+        let mut table = Table::new(&[&["parameter", "default", "stated at"]]);
+        let mut found = false;
+        for (parameter, value) in self.system.parameters.iter().zip(&self.bound.parameters) {
+            let Some(name) =
+                (parameter.origin.path.strip_prefix(path)).and_then(|rest| rest.strip_prefix('.'))
+            else {
+                continue;
+            };
+            found = true;
+            table.row(vec![
+                name.to_owned(),
+                parameter.display.text(*value),
+                stated_at(texts, parameter.origin.used_at),
+            ]);
+        }
+        if found {
+            let _ = write!(text, "\n{}", table.render_left(1));
+        }
+    }
+
+    fn outputs(&self, text: &mut String, element: &Element) {
+        let own = |channel: &&Channel| {
+            let owner = self.system.elements.get(channel.element as usize);
+            owner.is_some_and(|owner| std::ptr::eq(owner, element))
+        };
+        let mut table = Table::new(&[&["output", "unit", "along"]]);
+        let mut found = false;
+        for channel in self.system.channels.iter().filter(own) {
+            found = true;
+            let name = channel.path.strip_prefix(&element.origin.path);
+            table.row(vec![
+                name.unwrap_or(&channel.path)
+                    .trim_start_matches('.')
+                    .to_owned(),
+                channel.display.symbol.clone(),
+                channel.frame.clone(),
+            ]);
+        }
+        if found {
+            let _ = write!(text, "\n{}", table.render_left(1));
+        }
+    }
+
+    /// The text of a class or an interface with its comment.
+    fn level(&self, text: &mut String, level: &LevelText) {
+        let texts = self.program.texts();
+        let place = Location {
+            source: level.span.source.0,
+            start: level.span.start,
+            end: level.span.end,
+        };
+        let _ = writeln!(text, "\n  {}", stated_at(texts, Some(place)));
+        for line in &level.docs {
+            let _ = writeln!(text, "    {}", format!("/// {line}").trim_end());
+        }
+        for line in texts.text(level.span).lines() {
+            let _ = writeln!(text, "    {line}");
+        }
+    }
+
+    /// A body: mass, freedoms, markers, and the elements that act on it.
+    fn body(&self, index: usize) -> String {
+        let Some(body) = self.system.bodies.get(index) else {
+            return String::new();
+        };
+        let path = &body.origin.path;
+        let value = |slot| at(self.bound, slot);
+        let place = stated_at(self.program.texts(), body.origin.used_at);
+        let mut text = match &body.inertia {
+            BodyInertia::Flexible(_) => format!(
+                "{path}: a flexible body, stated at {place}\n  six freedoms, and those of its modes: `eng reduce` lists them\n"
+            ),
+            BodyInertia::Rigid {
+                mass,
+                center_of_mass,
+                inertia,
+            } => {
+                let [x, y, z] = center_of_mass.map(|slot| short(1e3 * value(slot), 6));
+                let [xx, yy, zz, xy, yz, zx] = inertia.map(|slot| short(value(slot), 6));
+                format!(
+                    "{path}: a rigid body with six freedoms, stated at {place}\n  mass {} kg, centre of mass [{x}, {y}, {z}] mm\n  inertia about it xx {xx}, yy {yy}, zz {zz}, xy {xy}, yz {yz}, zx {zx} kg m²\n",
+                    short(value(*mass), 6)
+                )
+            }
+        };
+        let mut table = Table::new(&[
+            &["marker", "x", "y", "z", "used by"],
+            &["", "mm", "mm", "mm", ""],
+        ]);
+        let mut found = false;
+        for (number, marker) in self.system.markers.iter().enumerate() {
+            if marker.body != BodyRef::Body(index as u32) {
+                continue;
+            }
+            found = true;
+            // the reduction places a marker of a flexible body
+            let position = marker.position.map(|slot| match marker.shape {
+                Some(_) => "–".to_owned(),
+                None => short(1e3 * value(slot), 6),
+            });
+            let [x, y, z] = position;
+            table.row(vec![
+                marker.origin.path.clone(),
+                x,
+                y,
+                z,
+                self.users(number),
+            ]);
+        }
+        if found {
+            let _ = write!(text, "\n{}", table.render_left(4));
+        }
+        self.parameters(&mut text, path);
+        text
+    }
+
+    /// The elements that use a marker.
+    fn users(&self, marker: usize) -> String {
+        let all = elements(self.system);
+        let own = all.filter(|(element, _)| element.markers.contains(&(marker as u32)));
+        let paths: Vec<&str> = own
+            .map(|(element, _)| element.origin.path.as_str())
+            .collect();
+        match paths.len().saturating_sub(MOST) {
+            0 => paths.join(", "),
+            more => format!("{} and {more} more", paths[..MOST].join(", ")),
+        }
+    }
+
+    fn marker(&self, index: usize) -> String {
+        let Some(marker) = self.system.markers.get(index) else {
+            return String::new();
+        };
+        let value = |slot| at(self.bound, slot);
+        let mut text = format!(
+            "{}: a marker on {}, stated at {}\n",
+            marker.origin.path,
+            self.body_of(marker.body),
+            stated_at(self.program.texts(), marker.origin.used_at)
+        );
+        if marker.shape.is_none() && marker.placed_at.is_none() {
+            let [x, y, z] = marker.position.map(|slot| short(1e3 * value(slot), 6));
+            let _ = writeln!(text, "  at [{x}, {y}, {z}] mm of its body");
+        }
+        if marker.placed_at.is_none() {
+            let r = marker.orientation.map(value);
+            for (column, name) in ["x", "y", "z"].into_iter().enumerate() {
+                // a rounding error is no direction
+                let [a, b, c] = [0, 3, 6].map(|row| {
+                    let part = r[row + column];
+                    short(if part.abs() < 1e-12 { 0.0 } else { part }, 6)
+                });
+                let _ = writeln!(text, "  {name} along [{a}, {b}, {c}] of its body");
+            }
+        }
+        let users = self.users(index);
+        if !users.is_empty() {
+            let _ = writeln!(text, "  used by {users}");
+        }
+        text
+    }
+}
+
+/// The equations, states and loads of a class.
+fn equations(text: &mut String, class: &ElementClass, texts: &SourceMap) {
+    let taken = match class.rows.len() {
+        0 => "takes no freedom".to_owned(),
+        rows => format!("takes {}", counted(rows, "freedom", "freedoms")),
+    };
+    let loads = match (class.applies_load, class.uses_twist) {
+        (false, _) => "",
+        (true, false) => "; applies loads that do not depend on velocities",
+        (true, true) => "; applies loads that depend on velocities",
+    };
+    let _ = writeln!(text, "\n  {taken}{loads}");
+    for row in &class.rows {
+        let _ = writeln!(
+            text,
+            "    {}   {}",
+            row.text,
+            stated_at(texts, row.defined_at)
+        );
+    }
+    for state in &class.states {
+        let _ = writeln!(text, "    the state {} has a rate", state.name);
+    }
+}
