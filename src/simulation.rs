@@ -105,7 +105,8 @@ impl SimulationBuilder {
 
     /// Freedoms and equations that repeat each other, at the assembled position.
     pub fn topology(self) -> Result<eng_runtime::TopologyReport, Error> {
-        eng_runtime::topology(self.model.compiled(), &self.overrides)
+        eng_runtime::Assembled::new(self.model.compiled(), &self.overrides)
+            .and_then(|assembled| assembled.topology().cloned())
             .map_err(|cause| run_error(&self.model, cause))
     }
 }

@@ -12,7 +12,7 @@
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
 //! | [`singular`] | singular values of dense matrices |
-//! | [`assembly`], [`mod@topology`], [`mod@loose`] | start; freedom and redundancy; unheld bodies |
+//! | [`assembly`], [`mod@topology`], [`assembled`], [`mod@loose`] | positions; freedom and redundancy; both of a model; unheld bodies |
 //! | [`mod@start`] | the quasi-static start of a turning engine |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
 //! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
@@ -38,6 +38,7 @@
 #![allow(clippy::needless_range_loop)]
 
 pub mod acceleration;
+pub mod assembled;
 pub mod assembly;
 pub mod body;
 pub mod chain;
@@ -68,6 +69,7 @@ pub mod state;
 pub mod topology;
 pub mod transient;
 
+pub use assembled::Assembled;
 pub use decay::{CycleReport, Mode};
 pub use equilibrium::run_static;
 pub use error::{
@@ -79,5 +81,5 @@ pub use linearised::{LinearModes, run_linear};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{CscView, Energy, Jump, Options, Pace, Simulation, Slow, StepReport, Warning};
 pub use start::{StartReport, Turning, Unstable};
-pub use topology::{TopologyReport, topology};
+pub use topology::TopologyReport;
 pub use transient::{Advance, Observer, RunSummary, Sample, Verdict, countable, run_transient};

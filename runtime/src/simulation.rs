@@ -8,7 +8,7 @@ mod saving;
 mod stepping;
 
 use crate::acceleration::AccelerationSystem;
-use crate::assembly;
+use crate::assembled::Assembled;
 use crate::checkpoint;
 use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
@@ -21,7 +21,6 @@ use crate::outputs::{Outputs, Watch};
 use crate::rotation::{M3, V3};
 use crate::start::{self, StartReport};
 use crate::state::State;
-use crate::topology;
 use astray::Astray;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
@@ -178,7 +177,25 @@ impl Simulation {
         overrides: &[Option<f64>],
         options: Options,
     ) -> Result<Simulation, RuntimeError> {
-        let (model, mut state) = assembled(compiled, overrides, &options)?;
+        let (model, state) = assembled(compiled, overrides, &options)?;
+        Simulation::started(model, state, options)
+    }
+
+    /// A simulation of an assembled model.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`], but for those of assembling.
+    pub fn of(assembled: &Assembled, options: Options) -> Result<Simulation, RuntimeError> {
+        check(&options, assembled.model())?;
+        let (model, state) = assembled.independent()?;
+        Simulation::started(model, state, options)
+    }
+
+    fn started(
+        model: Model,
+        mut state: State,
+        options: Options,
+    ) -> Result<Simulation, RuntimeError> {
         let start = start::begin(&model, &mut state, options.start)?;
         Simulation::begun(model, state, options, start)
     }
@@ -443,16 +460,9 @@ pub(crate) fn assembled(
     overrides: &[Option<f64>],
     options: &Options,
 ) -> Result<(Model, State), RuntimeError> {
-    let mut model = Model::bind(compiled, overrides)?;
+    let model = Model::bind(compiled, overrides)?;
     check(options, &model)?;
-    let state = assembly::assemble(&mut model)?;
-    let report = topology::analyze(&model, &state)?;
-    if !report.redundant.is_empty() {
-        return Err(RuntimeError::Redundant {
-            groups: report.redundant,
-        });
-    }
-    Ok((model, state))
+    Assembled::of(model)?.independent()
 }
 
 /// Share of the accelerations' contribution to a step that Newton's iteration may leave at the usual

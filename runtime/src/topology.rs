@@ -4,14 +4,13 @@
 //! satisfy the constraints. At a dead centre it drops locally, which is no redundancy. Drives, whose rows
 //! depend on time, are released in the search for such positions.
 
+use crate::assembly::at;
 use crate::assembly::closing::{Numbers, close};
 use crate::assembly::rows::{Along, Rows};
-use crate::assembly::{assemble, at};
 use crate::body::{BodyKind, BodyModel};
 use crate::error::{Massless, Moment, RedundantGroup, RuntimeError};
 use crate::model::Model;
 use crate::state::{State, move_pose};
-use eng_system::code::Compiled;
 use nalgebra::{DMatrix, DVector};
 
 /// Share of a unit row below which a pivot counts as zero.
@@ -35,16 +34,6 @@ pub struct TopologyReport {
     pub freedom: usize,
     /// One group for each redundant equation.
     pub redundant: Vec<RedundantGroup>,
-}
-
-/// Assembles a model and counts its freedoms.
-pub fn topology(
-    compiled: &Compiled,
-    overrides: &[Option<f64>],
-) -> Result<TopologyReport, RuntimeError> {
-    let mut model = Model::bind(compiled, overrides)?;
-    let state = assemble(&mut model)?;
-    analyze(&model, &state)
 }
 
 /// Counts the freedoms at an assembled state.

@@ -15,10 +15,12 @@ use crate::{Error, Quantity, RuntimeError};
 use eng_compiler::elaborate::AnalysisPlan;
 use eng_runtime::start::turn::{Turned, turn};
 use eng_runtime::{
-    Advance, LinearModes, Pace, PeriodicSummary, RunSummary, Slow, StartReport, Verdict, Warning,
+    Advance, Assembled, LinearModes, Pace, PeriodicSummary, RunSummary, Slow, StartReport, Verdict,
+    Warning,
 };
 use eng_system::code::BindError;
 use eng_system::system::{AnalysisKind, BodyRef, Extent, PointValue, Start, StepControl};
+use std::sync::OnceLock;
 
 /// An analysis, ready to run.
 #[derive(Clone, Debug)]
@@ -33,6 +35,8 @@ pub struct Analysis {
     stepped_here: Option<(&'static str, String)>,
     replaced: Vec<String>,
     recording: Recording,
+    /// Its model in the assembled position, for all that ask for it.
+    assembled: OnceLock<Result<Assembled, RuntimeError>>,
 }
 
 /// Findings of lints on an analysis.
@@ -176,6 +180,7 @@ impl Analysis {
             stepped_here: None,
             replaced: Vec::new(),
             recording: Recording::default(),
+            assembled: OnceLock::new(),
         })
     }
 
@@ -247,6 +252,7 @@ impl Analysis {
         if let Some(place) = self.overrides.get_mut(parameter.index) {
             *place = Some(value);
         }
+        self.assembled = OnceLock::new();
         Ok(self)
     }
 
@@ -311,6 +317,14 @@ impl Analysis {
         Ok(Machine::new(system, &self.bound()?, &self.plan.kind))
     }
 
+    /// Its model in the assembled position.
+    fn assembled(&self) -> Result<&Assembled, RuntimeError> {
+        let assembled = self
+            .assembled
+            .get_or_init(|| Assembled::new(self.model.compiled(), &self.overrides));
+        assembled.as_ref().map_err(RuntimeError::clone)
+    }
+
     /// Findings of lints on its numbers and on the assembled model, with the failed `advise`s of the start.
     /// Another stage reports a model that does not assemble.
     pub(crate) fn findings(&self) -> Result<Findings, Error> {
@@ -318,18 +332,14 @@ impl Analysis {
         let bound = self.bound()?;
         let mut list = lint::of_numbers(compiled, overrides, &bound);
         let mut turned = None;
-        let model = eng_runtime::model::Model::bind(compiled, overrides);
-        let assembled = model.and_then(|mut model| {
-            let state = eng_runtime::assembly::assemble(&mut model)?;
-            Ok((model, state))
-        });
-        if let Ok((model, state)) = assembled {
+        if let Ok(assembled) = self.assembled() {
+            let (model, state) = (assembled.model(), assembled.state());
             let origin = &self.plan.origin;
-            list.extend(lint::of_start(&model, &state, &self.plan.kind, origin));
+            list.extend(lint::of_start(model, state, &self.plan.kind, origin));
             // the dry turn is the same for all points of a sweep
             let first = self.plan.point.is_empty() || self.plan.origin.path.ends_with("[1]");
             if first {
-                let (found, turn) = lint::of_turn(compiled, overrides, &bound);
+                let (found, turn) = lint::of_turn(assembled, &bound);
                 list.extend(found);
                 turned = turn;
             }
@@ -341,14 +351,13 @@ impl Analysis {
     /// ground's axes).
     pub fn positions(&self) -> Result<Vec<(String, String, [f64; 3])>, Error> {
         let compiled = self.model.compiled();
-        let bind = eng_runtime::model::Model::bind(compiled, &self.overrides);
-        let mut model = bind.map_err(|e| self.error(e))?;
-        let state = eng_runtime::assembly::assemble(&mut model).map_err(|e| self.error(e))?;
+        let assembled = self.assembled().map_err(|e| self.error(e))?;
+        let (model, state) = (assembled.model(), assembled.state());
         let markers = compiled.system.markers.iter().enumerate();
         let stated = markers.filter(|(_, marker)| !marker.origin.path.is_empty());
         let placed = stated.map(|(index, marker)| {
             let found =
-                eng_runtime::assembly::rows::marker(&model, index, &state.pose, &state.velocity);
+                eng_runtime::assembly::rows::marker(model, index, &state.pose, &state.velocity);
             let body = match marker.body {
                 BodyRef::Ground => "ground".to_owned(),
                 BodyRef::Body(body) => compiled.system.bodies[body as usize].origin.path.clone(),
@@ -361,7 +370,9 @@ impl Analysis {
     /// Failed `advise`s on the motion at the start.
     pub(crate) fn findings_of_start(&self) -> Vec<Finding> {
         let options = eng_runtime::Options::default();
-        let start = eng_runtime::Simulation::new(self.model.compiled(), &self.overrides, options);
+        let start = self
+            .assembled()
+            .and_then(|assembled| eng_runtime::Simulation::of(assembled, options));
         let Ok(mut simulation) = start else {
             return Vec::new();
         };
@@ -437,13 +448,13 @@ impl Analysis {
 
     /// Assembles the model at the start of the analysis, and counts its freedoms.
     pub fn topology(&self) -> Result<eng_runtime::TopologyReport, Error> {
-        let (compiled, overrides) = (self.model.compiled(), &self.overrides);
+        let assembled = self.assembled().map_err(|cause| self.error(cause))?;
         let begins = |start: Start| {
             let options = eng_runtime::Options {
                 start,
                 ..eng_runtime::Options::default()
             };
-            eng_runtime::Simulation::new(compiled, overrides, options)
+            eng_runtime::Simulation::of(assembled, options)
         };
         // The start has conditions of its own, on clearances and velocities. They count in the state in which
         // the run begins. This state is costly, so it is computed only if the assembled state fails the
@@ -459,7 +470,7 @@ impl Analysis {
             other => other,
         };
         begun
-            .and_then(|_| eng_runtime::topology(compiled, overrides))
+            .and_then(|_| assembled.topology().cloned())
             .map_err(|cause| self.error(cause))
     }
 
@@ -475,7 +486,9 @@ impl Analysis {
 
     /// Bodies that nothing holds, as a warning.
     pub fn hanging(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
-        let found = eng_runtime::start::hanging::hanging(self.model.compiled(), &self.overrides)
+        let found = self
+            .assembled()
+            .and_then(eng_runtime::start::hanging::hanging)
             .map_err(|cause| self.error(cause))?;
         Ok(found.as_ref().map(crate::failure::hanging))
     }
@@ -484,11 +497,8 @@ impl Analysis {
     /// need not reach it. Call it for machines that [`Analysis::hanging`] finds held, because geometry does
     /// not determine the motion of a falling machine.
     pub fn dry_turn(&self) -> Result<Option<eng_grammar::Diagnostic>, Error> {
-        self.lock(turn(
-            self.model.compiled(),
-            &self.overrides,
-            &mut |_| Ok(()),
-        ))
+        let assembled = self.assembled();
+        self.lock(assembled.and_then(|assembled| turn(assembled, &mut |_| Ok(()))))
     }
 
     /// The warning about a lock in the dry turn.

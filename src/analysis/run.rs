@@ -83,7 +83,7 @@ impl Analysis {
                 solved.modes = Some(found);
             }
             AnalysisKind::Static(wanted) => run_static(compiled, overrides, wanted, recorder)?,
-            AnalysisKind::Assemble(_) => self.assembled(recorder)?,
+            AnalysisKind::Assemble(_) => self.record_assembled(recorder)?,
         }
         Ok(solved)
     }
@@ -244,7 +244,7 @@ impl Analysis {
             .collect())
     }
 
-    fn assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), RuntimeError> {
+    fn record_assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), RuntimeError> {
         let mut simulation = eng_runtime::Simulation::new(
             self.model.compiled(),
             &self.overrides,

@@ -8,11 +8,11 @@ use super::assembled::Start;
 use super::{Finding, short};
 use crate::codes;
 use crate::machine::at;
-use eng_runtime::RuntimeError;
 use eng_runtime::assembly::rows;
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
 use eng_runtime::start::turn::{Place, Turned, turn};
+use eng_runtime::{Assembled, RuntimeError};
 use eng_system::code::{Bound, Compiled};
 use eng_system::lint;
 use eng_system::system::{FiringInfo, Origin, Slot, System};
@@ -83,10 +83,10 @@ struct Watched<'s> {
 /// Probable mistakes in cycle and cylinders of a model, and the angle of its turn. The angle is `None` if the
 /// model has neither and did not turn. A lock is no finding here, because the caller has its error.
 pub(crate) fn turned(
-    compiled: &Compiled,
-    overrides: &[Option<f64>],
+    assembled: &Assembled,
     bound: &Bound,
 ) -> (Vec<Finding>, Option<Result<Turned, RuntimeError>>) {
+    let compiled = &assembled.model().compiled;
     let system = &compiled.system;
     let of = |firing: &FiringInfo, local: u32| {
         let markers = &system.elements[firing.element as usize].markers;
@@ -118,7 +118,7 @@ pub(crate) fn turned(
     let mut shaft = None;
     // the cycle's angle at the first and the last position, and the finding if it decreases
     let (mut angles, mut backwards): (Option<[f64; 2]>, _) = (None, None);
-    let found = turn(compiled, overrides, &mut |place| {
+    let found = turn(assembled, &mut |place| {
         let first = angles.map_or(place.angle, |[first, _]| first);
         if angles.is_none() {
             let (model, state) = (place.model, place.state);

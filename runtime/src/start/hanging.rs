@@ -6,13 +6,12 @@
 //! free motions reach every direction of space.
 
 use super::motion::SteadyMotion;
+use crate::assembled::Assembled;
+use crate::assembly::at;
 use crate::assembly::rows::{Along, Rows, wishes};
-use crate::assembly::{assemble, at};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::singular::decompose;
-use crate::state::State;
-use eng_system::code::Compiled;
 use eng_system::system::Origin;
 use nalgebra::DMatrix;
 
@@ -32,16 +31,8 @@ pub struct Hanging {
 
 /// The bodies of a model that nothing holds in its assembled state, although some element joins them to
 /// others. `None` if all are held. The compiler reports bodies without a path to the ground.
-pub fn hanging(
-    compiled: &Compiled,
-    overrides: &[Option<f64>],
-) -> Result<Option<Hanging>, RuntimeError> {
-    let mut model = Model::bind(compiled, overrides)?;
-    let state = assemble(&mut model)?;
-    found(&model, &state)
-}
-
-fn found(model: &Model, state: &State) -> Result<Option<Hanging>, RuntimeError> {
+pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
+    let (model, state) = (assembled.model(), assembled.state());
     // further markers, such as those of the cycle's angle, are only read: nothing acts on them
     let bodies_of = |e: usize| {
         let markers = model.elements[e].markers.iter().take(2);

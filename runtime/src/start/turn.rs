@@ -6,9 +6,10 @@
 //! position cannot be reached, the mechanism locks there.
 
 use super::motion::SteadyMotion;
+use crate::assembled::Assembled;
 use crate::assembly::closing::set_mobility;
 use crate::assembly::rows::{self, Along, Rows, wishes};
-use crate::assembly::{assemble, at, chains, lock};
+use crate::assembly::{at, chains, lock};
 use crate::body::BodyModel;
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
@@ -16,7 +17,6 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
 use crate::state::{State, move_pose};
-use eng_system::code::Compiled;
 use eng_system::system::Extent;
 use nalgebra::DVector;
 
@@ -195,31 +195,30 @@ fn unreached(now: f64, target: f64) -> RuntimeError {
 /// [`RuntimeError::Locked`] with the cycle angle that the mechanism does not pass; errors of assembling and
 /// evaluating.
 pub fn turn(
-    compiled: &Compiled,
-    overrides: &[Option<f64>],
+    assembled: &Assembled,
     visit: &mut dyn FnMut(&Place<'_>) -> Result<(), RuntimeError>,
 ) -> Result<Turned, RuntimeError> {
-    let mut model = Model::bind(compiled, overrides)?;
+    let model = assembled.model();
     if model.velocities == 0 {
         // a model without a body: the equations of its motion are empty
         return Ok(Turned::Not);
     }
-    let mut state = assemble(&mut model)?;
-    let Ok(motion) = SteadyMotion::new(&model, &state) else {
+    let mut state = assembled.state().clone();
+    let Ok(motion) = SteadyMotion::new(model, &state) else {
         return Ok(Turned::Not);
     };
-    let cycle = compiled.system.cycle.as_ref();
-    let mut turning = Turning::new(&model, motion, cycle.map(|cycle| cycle.element as usize))?;
+    let cycle = model.compiled.system.cycle.as_ref();
+    let mut turning = Turning::new(model, motion, cycle.map(|cycle| cycle.element as usize))?;
     let period = cycle.map_or(std::f64::consts::TAU, |cycle| model.slot(cycle.period));
-    let Ok(velocity) = turning.motion.velocity(&model, &state) else {
+    let Ok(velocity) = turning.motion.velocity(model, &state) else {
         return Ok(Turned::Not);
     };
     state.velocity.copy_from_slice(&velocity);
     if cycle.is_none() {
-        turning.speed = driven(&model, &state)?;
+        turning.speed = driven(model, &state)?;
     }
     let [start, rate] = turning.cycle(&state)?;
-    let stands = rate.abs() <= STANDS * fastest(&model, &state);
+    let stands = rate.abs() <= STANDS * fastest(model, &state);
     if stands || !rate.is_finite() || !(period > 0.0 && period.is_finite()) {
         return Ok(Turned::Not);
     }
@@ -228,7 +227,7 @@ pub fn turn(
     let places = libm::round(turns * PLACES) as usize;
     let (mut angle, mut now, mut highest) = (start, rate, rate.abs());
     visit(&Place {
-        model: &model,
+        model,
         state: &state,
         angle,
     })?;
@@ -258,7 +257,7 @@ pub fn turn(
             }
         }
         visit(&Place {
-            model: &model,
+            model,
             state: &state,
             angle,
         })?;

@@ -3,9 +3,14 @@
 use crate::mechanisms::*;
 use crate::support::classes::*;
 use crate::support::*;
-use eng_runtime::{Options, RuntimeError, Simulation, topology};
+use eng_runtime::{Assembled, Options, RuntimeError, Simulation, TopologyReport};
+use eng_system::code::Compiled;
 use eng_system::system::Role;
 use std::f64::consts::PI;
+
+fn topology(compiled: &Compiled) -> Result<TopologyReport, RuntimeError> {
+    Assembled::new(compiled, &[])?.topology().cloned()
+}
 
 #[test]
 fn slider_crank_assembles_on_its_branch() {
@@ -44,7 +49,7 @@ fn counts_freedom() {
         [0.0; 3],
         false,
     );
-    let report = topology(&m.compiled, &[]).unwrap();
+    let report = topology(&m.compiled).unwrap();
     assert_eq!(
         (report.velocities, report.equations, report.freedom),
         (18, 17, 1)
@@ -82,7 +87,7 @@ fn shaft(offset: f64) -> eng_system::code::Compiled {
 
 #[test]
 fn redundant_joints_are_named() {
-    let report = topology(&shaft(0.0), &[]).unwrap();
+    let report = topology(&shaft(0.0)).unwrap();
     assert_eq!((report.equations, report.rank, report.freedom), (10, 5, 1));
     assert_eq!(report.redundant.len(), 5);
     for group in &report.redundant {
@@ -105,7 +110,7 @@ fn redundant_joints_are_named() {
 
 #[test]
 fn an_open_loop_is_named_with_its_gap() {
-    let error = topology(&shaft(0.002), &[]).unwrap_err();
+    let error = topology(&shaft(0.002)).unwrap_err();
     let RuntimeError::OpenLoop { rows, .. } = &error else {
         panic!("{error}");
     };
@@ -134,7 +139,7 @@ fn an_impossible_branch_is_named() {
     let hold = b.class("Spherical", Spherical);
     b.element("hold", hold, Role::Dynamic, &[a, seat], &[], &[]);
     assert_eq!(slide, 0);
-    let error = topology(&b.finish(), &[]).unwrap_err();
+    let error = topology(&b.finish()).unwrap_err();
     assert!(
         matches!(error, RuntimeError::Branch { ref condition, .. } if condition == "travel > limit"),
         "{error}"
@@ -214,6 +219,6 @@ fn a_body_without_mass_is_refused() {
             place: None,
         },
     );
-    let error = topology(&b.finish(), &[]).unwrap_err();
+    let error = topology(&b.finish()).unwrap_err();
     assert!(matches!(error, RuntimeError::Body { ref origin, .. } if origin.path == "ghost"));
 }
