@@ -137,7 +137,7 @@ fn the_interfaces_of_the_reference_run() {
             .unwrap_or_else(|failed| panic!("{}", failed.error));
         results.push(outcome.results);
     }
-    let [stop, wheel, shaft, plug] = results.as_slice() else {
+    let [stop, wheel, shaft, plug, bounce] = results.as_slice() else {
         panic!("{} models", results.len());
     };
     // it falls 4 mm in 28.6 ms; the energy m g (4 mm + d) = k (d^2/2 + d^4/(4 full^2)) gives d = 2.6389 mm at
@@ -163,6 +163,11 @@ fn the_interfaces_of_the_reference_run() {
     let pressure = &plug.column("gas.net_pressure").expect("an output").values;
     let most = pressure.iter().copied().fold(0.0, f64::max);
     assert!((most / 2.561_369e5 - 1.0).abs() < 1e-3, "{most}");
+    // m v dv/dd = -k d^1.5 (1 + loss v) gives v - ln(1 + loss v)/loss the same value at v = 2 m/s, when the ball
+    // comes, and at v = -1.577078 m/s, when it leaves, whatever the stiffness
+    let speed = &bounce.column("speed").expect("an output").values;
+    let leaves = speed[speed.len() - 1];
+    assert!((leaves / 1.577_078 - 1.0).abs() < 1e-4, "{leaves}");
     // both films carry the shaft, the grooved one by a fifth less at the same eccentricity
     let film = |path: &str| {
         let column = shaft.column(&format!("{path}.minimum_film"));
