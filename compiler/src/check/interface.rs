@@ -137,6 +137,12 @@ impl<'p> Checker<'p> {
                 .flat_map(|level| &level.block.items)
                 .find_map(|item| {
                     let stands = matches!(&item.kind, ItemKind::Binding(b) if is_parameter(b));
+                    // the rows of a table are elements, and a component is several
+                    let has_summary =
+                        matches!(&item.kind, ItemKind::Binding(b) if b.summary.is_some());
+                    if kind == Kind::Component && has_summary {
+                        return Some((item, "a summary"));
+                    }
                     let (what, _) = placing(kind, &item.kind).filter(|_| !stands)?;
                     Some((item, what))
                 });
