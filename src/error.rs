@@ -45,6 +45,16 @@ pub enum Error {
         /// The model that states it.
         model: String,
     },
+    /// A word that its choice does not have.
+    #[error("`{word}` is no word of {path}: its words are {words}")]
+    NoWord {
+        /// The constant of the model.
+        path: String,
+        /// The wanted word.
+        word: String,
+        /// The words of the choice.
+        words: String,
+    },
     /// A constant of the file in place of a parameter.
     #[error(
         "{name} is a `const` of the file, not a parameter: change it in the text, or make it a `param` of the model"

@@ -329,6 +329,27 @@ impl Program {
         }
     }
 
+    /// Whether an analysis with an index gives a constant other values at other points.
+    pub(crate) fn varies(&self, analysis: &str, path: &str) -> bool {
+        let base = |name: &str| name.split('[').next().map(str::to_owned);
+        let mut values = self
+            .inner
+            .plans
+            .iter()
+            .filter(|plan| {
+                !plan.analysis.point.is_empty()
+                    && base(&plan.analysis.origin.path) == base(analysis)
+            })
+            .map(|plan| plan.constants.iter().find(|(known, _)| known == path));
+        let first = values.next();
+        values.any(|value| Some(value) != first)
+    }
+
+    /// The checked texts.
+    pub(crate) fn typed(&self) -> &TypedProgram {
+        &self.inner.typed
+    }
+
     /// The error about a missing parameter, if a constant of the model or of the file has this name.
     pub(crate) fn constant(&self, model: &str, name: &str) -> Option<Error> {
         let is_constant = |item: &eng_grammar::ast::Item| {

@@ -142,3 +142,82 @@ analysis swing = transient(Swing(), duration: 5 s, sample: 10 ms)
     assert_eq!(code, Some(0), "{errors}");
     let _ = std::fs::remove_dir_all(&folder);
 }
+
+const CHOICE: &str = "
+choice Sense = forward | backward
+model Spin {
+    const sense: Sense = forward
+    param mass: Mass = 1 kg
+    gravity = [0, 0, 0] m/s^2
+    body disc { mass = mass; inertia = [1, 1, 1] g*m^2; start velocity = [if sense == forward then 1 else if sense == backward then -1, 0, 0] m/s }
+    output way = dot(disc.origin.velocity, ground.x)*1 s as m
+    output doubled = dot(disc.origin.velocity, ground.x)*(mass/(1 kg)) as m/s
+}
+analysis slides = transient(Spin(), duration: 10 ms, sample: 1 ms)
+analysis each[s in [Sense.forward, Sense.backward]] = transient(Spin(sense: s), duration: 10 ms, sample: 1 ms)
+";
+
+#[test]
+fn a_word_of_a_choice_replaces_that_of_the_text() {
+    let sources = eng::Sources::from_text("spin.eng", CHOICE);
+    let checked = eng::check(&sources, "spin.eng");
+    let program = checked.into_program().expect("a right text");
+    let last = |analysis: &eng::Analysis, channel: &str| {
+        let outcome = analysis.run(&mut |_| {}).expect("it runs");
+        let mut columns = outcome.results.columns().iter();
+        let column = columns.find(|column| column.path == channel);
+        let values = &column.expect("a column").values;
+        values.last().copied().expect("a sample")
+    };
+    let slides = || program.analysis("slides").expect("an analysis");
+    assert_eq!(last(&slides(), "way"), 1.0);
+    let mass = slides().parameter("mass").expect("a parameter");
+    let heavy = slides()
+        .set(mass, "3 kg".parse().expect("a mass"))
+        .expect("set");
+    let back = heavy.choose("sense", "backward").expect("a word");
+    assert_eq!(last(&back, "way"), -1.0);
+    // the mass that was set before stays
+    assert_eq!(last(&back, "doubled"), -3.0);
+    let told = |word: &str| vec![format!("sense = {word} in place of the word of the text")];
+    assert_eq!(back.replaced(), told("backward"));
+    let again = back.choose("sense", "forward").expect("a word");
+    assert_eq!(last(&again, "doubled"), 3.0);
+    assert_eq!(again.replaced(), told("forward"));
+
+    let failed = |analysis: eng::Analysis, path: &str, word: &str| {
+        let failed = analysis.choose(path, word).expect_err("no such word");
+        failed.to_string()
+    };
+    assert_eq!(
+        failed(slides(), "sense", "forwards"),
+        "`forwards` is no word of sense: its words are forward, backward"
+    );
+    assert!(failed(slides(), "sens", "forward").contains("no parameter"));
+    let each = program.analysis("each[1]").expect("an analysis");
+    assert!(failed(each, "sense", "forward").contains("varies from point to point"));
+}
+
+#[test]
+fn set_takes_a_word() {
+    let folder = folder("choice");
+    std::fs::write(folder.join("spin.eng"), CHOICE).expect("written");
+    let run = [
+        "run",
+        "spin.eng",
+        "--analysis",
+        "slides",
+        "--no-plots",
+        "--set",
+    ];
+    let (code, said, errors) = eng(&folder, &[&run[..], &["sense=backward"]].concat());
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(said.contains("sense = backward"), "{said}");
+    let (code, _, errors) = eng(&folder, &[&run[..], &["sense=3"]].concat());
+    assert_eq!(code, Some(2), "{errors}");
+    assert!(
+        errors.contains("its words are forward, backward"),
+        "{errors}"
+    );
+    std::fs::remove_dir_all(&folder).expect("removed");
+}

@@ -110,6 +110,17 @@ impl Program {
             .get(id.item as usize)
     }
 
+    /// A word of a choice, by its place among the words.
+    pub fn word(&self, choice: DefinitionId, place: u32) -> Option<&str> {
+        match &self.item(choice)?.kind {
+            ast::ItemKind::Choice(choice) => {
+                let word = choice.words.get(place as usize)?;
+                Some(&word.text)
+            }
+            _ => None,
+        }
+    }
+
     /// The definition of a name at the top level of a module.
     pub fn lookup(&self, module: u32, name: &str) -> Option<DefinitionId> {
         self.modules.get(module as usize)?.scope.get(name).copied()
@@ -293,6 +304,8 @@ pub enum ValueType {
     Int,
     Bool,
     Text,
+    /// A word of a choice.
+    Choice(DefinitionId),
     Marker,
     Array(Box<ValueType>),
     /// Functions, records, classes.

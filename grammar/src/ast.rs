@@ -56,6 +56,8 @@ pub enum ItemKind {
     Dimension(DimensionItem),
     /// `unit kN = 1e3 N`.
     Unit(UnitItem),
+    /// `choice End = timing_end | driving_end`.
+    Choice(Choice),
     /// `const`, `param`, `let`, `state`, `output`.
     Binding(Binding),
     /// `fn f(x: Length) -> Area = x^2`.
@@ -118,6 +120,15 @@ pub struct UnitItem {
     pub definition: Option<Expr>,
     /// The zero of an affine unit, after `from`.
     pub offset: Option<Expr>,
+}
+
+/// `choice End = timing_end | driving_end`: values that are words.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The name it gives.
+    pub name: Name,
+    /// Its words in order.
+    pub words: Vec<Name>,
 }
 
 /// Which binding.
@@ -588,8 +599,8 @@ pub enum ExprKind {
         condition: Box<Expr>,
         /// Value if the condition holds.
         then: Box<Expr>,
-        /// Value otherwise.
-        otherwise: Box<Expr>,
+        /// Value otherwise; absent at the end of a chain over all words of a choice.
+        otherwise: Option<Box<Expr>>,
     },
     /// `1..5`, `1000 rpm .. 6000 rpm by 250 rpm`, including both ends.
     Range {

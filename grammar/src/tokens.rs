@@ -117,7 +117,7 @@ pub(crate) fn tokens(text: &str) -> Vec<Token> {
                     if character == '\u{FEFF}' {
                         continue;
                     }
-                    if "()[]{}<>=+-*/^.,:;%".contains(character) {
+                    if "()[]{}<>=+-*/^.,:;%|".contains(character) {
                         TokenKind::Sign
                     } else {
                         TokenKind::Strange

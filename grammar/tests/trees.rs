@@ -92,6 +92,29 @@ fn a_word_that_is_no_unit_ends_the_unit() {
     assert!(diagnostics.has_errors(), "300 factors");
 }
 
+fn items_of(text: &str) -> String {
+    let (file, diagnostics) = parsed(text);
+    assert!(diagnostics.is_empty(), "{diagnostics:?}");
+    tree(&file.items)
+}
+
+#[test]
+fn a_choice_has_words_and_its_chains_may_end_without_else() {
+    assert_eq!(
+        items_of("choice End = timing_end\n    | driving_end\nchoice One = only"),
+        "(choice End timing_end driving_end)\n(choice One only)\n"
+    );
+    for (text, expected) in [
+        ("if a == b then 1", "(if (== a b) 1)"),
+        ("if a then 1 else if b then 2", "(if a 1 (if b 2))"),
+        ("(if a then 1) + 2", "(+ (paren (if a 1)) 2)"),
+    ] {
+        assert_eq!(expression(text), expected, "{text}");
+    }
+    // `choice` is a name elsewhere
+    assert_eq!(items_of("let choice = 3"), "(let choice = 3)\n");
+}
+
 #[test]
 fn units_bind_tightest_and_end_in_time() {
     for (text, expected) in [

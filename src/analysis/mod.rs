@@ -1,5 +1,6 @@
 //! Running the analyses of a program.
 
+mod choose;
 mod motion;
 mod run;
 
@@ -12,7 +13,7 @@ use crate::results::{Recording, Results};
 use crate::significant::short;
 use crate::simulation::run_error_with;
 use crate::{Error, Quantity, RuntimeError};
-use eng_compiler::elaborate::AnalysisPlan;
+use eng_compiler::elaborate::{AnalysisPlan, Structural};
 use eng_runtime::start::turn::{Turned, turn};
 use eng_runtime::{
     Advance, Assembled, LinearModes, Pace, PeriodicSummary, RunSummary, Slow, StartReport, Verdict,
@@ -34,6 +35,8 @@ pub struct Analysis {
     /// `step` or `tolerance` set in place of the text's, with its value.
     stepped_here: Option<(&'static str, String)>,
     replaced: Vec<String>,
+    /// Words of choices in place of the text's: path, word, value.
+    chosen: Vec<(String, String, Structural)>,
     recording: Recording,
     /// Its model in the assembled position, for all that ask for it.
     assembled: OnceLock<Result<Assembled, RuntimeError>>,
@@ -179,6 +182,7 @@ impl Analysis {
             set_here: Vec::new(),
             stepped_here: None,
             replaced: Vec::new(),
+            chosen: Vec::new(),
             recording: Recording::default(),
             assembled: OnceLock::new(),
         })

@@ -183,6 +183,9 @@ impl Analysis {
         if let Some((name, value)) = &self.stepped_here {
             results.set_metadata(format!("override.{name}"), value);
         }
+        for (path, word, _) in &self.chosen {
+            results.set_metadata(format!("override.{path}"), word);
+        }
         for point in self.point() {
             results.set_metadata(
                 format!("point.{}", point.name),
@@ -230,6 +233,9 @@ impl Analysis {
             self.recording.channels,
             self.model.compiled().system,
         );
+        for (path, word, _) in &self.chosen {
+            let _ = write!(text, " {path} {word}");
+        }
         let bound = self.bound()?;
         for value in bound.parameters.iter().chain(&bound.slots) {
             // writing to a text cannot fail

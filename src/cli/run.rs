@@ -86,6 +86,12 @@ fn prepare(
     let mut analysis = analysis?;
     for setting in settings {
         let usage = |e: Error| Refusal::Usage(format!("--set {}: {e}", setting.path));
+        if analysis.chooses(&setting.path) {
+            analysis = analysis
+                .choose(&setting.path, setting.value.trim())
+                .map_err(usage)?;
+            continue;
+        }
         let parameter = analysis.parameter(&setting.path).map_err(usage)?;
         let value: Quantity = setting
             .value

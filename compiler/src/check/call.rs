@@ -101,7 +101,7 @@ impl<'p> Checker<'p> {
             );
             return Type::Error;
         }
-        match self.infer(scope, callee) {
+        match self.infer_due(scope, callee, None) {
             Type::Error => {
                 for argument in arguments {
                     self.infer(scope, &argument.value);

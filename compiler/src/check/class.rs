@@ -50,6 +50,7 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
         ItemKind::Error | ItemKind::Function(_) => ANYWHERE,
         ItemKind::Use(_) => (false, "a `use`", AT_THE_TOP),
         ItemKind::Dimension(_) | ItemKind::Unit(_) => (false, "a dimension or unit", AT_THE_TOP),
+        ItemKind::Choice(_) => (false, "a choice", AT_THE_TOP),
         ItemKind::Table(_) => (
             holder.parts || holder.class,
             "a table",
@@ -555,6 +556,7 @@ pub(super) fn item_place(item: &Item) -> Span {
         ItemKind::Entry(entry) => entry.word.to(entry.name.span),
         ItemKind::Dimension(dimension) => dimension.name.span,
         ItemKind::Unit(unit) => unit.name.span,
+        ItemKind::Choice(choice) => choice.name.span,
         ItemKind::Use(_) | ItemKind::Statement(_) | ItemKind::Error => item.span,
     }
 }

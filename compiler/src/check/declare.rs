@@ -169,6 +169,7 @@ impl<'p> Checker<'p> {
                     }
                 },
                 ItemKind::Dimension(_) => return self.dimension(&name.text),
+                ItemKind::Choice(_) => return Type::Choice(id),
                 _ => {}
             }
         }
@@ -309,7 +310,8 @@ impl<'p> Checker<'p> {
             };
             // A count that is a `param` is refused at its declaration.
             let ty = self.name(scope, &name, span);
-            if ty.is_error() || matches!(ty, Type::Int | Type::Bool | Type::Text) {
+            if ty.is_error() || matches!(ty, Type::Int | Type::Bool | Type::Text | Type::Choice(_))
+            {
                 continue;
             }
             let message = Diagnostic::error(
@@ -394,6 +396,7 @@ impl<'p> Checker<'p> {
             (None, Some(declared)) => declared.clone(),
             (None, None) => Type::Error,
         };
+        self.hides_word(&binding.name, &found);
         self.binding_needs(outer, binding, &found);
         let ty = self.output_axes(&scope, outer, binding, found);
         let ty = self.shown(binding, ty);
@@ -514,7 +517,10 @@ impl<'p> Checker<'p> {
         }
         if binding.kind == BindingKind::Param
             && around != Some(Kind::Interface)
-            && matches!(ty, Type::Int | Type::Bool | Type::Text | Type::ModeSet)
+            && matches!(
+                ty,
+                Type::Int | Type::Bool | Type::Text | Type::ModeSet | Type::Choice(_)
+            )
         {
             let found = self.describe(ty);
             let message = Diagnostic::error(
@@ -636,6 +642,7 @@ impl<'p> Checker<'p> {
     /// Checks a parameter of a class or function, and gives its type.
     pub(super) fn parameter(&mut self, scope: &Scope<'p>, parameter: &Parameter) -> Type {
         let ty = self.ty(scope, &parameter.ty);
+        self.hides_word(&parameter.name, &ty);
         if let Some(default) = &parameter.default {
             let mut due = Due::new(format!("`{}`", parameter.name.text))
                 .declared(parameter.ty.span, "declared here");
@@ -694,7 +701,9 @@ pub(super) fn collect_names(expr: &Expr, names: &mut Vec<(String, Span)>) {
         } => {
             collect_names(condition, names);
             collect_names(then, names);
-            collect_names(otherwise, names);
+            if let Some(otherwise) = otherwise {
+                collect_names(otherwise, names);
+            }
         }
         ExprKind::Range { from, to, by } => {
             collect_names(from, names);

@@ -191,6 +191,10 @@ impl Checker<'_> {
             Type::Int => "a whole number".to_owned(),
             Type::Bool => "true or false".to_owned(),
             Type::Text => "a text".to_owned(),
+            Type::Choice(id) => {
+                let choice = self.choice(*id).map_or("", |choice| &choice.name.text);
+                format!("a word of the choice `{choice}`")
+            }
             Type::ModeSet => "a mode set".to_owned(),
             Type::Scalar(quantity) if quantity.dim.is_one() => "a plain number".to_owned(),
             Type::Scalar(quantity) => with_article(&self.quantity_name(quantity)),

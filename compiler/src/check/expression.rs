@@ -106,22 +106,14 @@ impl<'p> Checker<'p> {
                 condition,
                 then,
                 otherwise,
-            } => {
-                self.condition(scope, condition, "the condition of `if`");
-                let (a, b) = (self.infer(scope, then), self.infer(scope, otherwise));
-                self.join(
-                    (&a, then.span),
-                    (&b, otherwise.span),
-                    "the two values of `if`",
-                )
-            }
+            } => self.conditional(scope, (condition, then, otherwise.as_deref()), &[]),
             ExprKind::Range { from, to, by } => self.range(scope, from, to, by.as_deref()),
         }
     }
 
     /// Checks an expression that must be true or false.
     pub(super) fn condition(&mut self, scope: &Scope<'p>, expr: &Expr, what: &str) {
-        let ty = self.infer(scope, expr);
+        let ty = self.infer_due(scope, expr, None);
         if ty.is_error() || ty == Type::Bool {
             return;
         }
@@ -415,6 +407,7 @@ impl<'p> Checker<'p> {
             if !element.is_error() {
                 self.structural(&inner, &binder.range);
             }
+            self.hides_word(&binder.name, &element);
             inner.locals.push((binder.name.text.clone(), element));
         }
         inner

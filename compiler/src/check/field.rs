@@ -10,7 +10,10 @@ use eng_system::Dimension;
 
 impl<'p> Checker<'p> {
     pub(super) fn field(&mut self, scope: &Scope<'p>, base: &Expr, name: &Name) -> Type {
-        let ty = self.infer(scope, base);
+        if let Some(word) = self.word_of_choice(scope, base, name) {
+            return word;
+        }
+        let ty = self.infer_due(scope, base, None);
         // `rod[*].big`: of each element.
         if let (
             Type::List {

@@ -318,6 +318,12 @@ impl<'p> Levels<'_, 'p> {
             ExprKind::Number { .. } | ExprKind::Text(_) | ExprKind::Bool(_) | ExprKind::Error => {
                 Abstract::Number(FREE)
             }
+            // a word of a choice
+            ExprKind::Name(_) | ExprKind::Field { .. }
+                if self.checker.findings.words.contains_key(&expr.span) =>
+            {
+                Abstract::Number(FREE)
+            }
             ExprKind::Name(name) => self.name(place, name, expr.span),
             ExprKind::List { items, .. } => match items.as_slice() {
                 // A list of bodies, markers or elements is like one of them.
@@ -361,7 +367,14 @@ impl<'p> Levels<'_, 'p> {
                 let value = self.value(place, then);
                 match value {
                     Abstract::Number(level) => Abstract::Number(
-                        level.with(self.joined(place, [condition.as_ref(), otherwise.as_ref()])),
+                        level.with(
+                            self.joined(
+                                place,
+                                std::iter::once(condition)
+                                    .chain(otherwise)
+                                    .map(AsRef::as_ref),
+                            ),
+                        ),
                     ),
                     other => other,
                 }

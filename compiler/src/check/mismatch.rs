@@ -102,9 +102,17 @@ impl<'p> Checker<'p> {
             Type::List { element, .. } => matches!(**element, Type::ClassOf(_)),
             expected => matches!(expected, Type::ClassOf(_)),
         };
+        let choice_due = match expected {
+            Type::List { element, .. } => element.as_ref(),
+            expected => expected,
+        };
+        let choice_due = match choice_due {
+            Type::Choice(id) => Some(*id),
+            _ => None,
+        };
         let outer = std::mem::replace(&mut self.wanted, wanted);
         let outer_due = std::mem::replace(&mut self.class_due, class_due);
-        let found = self.infer(scope, expr);
+        let found = self.infer_due(scope, expr, choice_due);
         self.wanted = outer;
         self.class_due = outer_due;
         found
@@ -204,6 +212,7 @@ impl<'p> Checker<'p> {
             | (Type::Cycle, Type::Cycle)
             | (Type::ModeSet, Type::ModeSet) => found.clone(),
             (Type::Instance(a), Type::Instance(b)) if a == b => found.clone(),
+            (Type::Choice(a), Type::Choice(b)) if a == b => found.clone(),
             (Type::InstanceOf(interface), Type::Instance(own) | Type::InstanceOf(own))
                 if self.program.fills(*own, *interface) =>
             {
@@ -289,6 +298,9 @@ impl<'p> Checker<'p> {
                 message = message.with_help(
                     "a vector gives a number by `norm(v)`, `dot(v, m.z)` or a component `local(v, m).x`",
                 );
+            }
+            (Type::Choice(id), _) => {
+                message = message.with_note(format!("its words are {}", self.words_of(*id)));
             }
             (Type::Int, Type::Scalar(_)) => {
                 message = message.with_note("a count is written without point, exponent and unit");

@@ -11,6 +11,7 @@ mod body;
 mod bound;
 mod builtin;
 mod call;
+mod choice;
 mod class;
 mod declare;
 mod describe;
@@ -79,6 +80,8 @@ struct Checker<'p> {
     wanted: Option<Dimension>,
     /// Whether the context of a call needs a class, so that the call may give it some of its arguments.
     class_due: bool,
+    /// The choice whose words may stand here by themselves.
+    choice_due: Option<DefinitionId>,
     /// Values and functions being inferred.
     depth: u32,
     /// Units that each module reads.
@@ -155,6 +158,7 @@ impl<'p> Checker<'p> {
             used_units: BTreeSet::new(),
             wanted: None,
             class_due: false,
+            choice_due: None,
             depth: 0,
             lints: program.lints(),
             turns_told: BTreeSet::new(),
@@ -188,6 +192,7 @@ impl<'p> Checker<'p> {
         let scope = Scope::top(id.module);
         match &item.kind {
             ItemKind::Use(_) | ItemKind::Dimension(_) | ItemKind::Unit(_) | ItemKind::Error => {}
+            ItemKind::Choice(choice) => self.choice_definition(choice),
             ItemKind::Binding(binding) => {
                 if matches!(
                     binding.kind,

@@ -45,6 +45,10 @@ impl<'p> Checker<'p> {
         if self.blank_in_unit(scope, op, left, right) {
             return Type::Error;
         }
+        if matches!(op, BinaryOp::Equal | BinaryOp::NotEqual) {
+            let (a, b) = self.sides_of_equality(scope, left, right);
+            return self.operated(op, op_span, (left, &a), (right, &b));
+        }
         let a = self.infer(scope, left);
         if self.neither_unit_nor_value(scope, (op, op_span), left, right) {
             return Type::Error;
@@ -192,6 +196,7 @@ impl<'p> Checker<'p> {
         let equality = matches!(sides.op, BinaryOp::Equal | BinaryOp::NotEqual);
         match (a, b) {
             (Type::Text, Type::Text) | (Type::Bool, Type::Bool) if equality => {}
+            (Type::Choice(of), Type::Choice(other)) if equality && of == other => {}
             _ => match (a.quantity(), b.quantity()) {
                 (Some(p), Some(q)) => {
                     if let Err(misfit) = p.fits(&q) {

@@ -357,6 +357,9 @@ impl<'p> Checker<'p> {
         if name == "mass" && !local && scope.body.is_some_and(has_mass) {
             return Type::Scalar(Quantity::hard(Dimension::MASS));
         }
+        if let Some(word) = self.due_word(name, span) {
+            return word;
+        }
         if let Some(found) = self.find(scope, name) {
             return match found {
                 Found::Local(ty) => ty,
@@ -388,7 +391,10 @@ impl<'p> Checker<'p> {
             "origin" if scope.body.is_some() => return Type::Marker,
             _ => {}
         }
-        self.unknown_name(scope, name, span);
+        match self.choice_due {
+            Some(choice) => self.no_word_of_choice(choice, name, span),
+            None => self.unknown_name(scope, name, span),
+        }
         Type::Error
     }
 
@@ -423,7 +429,11 @@ impl<'p> Checker<'p> {
         let mut message =
             Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
                 .at(span, "not known");
-        if let Some(path) = self.module_of(name) {
+        if let Some(choice) = self.choice_with(scope.module, name) {
+            message = message.with_help(format!(
+                "`{name}` is a word of the choice `{choice}`, which is not due here: write `{choice}.{name}`"
+            ));
+        } else if let Some(path) = self.module_of(name) {
             message = self.offer_use(message, scope.module, &path, name);
         } else if self.program.units.contains_key(name) {
             message = message.with_help(format!(
@@ -509,6 +519,20 @@ impl<'p> Checker<'p> {
                 }
                 _ => Type::Class(id),
             },
+            ItemKind::Choice(choice) => {
+                let name = &choice.name.text;
+                let word = choice.words.first().map_or("word", |word| &word.text);
+                self.report(
+                    Diagnostic::error(
+                        codes::WRONG_TYPE,
+                        format!("`{name}` is a choice, not a value"),
+                    )
+                    .at(span, "a value is due here")
+                    .also(choice.name.span, "defined here")
+                    .with_help(format!("state one of its words: `{name}.{word}`")),
+                );
+                Type::Error
+            }
             ItemKind::Report(report) => {
                 self.report(
                     Diagnostic::error(

@@ -102,6 +102,18 @@ eng_grammar::codes! {
     TOO_DEEP = "E0326", "values build on each other too deeply",
         "More than 100 values or calls depend on each other in a chain. Shorten the chain.",
         "", "";
+    NO_WORD = "E0327", "a word is none of its choice",
+        "A choice has the words of its definition. Where a choice is due, as in an argument, a default or beside `==`, its words stand by themselves; elsewhere with the name of the choice: `End.timing_end`.",
+        "part oil_pump = Pump(driven_at: timing)",
+        "part oil_pump = Pump(driven_at: timing_end)";
+    CASES = "E0328", "an `if` without `else` leaves out a case",
+        "`if` is a value, so it has a value in every case. A chain that compares one value with every word of its choice needs no `else`. If a word is added to the choice, each such chain is an error until it has the new case.",
+        "let sign = if sense == clockwise then -1",
+        "let sign = if sense == clockwise then -1 else if sense == counterclockwise then 1";
+    CHOICE = "E0329", "a choice or a value of one is defined wrongly",
+        "A choice has two words or more, and each once. A value of a choice must not have the name of one of its words: where the choice is due, this name is the word.",
+        "choice End = timing_end | timing_end",
+        "choice End = timing_end | driving_end";
     FLEXIBLE = "E0390", "a flexible body is described by something that is not known",
         "A mesh, a matrix, a mode set and a damping have words of their own. The message lists the words that are possible at this place.",
         "flexible crank { mesh = file(\"crank.bdf\") }",

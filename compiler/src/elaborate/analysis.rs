@@ -333,6 +333,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Int(i) => Structural::Int(i),
             Value::Bool(b) => Structural::Bool(b),
             Value::Text(t) => Structural::Text(t),
+            Value::Choice(id, word) => Structural::Choice(id, word),
             Value::ModeSet(parts) => Structural::ModeSet(parts.to_vec()),
             Value::Scalar(s) => Structural::Number(self.structural(s, span)?),
             Value::List(items) => Structural::List(
@@ -362,7 +363,7 @@ impl<'a> Elaborator<'a, '_> {
                         format!("an analysis cannot give {found} to a model"),
                     )
                     .at(span, format!("this is {found}"))
-                    .with_help("numbers, texts, truth values, mode sets, classes, records, and lists of these can be given; define it in the model or beside it"),
+                    .with_help("numbers, texts, truth values, words of choices, mode sets, classes, records, and lists of these can be given; define it in the model or beside it"),
                 ));
             }
         })

@@ -541,7 +541,7 @@ impl<'a> Elaborator<'a, '_> {
                 then, otherwise, ..
             } => self
                 .unit_within(then, dimension)
-                .or_else(|| self.unit_within(otherwise, dimension)),
+                .or_else(|| self.unit_within(otherwise.as_deref()?, dimension)),
             ast::ExprKind::Paren { inner, .. } => self.unit_within(inner, dimension),
             ast::ExprKind::Unary { operand, .. } => self.unit_within(operand, dimension),
             _ => None,
@@ -755,6 +755,12 @@ impl<'a> Elaborator<'a, '_> {
                 Value::Int(i) => self.bench.constant(i as f64),
                 Value::Text(text) => {
                     found.parts.push(Part::Text(text));
+                    continue;
+                }
+                Value::Choice(id, word) => {
+                    let word = self.program.word(id, word);
+                    let word = self.checked(word, span, "no such word")?;
+                    found.parts.push(Part::Text(word.to_owned()));
                     continue;
                 }
                 other => return Err(self.not_shown(span, &other)),

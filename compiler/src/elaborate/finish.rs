@@ -48,6 +48,8 @@ pub enum Structural {
     Bool(bool),
     /// A text.
     Text(String),
+    /// A word of a choice, by its place among the words.
+    Choice(DefinitionId, u32),
     /// A number (SI).
     Number(f64),
     /// A list.
@@ -119,6 +121,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             Structural::Int(i) => Value::Int(*i),
             Structural::Bool(b) => Value::Bool(*b),
             Structural::Text(t) => Value::Text(t.clone()),
+            Structural::Choice(id, word) => Value::Choice(*id, *word),
             Structural::Number(v) => Value::Scalar(self.bench.constant(*v)),
             Structural::ModeSet(parts) => Value::ModeSet(std::rc::Rc::new(parts.clone())),
             Structural::List(items) => {

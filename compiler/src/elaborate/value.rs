@@ -57,6 +57,8 @@ pub(crate) enum Value<'a> {
     Absent(&'a ast::Declaration),
     Cycle,
     ModeSet(Rc<Vec<super::ModePart>>),
+    /// A word of a choice, by its place among the words.
+    Choice(DefinitionId, u32),
 }
 
 /// A class with some of its arguments. Each use evaluates them in the scope of their text.
@@ -132,6 +134,7 @@ impl Value<'_> {
             Value::Absent(_) => "a part that is not there",
             Value::Cycle => "the cycle",
             Value::ModeSet(_) => "a mode set",
+            Value::Choice(..) => "a word of a choice",
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn path_of_file(file: &str) -> String {
 /// Names that the library's modules define, from the beginnings of lines. This is cheap and good enough for a
 /// hint.
 pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, Offered> {
-    const WORDS: [&str; 9] = [
+    const WORDS: [&str; 10] = [
         "joint",
         "force",
         "journal",
@@ -31,6 +31,7 @@ pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, Offered> {
         "component",
         "interface",
         "record",
+        "choice",
         "const",
         "fn",
     ];

@@ -14,6 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) fn defined_name(item: &ItemKind) -> Option<&Name> {
     match item {
         ItemKind::Dimension(dimension) => Some(&dimension.name),
+        ItemKind::Choice(choice) => Some(&choice.name),
         ItemKind::Binding(binding) => Some(&binding.name),
         ItemKind::Function(function) => Some(&function.name),
         ItemKind::Table(table) => Some(&table.name),

@@ -40,6 +40,8 @@ pub(crate) struct Findings {
     pub calls: BTreeMap<Span, Arc<[u32]>>,
     /// Messages of `require` and `advise` and texts with values in them, by the place inside their quotes.
     pub messages: BTreeMap<Span, Vec<MessagePart>>,
+    /// The words of choices, each with its choice and its place among the words.
+    pub words: BTreeMap<Span, (DefinitionId, u32)>,
     /// The names in `accept` items that accepted a lint of the checker.
     pub accepted: BTreeSet<Span>,
     /// Lengths of arrays that the arguments decide, by the place of the length: `n` of `values: Length[n]`.

@@ -432,6 +432,8 @@ pub enum Type {
     Cycle,
     /// Modes of a flexible body.
     ModeSet,
+    /// A word of a choice.
+    Choice(DefinitionId),
 }
 
 impl Type {
@@ -547,6 +549,7 @@ impl Type {
             Type::Bool => ValueType::Bool,
             Type::Text => ValueType::Text,
             Type::Marker => ValueType::Marker,
+            Type::Choice(id) => ValueType::Choice(*id),
             Type::Scalar(quantity) => ValueType::Scalar(quantity.dim.base),
             Type::Vector { quantity, .. } => ValueType::Vector(quantity.dim.base),
             Type::List {

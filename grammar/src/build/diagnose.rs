@@ -30,10 +30,11 @@ pub(crate) struct Finding {
 const MAX_SPLITS: usize = 8;
 
 /// Words that begin an item and are not kinds.
-const ITEM_WORDS: [&str; 23] = [
+const ITEM_WORDS: [&str; 24] = [
     "use",
     "dimension",
     "unit",
+    "choice",
     "const",
     "param",
     "let",

@@ -133,13 +133,15 @@ impl<'t> Builder<'t, '_> {
         let mut values = pair
             .into_inner()
             .filter(|part| part.as_rule() == Rule::expression);
-        match (values.next(), values.next(), values.next()) {
-            (Some(condition), Some(then), Some(otherwise)) => Expr {
+        match (values.next(), values.next()) {
+            (Some(condition), Some(then)) => Expr {
                 span,
                 kind: ExprKind::If {
                     condition: Box::new(self.expression(condition, depth)),
                     then: Box::new(self.expression(then, depth)),
-                    otherwise: Box::new(self.expression(otherwise, depth)),
+                    otherwise: values
+                        .next()
+                        .map(|otherwise| Box::new(self.expression(otherwise, depth))),
                 },
             },
             _ => error(span),

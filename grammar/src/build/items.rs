@@ -3,8 +3,8 @@
 use super::diagnose;
 use super::{Builder, MAX_DEPTH};
 use crate::ast::{
-    Attribute, Binding, BindingKind, Block, Declaration, DimensionItem, Entry, EntryKind, Expr,
-    ExprKind, Form, Function, Item, ItemKind, Kind, Name, Parameter, Report, Requirement,
+    Attribute, Binding, BindingKind, Block, Choice, Declaration, DimensionItem, Entry, EntryKind,
+    Expr, ExprKind, Form, Function, Item, ItemKind, Kind, Name, Parameter, Report, Requirement,
     Statement, Table, Title, UnitItem, Use, UseNames,
 };
 use crate::codes;
@@ -98,6 +98,7 @@ impl<'t> Builder<'t, '_> {
             Rule::use_item => self.use_item(body, span),
             Rule::dimension_item => self.dimension(body, depth),
             Rule::unit_item => self.unit_item(body, depth),
+            Rule::choice_item => self.choice_item(body),
             Rule::binding => ItemKind::Binding(self.binding(body, depth)),
             Rule::function => self.function(body, span, depth),
             Rule::table => self.table(body, span, depth),
@@ -183,6 +184,20 @@ impl<'t> Builder<'t, '_> {
             }
         }
         ItemKind::Dimension(item)
+    }
+
+    fn choice_item(&mut self, pair: Pair<'t, Rule>) -> ItemKind {
+        let names = pair
+            .into_inner()
+            .filter(|part| part.as_rule() == Rule::name);
+        let mut names = names.map(|part| self.name(&part));
+        match names.next() {
+            Some(name) => ItemKind::Choice(Choice {
+                name,
+                words: names.collect(),
+            }),
+            None => ItemKind::Error,
+        }
     }
 
     fn unit_item(&mut self, pair: Pair<'t, Rule>, depth: usize) -> ItemKind {

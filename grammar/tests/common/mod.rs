@@ -172,6 +172,10 @@ fn item_text(kind: &ItemKind) -> String {
                 .as_ref()
                 .map_or(String::new(), |e| format!(" from {}", expr(e))),
         ),
+        ItemKind::Choice(item) => {
+            let words: Vec<_> = item.words.iter().map(|word| word.text.as_str()).collect();
+            format!("(choice {} {})", item.name.text, words.join(" "))
+        }
         ItemKind::Binding(item) => binding(item),
         ItemKind::Function(item) => {
             let generics: Vec<_> = item
@@ -459,10 +463,12 @@ pub fn expr(e: &Expr) -> String {
             then,
             otherwise,
         } => format!(
-            "(if {} {} {})",
+            "(if {} {}{})",
             expr(condition),
             expr(then),
-            expr(otherwise)
+            otherwise
+                .as_ref()
+                .map_or(String::new(), |otherwise| format!(" {}", expr(otherwise)))
         ),
         ExprKind::Range { from, to, by } => format!(
             "(range {} {}{})",

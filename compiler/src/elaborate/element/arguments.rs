@@ -356,6 +356,7 @@ fn is_structural(ty: &Type) -> bool {
         Type::Int
         | Type::Bool
         | Type::Text
+        | Type::Choice(_)
         | Type::Marker
         | Type::Body(_)
         | Type::ModeSet

@@ -3,9 +3,10 @@
 use super::super::scalar::Flag;
 use super::super::value::{ScopeId, Value};
 use super::super::{Elaborator, Eval};
+use crate::codes;
 use crate::ir::{Graph, Op};
-use eng_grammar::Span;
 use eng_grammar::ast::{BinaryOp, Expr};
+use eng_grammar::{Diagnostic, Span};
 
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn logic(
@@ -48,6 +49,10 @@ impl<'a> Elaborator<'a, '_> {
             (Value::Text(x), Value::Text(y), B::NotEqual) => return Ok(Value::Bool(x != y)),
             (Value::Bool(x), Value::Bool(y), B::Equal) => return Ok(Value::Bool(x == y)),
             (Value::Bool(x), Value::Bool(y), B::NotEqual) => return Ok(Value::Bool(x != y)),
+            (Value::Choice(_, x), Value::Choice(_, y), B::Equal) => return Ok(Value::Bool(x == y)),
+            (Value::Choice(_, x), Value::Choice(_, y), B::NotEqual) => {
+                return Ok(Value::Bool(x != y));
+            }
             _ => {}
         }
         let x = self.as_scalar(a, a_span)?;
@@ -78,6 +83,13 @@ impl<'a> Elaborator<'a, '_> {
         a_span: Span,
         b_span: Span,
     ) -> Eval<Value<'a>> {
+        if matches!(a, Value::Choice(..)) {
+            return Err(self.report(
+                Diagnostic::error(codes::NOT_KNOWN, "a word must be known while compiling")
+                    .at(a_span, "one of two words, by a condition that can change")
+                    .with_help("make the condition one of constants, or compute two numbers"),
+            ));
+        }
         if a.is_several() || b.is_several() {
             let (x, p) = self.sorted(a, a_span)?;
             let (y, q) = self.sorted(b, b_span)?;

@@ -50,6 +50,11 @@ impl<'a> Elaborator<'a, '_> {
             },
             ExprKind::Text(text) => Ok(Value::Text(text.clone())),
             ExprKind::Bool(b) => Ok(Value::Bool(*b)),
+            ExprKind::Name(_) | ExprKind::Field { .. }
+                if let Some((choice, word)) = self.typed.findings.words.get(&expr.span) =>
+            {
+                Ok(Value::Choice(*choice, *word))
+            }
             ExprKind::Name(name) => self.lookup(name, scope, expr.span),
             ExprKind::List { items, unit } => {
                 let mut values = Vec::with_capacity(items.len());
@@ -116,10 +121,12 @@ impl<'a> Elaborator<'a, '_> {
                 condition,
                 then,
                 otherwise,
-            } => match self.truth(condition, scope)? {
-                Truth::Known(true) => self.evaluate(then, scope),
-                Truth::Known(false) => self.evaluate(otherwise, scope),
-                Truth::Later(flag) => {
+            } => match (self.truth(condition, scope)?, otherwise) {
+                (Truth::Known(true), _) => self.evaluate(then, scope),
+                (Truth::Known(false), Some(otherwise)) => self.evaluate(otherwise, scope),
+                // a chain without `else` compares a value with all words of its choice
+                (_, None) => self.checked(None, expr.span, "no case holds"),
+                (Truth::Later(flag), Some(otherwise)) => {
                     let a = self.guarded(flag, |e| e.evaluate(then, scope))?;
                     let not = self.bench.not(flag);
                     let b = self.guarded(not, |e| e.evaluate(otherwise, scope))?;

@@ -66,6 +66,7 @@ impl Place {
                 "use",
                 "dimension",
                 "unit",
+                "choice",
                 "const",
                 "param",
                 "let",
