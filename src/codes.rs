@@ -202,6 +202,10 @@ eng_grammar::codes! {
         "A stiff spring holds a body, and the start of the motion, or a blow, makes it vibrate. The vibration is larger than the tolerance of positions and faster than the steps follow, so the integration's own damping takes its energy: amplitude and forces of this vibration are wrong. Stiff joints that follow their loads give no message. The message names the body, the frequency and a step. Take a smaller `step` or `tolerance`, damp the spring, or begin in balance.",
         "analysis hit = transient(Hammer(), duration: 10 ms, sample: 0.1 ms, step: 0.1 ms)",
         "analysis hit = transient(Hammer(), duration: 10 ms, sample: 0.1 ms)";
+    OVERLOOKED = "W0718", "a fixed step passes a stop or another kink",
+        "A force bends where the argument of an `if`, `max`, `min` or `abs` changes its sign, or at the end of a table. Steps under error control end there. A stated step does not: it sees the force at its ends only, so a stop may act late, with a false depth, or not at all. The message names the element and the largest depth. It appears if the class states the depth that matters (`resolve`), or if the step passes a whole interval of the law, such as a thin stop.",
+        "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms, step: 1 ms)",
+        "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms)";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run continues, but the class doubts these parameters: a clearance that may be diametral instead of radial. The author of the class wrote the text.",
         "", "";

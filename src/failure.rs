@@ -5,8 +5,8 @@ use crate::places::{at_first, place, related, span};
 use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::{
-    Damped, Leaving, NotBack, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Turning,
-    Unstable,
+    Damped, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow, StartReport,
+    Turning, Unstable,
 };
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, System};
@@ -41,6 +41,40 @@ pub(crate) fn damped(damped: &Damped, analysis: &Origin) -> Diagnostic {
     message
         .with_note("the amplitude of this vibration and the forces of the stiffness behind it are wrong; motions that the steps follow are not")
         .with_help("take a smaller `step` or `tolerance`, give that stiffness damping, or begin where its forces are in balance: `start: quasi_static`")
+}
+
+/// The warning of a kink that fixed steps pass, at the line of its analysis.
+pub(crate) fn overlooked(kink: &Overlooked, analysis: &Origin) -> Diagnostic {
+    let shown = |value: f64| eng_runtime::error::gap(value, kink.dimension);
+    let of = match kink.text.as_str() {
+        "" => String::new(),
+        text => format!(" (`{text}`)"),
+    };
+    let message = Diagnostic::warning(
+        codes::OVERLOOKED,
+        format!(
+            "a step of {} s passes a kink of {}{of} by {} at {}",
+            significant(kink.step, 3),
+            kink.origin.path,
+            shown(kink.depth),
+            kink.moment
+        ),
+    );
+    let message = place(message, analysis, "a fixed step does not end at kinks");
+    let message = match kink.origin.used_at {
+        Some(at) => message.also(span(at), "this element"),
+        None => message,
+    };
+    let message = match kink.origin.defined_at {
+        Some(at) => message.also(span(at), "its load or rate bends here"),
+        None => message,
+    };
+    message
+        .with_note(format!(
+            "the depth that matters there is {}",
+            shown(kink.limit)
+        ))
+        .with_help("leave out `step`: under error control steps end at kinks")
 }
 
 /// The message of a failure. It shows the user's line first and the line of the law second.

@@ -42,13 +42,13 @@ type Entry = unsafe extern "C" fn(*const Pair, *mut Pair, *const Surroundings);
 
 /// A class in machine code.
 pub struct JitClass {
-    entries: [Entry; 7],
-    shapes: [(usize, usize); 7],
-    bytes: [usize; 7],
+    entries: [Entry; Which::ALL.len()],
+    shapes: [(usize, usize); Which::ALL.len()],
+    bytes: [usize; Which::ALL.len()],
     /// Constants, which the code reads by their position.
     constants: Vec<Pair>,
     /// Interpreters of the functions that read tables, to find a table that is evaluated outside its points.
-    readers: [Option<Interpreter>; 7],
+    readers: [Option<Interpreter>; Which::ALL.len()],
     /// Owns the memory that `entries` point into. Nothing but `drop` touches it; the mutex makes it `Sync`
     /// without a promise of our own.
     module: Mutex<Option<JITModule>>,
@@ -73,9 +73,9 @@ impl JitClass {
             });
         // from here on the class owns the module, so that it is freed after an error too
         let mut class = JitClass {
-            entries: [nothing; 7],
-            shapes: [(0, 0); 7],
-            bytes: [0; 7],
+            entries: [nothing; Which::ALL.len()],
+            shapes: [(0, 0); Which::ALL.len()],
+            bytes: [0; Which::ALL.len()],
             constants: generator
                 .constants
                 .bits

@@ -8,7 +8,7 @@ use crate::model::Model;
 
 const MAGIC: &[u8; 8] = b"ENGCHECK";
 /// Version of the format.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 fn refuse(reason: impl Into<String>) -> RuntimeError {
     RuntimeError::Checkpoint {

@@ -29,6 +29,10 @@ impl StepSize {
     pub fn numbers(&self) -> [f64; 2] {
         [self.step, self.before]
     }
+    /// Sets the next step (s), where the motion changes its character.
+    pub fn renewed(&mut self, step: f64) {
+        *self = StepSize::new(step);
+    }
     /// Limits the next step (s).
     pub fn limit(&mut self, limit: f64) {
         self.step = self.step.min(limit);

@@ -187,6 +187,11 @@ impl Dynamics {
         &self.at.markers
     }
 
+    /// The dynamic elements with their inputs.
+    pub fn batches(&self) -> &[Batch] {
+        &self.batches
+    }
+
     /// Φ (m, rad) of the last evaluation.
     pub fn constraints(&self) -> &[f64] {
         &self.constraints

@@ -39,6 +39,7 @@ mod nearest;
 mod newton;
 mod vibration;
 
+pub use newton::STATE_SHARE;
 pub use vibration::{Damped, Vibration};
 
 use crate::body::Weights;
@@ -141,6 +142,8 @@ pub struct Statistics {
     /// Factorisations by the general method, after a failure of the block method, since the start or the
     /// resumption.
     pub fallbacks: u64,
+    /// Trials that passed a kink and were shortened to end at it.
+    pub kinks: u64,
 }
 
 /// Outcome of a trial step.
@@ -300,12 +303,24 @@ impl Integrator {
         multiplier_rate: &[f64],
         state_jerk: &[f64],
     ) {
+        self.base_velocity.copy_from_slice(&self.current.velocity);
+        self.renew(jerk, normal_jerk, multiplier_rate, state_jerk);
+    }
+
+    /// Sets `a` and the part of v normal to the constraints for another rate of the accelerations, as at the
+    /// start. The velocity without that part must be known: see [`Integrator::set_defect`].
+    pub fn renew(
+        &mut self,
+        jerk: &[f64],
+        normal_jerk: &[f64],
+        multiplier_rate: &[f64],
+        state_jerk: &[f64],
+    ) {
         let c = self.coefficients;
         self.jerk.copy_from_slice(jerk);
         self.multiplier_rate.copy_from_slice(multiplier_rate);
         self.state_jerk.copy_from_slice(state_jerk);
         self.auxiliary_step = 1.0;
-        self.base_velocity.copy_from_slice(&self.current.velocity);
         for (d, x) in self.defect.iter_mut().zip(normal_jerk) {
             *d = -c.error * x;
         }
@@ -485,6 +500,11 @@ impl Integrator {
     /// Sets the trial's unknowns (scaled).
     pub fn set_trial(&mut self, unknowns: &[f64]) {
         self.trial.copy_from_slice(unknowns);
+    }
+
+    /// The end of the last trial.
+    pub fn trial_state(&self) -> &State {
+        &self.next
     }
 
     /// The trial's unknowns (scaled).

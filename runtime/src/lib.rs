@@ -54,6 +54,7 @@ pub mod flexible;
 mod frame;
 pub mod integrator;
 pub mod joint;
+pub mod kinks;
 pub mod linear;
 pub mod linearised;
 pub mod loose;
@@ -77,6 +78,7 @@ pub use error::{
     TimedElement, TurningBody, Varies,
 };
 pub use integrator::{Damped, Statistics};
+pub use kinks::Overlooked;
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{CscView, Energy, Jump, Options, Pace, Simulation, Slow, StepReport, Warning};

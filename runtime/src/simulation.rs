@@ -1,6 +1,7 @@
 //! A simulation: one parameter set of a compiled model, its state, and all data to integrate it.
 
 mod astray;
+mod kinked;
 mod pace;
 mod resting;
 mod sampling;
@@ -15,6 +16,7 @@ use crate::dynamics::Dynamics;
 pub use crate::error::{Jump, Pace, Slow};
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::{Damped, Goal, Integrator, STEP_SHARE, Statistics};
+use crate::kinks::{Kinks, Overlooked};
 use crate::linear::Pattern;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
@@ -133,6 +135,11 @@ pub struct Simulation {
     outputs: Outputs,
     cycle: Option<Outputs>,
     watch: Watch,
+    kinks: Kinks,
+    /// The kink at which the last step ended.
+    at_kink: Option<usize>,
+    /// The kink that a fixed step overlooked most.
+    overlooked: Option<Overlooked>,
     /// The state of the last outputs, projected and completed.
     completed: State,
     /// Time of the state in `completed` whose outputs are evaluated.
@@ -255,9 +262,13 @@ impl Simulation {
             .iter()
             .map(|e| e.role)
             .collect();
+        let dynamics = Dynamics::new(&model);
         Ok(Simulation {
             integrator: Integrator::new(&model, &state, options.rho_infinity, goal)?,
-            dynamics: Dynamics::new(&model),
+            kinks: Kinks::new(&model, dynamics.batches()),
+            overlooked: None,
+            at_kink: None,
+            dynamics,
             system: AccelerationSystem::new(&model)?,
             outputs: Outputs::all(&model)?,
             cycle,
@@ -361,6 +372,11 @@ impl Simulation {
     /// share needs a warning.
     pub fn damped(&self) -> Option<Damped> {
         self.integrator.damped(&self.model)
+    }
+
+    /// The kink that a fixed step overlooked most, in multiples of its limit, since the start or the resumption.
+    pub fn overlooked(&self) -> Option<&Overlooked> {
+        self.overlooked.as_ref()
     }
 
     /// Warnings since the last call.

@@ -5,6 +5,7 @@ mod renewal;
 use crate::decay::CycleReport;
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::{Damped, Statistics};
+use crate::kinks::Overlooked;
 use crate::simulation::{Energy, Options, Simulation, Slow, Warning};
 use crate::start::StartReport;
 use eng_system::code::Compiled;
@@ -111,6 +112,8 @@ pub struct RunSummary {
     pub energy: Energy,
     /// The body whose vibration the steps damped away.
     pub damped: Option<Damped>,
+    /// The kink that a fixed step overlooked most.
+    pub overlooked: Option<Overlooked>,
     /// Whether the observer ended the run.
     pub interrupted: bool,
 }
@@ -523,6 +526,7 @@ impl Run<'_> {
             statistics: simulation.statistics(),
             energy: simulation.energy(),
             damped: simulation.damped(),
+            overlooked: simulation.overlooked().cloned(),
             interrupted,
         }
     }

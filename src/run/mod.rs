@@ -244,6 +244,11 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         if let Some(warning) = damped.map(|d| crate::failure::damped(d, analysis.origin())) {
             diagnostics.push(warning);
         }
+        let overlooked = summary.overlooked.as_ref();
+        if let Some(warning) = overlooked.map(|o| crate::failure::overlooked(o, analysis.origin()))
+        {
+            diagnostics.push(warning);
+        }
     }
     let mut machine = Machine::new(system, &bound, analysis.kind());
     if outcome.results.are_modes() {

@@ -12,6 +12,7 @@
 //! | `Outputs` | common, accelerations, rates, signals | outputs |
 //! | `Conditions` | common | one number for each condition, which must be positive |
 //! | `Rotations` | common | unwrapped angle of each rotation (rad) |
+//! | `Kinks` | common; with accelerations, rates and signals if the class says so | each kink function; its rate; the handle of its table, or −1 |
 //!
 //! G is the derivative of Φ along the pose directions: δx in inertial axes, and δπ in the marker's axes with
 //! δR = R δπ~. The twist (ẋ, ω in marker axes) is the rate of these. `∂W/∂λ = −Gᵀ`.
@@ -30,11 +31,12 @@ pub enum Function {
     Outputs,
     Conditions,
     Rotations,
+    Kinks,
 }
 
 impl Function {
     /// All functions.
-    pub const ALL: [Function; 7] = [
+    pub const ALL: [Function; 8] = [
         Function::Residual,
         Function::Linearize,
         Function::Tangent,
@@ -42,6 +44,7 @@ impl Function {
         Function::Outputs,
         Function::Conditions,
         Function::Rotations,
+        Function::Kinks,
     ];
 }
 

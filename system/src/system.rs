@@ -188,6 +188,19 @@ impl Condition {
     }
 }
 
+/// A function of the motion that changes its sign where a load or a rate of a class is not smooth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Kink {
+    /// The expression with the kink as written: `max(depth, 0 mm)`; empty if no text states it.
+    pub text: String,
+    /// Dimension of the function, if the text shows it.
+    pub dimension: Option<Dimension>,
+    /// The argument of a table, whose ends are the kinks; `None` for a function that is zero at the kink.
+    pub table: Option<u8>,
+    /// Place of the expression.
+    pub defined_at: Option<Location>,
+}
+
 /// The data that all instances of one class of elements share. [`crate::code`] describes the functions of its
 /// code.
 #[derive(Clone, Debug, PartialEq)]
@@ -204,6 +217,10 @@ pub struct ElementClass {
     pub outputs: Vec<OutputInfo>,
     /// Conditions in the order of the conditions function.
     pub conditions: Vec<Condition>,
+    /// Kinks in the order of the kinks function.
+    pub kinks: Vec<Kink>,
+    /// Whether the rates of kink functions depend on accelerations, rates of states or signals.
+    pub kinks_read_accelerations: bool,
     /// Whether the wrenches depend on twists.
     pub uses_twist: bool,
     /// Whether the class applies forces besides its constraints.
@@ -252,6 +269,8 @@ pub struct Element {
     pub state_start: Vec<Slot>,
     /// Scales of its states (positive), against which errors are measured.
     pub state_scale: Vec<Slot>,
+    /// Lengths that positions at its markers must resolve, as its class states them.
+    pub resolves: Vec<Slot>,
     /// Channels that its outputs read, as many as the layout says. Each is computed before those of this
     /// element.
     pub signals: Vec<u32>,

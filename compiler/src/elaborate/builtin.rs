@@ -1,7 +1,7 @@
 //! Evaluation of the functions of the language.
 
 use super::axes::Sort;
-use super::scalar::{Scalar, Stage};
+use super::scalar::{Scalar, Stage, Workbench};
 use super::typed::MarkerIndex;
 use super::value::{Axes, ScopeId, Value};
 use super::{Elaborator, Eval};
@@ -90,11 +90,36 @@ impl<'a> Elaborator<'a, '_> {
                 let path = self.scope(scope).path.clone();
                 self.wrapped(values, option, &path, span)
             }
-            Kind::Numbers => self.of_numbers(name, values, span),
+            Kind::Numbers => {
+                let value = self.of_numbers(name, values, span)?;
+                self.kink_of(value, span, scope)
+            }
             Kind::Vectors => self.of_vectors(name, values, option, span),
-            Kind::List => self.of_list(name, values, span),
+            Kind::List => {
+                let value = self.of_list(name, values, span)?;
+                self.kink_of(value, span, scope)
+            }
             Kind::Functions => self.of_functions(name, values, span, scope),
             Kind::Rate | Kind::Results => self.arguments(span),
+        }
+    }
+
+    /// The value of `abs`, `min` or `max`, after its text is kept.
+    fn kink_of(&mut self, value: Value<'a>, span: Span, scope: ScopeId) -> Eval<Value<'a>> {
+        let Value::Scalar(Scalar { stage, mut node }) = value else {
+            return Ok(value);
+        };
+        // of three and more numbers the operation is a chain
+        loop {
+            self.note_kink(stage, node, 0, span, span, scope)?;
+            let before = match (stage, self.bench.element.as_ref()) {
+                (Stage::Motion, Some(element)) => element.graph.op(node),
+                _ => return Ok(value),
+            };
+            match before {
+                Op::Minimum(first, _) | Op::Maximum(first, _) => node = first,
+                _ => return Ok(value),
+            }
         }
     }
 
@@ -129,6 +154,13 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         let bench = &mut self.bench;
+        let operations = |bench: &Workbench| {
+            bench
+                .element
+                .as_ref()
+                .map_or(0, |e| e.graph.nodes().len() as u32)
+        };
+        let before = operations(bench);
         let offset = bench.subtract(angle, from);
         let periods = bench.divide(offset, period);
         let count = bench.unary(periods, whole_number_below);
@@ -143,7 +175,12 @@ impl<'a> Elaborator<'a, '_> {
         });
         let shift = bench.multiply(beyond, period);
         let near = bench.subtract(near, shift);
-        Ok(Value::Scalar(bench.binary(near, from, Graph::maximum)))
+        let near = bench.binary(near, from, Graph::maximum);
+        let after = operations(bench);
+        if let Some(element) = bench.element.as_mut() {
+            element.turns.extend((before..after).map(Node));
+        }
+        Ok(Value::Scalar(near))
     }
 
     fn of_numbers(

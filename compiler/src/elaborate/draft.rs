@@ -3,13 +3,13 @@
 use super::binding::Check;
 use super::value::{self, ScopeId, Value};
 use super::{flexible, model};
-use crate::ir::{self, Node};
+use crate::ir::{self, KinkPlace, Node};
 use crate::program::DefinitionId;
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::lint::Accepted;
 use eng_system::system::summary::Summary;
 use eng_system::system::{
-    Body, Channel, Condition, FiringInfo, JournalInfo, Location, Marker, Origin, OutputInfo,
+    Body, Channel, Condition, FiringInfo, JournalInfo, Kink, Location, Marker, Origin, OutputInfo,
     Parameter, Role, Row, Slot, StateInfo,
 };
 use eng_system::table::Table;
@@ -67,6 +67,8 @@ pub(crate) struct ElementDraft<'a> {
     pub constants: Vec<Node>,
     pub state_start: Vec<Node>,
     pub state_scale: Vec<Node>,
+    /// Lengths that positions at its markers must resolve.
+    pub resolves: Vec<Node>,
     pub signals: Vec<u32>,
     /// Pairs of local markers, and the bind node of a stated angle.
     pub rotations: Vec<(u32, u32, Option<Node>)>,
@@ -81,6 +83,8 @@ pub(crate) struct ClassMeta {
     pub states: Vec<StateInfo>,
     pub outputs: Vec<OutputInfo>,
     pub conditions: Vec<Condition>,
+    /// Texts of operations that may have a kink.
+    pub kinks: BTreeMap<KinkPlace, Kink>,
 }
 
 /// The data to evaluate an element's names once more.

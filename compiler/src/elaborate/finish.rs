@@ -2,7 +2,7 @@
 
 use super::scalar::Workbench;
 use super::value::{ScopeId, Value};
-use super::{BindProgram, Elaborator, Entry, Eval, Reported};
+use super::{BindProgram, ClassMeta, Elaborator, Entry, Eval, Reported};
 use crate::codes;
 use crate::ir::{ClassBody, ClassFunctions, Function};
 use crate::program::DefinitionId;
@@ -11,7 +11,7 @@ use eng_grammar::ast::{Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_system::flexible::FlexibleSource;
 use eng_system::host::Host;
-use eng_system::system::{Element, ElementClass, Role, Rotation, System};
+use eng_system::system::{Element, ElementClass, Kink, Role, Rotation, System};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -37,6 +37,17 @@ struct Shared {
     functions: Vec<ClassFunctions>,
     bodies: Vec<ClassBody>,
     elements: Vec<Element>,
+}
+
+/// The kinks of a class, with the texts that are known.
+fn kinks_of(functions: &ClassFunctions, meta: &ClassMeta) -> Vec<Kink> {
+    (functions.kink_places.iter())
+        .zip(&functions.kinks_of_tables)
+        .map(|(place, table)| Kink {
+            table: table.then_some(place.argument),
+            ..meta.kinks.get(place).cloned().unwrap_or_default()
+        })
+        .collect()
 }
 
 /// A structural argument of a model.
@@ -261,6 +272,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         states: draft.meta.states.clone(),
                         outputs: draft.meta.outputs.clone(),
                         conditions: draft.meta.conditions.clone(),
+                        kinks: kinks_of(&made, &draft.meta),
+                        kinks_read_accelerations: made.kinks_read_accelerations,
                         uses_twist: made.uses_twist,
                         applies_load: made.applies_load,
                         loads_over_time: made.loads_over_time,
@@ -290,6 +303,11 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .collect(),
                 state_scale: draft
                     .state_scale
+                    .iter()
+                    .map(|n| self.bench.bind.slot(*n))
+                    .collect(),
+                resolves: draft
+                    .resolves
                     .iter()
                     .map(|n| self.bench.bind.slot(*n))
                     .collect(),

@@ -8,7 +8,7 @@ use super::{
     location,
 };
 use crate::codes;
-use crate::ir::{ClassBody, Graph, Node, Op};
+use crate::ir::{ClassBody, Graph, KinkPlace, Node, Op};
 use eng_grammar::ast::{self, BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::layout::InputLayout;
@@ -263,6 +263,7 @@ impl<'a> Elaborator<'a, '_> {
             outputs: draft.outputs.iter().map(at).collect(),
             conditions: draft.conditions.iter().map(|c| at(&c.0)).collect(),
             rotations: element.rotations.iter().map(|r| at(&r.2)).collect(),
+            turns: element.turns.iter().map(at).collect(),
             graph,
         };
         let index = self.draft.elements.len() as u32;
@@ -282,6 +283,12 @@ impl<'a> Elaborator<'a, '_> {
                 .collect(),
             outputs: draft.infos,
             conditions: draft.conditions.into_iter().map(|c| c.1).collect(),
+            kinks: (std::mem::take(&mut element.kinks).into_iter())
+                .map(|(place, kink)| {
+                    let node = at(&place.node);
+                    (KinkPlace { node, ..place }, kink)
+                })
+                .collect(),
         };
         self.draft.elements.push(ElementDraft {
             origin,
@@ -297,6 +304,7 @@ impl<'a> Elaborator<'a, '_> {
             constants: element.constants,
             state_start: element.states.iter().map(|s| s.start).collect(),
             state_scale: element.states.iter().map(|s| s.scale).collect(),
+            resolves: element.resolves,
             signals: element.signals,
             applied: element.applied,
             rotations: (0..)

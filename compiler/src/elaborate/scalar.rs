@@ -5,10 +5,11 @@
 //! class is the same for every instance, and the number comes from the instance's slots. Literals of a
 //! class's text stay in its code.
 
-use crate::ir::{Graph, Node, Op};
+use crate::ir::{Graph, KinkPlace, Node, Op};
 use eng_system::Dimension;
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
-use std::collections::HashMap;
+use eng_system::system::Kink;
+use std::collections::{BTreeMap, HashMap};
 
 /// The graph of a scalar's node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +109,12 @@ pub(crate) struct ElementBuilder {
     pub applied: Vec<(u32, Option<u32>)>,
     /// Conditions of called functions.
     pub asked: Vec<Asked>,
+    /// Bind nodes of the lengths that positions at its markers must resolve.
+    pub resolves: Vec<Node>,
+    /// Texts of operations that may have a kink.
+    pub kinks: BTreeMap<KinkPlace, Kink>,
+    /// Operations that count turns.
+    pub turns: Vec<Node>,
 }
 
 /// A condition of a function that is called with values of the motion.

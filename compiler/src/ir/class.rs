@@ -5,6 +5,7 @@ use super::differentiate::{
     time_derivative_with,
 };
 use super::graph::{Function, Graph, Node};
+use super::kinks::{self, KinkPlace};
 use super::linearise::linearise;
 use super::optimise::optimise;
 use eng_system::layout::InputLayout;
@@ -30,6 +31,9 @@ pub struct ClassBody {
     pub conditions: Vec<Node>,
     /// Unwrapped angles.
     pub rotations: Vec<Node>,
+    /// Operations whose comparisons count turns. What follows from the count has no kink, because it repeats with
+    /// the turn.
+    pub turns: Vec<Node>,
 }
 
 /// The functions of a class, described at [`eng_system::code`].
@@ -44,6 +48,13 @@ pub struct ClassFunctions {
     pub outputs: Function,
     pub conditions: Function,
     pub rotations: Function,
+    pub kinks: Function,
+    /// The operation of each kink function.
+    pub kink_places: Vec<KinkPlace>,
+    /// Whether each kink function is the argument of a table.
+    pub kinks_of_tables: Vec<bool>,
+    /// Whether the rates of kink functions depend on accelerations.
+    pub kinks_read_accelerations: bool,
     /// Whether the loads or rates depend on twists.
     pub uses_twist: bool,
     /// Whether any load is not zero.
@@ -69,6 +80,7 @@ impl ClassBody {
             outputs: optimise(&plain.outputs),
             conditions: optimise(&plain.conditions),
             rotations: optimise(&plain.rotations),
+            kinks: optimise(&plain.kinks),
             ..plain
         })
     }
@@ -138,6 +150,8 @@ impl ClassBody {
         let over_time = |nodes: &[Node]| inputs_of(&graph, nodes).contains(&InputLayout::TIME);
         let loads_over_time = over_time(&own);
         let rows_over_time = over_time(&self.rows);
+        let loads: Vec<Node> = self.loads.iter().flatten().copied().collect();
+        let kinks = kinks::find(&mut graph, &layout, &loads, &self.rates, &self.turns)?;
         let function = |name: &str, inputs: u32, outputs: Vec<Node>| Function {
             name: format!("{}.{name}", self.name),
             inputs,
@@ -153,6 +167,10 @@ impl ClassBody {
             outputs: function("outputs", layout.outputs_len(), self.outputs.clone()),
             conditions: function("conditions", layout.len(), self.conditions.clone()),
             rotations: function("rotations", layout.len(), self.rotations.clone()),
+            kinks: kinks.function(&self.name, &layout, &graph),
+            kink_places: kinks.places,
+            kinks_of_tables: kinks.tables,
+            kinks_read_accelerations: kinks.reads_accelerations,
             uses_twist,
             applies_load,
             loads_over_time,
@@ -234,6 +252,7 @@ impl ClassFunctions {
             Which::Outputs => &self.outputs,
             Which::Conditions => &self.conditions,
             Which::Rotations => &self.rotations,
+            Which::Kinks => &self.kinks,
         }
     }
 

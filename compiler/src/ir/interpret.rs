@@ -168,7 +168,7 @@ pub(crate) fn outside(
 /// An interpreted class.
 #[derive(Debug)]
 pub struct InterpretedClass {
-    functions: [Interpreter; 7],
+    functions: [Interpreter; Which::ALL.len()],
     /// Scratch, one for each simultaneous caller.
     scratch: Mutex<Vec<Vec<Pair>>>,
 }

@@ -8,6 +8,7 @@ pub mod class;
 pub mod differentiate;
 pub mod graph;
 pub mod interpret;
+pub(crate) mod kinks;
 mod linearise;
 pub mod look_up;
 pub mod optimise;
@@ -19,5 +20,6 @@ pub use differentiate::{
 };
 pub use graph::{Function, Graph, Node, Op};
 pub use interpret::{InterpretedClass, Interpreter};
+pub use kinks::KinkPlace;
 pub use look_up::Orders;
 pub use optimise::{copy_into, optimise};

@@ -102,6 +102,7 @@ impl Builder {
             outputs,
             conditions: Vec::new(),
             rotations: Vec::new(),
+            turns: Vec::new(),
         }
     }
 }

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-15;
 /// Least motion in a step, in scaled unknowns, for the limit of rounding.
 const LEAST_MOTION: f64 = 1e-3;
 /// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance.
-const STATE_SHARE: f64 = 1e-5;
+pub const STATE_SHARE: f64 = 1e-5;
 /// Change below which an iteration without contraction under a fresh matrix has reached rounding.
 const STAGNATION: f64 = 1e-11;
 

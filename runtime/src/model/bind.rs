@@ -349,6 +349,15 @@ fn check_shapes(
         ),
         (Function::Conditions, common, class.conditions.len()),
         (Function::Rotations, common, layout.rotations as usize),
+        (
+            Function::Kinks,
+            if class.kinks_read_accelerations {
+                layout.outputs_len() as usize
+            } else {
+                common
+            },
+            3 * class.kinks.len(),
+        ),
     ];
     for (function, inputs, outputs) in expected {
         // Functions without a result may be left empty.

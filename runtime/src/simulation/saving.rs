@@ -72,6 +72,7 @@ impl Simulation {
             s.factorizations,
             s.residuals,
             s.fallbacks,
+            s.kinks,
         ] {
             w.integer(count);
         }
@@ -100,6 +101,8 @@ impl Simulation {
             .map(|a| f64::from(u8::from(*a)))
             .collect();
         w.numbers(&advised);
+        w.integer(self.at_kink.map_or(0, |kink| kink as u64 + 1));
+        w.numbers(&self.kinks.numbers());
         for vibration in &self.integrator.vibrations {
             w.numbers(&vibration.numbers());
         }
@@ -180,6 +183,7 @@ impl Simulation {
             &mut s.factorizations,
             &mut s.residuals,
             &mut s.fallbacks,
+            &mut s.kinks,
         ] {
             *count = r.integer()?;
         }
@@ -216,6 +220,7 @@ impl Simulation {
         let mut advised = vec![0.0; simulation.advised.len()];
         r.numbers(&mut advised)?;
         simulation.advised = advised.iter().map(|a| *a != 0.0).collect();
+        simulation.resume_kinks(&mut r)?;
         for vibration in &mut simulation.integrator.vibrations {
             let mut numbers = [0.0; 8];
             r.numbers(&mut numbers)?;
@@ -223,5 +228,14 @@ impl Simulation {
         }
         r.finish()?;
         Ok(simulation)
+    }
+
+    /// Reads the part of a checkpoint about kinks.
+    fn resume_kinks(&mut self, r: &mut Reader<'_>) -> Result<(), RuntimeError> {
+        self.at_kink = (r.integer()? as usize).checked_sub(1);
+        let mut kinks = self.kinks.numbers();
+        r.numbers(&mut kinks)?;
+        self.kinks.set_numbers(&kinks);
+        Ok(())
     }
 }

@@ -7,7 +7,7 @@ use crate::elements::Inputs;
 use crate::error::RuntimeError;
 use crate::integrator::{STEP_SHARE, Trial};
 use crate::rotation::V3;
-use crate::state::move_pose;
+use crate::state::{State, move_pose};
 use eng_system::system::{ConditionKind, Origin, StepControl};
 
 /// Largest change of an acceleration in the first step, as a share of its size.
@@ -65,26 +65,8 @@ impl Simulation {
         let mut ends = Vec::with_capacity(2);
         // Forwards only: the functions of a model need not be defined before its start.
         for factor in [1.0, 2.0] {
-            let e = factor * offset;
-            let mut near = self.integrator.current.clone();
-            near.time += e;
-            for i in 0..self.model.velocities {
-                self.work[i] = e * near.velocity[i] + 0.5 * e * e * near.acceleration[i];
-                near.velocity[i] += e * near.acceleration[i];
-            }
-            move_pose(
-                &self.model,
-                &self.integrator.current.pose,
-                &self.work,
-                1.0,
-                &mut near.pose,
-            );
-            for i in 0..self.model.states {
-                near.states[i] += e * near.rates[i];
-            }
-            self.system
-                .accelerations(&self.model, &mut self.dynamics, &mut near, moment)?;
-            ends.push(near);
+            let start = self.integrator.current.clone();
+            ends.push(self.ahead(&start, factor * offset)?);
         }
         // (−3 f₀ + 4 f₁ − f₂)/2e: second order, from one side
         let rate = |start: &[f64], a: &[f64], b: &[f64]| -> Vec<f64> {
@@ -142,12 +124,34 @@ impl Simulation {
         }
         self.grid = FixedGrid::new(self.integrator.current.time);
         self.stand()?;
+        self.kinks
+            .evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
+        self.kinks.accept(None);
         self.observe_state()?;
         self.take_energy();
         let e = &mut self.energy;
         e.start = e.kinetic + e.gravity + e.strain;
         self.cycle_start = self.cycle_now.map_or(0.0, |c| c[0]);
         Ok(())
+    }
+
+    /// The state at a time e (s) after another one, along its velocities, accelerations and rates, with its own
+    /// accelerations.
+    pub(super) fn ahead(&mut self, from: &State, e: f64) -> Result<State, RuntimeError> {
+        let moment = self.moment();
+        let mut near = from.clone();
+        near.time += e;
+        for i in 0..self.model.velocities {
+            self.work[i] = e * near.velocity[i] + 0.5 * e * e * near.acceleration[i];
+            near.velocity[i] += e * near.acceleration[i];
+        }
+        move_pose(&self.model, &from.pose, &self.work, 1.0, &mut near.pose);
+        for i in 0..self.model.states {
+            near.states[i] += e * near.rates[i];
+        }
+        self.system
+            .accelerations(&self.model, &mut self.dynamics, &mut near, moment)?;
+        Ok(near)
     }
 
     /// Whether the cycle is at rest at the start and nothing will turn it: no force or drive accelerates it
@@ -336,6 +340,12 @@ impl Simulation {
                 message: format!("a step must go forward: from {begin} s to {end} s"),
             });
         }
+        // behind a kink the powers before it say nothing about the power within the step
+        let earlier_step = if self.at_kink.take().is_some() {
+            0.0
+        } else {
+            self.earlier_step
+        };
         let stepped = match self.options.step {
             StepControl::Fixed(nominal) | StepControl::FixedTo { step: nominal, .. } => {
                 self.fixed_step(nominal, end)
@@ -347,6 +357,7 @@ impl Simulation {
         self.integrator
             .look_at_vibrations(&self.model, &mut self.dynamics, h, tolerance);
         self.integrator.accept(&self.model, h, time);
+        self.kinks.accept(self.at_kink);
         self.evaluated = None;
         self.cycle_at_ends = None;
         if self.options.step.fixed().is_some() && time >= end {
@@ -369,7 +380,7 @@ impl Simulation {
         self.take_energy();
         let work = |i: usize| {
             let powers = [self.earlier_powers[i], old[i], self.powers[i]];
-            work_of_step(h, powers, self.earlier_step)
+            work_of_step(h, powers, earlier_step)
         };
         let (loads, constraints, damping) = (work(0), work(1), work(2));
         self.energy_before = [
@@ -382,12 +393,15 @@ impl Simulation {
         self.energy.damping += damping;
         self.earlier_step = h;
         self.earlier_powers = old;
+        if self.at_kink.is_some() {
+            self.renew_at_kink(h)?;
+        }
         Ok(StepReport { time, step: h })
     }
 
     /// Writes into `work` the part of the current velocity that violates the constraints, in the measure of
     /// the step's kept matrix, because the step caused it in this measure. `false` if no factors are kept.
-    fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
+    pub(super) fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
         let state = &self.integrator.current;
         let (model, dynamics) = (&self.model, &mut self.dynamics);
         dynamics.place(model, state.time, &state.pose, &state.velocity);
@@ -463,6 +477,7 @@ impl Simulation {
             self.turned_too_far(h)?;
             match self.trial(h, None)? {
                 Trial::Solved { .. } => {
+                    self.look_at_kinks(h)?;
                     if last {
                         self.grid = FixedGrid::new(end);
                     } else {
@@ -531,6 +546,8 @@ impl Simulation {
         let begin = self.integrator.current.time;
         let rest = end - begin;
         let mut failures = 0;
+        // the end of the next trial at a kink, and the number of trials that passed one
+        let (mut cut, mut tries) = (None, 0);
         let mut first_rejected = None;
         let turning = self.fastest().0;
         let mut allowed = longest.min(self.options.max_step);
@@ -539,12 +556,13 @@ impl Simulation {
         }
         let limited = self.size.step >= allowed;
         self.size.limit(allowed);
+        let wish = self.size.step;
         loop {
-            let mut h = self.size.step;
-            let last = h >= rest * (1.0 - 1e-9);
+            let mut h = cut.map_or(self.size.step, |(at, _)| at);
+            let last = cut.is_none() && h >= rest * (1.0 - 1e-9);
             if last {
                 h = rest;
-            } else if 2.0 * h > rest {
+            } else if cut.is_none() && 2.0 * h > rest {
                 h = 0.5 * rest;
             }
             if begin + h == begin || h < 1e-14 {
@@ -565,7 +583,13 @@ impl Simulation {
                     state,
                 });
             }
-            match self.trial(h, Some(factor))? {
+            let trial = self.trial(h, Some(factor))?;
+            let ends_at = cut.map(|(_, kink)| kink);
+            cut = self.kink_within(h, factor, &trial, &mut tries)?;
+            if cut.is_some() {
+                continue;
+            }
+            match trial {
                 Trial::Solved { error } if error <= 1.0 => {
                     if failures == 0 {
                         self.outside = None;
@@ -575,7 +599,12 @@ impl Simulation {
                             Limit::Error
                         };
                     }
+                    self.at_kink = ends_at;
                     self.size.accepted(h, error);
+                    if ends_at.is_some() {
+                        // the length up to a kink says nothing about the next step
+                        self.size.step = self.size.step.max(wish);
+                    }
                     return Ok((h, if last { end } else { begin + h }));
                 }
                 Trial::Solved { error } => {

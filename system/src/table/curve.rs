@@ -246,6 +246,15 @@ impl Curve {
         self.period
     }
 
+    /// See [`super::Table::kinks`].
+    pub fn kinks(&self) -> [Option<f64>; 2] {
+        if self.period.is_some() || self.extrapolation.is_none() {
+            return [None; 2];
+        }
+        let (first, last) = self.domain();
+        [Some(first), Some(last)]
+    }
+
     /// The value (order 0) or a derivative with respect to the argument; orders above 3 are zero.
     ///
     /// NaN for an argument that is not finite. NaN outside the domain if no extrapolation is stated, except within

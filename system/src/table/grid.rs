@@ -120,6 +120,22 @@ impl Grid {
         }
     }
 
+    /// See [`super::Table::kinks`].
+    pub fn kinks(&self, index: usize) -> [Option<f64>; 2] {
+        let Some(axis) = self.axes.get(index) else {
+            return [None; 2];
+        };
+        let Ends::Each(ends) = axis.ends else {
+            return [None; 2];
+        };
+        let points = [axis.knots.first().copied(), axis.knots.last().copied()];
+        let mut kinks = ends
+            .into_iter()
+            .zip(points)
+            .map(|(end, point)| point.filter(|_| matches!(end, End::Hold | End::Linear)));
+        [kinks.next().flatten(), kinks.next().flatten()]
+    }
+
     /// The first argument outside its points although it is a number and no continuation is stated.
     pub fn outside(&self, arguments: &[f64]) -> Option<usize> {
         let mut pairs = self.axes.iter().zip(arguments);

@@ -111,6 +111,16 @@ impl Table {
         }
     }
 
+    /// The first and last point of an argument beyond which the table is held or goes on as a line; `None` for an
+    /// end where it is smooth (a period, a mirror) or has no continuation.
+    pub fn kinks(&self, argument: usize) -> [Option<f64>; 2] {
+        match &self.shape {
+            Shape::Curve(curve) if argument == 0 => curve.kinks(),
+            Shape::Curve(_) => [None; 2],
+            Shape::Grid(grid) => grid.kinks(argument),
+        }
+    }
+
     /// The periods over its arguments that are angles (rad).
     pub fn periods_of_angles(&self) -> impl Iterator<Item = f64> + '_ {
         (0..self.arguments()).filter_map(|argument| {

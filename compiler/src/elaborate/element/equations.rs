@@ -229,6 +229,9 @@ impl<'a> Elaborator<'a, '_> {
             });
             let slot = self.slot(node);
             self.draft.resolutions.push(slot);
+            if let Some(element) = self.bench.element.as_mut() {
+                element.resolves.push(node);
+            }
         }
         Ok(())
     }

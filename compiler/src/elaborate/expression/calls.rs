@@ -48,7 +48,12 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 let all: Option<Vec<Scalar>> = given.into_iter().collect();
                 let all = self.checked(all, expr.span, "an argument of a table is missing")?;
-                Ok(Value::Scalar(self.look_up_table(table, &all)))
+                let value = self.look_up_table(table, &all);
+                for (argument, place) in arguments.iter().zip(places.iter()) {
+                    let of = argument.value.span;
+                    self.note_kink(value.stage, value.node, *place as u8, of, expr.span, scope)?;
+                }
+                Ok(Value::Scalar(value))
             }
             Value::Definition(id)
                 if self

@@ -1,12 +1,14 @@
 //! Comparisons, `and`, `or`, `if`.
 
-use super::super::scalar::Flag;
+use super::super::location;
+use super::super::scalar::{Flag, Stage};
 use super::super::value::{ScopeId, Value};
 use super::super::{Elaborator, Eval};
 use crate::codes;
-use crate::ir::{Graph, Op};
+use crate::ir::{Graph, KinkPlace, Node, Op};
 use eng_grammar::ast::{BinaryOp, Expr};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::system::Kink;
 
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn logic(
@@ -107,6 +109,34 @@ impl<'a> Elaborator<'a, '_> {
         let x = self.as_scalar(a, a_span)?;
         let y = self.as_scalar(b, b_span)?;
         Ok(Value::Scalar(self.bench.select(flag, x, y)))
+    }
+
+    /// Keeps the text and the dimension of an operation that may have a kink: `of` is an expression with the
+    /// dimension of its kink function, `text` the whole expression.
+    pub fn note_kink(
+        &mut self,
+        stage: Stage,
+        node: Node,
+        argument: u8,
+        of: Span,
+        text: Span,
+        scope: ScopeId,
+    ) -> Eval<()> {
+        if stage == Stage::Bind {
+            return Ok(());
+        }
+        let dimension = Some(self.dimension_at(of, scope)?);
+        let text_as_written = self.sources.text(text).to_owned();
+        if let Some(element) = self.bench.element.as_mut() {
+            // the first text of an operation counts: later uses of the same operation share it
+            (element.kinks.entry(KinkPlace { node, argument })).or_insert(Kink {
+                text: text_as_written,
+                dimension,
+                table: None,
+                defined_at: Some(location(text)),
+            });
+        }
+        Ok(())
     }
 
     pub fn truth(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Truth> {

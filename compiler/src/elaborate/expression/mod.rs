@@ -115,7 +115,11 @@ impl<'a> Elaborator<'a, '_> {
             } => {
                 let a = self.evaluate(left, scope)?;
                 let b = self.evaluate(right, scope)?;
-                self.binary(*op, a, b, left.span, right.span)
+                let value = self.binary(*op, a, b, left.span, right.span)?;
+                if let Value::Flag(flag) = value {
+                    self.note_kink(flag.stage, flag.node, 0, left.span, expr.span, scope)?;
+                }
+                Ok(value)
             }
             ExprKind::If {
                 condition,

@@ -246,6 +246,7 @@ impl<D: Definition> ElementCode for Code<D> {
             Function::Outputs => (l.outputs_len() as usize, self.outputs),
             Function::Conditions => (common, self.conditions),
             Function::Rotations => (common, l.rotations as usize),
+            Function::Kinks => (common, 0),
         }
     }
 
@@ -290,7 +291,7 @@ impl<D: Definition> ElementCode for Code<D> {
                 }
                 Function::Conditions => self.definition.conditions(&i),
                 Function::Rotations => self.definition.rotations(&i),
-                Function::Linearize => Vec::new(),
+                Function::Linearize | Function::Kinks => Vec::new(),
             };
             assert_eq!(out.len(), given, "{function:?}");
             for (o, x) in outputs.iter_mut().zip(out) {
@@ -453,6 +454,8 @@ impl Builder {
                 .collect(),
             outputs: vec![],
             conditions: vec![],
+            kinks: vec![],
+            kinks_read_accelerations: false,
             uses_twist: true,
             applies_load: true,
             loads_over_time: true,
@@ -500,6 +503,7 @@ impl Builder {
             constants,
             state_start,
             state_scale,
+            resolves: vec![],
             signals: vec![],
             rotations,
         });

@@ -1,0 +1,129 @@
+//! The kink functions of a class: where its loads and the rates of its states are not smooth.
+//!
+//! A value has a kink where a comparison changes, where the arguments of `min` or `max` are equal, where the
+//! argument of `abs` is zero, and at an end of a table. Each of these is a function of the motion that changes
+//! its sign at the kink. The functions come from the graph of the loads, so a kink counts wherever the text has
+//! it: in the class, in a function that it calls, or in a library. A function of constants alone never changes
+//! and does not count.
+
+use super::differentiate::{
+    Accelerations, DifferentiateError, Place, inputs_of, known_in_outputs_only,
+    time_derivative_with,
+};
+use super::graph::{Function, Graph, Node, Op};
+use super::optimise::dependencies;
+use eng_system::layout::InputLayout;
+
+/// An operation with a kink, and which of its arguments this is; zero for all but tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct KinkPlace {
+    /// A comparison, a minimum, a maximum, an amount or a table's value.
+    pub node: Node,
+    /// The argument of a table.
+    pub argument: u8,
+}
+
+/// The kink functions of a class.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Kinks {
+    /// The operation of each function.
+    pub places: Vec<KinkPlace>,
+    /// Whether each is the argument of a table.
+    pub tables: Vec<bool>,
+    /// Values, rates, and the handles of tables (−1 for others).
+    pub outputs: Vec<Node>,
+    /// Whether the rates depend on accelerations.
+    pub reads_accelerations: bool,
+}
+
+/// Finds the kink functions that loads and rates depend on, and adds their rates to the graph. The rate of a
+/// state is that of the class.
+pub(crate) fn find(
+    graph: &mut Graph,
+    layout: &InputLayout,
+    loads: &[Node],
+    rates: &[Node],
+    turns: &[Node],
+) -> Result<Kinks, DifferentiateError> {
+    let watched: Vec<Node> = loads.iter().chain(rates).copied().collect();
+    let needed = dependencies(graph, &watched);
+    let operations: Vec<(Node, Op)> = (0..)
+        .map(Node)
+        .zip(graph.nodes().iter().copied())
+        .zip(&needed)
+        .filter_map(|(found, needed)| (*needed && !turns.contains(&found.0)).then_some(found))
+        .collect();
+    let nowhere = graph.constant(-1.0);
+    let mut kinks = Kinks::default();
+    let mut values: Vec<Node> = Vec::new();
+    let mut handles = Vec::new();
+    for (node, op) in operations {
+        let functions: Vec<(Node, Option<Node>)> = match op {
+            Op::Less(a, b) | Op::LessEqual(a, b) => vec![(graph.subtract(b, a), None)],
+            Op::Minimum(a, b) | Op::Maximum(a, b) => vec![(graph.subtract(a, b), None)],
+            Op::Abs(a) => vec![(a, None)],
+            // an equation holds at single moments, or where another kink begins: it changes no sign
+            Op::Table(handle, arguments, orders) => (arguments.into_iter())
+                .take(orders.arguments())
+                .map(|argument| (argument, Some(handle)))
+                .collect(),
+            _ => continue,
+        };
+        for (argument, (value, handle)) in (0..).zip(functions) {
+            let handle = handle.unwrap_or(nowhere);
+            let known = values
+                .iter()
+                .zip(&handles)
+                .any(|known| known == (&value, &handle));
+            if known
+                || !moves(graph, layout, value)
+                || known_in_outputs_only(graph, &[value], layout)
+            {
+                continue;
+            }
+            kinks.places.push(KinkPlace { node, argument });
+            kinks.tables.push(handle != nowhere);
+            values.push(value);
+            handles.push(handle);
+        }
+    }
+    if values.is_empty() {
+        return Ok(kinks);
+    }
+    let slopes = time_derivative_with(graph, layout, &values, Some(rates), Accelerations::Inputs)?;
+    kinks.reads_accelerations = inputs_of(graph, &slopes)
+        .into_iter()
+        .any(|input| Place::of(layout, input) == Place::Acceleration);
+    kinks.outputs = values.into_iter().chain(slopes).chain(handles).collect();
+    Ok(kinks)
+}
+
+/// Whether a value depends on the motion or on time.
+fn moves(graph: &Graph, layout: &InputLayout, value: Node) -> bool {
+    inputs_of(graph, &[value]).into_iter().any(|input| {
+        matches!(
+            Place::of(layout, input),
+            Place::Time
+                | Place::Position { .. }
+                | Place::Orientation { .. }
+                | Place::Velocity { .. }
+                | Place::State(_)
+        )
+    })
+}
+
+impl Kinks {
+    /// The function of the class's code.
+    pub fn function(&self, class: &str, layout: &InputLayout, graph: &Graph) -> Function {
+        Function {
+            name: format!("{class}.kinks"),
+            inputs: if self.reads_accelerations {
+                layout.outputs_len()
+            } else {
+                layout.len()
+            },
+            graph: graph.clone(),
+            outputs: self.outputs.clone(),
+        }
+    }
+}

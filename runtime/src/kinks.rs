@@ -1,0 +1,527 @@
+//! Kinks of loads and rates: places where a step must end.
+//!
+//! A stop, a backlash or a valve has a function g of the motion that changes its sign where the force bends:
+//! the compiler derives these functions ([`Function::Kinks`]). The error of a step is estimated at its end, so
+//! a force that begins and ends within a step is invisible to it. Within a step g is Hermite's cubic through its
+//! values and rates at both ends. If the cubic is deeper than a limit on one side and then on the other, the
+//! step ends at the first change between them.
+//!
+//! | g is | its limit |
+//! | --- | --- |
+//! | a length, in an element whose class states `resolve` | the smallest length that it resolves |
+//! | another length | the tolerance of positions |
+//! | an angle | this tolerance over the model's length |
+//! | a time | rounding: a moment is known exactly |
+//! | anything else | 1e-5 of the largest value of g so far, the share that errors of states may have |
+//!
+//! A factor on the tolerances multiplies all but times. A factor above 1 does not multiply a stated length.
+
+use crate::dynamics::Dynamics;
+use crate::elements::{self, Batch, Inputs};
+use crate::error::{Moment, RuntimeError};
+use crate::integrator::STATE_SHARE;
+use crate::model::Model;
+use crate::state::State;
+use eng_system::code::{Function, Pair};
+use eng_system::dimension::Dimension;
+use eng_system::system::{Kink, Origin};
+
+/// Limit of a time, as a share of the time itself.
+const MOMENT: f64 = 8.0 * f64::EPSILON;
+/// Share of a step within which a kink counts as its begin. A function that is zero there but for rounding would
+/// otherwise shorten the step to nothing.
+const BEGIN: f64 = 1e-6;
+/// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
+/// pressures have become equal, a body that sticks. To end every step there would gain nothing.
+const STAYS: f64 = 3.0;
+
+/// The limit of a kink function; see the table above.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Limit {
+    Stated(f64),
+    Tolerance(f64),
+    Time,
+    Share,
+}
+
+/// One kink function of one element.
+#[derive(Clone, Copy, Debug)]
+struct Item {
+    element: usize,
+    kink: usize,
+    limit: Limit,
+}
+
+/// Elements of one class with kinks.
+#[derive(Clone, Debug)]
+struct Group {
+    /// Index among the batches of the dynamics, whose inputs serve.
+    batch: usize,
+    /// Own inputs, if the rates of the functions need accelerations.
+    own: Option<Batch>,
+    /// Index of the first item.
+    first: usize,
+}
+
+/// The kink functions of a model, at the begin of a step and at the end of its last trial.
+#[derive(Clone, Debug)]
+pub struct Kinks {
+    groups: Vec<Group>,
+    items: Vec<Item>,
+    /// Values and rates at the last accepted state.
+    now: Vec<[f64; 2]>,
+    /// Values and rates at the end of the last trial.
+    next: Vec<[f64; 2]>,
+    /// Largest magnitudes at accepted states.
+    peaks: Vec<f64>,
+    /// Number of steps one after the other that passed each kink.
+    stays: Vec<f64>,
+    out: Vec<Pair>,
+}
+
+/// A kink within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Time from the step's begin (s).
+    pub time: f64,
+    /// Index of the kink function.
+    pub item: usize,
+    /// How far the function is on the other side within the step, and its limit.
+    pub depth: f64,
+    /// See [`Crossing::depth`].
+    pub limit: f64,
+    /// Whether the step comes back to the first side or near it, so that its end does not show the kink.
+    pub inside: bool,
+}
+
+/// A kink that a fixed step overlooked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overlooked {
+    /// The element, and the place of the expression with the kink.
+    pub origin: Box<Origin>,
+    /// The expression with the kink as written; empty if no text states it.
+    pub text: String,
+    /// Its dimension, if the text shows it.
+    pub dimension: Option<Dimension>,
+    /// When the step ended.
+    pub moment: Moment,
+    /// The step (s).
+    pub step: f64,
+    /// How far the kink was passed within the step, and the limit (SI).
+    pub depth: f64,
+    /// See [`Overlooked::depth`].
+    pub limit: f64,
+}
+
+impl Kinks {
+    /// The kink functions of a model's dynamic elements. `batches` are those of its dynamics.
+    pub fn new(model: &Model, batches: &[Batch]) -> Kinks {
+        let system = &model.compiled.system;
+        let mut kinks = Kinks {
+            groups: Vec::new(),
+            items: Vec::new(),
+            now: Vec::new(),
+            next: Vec::new(),
+            peaks: Vec::new(),
+            stays: Vec::new(),
+            out: Vec::new(),
+        };
+        for (index, batch) in batches.iter().enumerate() {
+            let class = &system.classes[batch.class];
+            if class.kinks.is_empty() {
+                continue;
+            }
+            let members: Vec<usize> = (0..batch.pairs.len())
+                .flat_map(|pair| batch.pairs[pair].into_iter().take(batch.lanes(pair)))
+                .collect();
+            kinks.groups.push(Group {
+                batch: index,
+                own: class
+                    .kinks_read_accelerations
+                    .then(|| elements::batches(model, &members, true))
+                    .and_then(|made| made.into_iter().next()),
+                first: kinks.items.len(),
+            });
+            for element in members {
+                for (k, kink) in class.kinks.iter().enumerate() {
+                    let item = Item {
+                        element,
+                        kink: k,
+                        limit: limit(model, element, kink),
+                    };
+                    let ends = if kink.table.is_some() { 2 } else { 1 };
+                    kinks.items.extend(std::iter::repeat_n(item, ends));
+                }
+            }
+            kinks
+                .out
+                .resize(kinks.out.len().max(3 * class.kinks.len()), [0.0; 2]);
+        }
+        let count = kinks.items.len();
+        kinks.now = vec![[0.0; 2]; count];
+        kinks.next = vec![[0.0; 2]; count];
+        kinks.peaks = vec![0.0; count];
+        kinks.stays = vec![0.0; count];
+        kinks
+    }
+
+    /// Evaluates the functions at a state at which the dynamics are placed and their inputs gathered.
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        state: &State,
+    ) -> Result<(), RuntimeError> {
+        for group in &mut self.groups {
+            let common = &dynamics.batches()[group.batch];
+            if let Some(own) = &mut group.own {
+                let from = Inputs {
+                    time: state.time,
+                    markers: dynamics.markers(),
+                    states: &state.states,
+                    multipliers: &[],
+                    rotations: &state.rotations,
+                };
+                elements::gather(model, own, &from);
+                add_accelerations(model, dynamics, state, own);
+            }
+            let batch = group.own.as_ref().unwrap_or(common);
+            let class = &model.compiled.system.classes[batch.class];
+            let count = class.kinks.len();
+            let out = &mut self.out[..3 * count];
+            let mut at = group.first;
+            for pair in 0..batch.pairs.len() {
+                elements::call(model, batch.class, Function::Kinks, batch.inputs(pair), out)?;
+                for lane in 0..batch.lanes(pair) {
+                    for (k, kink) in class.kinks.iter().enumerate() {
+                        let [value, rate] = [out[k][lane], out[count + k][lane]];
+                        let Some(argument) = kink.table else {
+                            self.next[at] = [value, rate];
+                            at += 1;
+                            continue;
+                        };
+                        let handle = out[2 * count + k][lane];
+                        let tables = &model.compiled.system.tables;
+                        let table = tables.get(handle as usize).filter(|_| handle >= 0.0);
+                        let [low, high] =
+                            table.map_or([None; 2], |table| table.kinks(usize::from(argument)));
+                        // an end without a kink is a function that never changes
+                        self.next[at] = low.map_or([1.0, 0.0], |low| [value - low, rate]);
+                        self.next[at + 1] = high.map_or([1.0, 0.0], |high| [high - value, -rate]);
+                        at += 2;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the end of the last trial the begin of the next step. `ended` is the kink at which the step ended.
+    pub fn accept(&mut self, ended: Option<usize>) {
+        let pairs = self.now.iter().zip(&self.next).enumerate();
+        for ((item, (from, to)), stay) in pairs.zip(&mut self.stays) {
+            if from[0] * to[0] < 0.0 || ended == Some(item) {
+                *stay += 1.0;
+            } else if stay.is_finite() {
+                *stay = 0.0;
+            }
+        }
+        self.now.copy_from_slice(&self.next);
+        for (peak, [value, _]) in self.peaks.iter_mut().zip(&self.now) {
+            *peak = peak.max(value.abs());
+        }
+    }
+
+    /// The limit of a function at a time (s), for a factor on the tolerances.
+    fn limit(&self, item: usize, time: f64, factor: f64) -> f64 {
+        match self.items[item].limit {
+            Limit::Stated(length) => length * factor.min(1.0),
+            Limit::Tolerance(tolerance) => tolerance * factor,
+            Limit::Time => MOMENT * time.abs(),
+            Limit::Share => STATE_SHARE * factor * self.peaks[item],
+        }
+    }
+
+    /// Ends no more steps at a kink.
+    pub fn ignore(&mut self, item: usize) {
+        if let Some(stay) = self.stays.get_mut(item) {
+            *stay = f64::INFINITY;
+        }
+    }
+
+    /// The first kink that a trial of a step h (s) passes deeper than its limit. The trial ends at a time (s).
+    pub fn passed(&self, h: f64, time: f64, factor: f64) -> Option<Crossing> {
+        let mut first: Option<Crossing> = None;
+        for (item, (from, to)) in self.now.iter().zip(&self.next).enumerate() {
+            if same_side(*from, *to, h) || self.stays[item] >= STAYS {
+                continue;
+            }
+            let limit = self.limit(item, time, factor);
+            if let Some(found) = crossing(*from, *to, h, limit)
+                && first.is_none_or(|first| found.time < first.time)
+            {
+                first = Some(Crossing { item, ..found });
+            }
+        }
+        first
+    }
+
+    /// The longest time (s) below `most` in which a function changes its sign at its present rate.
+    pub fn time_left(&self, most: f64) -> f64 {
+        let times = self.now.iter().map(|[value, rate]| -value / rate);
+        let soon = times.filter(|time| *time > 0.0 && *time < most);
+        soon.fold(0.0, f64::max)
+    }
+
+    /// The kink that a fixed step h (s) overlooks most, in multiples of its limit. The step ends at a time (s).
+    ///
+    /// Steps that the text states do not end at kinks, and most kinks cost them only accuracy. A kink counts if
+    /// its class states the length that matters there, if its far side lies wholly within the step, or if the
+    /// step passes another kink of the element as well: what is between them, such as a thin stop, then acts in
+    /// no step.
+    pub fn overlooked(&self, model: &Model, h: f64, time: f64) -> Option<Crossing> {
+        let pairs = self.now.iter().zip(&self.next).enumerate();
+        let found: Vec<Crossing> = pairs
+            .filter(|(_, (from, to))| !same_side(**from, **to, h))
+            .filter_map(|(item, (from, to))| {
+                let found = crossing(*from, *to, h, self.limit(item, time, 1.0))?;
+                Some(Crossing { item, ..found })
+            })
+            .collect();
+        let kink = |passed: &Crossing| {
+            let item = &self.items[passed.item];
+            (
+                item.element,
+                &model.class(item.element).kinks[item.kink].dimension,
+            )
+        };
+        // two functions of one dimension whose kinks are farther apart than their limits
+        let between = |a: &Crossing, b: &Crossing| {
+            let time = (a.time - b.time).abs();
+            let apart = |x: &Crossing| {
+                let change = self.next[x.item][0] - self.now[x.item][0];
+                time / h * change.abs() > x.limit
+            };
+            kink(a) == kink(b) && apart(a) && apart(b)
+        };
+        let counts = found.iter().filter(|kink| {
+            let stated = matches!(self.items[kink.item].limit, Limit::Stated(_));
+            stated || kink.inside || found.iter().any(|other| between(kink, other))
+        });
+        counts
+            .max_by(|a, b| (a.depth / a.limit).total_cmp(&(b.depth / b.limit)))
+            .copied()
+    }
+
+    /// The first time within a step h (s) at which a function would change its sign at its present rate. The step
+    /// begins at a time (s). A function within its limit is at its kink already.
+    pub fn foreseen(&self, h: f64, time: f64, factor: f64) -> Option<(f64, usize)> {
+        let far = (self.now.iter().enumerate())
+            .filter(|(item, [value, _])| value.abs() > self.limit(*item, time, factor));
+        far.map(|(item, [value, rate])| (-value / rate, item))
+            .filter(|(time, _)| *time > BEGIN * h && *time < h)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// A kink with its names.
+    pub fn named(
+        &self,
+        model: &Model,
+        passed: &Crossing,
+        h: f64,
+        moment: Moment,
+    ) -> Option<Overlooked> {
+        let item = self.items.get(passed.item)?;
+        let kink = model.class(item.element).kinks.get(item.kink)?;
+        let element = &model.compiled.system.elements[item.element].origin;
+        Some(Overlooked {
+            origin: Box::new(Origin {
+                defined_at: kink.defined_at.or(element.defined_at),
+                ..element.clone()
+            }),
+            text: kink.text.clone(),
+            dimension: kink.dimension,
+            moment,
+            step: h,
+            depth: passed.depth,
+            limit: passed.limit,
+        })
+    }
+
+    /// Values and rates at the last accepted state, largest values so far and passages, for a checkpoint.
+    pub fn numbers(&self) -> Vec<f64> {
+        let pairs = self.now.iter().flatten();
+        pairs
+            .chain(&self.peaks)
+            .chain(&self.stays)
+            .copied()
+            .collect()
+    }
+
+    /// Sets them from a checkpoint.
+    pub fn set_numbers(&mut self, numbers: &[f64]) {
+        let (pairs, rest) = numbers.split_at((2 * self.now.len()).min(numbers.len()));
+        for (now, pair) in self.now.iter_mut().zip(pairs.as_chunks::<2>().0) {
+            *now = *pair;
+        }
+        let counts = self.peaks.iter_mut().chain(&mut self.stays);
+        for (place, number) in counts.zip(rest) {
+            *place = *number;
+        }
+    }
+}
+
+fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
+    let resolves = &model.compiled.system.elements[element].resolves;
+    let stated = resolves.iter().map(|slot| model.slot(*slot));
+    match kink.dimension {
+        Some(Dimension::LENGTH) => stated
+            .min_by(f64::total_cmp)
+            .map_or(Limit::Tolerance(model.tolerance), Limit::Stated),
+        Some(Dimension::ANGLE) => Limit::Tolerance(model.tolerance / model.length),
+        Some(Dimension::TIME) => Limit::Time,
+        _ => Limit::Share,
+    }
+}
+
+/// Adds accelerations and rates of states to the inputs of elements.
+fn add_accelerations(model: &Model, dynamics: &Dynamics, state: &State, batch: &mut Batch) {
+    let layout = model.compiled.system.classes[batch.class].layout;
+    for pair in 0..batch.pairs.len() {
+        let members = batch.pairs[pair];
+        let inputs = batch.inputs_mut(pair);
+        for (lane, index) in members.iter().enumerate() {
+            let element = &model.elements[*index];
+            for (k, marker) in element.markers.iter().enumerate() {
+                let Some(b) = model.markers[*marker].body else {
+                    continue;
+                };
+                let body = &model.bodies[b];
+                let range = body.velocity..body.velocity + body.width();
+                let bias = dynamics.marker_bias(model, *marker, &state.velocity[range.clone()]);
+                let along = dynamics.marker_along(model, *marker, &state.acceleration[range]);
+                let at = layout.acceleration(k as u32) as usize;
+                for (i, (bias, along)) in bias.iter().zip(along).enumerate() {
+                    inputs[at + i][lane] = bias + along;
+                }
+            }
+            for k in 0..layout.states {
+                let rate = state.rates[element.state + k as usize];
+                inputs[layout.state_rate(k) as usize][lane] = rate;
+            }
+        }
+    }
+}
+
+/// Whether the cubic through values and rates at both ends of a step h keeps one sign, because its four control
+/// points (Bézier) have it.
+fn same_side([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64) -> bool {
+    let points = [a, a + h * da / 3.0, b - h * db / 3.0, b];
+    points.iter().all(|x| *x > 0.0) || points.iter().all(|x| *x < 0.0)
+}
+
+/// Where the cubic through values and rates at both ends of a step h (s) leaves its first side, if it is deeper
+/// than a limit on both.
+fn crossing([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64, limit: f64) -> Option<Crossing> {
+    let (c1, rise) = (h * da, b - a);
+    let (c2, c3) = (3.0 * rise - h * (2.0 * da + db), h * (da + db) - 2.0 * rise);
+    let at = |s: f64| a + s * (c1 + s * (c2 + s * c3));
+    if !(c2.is_finite() && c3.is_finite()) {
+        return None;
+    }
+    // ends and extremes, in their order
+    let mut places = vec![0.0];
+    let mut extremes = roots(3.0 * c3, 2.0 * c2, c1);
+    extremes.sort_by(f64::total_cmp);
+    places.extend(extremes.into_iter().filter(|s| *s > 0.0 && *s < 1.0));
+    places.push(1.0);
+    let values: Vec<f64> = places
+        .iter()
+        .map(|s| if *s == 1.0 { b } else { at(*s) })
+        .collect();
+    let mut first = values.iter().position(|value| value.abs() > limit)?;
+    let (high, other) = loop {
+        let side = values[first].signum();
+        let other = (first..values.len()).find(|k| -side * values[*k] > limit)?;
+        let last = (first..other).rev().find(|k| side * values[*k] > 0.0)?;
+        let high = change(&at, side, places[last], places[last + 1]);
+        if high > BEGIN {
+            break (high, other);
+        }
+        first = other;
+    };
+    let side = -values[other].signum();
+    let depth = values[other..].iter().map(|value| -side * value);
+    Some(Crossing {
+        time: high * h,
+        item: 0,
+        depth: depth.fold(0.0, f64::max),
+        limit,
+        inside: -side * b <= limit,
+    })
+}
+
+/// Where a function leaves a side between two places, between which it is monotone: bisection until the bracket is
+/// rounding.
+fn change(at: impl Fn(f64) -> f64, side: f64, mut low: f64, mut high: f64) -> f64 {
+    while high - low > 1e-15 * high {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if side * at(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// Real roots of `a s² + b s + c`.
+fn roots(a: f64, b: f64, c: f64) -> Vec<f64> {
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant < 0.0 {
+        return Vec::new();
+    }
+    // without cancellation: the larger root first, the other by their product
+    let q = -0.5 * (b + b.signum() * libm::sqrt(discriminant));
+    [q / a, c / q]
+        .into_iter()
+        .filter(|s| s.is_finite())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{crossing, same_side};
+
+    /// g = (t − 1)(t − 3) over 0…4 s: below zero between 1 and 3 s, though both ends are above.
+    #[test]
+    fn an_excursion_within_a_step() {
+        let g = |t: f64| [(t - 1.0) * (t - 3.0), 2.0 * t - 4.0];
+        assert!(!same_side(g(0.0), g(4.0), 4.0));
+        let found = crossing(g(0.0), g(4.0), 4.0, 0.5).unwrap();
+        assert!((found.time - 1.0).abs() < 1e-12, "{}", found.time);
+        assert!((found.depth - 1.0).abs() < 1e-12 && found.inside);
+        // shallower than the limit
+        assert_eq!(crossing(g(0.0), g(4.0), 4.0, 1.5), None);
+        // begins at the kink, within the limit: the first side is the lower one, left at 3 s
+        let late = crossing(g(1.0), g(4.0), 3.0, 0.5).unwrap();
+        assert!((late.time - 2.0).abs() < 1e-12 && !late.inside);
+        // begins at the kink and stays on one side
+        assert_eq!(crossing(g(1.0), g(2.5), 1.5, 1e-9), None);
+    }
+
+    /// g = 1 − t³ over 0…2 s changes at 1 s, whatever its size.
+    #[test]
+    fn a_change_between_the_ends() {
+        let g = |t: f64| [1e-20 * (1.0 - t * t * t), -3e-20 * t * t];
+        let found = crossing(g(0.0), g(2.0), 2.0, 1e-25).unwrap();
+        assert!((found.time - 1.0).abs() < 1e-12);
+        assert!((found.depth - 7e-20).abs() < 1e-32 && !found.inside);
+        assert!(same_side([1.0, 0.1], [1.0, -0.1], 1.0));
+        assert!(!same_side([f64::NAN, 0.0], [1.0, 0.0], 1.0));
+        assert_eq!(crossing([f64::NAN, 0.0], [1.0, 0.0], 1.0, 0.1), None);
+    }
+}

@@ -1,0 +1,170 @@
+//! Steps that end at kinks, and fixed steps that pass them.
+
+use super::Simulation;
+use crate::error::RuntimeError;
+use crate::integrator::{STEP_SHARE, Trial};
+use crate::state::State;
+
+/// Most trials of a step that end where the kink should be, and most trials that a kink may shorten.
+const SECANTS: usize = 4;
+const MOST_CUTS: usize = 12;
+/// Share of the way to a kink for the trials after that.
+const SHORT: f64 = 0.9;
+/// Distance of the states behind a kink, as a share of the time in which the motion covers about its own size.
+const BEHIND: f64 = 1e-4;
+/// Largest deviation of accelerations and rates behind a kink from a straight line through the state at the
+/// kink. A jump deviates by all of its size.
+const STRAIGHT: f64 = 0.5;
+/// Share of the step that the error allows behind a kink, and largest growth of the step there.
+const FIRST: (f64, f64) = (0.5, 4.0);
+
+impl Simulation {
+    /// Evaluates the kink functions at the end of a fixed step h (s) and keeps the kink that it overlooks.
+    pub(super) fn look_at_kinks(&mut self, h: f64) -> Result<(), RuntimeError> {
+        let end = self.integrator.trial_state();
+        self.kinks.evaluate(&self.model, &self.dynamics, end)?;
+        let Some(found) = self.kinks.overlooked(&self.model, h, end.time) else {
+            return Ok(());
+        };
+        let ratio = |depth: f64, limit: f64| depth / limit;
+        let before = self.overlooked.as_ref();
+        if before.is_none_or(|b| ratio(found.depth, found.limit) > ratio(b.depth, b.limit)) {
+            let mut moment = self.moment();
+            moment.time += h;
+            self.overlooked = self.kinks.named(&self.model, &found, h, moment);
+        }
+        Ok(())
+    }
+
+    /// The length (s) of the next trial and the kink at its end, if a trial of a step h passes a kink.
+    ///
+    /// The kink is where the cubics over the trial say. The part of the trial behind it has another force, so a
+    /// second or third trial may be necessary (the secant rule). If four of them do not end at the kink, the next
+    /// ones end before it. A trial without solution may come from a stiff stop behind a kink, so it is repeated
+    /// up to the kink that lies ahead.
+    pub(super) fn kink_within(
+        &mut self,
+        h: f64,
+        factor: f64,
+        trial: &Trial,
+        tries: &mut usize,
+    ) -> Result<Option<(f64, usize)>, RuntimeError> {
+        let begin = self.integrator.current.time;
+        let passed = match trial {
+            Trial::Solved { .. } => {
+                let end = self.integrator.trial_state();
+                self.kinks.evaluate(&self.model, &self.dynamics, end)?;
+                let passed = self.kinks.passed(h, begin + h, factor);
+                passed.map(|passed| (passed.time, passed.item))
+            }
+            Trial::Failed(_) => self.kinks.foreseen(h, begin, factor),
+        };
+        let Some((at, kink)) = passed.filter(|_| *tries < MOST_CUTS) else {
+            return Ok(None);
+        };
+        *tries += 1;
+        let at = if *tries <= SECANTS { at } else { SHORT * at };
+        if at >= h || begin + at == begin {
+            return Ok(None);
+        }
+        self.integrator.statistics.kinks += 1;
+        Ok(Some((at, kink)))
+    }
+
+    /// Renews what the scheme knows of the rates of accelerations, after a step h (s) that ended at a kink.
+    ///
+    /// The auxiliary a of the scheme belongs to the instant `t + (α_m − α_f) h`, so it contains the rate of the
+    /// acceleration v̈. Behind a kink v̈ is another one. With the rate from before the kink every passage would
+    /// cost an error of `h² Δv̈` in the velocity, as if the step had not ended there. The rate comes from
+    /// accelerations at two states behind the kink. The estimate of the error for this rate gives the next step.
+    ///
+    /// If an acceleration jumps, or rises like a root, nothing is renewed. The steps of the error control then
+    /// follow it. If the rate of a state does this, such as the flow `√Δp` of a valve, steps end at this kink no
+    /// more: beside it a state moves infinitely fast, and the error control passes it in longer steps.
+    pub(super) fn renew_at_kink(&mut self, h: f64) -> Result<(), RuntimeError> {
+        let moment = self.moment();
+        let mut start = self.integrator.current.clone();
+        let found =
+            (self.system).accelerations(&self.model, &mut self.dynamics, &mut start, moment);
+        if found.is_err() {
+            return Ok(());
+        }
+        let scales = self.model.velocity_scales();
+        let largest = |x: &[f64]| {
+            let pairs = x.iter().zip(&scales);
+            pairs.fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
+        };
+        let pace = largest(&start.velocity).max(libm::sqrt(largest(&start.acceleration)));
+        if pace == 0.0 {
+            return Ok(());
+        }
+        let e = (BEHIND / pace).min(h.max(BEHIND * self.size.step));
+        let first = e + self.kinks.time_left(e);
+        // a table may end behind the kink; the next step then tells it
+        let Ok([a, b]) = self.two_ahead(&start, [first, first + e]) else {
+            return Ok(());
+        };
+        let rate = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            a.iter().zip(b).map(|(a, b)| (b - a) / e).collect()
+        };
+        let jerk = rate(&a.acceleration, &b.acceleration);
+        let state_jerk = rate(&a.rates, &b.rates);
+        // the value at the kink itself, from those behind it
+        let bent = |jerk: &[f64], near: &[f64], at: &[f64], scales: &[f64]| {
+            let pairs = jerk.iter().zip(near).zip(at).zip(scales);
+            pairs.fold((0.0_f64, 0.0_f64), |(miss, size), (((j, a), at), scale)| {
+                let change = j * first;
+                (
+                    miss.max(((a - change - at) / scale).abs()),
+                    size.max((change / scale).abs()),
+                )
+            })
+        };
+        let moves = bent(&jerk, &a.acceleration, &start.acceleration, &scales);
+        let states = bent(
+            &state_jerk,
+            &a.rates,
+            &start.rates,
+            &self.model.state_scales,
+        );
+        let [moves, states] = [moves, states].map(|(miss, size)| miss <= STRAIGHT * size);
+        if !states && let Some(kink) = self.at_kink {
+            self.kinks.ignore(kink);
+        }
+        if !(moves && states) {
+            return Ok(());
+        }
+        let multiplier_rate = rate(&a.multipliers, &b.multipliers);
+        if !self.defect_of_step()? {
+            let current = &self.integrator.current;
+            self.system.velocity_defect(
+                &self.model,
+                &mut self.dynamics,
+                current,
+                moment,
+                &mut self.work,
+            )?;
+        }
+        self.integrator.set_defect(&self.work);
+        let mut rates = vec![0.0; self.model.rows];
+        self.dynamics
+            .constraints_along(&self.model, &jerk, &mut rates)?;
+        self.system.normal(&self.model, &rates, &mut self.work);
+        (self.integrator).renew(&jerk, &self.work, &multiplier_rate, &state_jerk);
+        let factor = self.options.step.tolerance();
+        let error = self.integrator.coefficients.error.abs() * largest(&jerk) * self.model.length
+            / (STEP_SHARE * self.model.tolerance * factor);
+        let longest = FIRST.1 * self.size.step.max(h);
+        let allowed = if error > 0.0 {
+            (FIRST.0 * libm::cbrt(1.0 / error)).min(longest)
+        } else {
+            longest
+        };
+        self.size.renewed(allowed);
+        Ok(())
+    }
+
+    fn two_ahead(&mut self, start: &State, times: [f64; 2]) -> Result<[State; 2], RuntimeError> {
+        Ok([self.ahead(start, times[0])?, self.ahead(start, times[1])?])
+    }
+}

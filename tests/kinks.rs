@@ -1,0 +1,207 @@
+//! Stops, backlash and valves: steps under error control end where a load bends, at any distance of samples. The motions are
+//! compared with those of another integrator, which locates the same places as events.
+
+use eng::{Model, Program, Simulation, Sources};
+use serde_json::Value;
+
+const CONTACTS: &str = include_str!("benchmarks/contacts.eng");
+
+fn program(text: &str) -> Program {
+    match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
+        Ok(program) => program,
+        Err(report) => panic!("{report}"),
+    }
+}
+
+fn model(name: &str) -> Model {
+    let program = program(CONTACTS);
+    let model = program.model(name);
+    model.unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().expect("a list");
+    list.iter().map(|x| x.as_f64().expect("a number")).collect()
+}
+
+/// The analyses of the file with another distance of samples.
+fn sampled(analysis: &str, sample: &str) -> String {
+    let line = CONTACTS
+        .lines()
+        .find(|line| line.starts_with(&format!("analysis {analysis} = ")))
+        .expect("an analysis");
+    let (head, _) = line.split_once("sample: ").expect("a sample");
+    CONTACTS.replace(line, &format!("{head}sample: {sample})"))
+}
+
+/// Largest error of a column (SI) as a share of its swing, and the steps of the run.
+fn error(text: &str, analysis: &str, column: &str) -> (f64, u64) {
+    let reference: Value =
+        serde_json::from_str(include_str!("reference/contacts.json")).expect("JSON");
+    let reference = &reference[analysis];
+    let (times, due) = (numbers(&reference["time"]), numbers(&reference[column]));
+    let outcome = program(text)
+        .analysis(analysis)
+        .expect("an analysis")
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    let results = &outcome.results;
+    let values = |path: &str| &results.column(path).expect("a column").values;
+    let (time, found) = (values("time"), values(column));
+    let mut compared = 0;
+    let mut worst = 0.0_f64;
+    for (t, x) in time.iter().zip(found) {
+        if let Some(at) = times.iter().position(|due| (due - t).abs() < 1e-9) {
+            worst = worst.max((x - due[at]).abs());
+            compared += 1;
+        }
+    }
+    assert!(compared > 5, "{analysis}: {compared} samples compared");
+    let most = due.iter().fold(f64::MIN, |m, x| m.max(*x));
+    let least = due.iter().fold(f64::MAX, |m, x| m.min(*x));
+    let steps = outcome.summary.expect("a summary").statistics.steps;
+    (worst / (most - least), steps)
+}
+
+/// Within 0.1 % of the swing at the default tolerance, with close and with distant samples, which must not decide what a step sees.
+#[test]
+fn contacts_move_as_another_integrator_says() {
+    for (analysis, column, fine, coarse) in [
+        ("ball", "height", "1 ms", "50 ms"),
+        ("reed", "lift", "0.1 ms", "2 ms"),
+        ("cam", "lift", "0.2 ms", "4 ms"),
+        ("backlash", "first", "0.5 ms", "20 ms"),
+        ("backlash", "second", "0.5 ms", "20 ms"),
+    ] {
+        for sample in [fine, coarse] {
+            let (error, steps) = error(&sampled(analysis, sample), analysis, column);
+            println!("{analysis}.{column} at {sample}: {error:.1e} of its swing, {steps} steps");
+            assert!(error < 1e-3, "{analysis}.{column} at {sample}: {error:.1e}");
+        }
+    }
+}
+
+/// The energy of the ball on the sheet after the impact is that before it: it comes back, whatever the distance of samples.
+#[test]
+fn a_thin_sheet_is_not_stepped_over() {
+    for sample in ["20 ms", "0.1 ms", "0.2 s"] {
+        let outcome = program(&sampled("sheet", sample))
+            .analysis("sheet")
+            .expect("an analysis")
+            .run(&mut |_| {})
+            .unwrap_or_else(|failed| panic!("{}", failed.error));
+        let height = &outcome.results.column("height").expect("a column").values;
+        // free flight from 110 mm: an impact at 10 mm less the depth, then up again
+        let (g, drop) = (9.81_f64, 0.1);
+        let impact = (2.0 * drop / g).sqrt();
+        let rest = 0.4 - impact;
+        let due = 0.01 + g * impact * rest - 0.5 * g * rest * rest;
+        let end = height[height.len() - 1];
+        assert!(
+            (end - due).abs() < 1e-3,
+            "{end} m instead of {due} m at {sample}"
+        );
+        assert!(
+            height.iter().all(|x| *x > 0.009),
+            "through the sheet at {sample}"
+        );
+    }
+}
+
+/// The kink functions of a class are those of its loads: each condition, `min`, `max`, `abs` and held end of a table that depends on the
+/// motion, with its text and dimension, and no other.
+#[test]
+fn kinks_of_a_class_are_those_of_its_loads() {
+    let text = "
+        use std.joints.Translational
+        table stroke(t: Time) -> Force = points([0, 1, 2] s, [0, 1, 0] N, extrapolation: hold)
+        table cyclic(x: Length) -> Force = points([0, 1, 2, 3] mm, [0, 1, 2, 0] N, periodic: 3 mm)
+        fn clipped(x: Length, most: Length) -> Length = min(x, most)
+        force Law(a: Marker, b: Marker, gap: Length) {
+            let x = dot(a.origin - b.origin, b.z)
+            let v = dot(a.velocity - b.velocity, b.z)
+            let spread = max(gap, 1 mm)
+            let hidden = abs(x - 7 mm)
+            let push = (if x > spread and not (v < 0 m/s) then 1 N else 0 N)*clipped(x, 3 mm)/(1 mm) + stroke(time) + cyclic(x)
+            apply force push*b.z on a against b
+            output beside = hidden as mm
+        }
+        model Bench {
+            gravity = [0, 0, 0] m/s^2
+            marker rail = [0, 0, 0] mm
+            body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+            joint guide = Translational(block.origin, rail)
+            force law = Law(block.origin, rail, gap: 2 mm)
+        }";
+    let model = program(text)
+        .model("Bench")
+        .unwrap_or_else(|error| panic!("{error}"));
+    let simulation = model
+        .simulation()
+        .start()
+        .unwrap_or_else(|error| panic!("{error}"));
+    let class = |simulation: &mut Simulation| {
+        let bound = simulation.runtime().model();
+        let class = bound
+            .compiled
+            .system
+            .classes
+            .iter()
+            .find(|class| class.name == "Law");
+        class.expect("the class").kinks.clone()
+    };
+    let mut simulation = simulation;
+    let mut told: Vec<String> = class(&mut simulation)
+        .iter()
+        .map(|kink| {
+            let dimension = kink.dimension.map_or("?".to_owned(), |d| d.to_string());
+            let table = if kink.table.is_some() {
+                ", a table"
+            } else {
+                ""
+            };
+            format!("{} [{dimension}{table}]", kink.text)
+        })
+        .collect();
+    told.sort();
+    assert_eq!(
+        told,
+        [
+            "cyclic(x) [m, a table]",
+            "min(x, most) [m]",
+            "stroke(time) [s, a table]",
+            "v < 0 m/s [m/s]",
+            "x > spread [m]",
+        ]
+    );
+}
+
+/// A simulation that is resumed just before and just behind a kink gives the bits of one that is not interrupted.
+#[test]
+fn a_checkpoint_beside_a_kink_keeps_the_bits() {
+    let model = model("Ball");
+    let builder = || model.simulation();
+    let mut whole = builder().start().unwrap_or_else(|error| panic!("{error}"));
+    let mut passed = 0;
+    while passed < 12 {
+        let before = whole.statistics().kinks;
+        let saved = whole.checkpoint();
+        let mut other = builder()
+            .resume(&saved)
+            .unwrap_or_else(|error| panic!("{error}"));
+        for _ in 0..3 {
+            whole.step().unwrap_or_else(|error| panic!("{error}"));
+            other.step().unwrap_or_else(|error| panic!("{error}"));
+        }
+        assert_eq!(
+            whole.checkpoint(),
+            other.checkpoint(),
+            "at {} s",
+            whole.time()
+        );
+        if whole.statistics().kinks > before || passed > 0 {
+            passed += 1;
+        }
+    }
+    assert!(whole.statistics().kinks > 0);
+}
