@@ -444,7 +444,7 @@ fn crossing([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64, limit: f64) -> Option<
         let side = values[first].signum();
         let other = (first..values.len()).find(|k| -side * values[*k] > limit)?;
         let last = (first..other).rev().find(|k| side * values[*k] > 0.0)?;
-        let high = change(&at, side, places[last], places[last + 1]);
+        let high = change(at, side, places[last], places[last + 1]);
         if high > BEGIN {
             break (high, other);
         }
