@@ -1,7 +1,7 @@
 //! The kink functions of a class: where its loads and the rates of its states are not smooth.
 //!
 //! A value has a kink where a comparison changes, where the arguments of `min` or `max` are equal, where the
-//! argument of `abs` is zero, and at an end of a table. Each of these is a function of the motion that changes
+//! argument of `abs` is zero, and at an end of a table of one argument. Each of these is a function of the motion that changes
 //! its sign at the kink. The functions come from the graph of the loads, so a kink counts wherever the text has
 //! it: in the class, in a function that it calls, or in a library. A function of constants alone never changes
 //! and does not count.
@@ -63,10 +63,11 @@ pub(crate) fn find(
             Op::Minimum(a, b) | Op::Maximum(a, b) => vec![(graph.subtract(a, b), None)],
             Op::Abs(a) => vec![(a, None)],
             // an equation holds at single moments, or where another kink begins: it changes no sign
-            Op::Table(handle, arguments, orders) => (arguments.into_iter())
-                .take(orders.arguments())
-                .map(|argument| (argument, Some(handle)))
-                .collect(),
+            // tables of several arguments are charts of laws, which a motion leaves seldom: their ends cost more
+            // than the law itself
+            Op::Table(handle, arguments, orders) if orders.arguments() == 1 => {
+                vec![(arguments[0], Some(handle))]
+            }
             _ => continue,
         };
         for (argument, (value, handle)) in (0..).zip(functions) {
