@@ -1,10 +1,11 @@
 //! The functions of the language: one table for the checker, elaboration and reports.
 //!
-//! A function of one plain number needs only its row here. A function of another kind also has its type in
+//! An elementary function of one number needs its row here, its row in `system/src/elementary.rs`, and its derivative in
+//! `ir/differentiate.rs`. A function of another kind also has its type in
 //! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here,
 //! a variant of `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/evaluate.rs`.
 
-use crate::ir::{Node, Op};
+use eng_system::elementary::Elementary;
 use eng_system::expression::{Function, Operator, Reduction};
 
 /// A function of the language.
@@ -25,11 +26,11 @@ pub(crate) struct BuiltIn {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind {
     /// From a plain number to a plain number.
-    Plain(fn(Node) -> Op),
+    Plain(Elementary),
     /// From an angle (rad) or a plain number to a plain number.
-    OfAngle(fn(Node) -> Op),
+    OfAngle(Elementary),
     /// From a plain number to an angle (rad).
-    ToAngle(fn(Node) -> Op),
+    ToAngle(Elementary),
     /// Numbers of any dimension.
     Numbers,
     /// Vectors, components and markers.
@@ -116,6 +117,12 @@ const fn function(name: &'static str, parameters: &'static [&'static str], kind:
     }
 }
 
+/// An elementary function that reports have too.
+const fn elementary(function_of: Elementary, kind: Kind) -> BuiltIn {
+    function(function_of.name(), &["x"], kind)
+        .of(OfResults::Each(Function::Elementary(function_of)))
+}
+
 /// A function that only reports have.
 const fn of_results(
     name: &'static str,
@@ -143,15 +150,15 @@ static FUNCTIONS: [BuiltIn; 46] = [
     function("der", &["x"], Kind::Rate),
     function("abs", &["x"], Kind::Numbers).of(OfResults::Each(Function::Abs)),
     function("sqrt", &["x"], Kind::Numbers).of(OfResults::Each(Function::Sqrt)),
-    function("exp", &["x"], Kind::Plain(Op::Exp)).of(OfResults::Each(Function::Exp)),
-    function("log", &["x"], Kind::Plain(Op::Log)).of(OfResults::Each(Function::Log)),
-    function("sin", &["x"], Kind::OfAngle(Op::Sin)).of(OfResults::Each(Function::Sin)),
-    function("cos", &["x"], Kind::OfAngle(Op::Cos)).of(OfResults::Each(Function::Cos)),
-    function("tan", &["x"], Kind::OfAngle(Op::Tan)).of(OfResults::Each(Function::Tan)),
-    function("asin", &["x"], Kind::ToAngle(Op::Asin)),
-    function("acos", &["x"], Kind::ToAngle(Op::Acos)),
-    function("atan", &["x"], Kind::ToAngle(Op::Atan)),
-    function("tanh", &["x"], Kind::Plain(Op::Tanh)),
+    elementary(Elementary::Exp, Kind::Plain(Elementary::Exp)),
+    elementary(Elementary::Log, Kind::Plain(Elementary::Log)),
+    elementary(Elementary::Sin, Kind::OfAngle(Elementary::Sin)),
+    elementary(Elementary::Cos, Kind::OfAngle(Elementary::Cos)),
+    elementary(Elementary::Tan, Kind::OfAngle(Elementary::Tan)),
+    function("asin", &["x"], Kind::ToAngle(Elementary::Asin)),
+    function("acos", &["x"], Kind::ToAngle(Elementary::Acos)),
+    function("atan", &["x"], Kind::ToAngle(Elementary::Atan)),
+    function("tanh", &["x"], Kind::Plain(Elementary::Tanh)),
     function("atan2", &["y", "x"], Kind::Numbers),
     function("wrapped", &["angle", "period"], Kind::Numbers).with(&["from"]),
     function("min", &["x"], Kind::List)

@@ -22,6 +22,8 @@ use cranelift::jit::{JITBuilder, JITModule};
 use cranelift::module::{FuncId, Linkage, Module, ModuleError};
 use cranelift::prelude::*;
 use eng_system::code::{ElementCode, Function as Which, Pair};
+use eng_system::elementary::Elementary;
+use eng_system::elementary_functions;
 use eng_system::table::{MOST_ARGUMENTS, Outside, Table};
 use plan::{Area, Constants, Place, Step, plan};
 use std::collections::BTreeMap;
@@ -184,24 +186,31 @@ impl ElementCode for JitClass {
     }
 }
 
-/// Defines functions that the generated code calls: they replace the first operand by the result, lane by
-/// lane.
+/// Defines the functions that the generated code calls for elementary functions. They replace the operand by the
+/// result, lane by lane.
 macro_rules! in_place {
-    ($($name:ident: $function:path;)*) => {
-        $(
-            /// # Safety
-            ///
-            /// `io` points to a pair that is read and written.
-            unsafe extern "C" fn $name(io: *mut Pair) {
-                // SAFETY: generated code passes a pair of its own stack slot, which is aligned for it.
-                let io = unsafe { &mut *io };
-                *io = io.map($function);
+    ($($variant:ident $name:literal $function:path;)*) => {
+        fn in_place(function: Elementary) -> unsafe extern "C" fn(*mut Pair) {
+            match function {
+                $(Elementary::$variant => {
+                    /// # Safety
+                    ///
+                    /// `io` points to a pair that is read and written.
+                    unsafe extern "C" fn pair(io: *mut Pair) {
+                        // SAFETY: generated code passes a pair of its own stack slot, which is aligned for it.
+                        let io = unsafe { &mut *io };
+                        *io = io.map($function);
+                    }
+                    pair
+                })*
             }
-        )*
+        }
     };
 }
 
-/// The same with two operands.
+elementary_functions!(in_place);
+
+/// Defines functions of two operands. They replace the first one by the result.
 macro_rules! in_place_two {
     ($($name:ident: $function:path;)*) => {
         $(
@@ -216,18 +225,6 @@ macro_rules! in_place_two {
             }
         )*
     };
-}
-
-in_place! {
-    sin_pair: libm::sin;
-    cos_pair: libm::cos;
-    tan_pair: libm::tan;
-    asin_pair: libm::asin;
-    acos_pair: libm::acos;
-    atan_pair: libm::atan;
-    tanh_pair: libm::tanh;
-    exp_pair: libm::exp;
-    log_pair: libm::log;
 }
 
 in_place_two! {
@@ -266,18 +263,7 @@ unsafe extern "C" fn table_pair(
     *result = [lane(0), lane(1)];
 }
 
-/// Functions outside the generated code, by their names in it. Each works in place.
-const ONE_ARGUMENT: [(&str, unsafe extern "C" fn(*mut Pair)); 9] = [
-    ("sin", sin_pair),
-    ("cos", cos_pair),
-    ("tan", tan_pair),
-    ("asin", asin_pair),
-    ("acos", acos_pair),
-    ("atan", atan_pair),
-    ("tanh", tanh_pair),
-    ("exp", exp_pair),
-    ("log", log_pair),
-];
+/// Functions of two operands outside the generated code, by their names in it. Each works in place.
 const TWO_ARGUMENTS: [(&str, unsafe extern "C" fn(*mut [Pair; 2])); 2] =
     [("atan2", atan2_pair), ("power", power_pair)];
 const TABLE: &str = "table";
@@ -323,8 +309,8 @@ impl Generator {
             ));
         }
         let mut builder = JITBuilder::with_isa(isa, cranelift::module::default_libcall_names());
-        for (name, function) in ONE_ARGUMENT {
-            builder.symbol(symbol(name), function as *const u8);
+        for function in Elementary::ALL {
+            builder.symbol(symbol(function.name()), in_place(*function) as *const u8);
         }
         for (name, function) in TWO_ARGUMENTS {
             builder.symbol(symbol(name), function as *const u8);
@@ -336,7 +322,7 @@ impl Generator {
             constants: Constants::default(),
             builder_context: FunctionBuilderContext::new(),
         };
-        let one = ONE_ARGUMENT.iter().map(|(name, _)| *name);
+        let one = Elementary::ALL.iter().map(|function| function.name());
         for name in one.chain(TWO_ARGUMENTS.iter().map(|(name, _)| *name)) {
             generator.declare(name, 1)?;
         }

@@ -6,6 +6,7 @@ mod support;
 use eng_compiler::generate::compile_class;
 use eng_compiler::ir::{ClassFunctions, InterpretedClass, Op};
 use eng_system::code::{ElementCode, Function, Pair};
+use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
 use eng_system::table::Table;
 use support::magnitudes::with_magnitudes;
@@ -545,7 +546,7 @@ fn a_function_of_thousands_of_operations_compiles() {
         let c = g.constant(0.3 + 1e-3 * step as f64);
         let q = g.add(p, c);
         let r = if step % 50 == 0 {
-            g.unary(Op::Sin, q)
+            g.unary(Elementary::Sin, q)
         } else {
             g.abs(q)
         };

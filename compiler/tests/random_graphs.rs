@@ -5,9 +5,10 @@ mod support;
 
 use eng_compiler::generate::compile_class;
 use eng_compiler::ir::{
-    ClassBody, Function, Graph, InterpretedClass, Interpreter, Node, Op, forward, gradient,
+    ClassBody, Function, Graph, InterpretedClass, Interpreter, Node, forward, gradient,
 };
 use eng_system::code::Function as Which;
+use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
 use support::{Random, call, tables};
 
@@ -26,29 +27,29 @@ fn expression(g: &mut Graph, random: &mut Random, layout: &InputLayout) -> (Node
         let (a, b, c) = (pick(random), pick(random), pick(random));
         let square = g.multiply(b, b);
         let positive = g.add(one, square);
-        let bounded = g.unary(Op::Tanh, a);
+        let bounded = g.unary(Elementary::Tanh, a);
         let difference = g.subtract(a, b);
         let new = match random.bits() % 24 {
             0 => g.add(a, b),
             1 => g.subtract(a, b),
             2 => g.multiply(a, b),
             3 => g.divide(a, positive),
-            4 => g.unary(Op::Sin, a),
-            5 => g.unary(Op::Cos, a),
+            4 => g.unary(Elementary::Sin, a),
+            5 => g.unary(Elementary::Cos, a),
             6 => bounded,
-            7 => g.unary(Op::Atan, a),
+            7 => g.unary(Elementary::Atan, a),
             8 => g.sqrt(positive),
-            9 => g.unary(Op::Exp, bounded),
-            10 => g.unary(Op::Log, positive),
+            9 => g.unary(Elementary::Exp, bounded),
+            10 => g.unary(Elementary::Log, positive),
             11 => g.atan2(a, positive),
             12 => g.power(positive, bounded),
             13 => {
                 let x = g.multiply(half, bounded);
-                g.unary(Op::Asin, x)
+                g.unary(Elementary::Asin, x)
             }
             14 => {
                 let x = g.multiply(half, bounded);
-                g.unary(Op::Acos, x)
+                g.unary(Elementary::Acos, x)
             }
             15 => {
                 kinks.push(difference);
@@ -72,13 +73,13 @@ fn expression(g: &mut Graph, random: &mut Random, layout: &InputLayout) -> (Node
                 let zero = g.constant(0.0);
                 kinks.push(a);
                 let flag = g.less(zero, a);
-                let (root, log) = (g.sqrt(a), g.unary(Op::Log, a));
+                let (root, log) = (g.sqrt(a), g.unary(Elementary::Log, a));
                 let p = g.multiply(root, log);
                 g.select(flag, p, b)
             }
             20 => {
                 let x = g.multiply(half, bounded);
-                g.unary(Op::Tan, x)
+                g.unary(Elementary::Tan, x)
             }
             21 => {
                 let handle = g.constant(2.0);
@@ -247,7 +248,7 @@ fn the_side_not_chosen_does_not_spread() {
     let positive = g.less(zero, x);
     let a = g.select(positive, then, otherwise);
     let above = g.subtract(x, one);
-    let log = g.unary(Op::Log, above);
+    let log = g.unary(Elementary::Log, above);
     let large = g.less(one, x);
     let b = g.select(large, log, zero);
     let sum = g.add(a, b);

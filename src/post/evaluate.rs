@@ -320,11 +320,7 @@ fn mapped(function: Function, x: f64) -> f64 {
     match function {
         Function::Abs => x.abs(),
         Function::Sqrt => x.sqrt(),
-        Function::Sin => libm::sin(x),
-        Function::Cos => libm::cos(x),
-        Function::Tan => libm::tan(x),
-        Function::Exp => libm::exp(x),
-        Function::Log => libm::log(x),
+        Function::Elementary(function) => function.value(x),
         Function::Negate => -x,
     }
 }

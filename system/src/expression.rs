@@ -1,6 +1,7 @@
 //! Expressions over recorded channels, as trees of numbers in SI.
 
 use crate::analysis::Extent;
+use crate::elementary::Elementary;
 
 /// A named expression.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,11 +56,7 @@ pub enum Expression {
 pub enum Function {
     Abs,
     Sqrt,
-    Sin,
-    Cos,
-    Tan,
-    Exp,
-    Log,
+    Elementary(Elementary),
     Negate,
 }
 

@@ -20,6 +20,7 @@
 pub mod analysis;
 pub mod code;
 pub mod dimension;
+pub mod elementary;
 pub mod expression;
 pub mod figure;
 pub mod flexible;

@@ -8,6 +8,7 @@ use crate::codes;
 use crate::ir::{Graph, Node, Op};
 use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::elementary::Elementary;
 use eng_system::system::{Body, BodyInertia, BodyRef, Marker, Origin, Role, Slot};
 use eng_system::{Dimension, DisplayUnit};
 
@@ -246,7 +247,10 @@ impl<'a> Elaborator<'a, '_> {
     /// Axes turned about one of them (0 to 2) by an angle: M R.
     fn turned(&mut self, matrix: &Matrix, axis: usize, angle: Node) -> Matrix {
         let graph = &mut self.bench.bind.graph;
-        let (sine, cosine) = (graph.unary(Op::Sin, angle), graph.unary(Op::Cos, angle));
+        let (sine, cosine) = (
+            graph.unary(Elementary::Sin, angle),
+            graph.unary(Elementary::Cos, angle),
+        );
         let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
         let mut turned = *matrix;
         for row in [0, 3, 6] {
@@ -657,11 +661,11 @@ impl<'a> Elaborator<'a, '_> {
         let safe = g.add(square, tiny);
         let angle = g.sqrt(safe);
         let small = g.less(square, small_limit);
-        let sine = g.unary(Op::Sin, angle);
+        let sine = g.unary(Elementary::Sin, angle);
         let ratio = g.divide(sine, angle);
         let one = g.constant(1.0);
         let a = g.select(small, one, ratio);
-        let cosine = g.unary(Op::Cos, angle);
+        let cosine = g.unary(Elementary::Cos, angle);
         let versine = g.subtract(one, cosine);
         let ratio = g.divide(versine, safe);
         let half = g.constant(0.5);

@@ -11,6 +11,7 @@ use crate::ir::{Graph, Node, Op};
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
+use eng_system::elementary::Elementary;
 
 impl<'a> Elaborator<'a, '_> {
     /// Warns of `cos(16)`: a number of the text that is more than a turn in rad and has no unit of angle.
@@ -477,8 +478,8 @@ impl<'a> Elaborator<'a, '_> {
         }
         let g = &mut element.graph;
         let reference = g.input(super::scalar::PROVISIONAL.rotation(index));
-        let cr = g.unary(Op::Cos, reference);
-        let sr = g.unary(Op::Sin, reference);
+        let cr = g.unary(Elementary::Cos, reference);
+        let sr = g.unary(Elementary::Sin, reference);
         let (p, q) = (g.multiply(sine, cr), g.multiply(cosine, sr));
         let s = g.subtract(p, q);
         let (p, q) = (g.multiply(cosine, cr), g.multiply(sine, sr));

@@ -12,6 +12,7 @@ use crate::typed::settable;
 use eng_grammar::ast::{self, BindingKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
+use eng_system::elementary::Elementary;
 use eng_system::system::Role;
 
 /// The target of a start value.
@@ -474,8 +475,12 @@ impl<'a> Elaborator<'a, '_> {
                     }
                 }
                 // the sine closes the angle at any turn; the stated turns are counted afterwards
-                let sine = self.bench.unary(difference, |g, n| g.unary(Op::Sin, n));
-                let cosine = self.bench.unary(difference, |g, n| g.unary(Op::Cos, n));
+                let sine = self
+                    .bench
+                    .unary(difference, |g, n| g.unary(Elementary::Sin, n));
+                let cosine = self
+                    .bench
+                    .unary(difference, |g, n| g.unary(Elementary::Cos, n));
                 difference = self.bench.binary(sine, cosine, crate::ir::Graph::atan2);
             }
             velocity |= self.uses_twist(difference.node);

@@ -13,6 +13,7 @@
 
 use super::graph::{Graph, Node, Op};
 use super::optimise::dependencies;
+use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
 use std::collections::BTreeMap;
 
@@ -81,36 +82,7 @@ pub(crate) fn partials(graph: &mut Graph, node: Node) -> Vec<(Node, Node)> {
             let second = graph.less(a, b);
             choice(graph, second, b, a)
         }
-        Op::Sin(a) => vec![(a, graph.unary(Op::Cos, a))],
-        Op::Cos(a) => {
-            let sine = graph.unary(Op::Sin, a);
-            vec![(a, graph.negate(sine))]
-        }
-        Op::Tan(a) => {
-            let square = graph.multiply(node, node);
-            vec![(a, graph.add(one, square))]
-        }
-        Op::Asin(a) | Op::Acos(a) => {
-            let (below, above) = (graph.subtract(one, a), graph.add(one, a));
-            let square = graph.multiply(below, above);
-            let root = graph.sqrt(square);
-            let slope = graph.divide(one, root);
-            match graph.op(node) {
-                Op::Asin(_) => vec![(a, slope)],
-                _ => vec![(a, graph.negate(slope))],
-            }
-        }
-        Op::Atan(a) => {
-            let square = graph.multiply(a, a);
-            let sum = graph.add(one, square);
-            vec![(a, graph.divide(one, sum))]
-        }
-        Op::Tanh(a) => {
-            let (below, above) = (graph.subtract(one, node), graph.add(one, node));
-            vec![(a, graph.multiply(below, above))]
-        }
-        Op::Exp(a) => vec![(a, node)],
-        Op::Log(a) => vec![(a, graph.divide(one, a))],
+        Op::Elementary(function, a) => vec![(a, slope(graph, function, a, node))],
         Op::Atan2(y, x) => {
             let (xx, yy) = (graph.multiply(x, x), graph.multiply(y, y));
             let square = graph.add(xx, yy);
@@ -126,7 +98,7 @@ pub(crate) fn partials(graph: &mut Graph, node: Node) -> Vec<(Node, Node)> {
             let mut list = vec![(base, over_base)];
             if graph.as_constant(exponent).is_none() {
                 let positive = graph.less(zero, base);
-                let log = graph.unary(Op::Log, base);
+                let log = graph.unary(Elementary::Log, base);
                 let slope = graph.multiply(node, log);
                 list.push((exponent, graph.select(positive, slope, zero)));
             }
@@ -141,6 +113,43 @@ pub(crate) fn partials(graph: &mut Graph, node: Node) -> Vec<(Node, Node)> {
             let list = arguments.iter().take(orders.arguments()).enumerate();
             list.filter_map(slope).collect()
         }
+    }
+}
+
+/// The derivative of an elementary function at `a`, where its value is `node`.
+fn slope(graph: &mut Graph, function: Elementary, a: Node, node: Node) -> Node {
+    let one = graph.constant(1.0);
+    match function {
+        Elementary::Sin => graph.unary(Elementary::Cos, a),
+        Elementary::Cos => {
+            let sine = graph.unary(Elementary::Sin, a);
+            graph.negate(sine)
+        }
+        Elementary::Tan => {
+            let square = graph.multiply(node, node);
+            graph.add(one, square)
+        }
+        Elementary::Asin | Elementary::Acos => {
+            let (below, above) = (graph.subtract(one, a), graph.add(one, a));
+            let square = graph.multiply(below, above);
+            let root = graph.sqrt(square);
+            let slope = graph.divide(one, root);
+            match function {
+                Elementary::Asin => slope,
+                _ => graph.negate(slope),
+            }
+        }
+        Elementary::Atan => {
+            let square = graph.multiply(a, a);
+            let sum = graph.add(one, square);
+            graph.divide(one, sum)
+        }
+        Elementary::Tanh => {
+            let (below, above) = (graph.subtract(one, node), graph.add(one, node));
+            graph.multiply(below, above)
+        }
+        Elementary::Exp => node,
+        Elementary::Log => graph.divide(one, a),
     }
 }
 
@@ -602,7 +611,7 @@ mod tests {
         let mut g = Graph::new();
         let velocity = g.input(l.marker(0) + 12);
         let rate = time_derivative(&mut g, &l, &[velocity], None).expect("a rate");
-        let sine = g.unary(Op::Sin, rate[0]);
+        let sine = g.unary(Elementary::Sin, rate[0]);
         assert!(uses_acceleration(&g, &[sine], &l));
         assert!(!uses_acceleration(&g, &[velocity], &l));
     }

@@ -1,6 +1,7 @@
 //! The graph and its builder.
 
 use super::look_up::Orders;
+use eng_system::elementary::Elementary;
 use eng_system::table::MOST_ARGUMENTS;
 use std::collections::HashMap;
 
@@ -26,15 +27,7 @@ pub enum Op {
     Sqrt(Node),
     Minimum(Node, Node),
     Maximum(Node, Node),
-    Sin(Node),
-    Cos(Node),
-    Tan(Node),
-    Asin(Node),
-    Acos(Node),
-    Atan(Node),
-    Tanh(Node),
-    Exp(Node),
-    Log(Node),
+    Elementary(Elementary, Node),
     /// y, x.
     Atan2(Node, Node),
     /// base, exponent.
@@ -61,19 +54,9 @@ impl Op {
         let none = Node(0);
         let (list, count) = match self {
             Op::Input(_) | Op::Constant(_) => ([none; 4], 0),
-            Op::Negate(a)
-            | Op::Abs(a)
-            | Op::Sqrt(a)
-            | Op::Sin(a)
-            | Op::Cos(a)
-            | Op::Tan(a)
-            | Op::Asin(a)
-            | Op::Acos(a)
-            | Op::Atan(a)
-            | Op::Tanh(a)
-            | Op::Exp(a)
-            | Op::Log(a)
-            | Op::Not(a) => ([a, none, none, none], 1),
+            Op::Negate(a) | Op::Abs(a) | Op::Sqrt(a) | Op::Elementary(_, a) | Op::Not(a) => {
+                ([a, none, none, none], 1)
+            }
             Op::Add(a, b)
             | Op::Subtract(a, b)
             | Op::Multiply(a, b)
@@ -106,15 +89,7 @@ impl Op {
             Op::Sqrt(a) => Op::Sqrt(f(a)),
             Op::Minimum(a, b) => Op::Minimum(f(a), f(b)),
             Op::Maximum(a, b) => Op::Maximum(f(a), f(b)),
-            Op::Sin(a) => Op::Sin(f(a)),
-            Op::Cos(a) => Op::Cos(f(a)),
-            Op::Tan(a) => Op::Tan(f(a)),
-            Op::Asin(a) => Op::Asin(f(a)),
-            Op::Acos(a) => Op::Acos(f(a)),
-            Op::Atan(a) => Op::Atan(f(a)),
-            Op::Tanh(a) => Op::Tanh(f(a)),
-            Op::Exp(a) => Op::Exp(f(a)),
-            Op::Log(a) => Op::Log(f(a)),
+            Op::Elementary(function, a) => Op::Elementary(function, f(a)),
             Op::Atan2(a, b) => Op::Atan2(f(a), f(b)),
             Op::Power(a, b) => Op::Power(f(a), f(b)),
             Op::Less(a, b) => Op::Less(f(a), f(b)),
@@ -380,28 +355,17 @@ impl Graph {
         }
     }
 
-    /// A function of one argument; `op` is its constructor, `Op::Sin` to `Op::Log`.
-    pub fn unary(&mut self, op: fn(Node) -> Op, a: Node) -> Node {
-        let value = if self.plain {
+    /// An elementary function.
+    pub fn unary(&mut self, function: Elementary, a: Node) -> Node {
+        let known = if self.plain {
             None
         } else {
             self.as_constant(a)
         };
-        let folded = value.and_then(|x| match op(a) {
-            Op::Sin(_) => Some(libm::sin(x)),
-            Op::Cos(_) => Some(libm::cos(x)),
-            Op::Tan(_) => Some(libm::tan(x)),
-            Op::Asin(_) => Some(libm::asin(x)),
-            Op::Acos(_) => Some(libm::acos(x)),
-            Op::Atan(_) => Some(libm::atan(x)),
-            Op::Tanh(_) => Some(libm::tanh(x)),
-            Op::Exp(_) => Some(libm::exp(x)),
-            Op::Log(_) => Some(libm::log(x)),
-            _ => None,
-        });
+        let folded = known.map(|x| function.value(x));
         match folded.filter(|v| v.is_finite()) {
             Some(v) => self.constant(v),
-            None => self.push(op(a)),
+            None => self.push(Op::Elementary(function, a)),
         }
     }
 
@@ -598,15 +562,7 @@ impl Graph {
             Op::Sqrt(a) => self.sqrt(a),
             Op::Minimum(a, b) => self.minimum(a, b),
             Op::Maximum(a, b) => self.maximum(a, b),
-            Op::Sin(a) => self.unary(Op::Sin, a),
-            Op::Cos(a) => self.unary(Op::Cos, a),
-            Op::Tan(a) => self.unary(Op::Tan, a),
-            Op::Asin(a) => self.unary(Op::Asin, a),
-            Op::Acos(a) => self.unary(Op::Acos, a),
-            Op::Atan(a) => self.unary(Op::Atan, a),
-            Op::Tanh(a) => self.unary(Op::Tanh, a),
-            Op::Exp(a) => self.unary(Op::Exp, a),
-            Op::Log(a) => self.unary(Op::Log, a),
+            Op::Elementary(function, a) => self.unary(function, a),
             Op::Atan2(y, x) => self.atan2(y, x),
             Op::Power(base, exponent) => self.power(base, exponent),
             Op::And(a, b) => self.and(a, b),

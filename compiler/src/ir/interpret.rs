@@ -90,7 +90,6 @@ impl Interpreter {
 /// One operation on the values so far. Flags are 1 and 0.
 pub(crate) fn operate(op: Op, values: &[Pair], tables: &[Table]) -> Pair {
     let of = |n: Node| values[n.0 as usize];
-    let one = |a: Node, f: fn(f64) -> f64| of(a).map(f);
     match op {
         Op::Input(_) => [f64::NAN; 2],
         Op::Constant(bits) => [f64::from_bits(bits); 2],
@@ -103,15 +102,7 @@ pub(crate) fn operate(op: Op, values: &[Pair], tables: &[Table]) -> Pair {
         Op::Sqrt(a) => of(a).map(f64::sqrt),
         Op::Minimum(a, b) => both(of(a), of(b), |a, b| if b < a { b } else { a }),
         Op::Maximum(a, b) => both(of(a), of(b), |a, b| if b > a { b } else { a }),
-        Op::Sin(a) => one(a, libm::sin),
-        Op::Cos(a) => one(a, libm::cos),
-        Op::Tan(a) => one(a, libm::tan),
-        Op::Asin(a) => one(a, libm::asin),
-        Op::Acos(a) => one(a, libm::acos),
-        Op::Atan(a) => one(a, libm::atan),
-        Op::Tanh(a) => one(a, libm::tanh),
-        Op::Exp(a) => one(a, libm::exp),
-        Op::Log(a) => one(a, libm::log),
+        Op::Elementary(function, a) => of(a).map(|x| function.value(x)),
         Op::Atan2(y, x) => both(of(y), of(x), libm::atan2),
         Op::Power(base, exponent) => both(of(base), of(exponent), libm::pow),
         Op::Less(a, b) => both(of(a), of(b), |a, b| flag(a < b)),

@@ -113,6 +113,7 @@ fn order(graph: &Graph, outputs: &[Node]) -> (Graph, Vec<Node>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eng_system::elementary::Elementary;
 
     #[test]
     fn sharing_folding_and_dead_code() {
@@ -120,7 +121,7 @@ mod tests {
         let (x, y) = (graph.input(0), graph.input(1));
         let zero = graph.constant(0.0);
         let one = graph.constant(1.0);
-        let dead = graph.unary(Op::Sin, y);
+        let dead = graph.unary(Elementary::Sin, y);
         let _ = graph.add(dead, x);
         let a = graph.multiply(x, y);
         let b = graph.multiply(y, x);

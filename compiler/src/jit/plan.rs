@@ -146,18 +146,7 @@ pub(super) fn plan(function: &Function, constants: &mut Constants) -> Result<Pla
 pub(super) fn is_call(op: Op) -> bool {
     matches!(
         op,
-        Op::Sin(_)
-            | Op::Cos(_)
-            | Op::Tan(_)
-            | Op::Asin(_)
-            | Op::Acos(_)
-            | Op::Atan(_)
-            | Op::Tanh(_)
-            | Op::Exp(_)
-            | Op::Log(_)
-            | Op::Atan2(..)
-            | Op::Power(..)
-            | Op::Table(..)
+        Op::Elementary(..) | Op::Atan2(..) | Op::Power(..) | Op::Table(..)
     )
 }
 

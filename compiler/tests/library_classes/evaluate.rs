@@ -3,6 +3,7 @@
 use crate::double::Double;
 use eng_compiler::ir::optimise::dependencies;
 use eng_compiler::ir::{Function, Graph, Node, Op};
+use eng_system::elementary::Elementary;
 use eng_system::table::Table;
 
 /// All values that the outputs need; the others are zero.
@@ -48,18 +49,18 @@ fn operate(op: Op, values: &[Double], inputs: &[Double], tables: &[Table]) -> Do
                 of(a)
             }
         }
-        Op::Sin(a) => of(a).sin_cos().0,
-        Op::Cos(a) => of(a).sin_cos().1,
-        Op::Tan(a) => {
+        Op::Elementary(Elementary::Sin, a) => of(a).sin_cos().0,
+        Op::Elementary(Elementary::Cos, a) => of(a).sin_cos().1,
+        Op::Elementary(Elementary::Tan, a) => {
             let (s, c) = of(a).sin_cos();
             s / c
         }
-        Op::Asin(a) => of(a).asin(),
-        Op::Acos(a) => of(a).acos(),
-        Op::Atan(a) => of(a).atan2(Double::ONE),
-        Op::Tanh(a) => of(a).tanh(),
-        Op::Exp(a) => of(a).exp(),
-        Op::Log(a) => of(a).log(),
+        Op::Elementary(Elementary::Asin, a) => of(a).asin(),
+        Op::Elementary(Elementary::Acos, a) => of(a).acos(),
+        Op::Elementary(Elementary::Atan, a) => of(a).atan2(Double::ONE),
+        Op::Elementary(Elementary::Tanh, a) => of(a).tanh(),
+        Op::Elementary(Elementary::Exp, a) => of(a).exp(),
+        Op::Elementary(Elementary::Log, a) => of(a).log(),
         Op::Atan2(y, x) => of(y).atan2(of(x)),
         Op::Power(base, exponent) => of(base).power(of(exponent)),
         Op::Less(a, b) => flag(of(a).less(of(b))),
@@ -145,7 +146,9 @@ pub fn nearest_kink(function: &Function, inputs: &[Double], tables: &[Table]) ->
             | Op::Maximum(a, b) => (of(a) - of(b)).abs() / of(a).abs().max(of(b).abs()),
             Op::Abs(a) => of(a).abs(),
             Op::Atan2(y, x) if of(x) < 0.0 => of(y).abs() / of(x).abs(),
-            Op::Asin(a) | Op::Acos(a) => 1.0 - of(a).abs(),
+            Op::Elementary(Elementary::Asin, a) | Op::Elementary(Elementary::Acos, a) => {
+                1.0 - of(a).abs()
+            }
             Op::Table(handle, arguments, orders) => {
                 let table = &tables[of(handle) as usize];
                 let arguments = arguments.map(of);

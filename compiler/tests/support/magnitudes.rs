@@ -23,7 +23,7 @@ pub fn with_magnitudes_from(
     for (op, value) in function.graph.nodes().iter().zip(&values) {
         let m = |n: Node| sizes[n.0 as usize];
         let v = |n: Node| values[n.0 as usize];
-        let of = |f: fn(f64) -> f64, a: Node| {
+        let of = |f: &dyn Fn(f64) -> f64, a: Node| {
             let h = 1e-7 * (1.0 + v(a).abs());
             f(v(a)).abs() + ((f(v(a) + h) - f(v(a) - h)) / (2.0 * h)).abs() * m(a)
         };
@@ -43,15 +43,7 @@ pub fn with_magnitudes_from(
                     m(b)
                 }
             }
-            Op::Sin(a) => of(libm::sin, a),
-            Op::Cos(a) => of(libm::cos, a),
-            Op::Tan(a) => of(libm::tan, a),
-            Op::Asin(a) => of(libm::asin, a),
-            Op::Acos(a) => of(libm::acos, a),
-            Op::Atan(a) => of(libm::atan, a),
-            Op::Tanh(a) => of(libm::tanh, a),
-            Op::Exp(a) => of(libm::exp, a),
-            Op::Log(a) => of(libm::log, a),
+            Op::Elementary(function, a) => of(&|x| function.value(x), a),
             Op::Atan2(y, x) => {
                 value + (m(y) * v(x).abs() + m(x) * v(y).abs()) / (v(x) * v(x) + v(y) * v(y))
             }

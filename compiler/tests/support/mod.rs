@@ -3,8 +3,9 @@
 
 pub mod magnitudes;
 
-use eng_compiler::ir::{ClassBody, Graph, Node, Op};
+use eng_compiler::ir::{ClassBody, Graph, Node};
 use eng_system::code::{ElementCode, Function, Pair};
+use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
 use eng_system::table::{Argument, End, Ends, Extrapolation, Interpolation, Table};
 
@@ -128,7 +129,10 @@ pub fn revolute(plain: bool) -> ClassBody {
     let (sine, cosine) = (b.dot(ax, by), b.dot(ax, bx));
     // unwrapped: the reference plus the principal difference
     let reference = b.g.input(layout.rotation(0));
-    let (sr, cr) = (b.g.unary(Op::Sin, reference), b.g.unary(Op::Cos, reference));
+    let (sr, cr) = (
+        b.g.unary(Elementary::Sin, reference),
+        b.g.unary(Elementary::Cos, reference),
+    );
     let (p, q) = (b.g.multiply(sine, cr), b.g.multiply(cosine, sr));
     let s = b.g.subtract(p, q);
     let (p, q) = (b.g.multiply(cosine, cr), b.g.multiply(sine, sr));
@@ -173,7 +177,7 @@ pub fn cam(plain: bool) -> ClassBody {
     let square = b.dot(e, e);
     let distance = b.g.sqrt(square);
     let (one, tenth) = (b.c(1.0), b.c(0.1));
-    let sine = b.g.unary(Op::Sin, phase);
+    let sine = b.g.unary(Elementary::Sin, phase);
     let breath = b.g.multiply(tenth, sine);
     let breath = b.g.add(one, breath);
     let wanted = b.g.multiply(length, breath);
@@ -182,7 +186,7 @@ pub fn cam(plain: bool) -> ClassBody {
     let (s, c) = (b.dot(ax, by), b.dot(ax, bx));
     let angle = b.g.atan2(s, c);
     let error = b.g.subtract(angle, phase);
-    let second = b.g.unary(Op::Sin, error);
+    let second = b.g.unary(Elementary::Sin, error);
     let lift = b.g.table(table, &[angle]);
     let bz = b.axis(1, 2);
     let height = b.dot(e, bz);
@@ -249,7 +253,7 @@ pub fn film(plain: bool) -> ClassBody {
     let least = b.c(0.002);
     let gap = b.g.maximum(gap, least);
     let root = b.g.sqrt(left);
-    let arc = b.g.unary(Op::Asin, across);
+    let arc = b.g.unary(Elementary::Asin, across);
     let turn = b.g.atan2(along, root);
     let power = b.c(1.5);
     let power = b.g.power(gap, power);
@@ -258,7 +262,10 @@ pub fn film(plain: bool) -> ClassBody {
     let magnitude = b.g.divide(factor, power);
     let magnitude = b.g.multiply(magnitude, size);
     // the force leans from −v by the angle
-    let (sine, cosine) = (b.g.unary(Op::Sin, arc), b.g.unary(Op::Cos, arc));
+    let (sine, cosine) = (
+        b.g.unary(Elementary::Sin, arc),
+        b.g.unary(Elementary::Cos, arc),
+    );
     let (p, q) = (b.g.multiply(cosine, vx), b.g.multiply(sine, vy));
     let fx = b.g.subtract(q, p);
     let (p, q) = (b.g.multiply(sine, vx), b.g.multiply(cosine, vy));
@@ -317,20 +324,20 @@ pub fn bushing(plain: bool) -> ClassBody {
     let zero = b.c(0.0);
     // a spring that pulls only: root of a negative number on the other side
     let root = b.g.sqrt(d[0]);
-    let deep = b.g.unary(Op::Log, d[0]);
+    let deep = b.g.unary(Elementary::Log, d[0]);
     let deep = b.g.multiply(root, deep);
     let positive = b.g.less(zero, d[0]);
     let pull = b.g.select(positive, deep, zero);
     let pull = b.g.multiply(pull, stiffness);
-    let a1 = b.g.unary(Op::Tanh, v[1]);
-    let a2 = b.g.unary(Op::Tan, d[1]);
-    let a2 = b.g.unary(Op::Atan, a2);
+    let a1 = b.g.unary(Elementary::Tanh, v[1]);
+    let a2 = b.g.unary(Elementary::Tan, d[1]);
+    let a2 = b.g.unary(Elementary::Atan, a2);
     let a2 = b.g.multiply(a1, a2);
     let two = b.c(2.0);
     let quotient = b.g.divide(d[2], two);
-    let quotient = b.g.unary(Op::Tanh, quotient);
-    let arc = b.g.unary(Op::Acos, quotient);
-    let grown = b.g.unary(Op::Exp, v[0]);
+    let quotient = b.g.unary(Elementary::Tanh, quotient);
+    let arc = b.g.unary(Elementary::Acos, quotient);
+    let grown = b.g.unary(Elementary::Exp, v[0]);
     let side = b.g.abs(v[2]);
     let third = b.c(1.3);
     let stiff = b.g.power(side, third);

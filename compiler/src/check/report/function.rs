@@ -362,7 +362,7 @@ impl<'a> Reporter<'a, '_> {
                 let kind = Default::default();
                 (reduction, Quantity { kind, ..quantity })
             }
-            _ => (reduction, quantity),
+            Reduction::Minimum | Reduction::Maximum | Reduction::Mean => (reduction, quantity),
         };
         let mut made = of.mapped(Type::Scalar(quantity), |of| {
             Expression::Reduce(reduction, Box::new(of))
@@ -457,11 +457,16 @@ impl<'a> Reporter<'a, '_> {
         let Some(expr) = expr else {
             return Some(None);
         };
-        let value = self.constant(expr, &Quantity::one(), "`cycles`")?;
+        self.count(expr, "`cycles`").map(Some)
+    }
+
+    /// A whole number from 1 to a million.
+    pub(super) fn count(&mut self, expr: &'a Expr, what: &str) -> Option<u32> {
+        let value = self.constant(expr, &Quantity::one(), what)?;
         if !(1.0..=1e6).contains(&value) || value.fract() != 0.0 {
-            self.refuse(expr, "`cycles`", "a whole number from 1 on")?;
+            self.refuse(expr, what, "a whole number from 1 on")?;
         }
-        Some(Some(value as u32))
+        Some(value as u32)
     }
 }
 

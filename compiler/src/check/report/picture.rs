@@ -145,7 +145,7 @@ impl<'a> Reporter<'a, '_> {
             Takes::Limit => self.limit(expr, &what).map(Value::Limit),
             Takes::Extent => self.extent(expr, of?, &what).map(Value::Extent),
             Takes::Share => number(self.share(expr, &what)?),
-            Takes::Count => number(f64::from(self.cycles(Some(expr))??)),
+            Takes::Count => number(f64::from(self.count(expr, &what)?)),
             Takes::Turn => {
                 let angle = Quantity::hard(Dimension::ANGLE);
                 let due = format!("{what}, an angle of the shaft,");
