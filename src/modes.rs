@@ -33,7 +33,7 @@ const MOST_HARMONICS: usize = 20;
 /// A motion of at least this roundness (0…1) is called a whirl.
 const WHIRLS: f64 = 0.2;
 /// The use of frozen modes, in words.
-const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn or time goes on, and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
+const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn or time passes, and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
 /// Smallest uncertainty of eigenvalues, as a share of their size, that is reported.
 const LEAST_TOLD: f64 = 1e-6;
 /// The largest number of parts that a line of the table names.
@@ -197,7 +197,7 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     }
     if modes.variation > LEAST_TOLD {
         facts.push(format!(
-            "the coefficients change a little while bodies turn or time goes on, and are held: eigenvalues are known to about {:.1e} of their size",
+            "the coefficients change a little while bodies turn or time passes, and are held: eigenvalues are known to about {:.1e} of their size",
             modes.variation
         ));
     }

@@ -485,3 +485,28 @@ fn the_command_shows_a_state_as_a_table() {
     assert!(page.contains("State of upright"));
     std::fs::remove_dir_all(folder).expect("an empty place");
 }
+
+/// A condition on the motion that fails at the start has its warning in every analysis that shows the start.
+#[test]
+fn an_assembled_position_has_its_warnings() {
+    let program = program(
+        "force Near(a: Marker, b: Marker) {
+             let d = norm(a.origin - b.origin, floor: 1 um)
+             apply force -(1 N/mm)*(a.origin - b.origin) on a against b
+             advise near: d < 100 mm else \"{d as mm} apart\"
+         }
+         model Pair {
+             gravity = [0, 0, 0] m/s^2
+             marker wall = [0, 0, 0] mm
+             body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2; start position = [0, 0, 200] mm }
+             force pull = Near(bob.origin, wall)
+         }
+         analysis place = assemble(Pair())
+         analysis move = transient(Pair(), duration: 1 ms, sample: 1 ms)",
+    );
+    for name in ["place", "move"] {
+        let warnings = run(&program, name).warnings;
+        let names: Vec<&str> = warnings.iter().map(|w| w.name.as_str()).collect();
+        assert_eq!(names, ["near"], "{name}");
+    }
+}

@@ -689,7 +689,7 @@ fn problems_tell_their_place() {
         (
             "*NODE\n1,0,0,0\n*KINEMATIC\n1, 3\n",
             3,
-            "no *COUPLING stands before it",
+            "no *COUPLING is before it",
         ),
         (
             "*NODE\n1,0,0,0\n*EQUATION\n2\n1, 1, 1.\n",

@@ -1,4 +1,6 @@
-//! Equilibria: the state in which nothing moves and all loads balance.
+//! Analyses of one state: the equilibrium, in which nothing moves and all loads balance, and the assembled position.
+//!
+//! The equilibrium solves
 //!
 //! ```text
 //! −Q_g − Σ JᵀW + Gᵀλ = 0        Φ(q, t) = 0        v = 0, v̇ = 0
@@ -49,6 +51,21 @@ pub fn run_static(
         Simulation::resting(model, state, report)?
     };
     observe(simulation, observer)
+}
+
+/// Assembles a model and shows its position as the one sample. `observer` gets it with the warnings.
+///
+/// # Errors
+/// Those of assembly and evaluation.
+pub fn run_assemble(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    observer: &mut dyn Observer,
+) -> Result<(), RuntimeError> {
+    observe(
+        Simulation::new(compiled, overrides, Options::default())?,
+        observer,
+    )
 }
 
 /// Gives one sample, of the last accepted state, and the warnings.

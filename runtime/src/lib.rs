@@ -16,7 +16,7 @@
 //! | [`mod@start`] | the quasi-static start of a turning engine |
 //! | [`acceleration`] | projection of outputs, accelerations and reactions |
 //! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
-//! | [`mod@equilibrium`] | the state in which all loads balance |
+//! | [`mod@equilibrium`] | the state in which all loads balance; the assembled position as a result |
 //! | [`linearised`] | eigenvalues and modes about a state |
 //! | [`simulation`], [`transient`], [`periodic`], [`checkpoint`] | the types that a user works with |
 
@@ -72,7 +72,7 @@ pub mod transient;
 
 pub use assembled::Assembled;
 pub use decay::{CycleReport, Mode};
-pub use equilibrium::run_static;
+pub use equilibrium::{run_assemble, run_static};
 pub use error::{
     Leaving, LeavingBody, Moment, NamedRow, NotBack, RedundantGroup, RuntimeError, Timed,
     TimedElement, TurningBody, Varies,

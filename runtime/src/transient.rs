@@ -8,6 +8,7 @@ use crate::integrator::{Damped, Statistics};
 use crate::kinks::Overlooked;
 use crate::simulation::{Energy, Options, Simulation, Slow, Warning};
 use crate::start::StartReport;
+use eng_system::analysis::Kind;
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, StepControl, Transient};
 use renewal::Renewal;
@@ -176,18 +177,23 @@ impl Points {
 /// length.
 const MOST: f64 = 1e12;
 
-/// Refuses a run with too many samples or steps, or without a positive length.
+/// Refuses an analysis with too many samples or steps, or without a positive length.
 ///
 /// # Errors
 /// A length or distance that is not positive, steps or samples of less than 10⁻¹² of the run.
-pub fn countable(transient: &Transient) -> Result<(), RuntimeError> {
+pub fn countable(kind: &dyn Kind) -> Result<(), RuntimeError> {
+    let Some((sample, duration)) = kind.sampling() else {
+        return Ok(());
+    };
     let refuse = |message: String| Err(RuntimeError::Options { message });
     let named = [
-        (transient.duration, "duration"),
-        (transient.sample, "distance of the samples"),
+        (duration, "duration"),
+        (Some(sample), "distance of the samples"),
     ];
     for (extent, name) in named {
-        let (Extent::Time(x) | Extent::Angle(x)) = extent;
+        let Some(Extent::Time(x) | Extent::Angle(x)) = extent else {
+            continue;
+        };
         if !(x > 0.0 && x.is_finite()) {
             return refuse(format!("the {name} is {x}; it must be positive"));
         }
@@ -199,20 +205,20 @@ pub fn countable(transient: &Transient) -> Result<(), RuntimeError> {
             whole / MOST
         ))
     };
-    match (transient.duration, transient.sample) {
-        (Extent::Time(whole), Extent::Time(part)) if whole > MOST * part => {
+    match (duration, sample) {
+        (Some(Extent::Time(whole)), Extent::Time(part)) if whole > MOST * part => {
             return too_many(part, whole, "samples", "s");
         }
-        (Extent::Angle(whole), Extent::Angle(part)) if whole > MOST * part => {
+        (Some(Extent::Angle(whole)), Extent::Angle(part)) if whole > MOST * part => {
             let [part, whole] = [part, whole].map(f64::to_degrees);
             return too_many(part, whole, "samples", "°");
         }
         _ => {}
     }
-    match (transient.duration, transient.step) {
+    match (duration, kind.step()) {
         (
-            Extent::Time(whole),
-            StepControl::Fixed(part) | StepControl::FixedTo { step: part, .. },
+            Some(Extent::Time(whole)),
+            Some(StepControl::Fixed(part) | StepControl::FixedTo { step: part, .. }),
         ) if part > 0.0 && whole > MOST * part => too_many(part, whole, "steps", "s"),
         _ => Ok(()),
     }

@@ -464,9 +464,7 @@ impl Analysis {
         // the run begins. This state is costly, so it is computed only if the assembled state fails the
         // conditions.
         let run_starts = self.plan.kind.start();
-        if let AnalysisKind::Transient(transient) = &self.plan.kind {
-            eng_runtime::countable(transient).map_err(|cause| self.error(cause))?;
-        }
+        eng_runtime::countable(&*self.plan.kind).map_err(|cause| self.error(cause))?;
         let begun = match begins(Start::Assembled) {
             Err(RuntimeError::Require { .. }) if run_starts != Start::Assembled => {
                 begins(run_starts)

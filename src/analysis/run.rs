@@ -7,8 +7,8 @@ use crate::repetition::Repetition;
 use crate::results::{Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, Table};
 use eng_runtime::{
     Advance, CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, RuntimeError,
-    Sample, Slow, StartReport, Verdict, Warning, run_linear, run_periodic, run_static,
-    run_transient,
+    Sample, Slow, StartReport, Verdict, Warning, run_assemble, run_linear, run_periodic,
+    run_static, run_transient,
 };
 use eng_system::recorded::recorded;
 use eng_system::system::{AnalysisKind, Location, Origin, Rows};
@@ -83,7 +83,7 @@ impl Analysis {
                 solved.modes = Some(found);
             }
             AnalysisKind::Static(wanted) => run_static(compiled, overrides, wanted, recorder)?,
-            AnalysisKind::Assemble(_) => self.record_assembled(recorder)?,
+            AnalysisKind::Assemble(_) => run_assemble(compiled, overrides, recorder)?,
         }
         Ok(solved)
     }
@@ -248,28 +248,6 @@ impl Analysis {
             .iter()
             .map(|byte| format!("{byte:02x}"))
             .collect())
-    }
-
-    fn record_assembled(&self, recorder: &mut Recorder<'_>) -> Result<(), RuntimeError> {
-        let mut simulation = eng_runtime::Simulation::new(
-            self.model.compiled(),
-            &self.overrides,
-            eng_runtime::Options::default(),
-        )?;
-        let mut values = vec![0.0; self.model.compiled().system.channels.len()];
-        simulation.evaluate_channels(&mut values)?;
-        let _ = recorder.sample(&Sample {
-            time: simulation.time(),
-            cycle_angle: simulation.cycle_angle(),
-            cycle_rate: simulation.cycle_rate(),
-            values: &values,
-            energy: simulation.energy(),
-            eccentricities: &[],
-            pose: simulation.sampled_pose(),
-            velocity: &simulation.sampled_state().velocity,
-            states: &simulation.sampled_state().states,
-        });
-        Ok(())
     }
 }
 

@@ -166,7 +166,7 @@ fn refuse_missing(
     if !begun.is_empty() {
         writeln!(
             console.errors,
-            "note: {} was interrupted: `--resume` goes on where it stopped",
+            "note: {} was interrupted: `--resume` continues where it stopped",
             begun.join(", ")
         )?;
     }

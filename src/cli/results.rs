@@ -63,7 +63,7 @@ fn show(found: &Listed, console: &mut Terminal<'_>) -> Result<(), Stop> {
         Kind::Complete => String::new(),
         Kind::Failed(reason) => format!("; the run failed: {reason}"),
         Kind::Unfinished => {
-            "; the run goes on or was interrupted: go on with `eng run … --resume`".to_owned()
+            "; the run is active or was interrupted: continue with `eng run … --resume`".to_owned()
         }
     };
     writeln!(output, "  {}{state}", found.path.display())?;

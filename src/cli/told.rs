@@ -65,7 +65,7 @@ impl<'a> Told<'a> {
         if error.is_stopped() {
             writeln!(
                 console.errors,
-                "{analysis} was stopped: `--patient` runs it to its end however long that takes, `--patient --resume` from where it stands"
+                "{analysis} was stopped: `--patient` runs it to its end however long that takes, `--patient --resume` from its last checkpoint"
             )?;
             return Ok(());
         }

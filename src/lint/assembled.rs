@@ -155,7 +155,7 @@ impl Start<'_> {
             return None;
         }
         let message = format!(
-            "{} stands {} mm beside {}, along the axis of the joint",
+            "{} is {} mm beside {}, along the axis of the joint",
             self.path(markers[0]),
             mm(size),
             self.path(markers[1])

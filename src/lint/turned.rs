@@ -223,7 +223,7 @@ fn gravity(
         },
         message: message.to_owned(),
         label: "this gravity".to_owned(),
-        help: "an engine that hangs or stands upright says so: `accept gravity` in the model"
+        help: "for an engine that hangs or is upright write `accept gravity` in the model"
             .to_owned(),
         decided_by: Vec::new(),
     })
@@ -421,7 +421,7 @@ impl Watched<'_> {
     fn misplaced(&self, compiled: &Compiled) -> Option<Finding> {
         let [own, other] = self.ways;
         if own < STANDS * other && other > NO_STROKE {
-            let message = "the head moves and the piston stands: are they swapped?".to_owned();
+            let message = "the head moves and the piston is at rest: are they swapped?".to_owned();
             let help = "the first marker is the piston's";
             return Some(self.finding(compiled, lint::SWAPPED, message, help));
         }
@@ -523,7 +523,7 @@ impl Watched<'_> {
             found.push(self.with_places(finding, compiled, &[Where::Rod, Where::Throw]));
         }
         if matches!(self.beyond, Some((_, true))) {
-            let message = "the rod stands between piston and head: gas pulls it".to_owned();
+            let message = "the rod is between piston and head: gas pulls it".to_owned();
             let finding = self.finding(
                 compiled,
                 lint::MIRRORED,

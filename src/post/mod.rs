@@ -119,7 +119,7 @@ pub enum PostError {
     },
     /// A speed that changes too much for frequencies to be orders.
     #[error(
-        "{analysis}: the speed goes from {speeds}, so that samples that lie evenly in {lie} tell no {asked}; run it with a `sample:` in {needed}"
+        "{analysis}: the speed changes from {speeds}, so samples at equal distances of {lie} give no {asked}; run it with a `sample:` in {needed}"
     )]
     SpeedChanges {
         /// The analysis.

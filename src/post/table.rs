@@ -7,7 +7,7 @@ pub fn text(report: &EvaluatedReport) -> String {
     let mut text = format!("report {}: {}\n", report.name, report.title);
     for (analysis, reason) in &report.partial {
         text.push_str(&format!(
-            "  {analysis} ended early ({reason}); this is of what it had reached\n"
+            "  {analysis} ended early ({reason}); the numbers cover the part before\n"
         ));
     }
     let mut rows: Vec<[String; 3]> = Vec::new();

@@ -85,7 +85,7 @@ pub(super) fn section(
         }
         if !elsewhere.is_empty() {
             section = section.paragraph(
-                "Its other histories stand beside those of the other points, under Comparisons.",
+                "Its other histories are beside those of the other points, under Comparisons.",
             );
         }
     }

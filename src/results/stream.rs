@@ -82,7 +82,7 @@ impl Stream {
         let length = end.ok_or_else(|| ResultsError::Foreign {
             path: path.to_owned(),
             message: format!(
-                "the checkpoint stands after {rows} samples, but only {found} whole ones are here; run again without --resume"
+                "the checkpoint is after {rows} samples, but only {found} whole ones are here; run again without --resume"
             ),
         })?;
         file.set_len(length).map_err(at(path))?;

@@ -102,7 +102,7 @@ impl<'p> Checker<'p> {
                 codes::STATE_SCALE,
                 format!("the state `{name}` starts at zero and has no scale"),
             )
-            .at(start.span, "tells of no size")
+            .at(start.span, "has no size")
             .with_note("errors of a state are held to 1e-5 of its scale or its largest value so far; a start that is not zero is its own scale")
             .with_help(format!(
                 "state the size from which on it matters: `{written}{one}`"

@@ -56,7 +56,7 @@ impl<'p> Checker<'p> {
             None => {
                 self.bad_table(
                     table.name.span,
-                    "a table says what it gives",
+                    "a table states the type of its values",
                     "no `->` after its arguments",
                     "for instance `table lift(theta: CrankAngle) -> Length = …`",
                 );

@@ -372,9 +372,9 @@ impl<'a> Elaborator<'a, '_> {
     fn nothing(&mut self, name: &str, span: Span) -> super::Reported {
         self.report(
             Diagnostic::error(codes::EMPTY_LIST, format!("`{name}` of an empty list"))
-                .at(span, "nothing tells its value and dimension")
+                .at(span, "an empty list has no value and no dimension")
                 .with_help(format!(
-                    "say what it is then: `if length(list) > 0 then {name}(list) else 0 mm`, with the unit that is meant"
+                    "state its value for an empty list: `if length(list) > 0 then {name}(list) else 0 mm`, with the unit that is meant"
                 )),
         )
     }

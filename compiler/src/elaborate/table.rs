@@ -286,7 +286,7 @@ impl<'a> Elaborator<'a, '_> {
             Diagnostic::error(
                 codes::BELOW_ZERO,
                 format!(
-                    "table `{}` of {} goes below zero",
+                    "table `{}` of {} falls below zero",
                     table.name.text,
                     declared.unwrap_or_default()
                 ),

@@ -3,7 +3,7 @@
 //! A row is a `Description`: nodes, edges, faces, shape functions, integration rules, and the element's
 //! name and order of nodes in each code. The row is beside the shape functions in the file of its family, and
 //! `ElementKind::description` finds it. Readers use its names, the kernel its points, recovery and pictures
-//! its faces. So a new element is a file with its row, a variant of [`ElementKind`] and an arm here.
+//! its faces. So a new element is a file with its row and a line of the list here.
 //! [`crate::fe::form`] decides which rules belong to an element of a certain code.
 //!
 //! Nodes are in the order of VTK and Abaqus: corners, then mid-side nodes in the order of the edges.
@@ -24,35 +24,56 @@ pub use shape::{MOST_NODES, Shape};
 use quadrature::Point;
 use serde::{Deserialize, Serialize};
 
-/// Shape and order of nodes of an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum ElementKind {
+/// Defines the elements of the table: each has a variant and its row.
+macro_rules! elements {
+    ($($(#[$about:meta])* $kind:ident: $row:path;)*) => {
+        /// Shape and order of nodes of an element. Files of reduced bodies hold the position in this list.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+        pub enum ElementKind {
+            $($(#[$about])* $kind,)*
+        }
+
+        impl ElementKind {
+            /// All of them.
+            pub const ALL: [ElementKind; [$(stringify!($kind)),*].len()] = [$(ElementKind::$kind),*];
+
+            /// Its row.
+            pub(crate) const fn description(self) -> &'static Description {
+                match self {
+                    $(ElementKind::$kind => &$row,)*
+                }
+            }
+        }
+    };
+}
+
+elements! {
     /// 4-node tetrahedron.
-    Tetrahedron4,
+    Tetrahedron4: simplex::TETRAHEDRON4;
     /// 10-node tetrahedron: mid-side nodes 12 23 31 14 24 34.
-    Tetrahedron10,
+    Tetrahedron10: simplex::TETRAHEDRON10;
     /// 8-node hexahedron.
-    Hexahedron8,
+    Hexahedron8: hexahedron::HEXAHEDRON8;
     /// 20-node hexahedron: mid-side nodes bottom, top, vertical.
-    Hexahedron20,
+    Hexahedron20: hexahedron::HEXAHEDRON20;
     /// 6-node wedge.
-    Wedge6,
+    Wedge6: wedge::WEDGE6;
     /// 15-node wedge: mid-side nodes bottom, top, vertical.
-    Wedge15,
+    Wedge15: wedge::WEDGE15;
     /// 5-node pyramid.
-    Pyramid5,
+    Pyramid5: pyramid::PYRAMID5;
     /// 13-node pyramid: base edges, then edges to the apex.
-    Pyramid13,
+    Pyramid13: pyramid::PYRAMID13;
     /// 3-node shell or facet.
-    Triangle3,
+    Triangle3: simplex::TRIANGLE3;
     /// 6-node shell or facet.
-    Triangle6,
+    Triangle6: simplex::TRIANGLE6;
     /// 4-node shell or facet.
-    Quadrilateral4,
+    Quadrilateral4: hexahedron::QUADRILATERAL4;
     /// 8-node shell or facet.
-    Quadrilateral8,
+    Quadrilateral8: hexahedron::QUADRILATERAL8;
     /// 2-node beam.
-    Beam2,
+    Beam2: line::BEAM2;
 }
 
 /// A row of the table.
@@ -122,42 +143,6 @@ impl Names {
 }
 
 impl ElementKind {
-    /// All of them.
-    pub const ALL: [ElementKind; 13] = [
-        ElementKind::Tetrahedron4,
-        ElementKind::Tetrahedron10,
-        ElementKind::Hexahedron8,
-        ElementKind::Hexahedron20,
-        ElementKind::Wedge6,
-        ElementKind::Wedge15,
-        ElementKind::Pyramid5,
-        ElementKind::Pyramid13,
-        ElementKind::Triangle3,
-        ElementKind::Triangle6,
-        ElementKind::Quadrilateral4,
-        ElementKind::Quadrilateral8,
-        ElementKind::Beam2,
-    ];
-
-    /// Its row.
-    pub(crate) const fn description(self) -> &'static Description {
-        match self {
-            ElementKind::Tetrahedron4 => &simplex::TETRAHEDRON4,
-            ElementKind::Tetrahedron10 => &simplex::TETRAHEDRON10,
-            ElementKind::Hexahedron8 => &hexahedron::HEXAHEDRON8,
-            ElementKind::Hexahedron20 => &hexahedron::HEXAHEDRON20,
-            ElementKind::Wedge6 => &wedge::WEDGE6,
-            ElementKind::Wedge15 => &wedge::WEDGE15,
-            ElementKind::Pyramid5 => &pyramid::PYRAMID5,
-            ElementKind::Pyramid13 => &pyramid::PYRAMID13,
-            ElementKind::Triangle3 => &simplex::TRIANGLE3,
-            ElementKind::Triangle6 => &simplex::TRIANGLE6,
-            ElementKind::Quadrilateral4 => &hexahedron::QUADRILATERAL4,
-            ElementKind::Quadrilateral8 => &hexahedron::QUADRILATERAL8,
-            ElementKind::Beam2 => &line::BEAM2,
-        }
-    }
-
     /// Number of nodes.
     pub const fn node_count(self) -> usize {
         self.description().nodes

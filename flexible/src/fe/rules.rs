@@ -117,7 +117,9 @@ pub(super) fn stiffness_points(kind: ElementKind, form: Form) -> Vec<Point> {
     let element = kind.description();
     match form {
         Form::Reduced => (element.reduced)(),
-        _ => (element.stiffness)(),
+        Form::Full | Form::MeanDilatation | Form::Incompatible | Form::Bubbles => {
+            (element.stiffness)()
+        }
     }
 }
 

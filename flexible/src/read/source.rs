@@ -144,7 +144,7 @@ impl<'f> Source<'f> {
                     .collect::<Vec<_>>()
                     .join(" → ");
                 return Err(at.problem(
-                    format!("{include} '{name}' goes round in a circle: {circle}"),
+                    format!("{include} '{name}' includes itself: {circle}"),
                     format!("remove one of these {include} lines"),
                 ));
             }

@@ -71,7 +71,7 @@ pub fn reports(
                     let message = match report.entries.is_empty() {
                         true => idle(format!("the report `{}` shows nothing", report.name))
                             .at(span, "it has neither a figure nor a value nor a condition")
-                            .with_help("a `let` only names; write `value` to have it told"),
+                            .with_help("a `let` only names; write `value` to show it"),
                         false => idle(format!("the report `{}` names no analysis", report.name))
                             .at(span, "nothing of it is made of results")
                             .with_help(

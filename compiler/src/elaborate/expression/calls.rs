@@ -190,7 +190,7 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.report(
                     Diagnostic::error(
                         codes::LATE_ACCELERATION,
-                        "a function that asks for a condition is given what is known in outputs only",
+                        "a function with a condition gets an argument that is known in outputs only",
                     )
                     .at(call, "an acceleration, a reaction or an output of another element is in its condition")
                     .also(requirement.condition.span, "its condition is watched at every step")

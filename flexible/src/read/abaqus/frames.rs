@@ -174,7 +174,7 @@ pub(super) fn system(rows: &[Row], at: &At) -> Result<Motion, FileProblem> {
         .map(|rotation| Motion { rotation, shift: a })
         .ok_or_else(|| {
             at.problem(
-                "*SYSTEM: its points coincide or stand in line",
+                "*SYSTEM: its points coincide or are in line",
                 "origin, point on the x axis and point in the x-y plane must make a triangle",
             )
         })

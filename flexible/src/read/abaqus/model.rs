@@ -348,7 +348,7 @@ impl Model {
         match *self.nodes_of(place, text, at)?.as_slice() {
             [node] => Ok(node),
             ref nodes => Err(at.problem(
-                format!("{text} stands for {} nodes instead of one", nodes.len()),
+                format!("{text} means {} nodes instead of one", nodes.len()),
                 "give one node, or a set of one",
             )),
         }

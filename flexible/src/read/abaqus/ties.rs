@@ -42,7 +42,7 @@ pub(super) fn ties(model: &Model, unread: &mut UnreadCards) -> Result<Vec<Tie>, 
             "KINEMATIC" | "DISTRIBUTING" => {
                 let Some((_, coupling)) = waiting.take().filter(|(of, _)| *of == place) else {
                     return Err(keyword.problem(
-                        "no *COUPLING stands before it",
+                        "no *COUPLING is before it",
                         "put it right behind its *COUPLING",
                     ));
                 };

@@ -78,7 +78,7 @@ impl Content {
     ) -> Result<(), FileProblem> {
         let Some(labels) = &self.labels else {
             return Err(stream.problem(
-                "it stands before the nodes",
+                "it is before the nodes",
                 "write the file again; $Nodes comes first",
             ));
         };

@@ -134,7 +134,7 @@ fn read_format(stream: &mut Stream) -> Result<Version, FileProblem> {
             0x0100_0000 => stream.swapped = true,
             _ => {
                 return Err(stream.problem(
-                    "the order of bytes can't be told",
+                    "the order of bytes cannot be determined",
                     "it may have been sent as text on its way here; send it as binary",
                 ));
             }

@@ -134,7 +134,7 @@ impl Stream {
                 _ => {
                     let found = line.chars().take(40).collect::<String>();
                     return Err(self.problem_of_line(
-                        format!("\"{found}\" stands where a section should begin"),
+                        format!("\"{found}\" is where a section should begin"),
                         "give a mesh file of gmsh (.msh); its sections begin with $ and a name",
                     ));
                 }
@@ -162,7 +162,7 @@ impl Stream {
         }
         let found = found.chars().take(40).collect::<String>();
         Err(self.problem(
-            format!("\"{found}\" stands where {end} should"),
+            format!("\"{found}\" is where {end} should be"),
             "the counts at its head don't fit what follows; write the file again",
         ))
     }

@@ -71,7 +71,7 @@ impl Text {
         if self.bytes.len() as u64 == LONGEST_LINE || self.bytes.contains(&0) {
             return Err(self.problem(
                 "this is no text of a matrix or of modes",
-                "give a text file; a binary one is told by the end of its name, or must be written as text",
+                "give a text file; the end of its name marks a binary one, or must be written as text",
             ));
         }
         for byte in &mut self.bytes {

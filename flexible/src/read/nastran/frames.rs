@@ -234,7 +234,7 @@ impl Systems {
                         .collect::<Vec<_>>()
                         .join(" → ");
                     return Err(card.at.problem(
-                        format!("coordinate systems stand on each other in a circle: {circle}"),
+                        format!("coordinate systems refer to each other in a circle: {circle}"),
                         "give one of them in the basic system",
                     ));
                 }
@@ -268,7 +268,7 @@ impl Systems {
             let Some(rotation) = axes else {
                 return Err(card.at.problem(
                     format!(
-                        "coordinate system {}: its three points coincide or stand in line",
+                        "coordinate system {}: its three points coincide or are in line",
                         card.id
                     ),
                     "origin, point on the z axis and point in the x-z plane must make a triangle",

@@ -94,7 +94,7 @@ fn take(
     }
     let Some(matrix) = matrices.get_mut(&own) else {
         return Err(card.problem(
-            "a column stands before the head of its matrix",
+            "a column is before the head of its matrix",
             "a card \"DMIG name 0 IFO TIN …\" must come first; the file may have been cut",
         ));
     };

@@ -81,7 +81,7 @@ pub(super) fn read_cards(
             return Err(whole(
                 name,
                 "the deck has no BEGIN BULK",
-                "the file may have been cut; bulk data stands between BEGIN BULK and ENDDATA",
+                "the file may have been cut; bulk data is between BEGIN BULK and ENDDATA",
             ));
         }
         for earlier in before.cards(false, &mut case) {

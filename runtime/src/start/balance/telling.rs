@@ -104,7 +104,7 @@ pub(super) fn locked(model: &Model, error: NoMotion) -> Stop {
                 path: model.compiled.system.name.clone(),
                 ..Origin::default()
             },
-            message: "its velocities are not determined at the start: the mechanism stands where it locks".to_owned(),
+            message: "its velocities are not determined at the start: the mechanism is in a position where it locks".to_owned(),
             carried: 0.0,
         }),
         NoMotion::Error(error) => error.into(),

@@ -113,7 +113,7 @@ impl Blocks {
             Some(data) if data.len() == self.key_bytes => Ok(Some(self.integer(&data))),
             Some(data) => Err(self.problem(
                 format!(
-                    "a key of {} bytes should stand here, not a record of {}{}",
+                    "a key of {} bytes should be here, not a record of {}{}",
                     self.key_bytes,
                     data.len(),
                     self.where_it_is()
@@ -145,7 +145,7 @@ impl Blocks {
         }
         Err(self.problem(
             format!(
-                "the key {expected} should stand here, not {key}{}",
+                "the key {expected} should be here, not {key}{}",
                 self.where_it_is()
             ),
             "the file is damaged, or no OP2",
@@ -182,7 +182,7 @@ impl Blocks {
             if key <= 0 {
                 return Err(self.problem(
                     format!(
-                        "the key {end} should stand here, not {key}{}",
+                        "the key {end} should be here, not {key}{}",
                         self.where_it_is()
                     ),
                     "the file is damaged, or no OP2",

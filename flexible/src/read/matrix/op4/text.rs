@@ -239,7 +239,7 @@ fn values(
         } else {
             wrong = Some((
                 format!(
-                    "the line has {length} columns where {here} values of {} should stand",
+                    "the line has {length} columns where {here} values of {} should be",
                     format.width
                 ),
                 "the line was cut or edited, or the values have another width than the head's format says".into(),
