@@ -366,3 +366,56 @@ fn paths_are_read_as_written() {
     assert_eq!(handed_on["D"], "a");
     assert_eq!(handed_on["F"], "e");
 }
+
+/// The first paragraph of a file's head, without links.
+fn head(text: &str) -> String {
+    let lines = text.lines().map_while(|line| line.strip_prefix("//!"));
+    let paragraph: Vec<&str> = lines
+        .map(str::trim)
+        .take_while(|line| !line.is_empty())
+        .collect();
+    let text = paragraph.join(" ").replace("[`", "`").replace("`]", "`");
+    text.replace('|', "\\|")
+}
+
+/// `docs/modules.md` has the heads of all top-level modules. A failure writes the page as it should be beside the
+/// results of the build.
+#[test]
+fn the_page_of_modules_has_their_heads() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut page = String::from(
+        "# Modules\n\nThe top-level modules of all crates, from the heads of their files. `tests/architecture.rs` compares them.\n",
+    );
+    for (name, folder) in CRATES {
+        page.push_str(&format!(
+            "\n## `{name}`\n\n| module | contents |\n| --- | --- |\n"
+        ));
+        let mut rows = BTreeMap::new();
+        for entry in std::fs::read_dir(root.join(folder)).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let file = match path.is_dir() {
+                true => path.join("mod.rs"),
+                false => path.clone(),
+            };
+            let module = path.file_stem().expect("a name").to_string_lossy();
+            let text = match std::fs::read_to_string(&file) {
+                Ok(text) if file.extension().is_some_and(|e| e == "rs") => text,
+                // the folder of a module whose file is beside it, or the grammar
+                _ => continue,
+            };
+            if module != "lib" && module != "main" {
+                let place = file.strip_prefix(root).expect("below the root");
+                let place = place.to_string_lossy().replace('\\', "/");
+                let row = format!("| [`{module}`](../{place}) | {} |\n", head(&text));
+                rows.insert(module.into_owned(), row);
+            }
+        }
+        page.extend(rows.into_values());
+    }
+    let kept = std::fs::read_to_string(root.join("docs/modules.md")).unwrap_or_default();
+    if kept != page {
+        let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("modules.md");
+        std::fs::write(&place, &page).expect("a file");
+        panic!("docs/modules.md is not as {}", place.display());
+    }
+}

@@ -3,7 +3,8 @@
 /// Partial sums of a scalar product.
 const LANES: usize = 4;
 
-/// `Σ a_i b_i`, as long as the shorter one. Four partial sums: the order is fixed, and not one addition waits for the one before.
+/// `Σ a_i b_i`, as long as the shorter one. Four partial sums: the order is fixed, and the four sums do not wait
+/// for each other.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
     let (a, rest_a) = a[..n].as_chunks::<LANES>();

@@ -167,7 +167,7 @@ pub enum PostError {
         /// From the first wanted sample to the last.
         asked: String,
     },
-    /// A mode that a linear analysis has not.
+    /// A mode that a linear analysis does not have.
     #[error("{analysis} has no mode {number}: it has {count}")]
     NoMode {
         /// The analysis.
@@ -177,7 +177,7 @@ pub enum PostError {
         /// Their number.
         count: usize,
     },
-    /// A frequency that no mode is near.
+    /// A frequency without a mode nearby.
     #[error("{analysis} has no mode within 10 % of {frequency}: {nearest}")]
     NoModeNear {
         /// The analysis.

@@ -21,9 +21,9 @@ pub(super) struct Sampled {
     pub speed: Option<f64>,
 }
 
-/// The spacing of samples: even in cycle angle (rad), otherwise in time (s); in the other order if an axis of
-/// frequencies is `preferred`. If all samples are even in neither, all but the last may be: a run whose
-/// length is no whole number of samples has an irregular one at its end. `None` if these are uneven, too.
+/// The spacing of samples: even in cycle angle (rad), otherwise in time (s). If an axis of frequencies is
+/// `preferred`, the order is reversed. A run whose length is no whole number of samples has an irregular one at its
+/// end, so the last sample may be uneven. `None` if the others are uneven, too.
 pub(super) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> Option<Sampled> {
     all_sampled(time, angle, preferred).or_else(|| {
         let even = time.len().checked_sub(1).filter(|n| *n >= FEWEST)?;
@@ -38,7 +38,7 @@ pub(super) fn sampled(time: &[f64], angle: Option<&[f64]>, preferred: Axis) -> O
     })
 }
 
-/// Whether the last sample is nearer to the one before it than the latter is to its own predecessor.
+/// Whether the last interval is shorter than the one before.
 fn ends_early(values: &[f64]) -> bool {
     match values {
         [.., a, b, c] => (c - b).abs() < (b - a).abs(),

@@ -167,7 +167,7 @@ pub(super) fn scene(
 /// A reduced flexible body, its amplitudes at each time, and its drawn surface.
 type Covered<'a> = (&'a StoredBody, Vec<Vec<f64>>, Covering);
 
-/// Gives each flexible body its stresses at the chosen moments, an index into times (s) and angles (°).
+/// Computes the stresses of each flexible body at the chosen moments, which are indices of samples.
 fn stresses(
     flexible: &mut [FlexibleBody],
     coverings: &[Covered<'_>],

@@ -1,6 +1,7 @@
 //! The entries of a report: figures and values as trees over recorded channels.
 //!
-//! The trees contain no unresolved names and no units. Numbers are SI, dimensions fit, lists are expanded.
+//! The trees contain no unresolved names. Numbers are SI, dimensions fit, lists are expanded. An entry keeps the
+//! unit in which it is shown.
 
 use crate::DisplayUnit;
 use crate::expression::{Expression, Member};

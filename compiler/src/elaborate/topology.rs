@@ -1,4 +1,5 @@
-//! Connections of bodies, elements and ground. The runtime computes the rank of the constraints.
+//! Messages about connections: unused markers, loose bodies, idle forces. The runtime computes the rank of the
+//! constraints.
 
 use super::Elaborator;
 use super::binding::span_of;

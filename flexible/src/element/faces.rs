@@ -2,7 +2,7 @@
 
 use super::ElementKind;
 
-/// Stands in a connectivity for a mid-side node that is not there: that edge is straight and linear.
+/// The index of an absent mid-side node: its edge is straight and linear.
 pub const ABSENT: u32 = u32::MAX;
 
 /// Nodes of the edge or face with these corners: each corner, and after it the mid-side node between it and

@@ -2,7 +2,7 @@
 
 use super::Pattern;
 
-/// Entries below each other.
+/// A run: entries in consecutive rows.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     entry: usize,
@@ -19,7 +19,7 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// Of a pattern.
+    /// The runs of a pattern.
     pub fn new(pattern: &Pattern) -> Runs {
         let mut columns = vec![0];
         let mut runs: Vec<Run> = Vec::new();

@@ -107,7 +107,7 @@ impl<'a> Reporter<'a, '_> {
         let filter = self.filter(bound, &of)?;
         let mut ty = of.ty.clone();
         if let (Some(_), Type::Signal { quantity, .. }) = (filter.from, &mut ty) {
-            // the mean is gone, and with it the zero
+            // without its mean a signal has no zero, so its unit is that of a difference
             *quantity = quantity.difference();
         }
         Some(of.mapped(ty, |of| Expression::Filter(filter, Box::new(of))))
@@ -229,7 +229,7 @@ impl<'a> Reporter<'a, '_> {
         Some(whole)
     }
 
-    /// One number of a list's.
+    /// The sum, the least or the largest number of a list.
     fn fold(&mut self, operator: Operator, expr: &Expr, of: Typed) -> Option<Typed> {
         if !of.list || of.shape() == Shape::Truth {
             self.tell(

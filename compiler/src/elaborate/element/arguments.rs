@@ -212,8 +212,8 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// Links the scopes of the texts of a class or record. A younger text sees all names of the elder ones. An
-    /// elder text sees what it asks for where a younger one gives it, and no other name of a younger one.
+    /// Links the scopes of the texts of a class or record. A younger text sees all names of the elder ones. The
+    /// text of an interface sees a name of its class only if it asks for it.
     fn link(&mut self, texts: &[(&'a [ast::Item], ScopeId)]) {
         for (younger, (_, scope)) in texts.iter().enumerate() {
             for (_, elder) in texts.iter().take(younger).rev() {
