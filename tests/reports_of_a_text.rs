@@ -544,7 +544,7 @@ fn a_run_up_has_no_frequencies_by_orders() {
         &["up"],
     );
     let report = ran.report();
-    let due = "so that samples that lie evenly in crank angle tell no frequencies; run it with a `sample:` in milliseconds";
+    let due = "so samples at equal distances of crank angle give no frequencies; run it with a `sample:` in milliseconds";
     for name in ["frequency", "line", "spectrum"] {
         let entry = report
             .entries

@@ -2,12 +2,12 @@
 
 use super::Checker;
 use super::call::Slot;
-use super::field::has_cycle;
 use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
+use crate::typed::lineage::has_cycle;
 use eng_grammar::ast::{Argument, Binder, Declaration, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -241,7 +241,7 @@ impl<'p> Checker<'p> {
         match self.infer(scope, callee) {
             Type::Class(id) if self.declaration(id).is_some_and(|d| d.kind == Kind::Model) => {
                 self.arguments_of_class(scope, id, &[], arguments, value.span);
-                self.declaration(id).map(has_cycle)
+                Some(has_cycle(self.program, id))
             }
             Type::Error => None,
             other => {

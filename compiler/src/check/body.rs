@@ -13,7 +13,8 @@ use eng_grammar::ast::{
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
-const ATTRIBUTES: [&str; 4] = ["mass", "inertia", "products_of_inertia", "center_of_mass"];
+pub(super) const ATTRIBUTES: [&str; 4] =
+    ["mass", "inertia", "products_of_inertia", "center_of_mass"];
 const STARTS: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
 
 /// Whether the block of a body assigns a value to a name: `big = [0, -41, 0] mm`.

@@ -127,14 +127,22 @@ impl<'p> Checker<'p> {
                         }
                         _ => format!("{word} name = {class}(…)"),
                     };
-                    self.report(
-                        Diagnostic::error(
-                            codes::MISPLACED,
-                            format!("the {word} `{class}` is no value"),
-                        )
-                        .at(span, "used inside an expression")
-                        .with_help(format!("it is an item of its own: `{form}`")),
-                    );
+                    let message = Diagnostic::error(
+                        codes::MISPLACED,
+                        format!("the {word} `{class}` is no value"),
+                    )
+                    .at(span, "used inside an expression")
+                    .with_help(format!("it is an item of its own: `{form}`"));
+                    let interface = self.program.interface_of(id);
+                    self.report(match interface {
+                        Some(interface) if kind != Kind::Model => {
+                            let interface = self.class_name(interface);
+                            message.with_help(format!(
+                                "a class with some of its arguments needs a stated type: `law: {interface} = {class}(…)`, `laws: {interface}[2] = [{class}(…), …]`"
+                            ))
+                        }
+                        _ => message,
+                    });
                     Type::Error
                 }
                 None => Type::Error,
@@ -527,7 +535,10 @@ impl<'p> Checker<'p> {
         due: &Due,
     ) -> Type {
         let (interface_name, class_name) = (self.class_name(interface), self.class_name(class));
-        if !self.program.fills(class, interface) {
+        let is_interface = self
+            .declaration(class)
+            .is_some_and(|d| d.kind == Kind::Interface);
+        if is_interface || !self.program.fills(class, interface) {
             let mut message = Diagnostic::error(
                 codes::NOT_OF_INTERFACE,
                 format!(
@@ -535,7 +546,13 @@ impl<'p> Checker<'p> {
                     due.what
                 ),
             )
-            .at(expr.span, "does not say that it fits the interface");
+            .at(
+                expr.span,
+                match is_interface {
+                    true => "an interface, and no class",
+                    false => "does not say that it fits the interface",
+                },
+            );
             if let Some((span, text)) = &due.declared {
                 message = message.also(*span, text.clone());
             }
@@ -587,29 +604,6 @@ impl<'p> Checker<'p> {
             self.report(message.with_help(format!(
                 "give a class of `{interface_name}` only what `{interface_name}` does not have"
             )));
-            return Type::Error;
-        }
-        // a use through the interface may give arguments without names, so their order matters
-        let first_odd = promised
-            .iter()
-            .zip(&own)
-            .find(|(promise, own)| promise.name != own.name);
-        if let Some((promise, odd)) = first_odd
-            && own.iter().any(|slot| slot.name == promise.name)
-        {
-            let mut message = Diagnostic::error(
-                codes::NOT_OF_INTERFACE,
-                format!(
-                    "the parameters of `{class_name}` are in another order than those of `{interface_name}`"
-                ),
-            )
-            .at(expr.span, format!("has `{}` in the place of `{}`", odd.name, promise.name));
-            if let Some(span) = odd.span {
-                message = message.also(span, "this one");
-            }
-            self.report(message.with_help(
-                "put the parameters of the interface first, in its order: arguments may be given without names",
-            ));
             return Type::Error;
         }
         let extra = own.into_iter().find(|slot| {

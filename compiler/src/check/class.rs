@@ -377,17 +377,22 @@ impl<'p> Checker<'p> {
             Type::Error => Type::Error,
             other => {
                 let found = self.describe(&other);
-                self.report(
-                    Diagnostic::error(
-                        codes::KIND,
-                        format!("`{}` needs a class, not {found}", declaration.name.text),
-                    )
-                    .at(callee.span, format!("this is {found}"))
-                    .also(
-                        declaration.kind_span,
-                        format!("a class of the kind `{word}` is expected"),
-                    ),
+                let message = Diagnostic::error(
+                    codes::KIND,
+                    format!("`{}` needs a class, not {found}", declaration.name.text),
+                )
+                .at(callee.span, format!("this is {found}"))
+                .also(
+                    declaration.kind_span,
+                    format!("a class of the kind `{word}` is expected"),
                 );
+                self.report(match other {
+                    Type::Instance(id) => {
+                        let class = self.class_name(id);
+                        message.with_help(self.class_as_type(&class, id))
+                    }
+                    _ => message,
+                });
                 Type::Error
             }
         }
@@ -431,12 +436,8 @@ impl<'p> Checker<'p> {
             );
         }
         if let Some(right) = right {
-            message = message
-                .with_help(format!(
-                    "write `{right} {} = {class}(…)`",
-                    declaration.name.text
-                ))
-                .with_fix(format!("write `{right}`"), declaration.kind_span, right);
+            let title = format!("write `{right} {} = {class}(…)`", declaration.name.text);
+            message = message.with_fix(title, declaration.kind_span, right);
         }
         self.report(message);
         // the intended class is certain, so its members can be checked

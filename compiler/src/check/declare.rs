@@ -386,9 +386,11 @@ impl<'p> Checker<'p> {
                         self.arrayed(&binding.index, declared.clone())
                     };
                 }
+                let set_by_use = is_parameter(binding) || binding.kind == BindingKind::Const;
                 match declared {
-                    // The declared type counts, whatever the value is; only known lengths of lists add to it.
-                    Type::List { .. } => found,
+                    // The declared type counts, whatever the value is; only known lengths of lists add to it. An
+                    // argument may have another length than the default.
+                    Type::List { .. } if !set_by_use || outer.definition.is_none() => found,
                     _ => declared.clone(),
                 }
             }

@@ -4,7 +4,8 @@ use super::Checker;
 use super::types::{Dim, Kind as PointKind, Quantity, Type};
 use crate::program::{DefinitionId, USUAL_UNITS};
 use crate::resolve::suggest::LONGEST;
-use eng_grammar::ast::Kind;
+pub(super) use crate::typed::kind_words::{kind_word, with_article};
+
 use eng_system::Dimension;
 
 /// Preferred names for exponents that several dimensions share.
@@ -58,36 +59,6 @@ pub(super) fn nearest_unit<'a>(
 /// Whether a dimension is a base dimension. A surplus is named only in this simple case.
 fn is_base(dimension: Dimension) -> bool {
     (0..eng_system::dimension::BASES).any(|base| dimension == Dimension::base(base))
-}
-
-/// The word of a kind in a text: `joint`, `body`.
-pub(super) fn kind_word(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Model => "model",
-        Kind::Component => "component",
-        Kind::Interface => "interface",
-        Kind::Record => "record",
-        Kind::Body => "body",
-        Kind::Flexible => "flexible",
-        Kind::Marker => "marker",
-        Kind::Joint => "joint",
-        Kind::Force => "force",
-        Kind::Journal => "journal",
-        Kind::Drive => "drive",
-        Kind::Part => "part",
-        Kind::Cycle => "cycle",
-        Kind::Analysis => "analysis",
-        Kind::Default => "default",
-    }
-}
-
-/// `a Length`, `an Angle`.
-pub(super) fn with_article(noun: &str) -> String {
-    let vowel = noun
-        .chars()
-        .next()
-        .is_some_and(|c| "aeiouAEIOU".contains(c));
-    format!("{} {noun}", if vowel { "an" } else { "a" })
 }
 
 impl Checker<'_> {

@@ -4,8 +4,9 @@ use super::Checker;
 use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
+use crate::typed::lineage::has_cycle;
 use eng_grammar::Diagnostic;
-use eng_grammar::ast::{Expr, ExprKind, IndexArgument, Name};
+use eng_grammar::ast::{Declaration, Expr, ExprKind, IndexArgument, Kind, Name};
 use eng_system::Dimension;
 
 impl<'p> Checker<'p> {
@@ -84,8 +85,7 @@ impl<'p> Checker<'p> {
             return Type::Instance(weld);
         }
         if super::body::states(declared, &name.text) {
-            // the missing word `marker` is reported there
-            return Type::Error;
+            return self.attribute_of_body(declared, name);
         }
         if name.text == "support" && declared.kind == eng_grammar::ast::Kind::Flexible {
             self.report(
@@ -102,6 +102,35 @@ impl<'p> Checker<'p> {
         let markers = self.markers_of(body);
         let title = format!("the body `{}` has no marker `{}`", body.name, name.text);
         self.no_member(title, name, markers.iter().map(String::as_str));
+        Type::Error
+    }
+
+    /// The mass of a body. Other attributes cannot be read.
+    fn attribute_of_body(&mut self, declared: &Declaration, name: &Name) -> Type {
+        let rigid = declared.kind == Kind::Body;
+        if rigid && name.text == "mass" {
+            return Type::Scalar(Quantity::hard(Dimension::MASS));
+        }
+        if rigid && !super::body::ATTRIBUTES.contains(&name.text.as_str()) {
+            // the missing word `marker` is reported in the block of the body
+            return Type::Error;
+        }
+        let body = &declared.name.text;
+        let help = match rigid {
+            true => format!(
+                "give the value a name outside the body, and use it in both places: `let {body}_{} = …`",
+                name.text
+            ),
+            false => "`eng reduce` prints mass, centre and inertia of a flexible body".to_owned(),
+        };
+        self.report(
+            Diagnostic::error(
+                codes::NO_MEMBER,
+                format!("`{}` of the body `{body}` cannot be read", name.text),
+            )
+            .at(name.span, "an attribute, and no value of the model")
+            .with_help(help),
+        );
         Type::Error
     }
 
@@ -256,7 +285,7 @@ impl<'p> Checker<'p> {
         if let Some(definition) = scope.definition
             && let Some(model) = self.declaration(definition)
             && model.kind == eng_grammar::ast::Kind::Model
-            && !has_cycle(model)
+            && !has_cycle(self.program, definition)
         {
             self.report(
                 Diagnostic::error(
@@ -304,17 +333,4 @@ fn selects_all(expr: &Expr) -> bool {
             .any(|index| matches!(index, IndexArgument::All(_))),
         _ => false,
     }
-}
-
-/// Whether a model's block states a cycle.
-pub(super) fn has_cycle(model: &eng_grammar::ast::Declaration) -> bool {
-    super::scope::block_of(model).is_some_and(|block| {
-        block.items.iter().any(|item| {
-            matches!(
-                &item.kind,
-                eng_grammar::ast::ItemKind::Declaration(inner)
-                    if inner.kind == eng_grammar::ast::Kind::Cycle
-            )
-        })
-    })
 }

@@ -1,7 +1,7 @@
 //! Checks functions. A function is checked once, generic over the dimensions of its arguments.
 
 use super::mismatch::Due;
-use super::scope::Scope;
+use super::scope::{BUILT_IN_NAMES, Scope};
 use super::types::{FunctionParameter, Signature, Type};
 use super::{Checker, Progress};
 use crate::codes;
@@ -59,11 +59,18 @@ impl<'p> Checker<'p> {
         }
         // The types of all parameters can use the counts among them: `fn mean(values: Length[n], n: Int)`.
         let mut counted = scope.clone();
+        let words = function
+            .parameters
+            .iter()
+            .filter_map(|p| word_of_length(&p.ty));
         for parameter in &function.parameters {
+            let name = &parameter.name.text;
             if is_int(&parameter.ty) {
-                counted
-                    .locals
-                    .push((parameter.name.text.clone(), Type::Int));
+                counted.locals.push((name.clone(), Type::Int));
+            } else if words.clone().any(|(word, _)| word == name) {
+                // no count: the length is refused with this type
+                let ty = self.ty(&scope, &parameter.ty);
+                counted.locals.push((name.clone(), ty));
             }
         }
         self.counted_lengths(function, &mut counted, &mut scope);
@@ -139,6 +146,7 @@ impl<'p> Checker<'p> {
             let counts = function.parameters.iter().filter(|p| is_int(&p.ty));
             let counts = counts.map(|p| p.name.text.as_str());
             let known = self.find(counted, word).is_some()
+                || BUILT_IN_NAMES.contains(&word.as_str())
                 || names.any(|name| name == word)
                 || nearest(word, counts).is_some();
             // the second array of the same length finds the name of the first

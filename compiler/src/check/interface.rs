@@ -9,9 +9,11 @@ use crate::codes;
 use crate::program::{DefinitionId, interface_name};
 use crate::resolve::JOURNAL_LAW;
 use crate::resolve::suggest::{listing, nearest};
-use crate::typed::lineage::{Level, asks, has_functions_only, is_parameter, levels};
+use crate::typed::lineage::{
+    Level, asks, has_functions_only, is_parameter, levels, word_of_length,
+};
 use eng_grammar::ast::{
-    Binding, BindingKind, Declaration, Function, ItemKind, Kind, Name, Statement,
+    Binding, BindingKind, Declaration, Function, ItemKind, Kind, Name, Statement, TypeExpr,
 };
 use eng_grammar::{Diagnostic, Span};
 
@@ -270,15 +272,16 @@ impl<'p> Checker<'p> {
                 "it does not state the type of its value".to_owned(),
             ))
         } else {
-            self.other_parameters(&wanted, &given, own).or_else(|| {
-                let fits = self.assignable(&given.result, &wanted.result);
-                let place = own.result.as_ref().map_or(own.name.span, |ty| ty.span);
-                let unknown = given.result.is_error() || wanted.result.is_error();
-                (!fits && !unknown).then(|| {
-                    let found = self.describe(&given.result);
-                    (place, format!("its value is {found}"))
+            self.other_parameters(&wanted, &given, asked, own)
+                .or_else(|| {
+                    let fits = self.assignable(&given.result, &wanted.result);
+                    let place = own.result.as_ref().map_or(own.name.span, |ty| ty.span);
+                    let unknown = given.result.is_error() || wanted.result.is_error();
+                    (!fits && !unknown).then(|| {
+                        let found = self.describe(&given.result);
+                        (place, format!("its value is {found}"))
+                    })
                 })
-            })
         };
         if let Some((place, fault)) = fault {
             let (class, interface) = (&declaration.name.text, &level.declaration.name.text);
@@ -303,9 +306,12 @@ impl<'p> Checker<'p> {
         &self,
         wanted: &Signature,
         given: &Signature,
+        asked: &Function,
         own: &Function,
     ) -> Option<(Span, String)> {
         for (index, due) in wanted.parameters.iter().enumerate() {
+            let types = asked.parameters.get(index).zip(own.parameters.get(index));
+            let narrower = types.is_some_and(|(asked, own)| self.narrower(&own.ty, &asked.ty));
             let Some(found) = given.parameters.get(index) else {
                 return Some((
                     own.name.span,
@@ -319,6 +325,11 @@ impl<'p> Checker<'p> {
                 && !found.ty.is_error()
             {
                 format!("`{}` is {}", found.name, self.describe(&found.ty))
+            } else if narrower {
+                format!(
+                    "`{}` has one length, and the interface takes any",
+                    found.name
+                )
             } else if due.optional && !found.optional {
                 format!(
                     "`{}` has no default, and calls may leave it out",
@@ -335,6 +346,15 @@ impl<'p> Checker<'p> {
             required.span,
             format!("`{}` is one more, without a default", required.name),
         ))
+    }
+
+    /// Whether a type states the length of an array where another type takes any length.
+    fn narrower(&self, own: &TypeExpr, wanted: &TypeExpr) -> bool {
+        let any = |ty: &TypeExpr| {
+            let length = word_of_length(ty);
+            length.is_some_and(|(_, place)| self.findings.lengths.contains(&place))
+        };
+        any(wanted) && !any(own)
     }
 
     /// `radial_clearance: Length`.
@@ -377,6 +397,26 @@ impl<'p> Checker<'p> {
                     promise.name.span,
                     format!("`{interface}` promises {wanted_text}"),
                 ),
+            );
+            return;
+        }
+        let ty = match own {
+            Member::Parameter(parameter) => Some(&parameter.ty),
+            Member::Binding(binding) => binding.ty.as_ref(),
+            _ => None,
+        };
+        if let (Some(ty), Some(wanted)) = (ty, &promise.ty)
+            && self.narrower(ty, wanted)
+        {
+            let promised = self.promise_text(promise);
+            self.report(
+                Diagnostic::error(
+                    codes::INTERFACE,
+                    format!("the {word} `{name}` of `{class}` has one length, and `{interface}` takes any"),
+                )
+                .at(ty.span, "arrays of another length do not fit")
+                .also(promise.name.span, "the argument decides the length here")
+                .with_help(format!("write `{promised}`")),
             );
             return;
         }

@@ -549,6 +549,7 @@ impl<'p> Levels<'_, 'p> {
                 }
                 _ => POSITION,
             }),
+            Abstract::Body if name.text == "mass" => Abstract::Number(FREE),
             Abstract::Body => Abstract::Marker,
             Abstract::Cycle if name.text == "angle" => Abstract::Number(POSITION),
             Abstract::Cycle => Abstract::Number(FREE),

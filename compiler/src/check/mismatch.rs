@@ -4,7 +4,7 @@ use super::Checker;
 use super::describe::with_article;
 use super::types::{Kind, Misfit, Quantity, Type};
 use crate::codes;
-use crate::program::unit_text;
+use crate::program::{DefinitionId, unit_text};
 use eng_grammar::ast::{Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -305,12 +305,27 @@ impl<'p> Checker<'p> {
             (Type::Int, Type::Scalar(_)) => {
                 message = message.with_note("a count is written without point, exponent and unit");
             }
+            (Type::Instance(own), Type::Class(_) | Type::ClassOf(_) | Type::Bound(_)) => {
+                let class = self.class_name(*own);
+                message = message.with_help(self.class_as_type(&class, *own));
+            }
             (_, Type::Function(signature)) if self.assignable(&signature.result, expected) => {
                 message = message.with_help(format!("call it: `{}(…)`", signature.name));
             }
             _ => {}
         }
         self.report(message);
+    }
+
+    /// Advice for a parameter that has the name of a class as its type, in place of an interface.
+    pub(super) fn class_as_type(&self, class: &str, id: DefinitionId) -> String {
+        let interface = match self.program.interface_of(id) {
+            Some(interface) => self.class_name(interface),
+            None => "Interface".to_owned(),
+        };
+        format!(
+            "the type `{class}` takes an element of this class; a parameter that takes a class has an interface as its type: `law: {interface}`"
+        )
     }
 
     /// Whether types agree, without a message.

@@ -248,6 +248,21 @@ impl<'p> Checker<'p> {
                 (Form::Instance { .. }, kind) if class::is_of_elements(kind) => {
                     self.bound_definition(id, declaration);
                 }
+                (Form::Plain { .. }, kind) if class::is_of_elements(kind) => {
+                    let word = describe::kind_word(kind);
+                    let name = &declaration.name;
+                    self.report(
+                        Diagnostic::error(
+                            codes::MISPLACED,
+                            format!("the {word} `{}` has no list of parameters", name.text),
+                        )
+                        .at(name.span, "a class has one")
+                        .with_help(format!(
+                            "write `{word} {}(a: Marker, b: Marker) {{ … }}`; an element of a class belongs into a model or a component",
+                            name.text
+                        )),
+                    );
+                }
                 _ => self.misplaced(
                     declaration.kind_span,
                     &format!("a {}", describe::kind_word(declaration.kind)),

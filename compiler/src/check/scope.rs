@@ -7,7 +7,7 @@
 use super::types::{BodyRef, Quantity, Type};
 use super::{Checker, Progress};
 use crate::codes;
-use crate::program::DefinitionId;
+use crate::program::{DefinitionId, interface_name};
 use crate::resolve::suggest::{EXPLAINED, nearest};
 use crate::typed::lineage::{is_parameter, word_of_length};
 use eng_grammar::ast::{
@@ -221,9 +221,16 @@ impl<'p> Checker<'p> {
             let Some((word, span)) = ty.and_then(word_of_length) else {
                 continue;
             };
+            // the length of an array of an interface is that of the class, too
+            if matches!(elder.get(word.as_str()), Some(held) if matches!(held.member, Member::Length(_)))
+            {
+                self.findings.lengths.insert(span);
+                continue;
+            }
             let mut names = own.iter().map(|(name, _)| name.text.as_str());
             let counts = own.iter().filter(|(_, member)| is_count(*member));
             let known = self.program.lookup(id.module, word).is_some()
+                || BUILT_IN_NAMES.contains(&word.as_str())
                 || names.any(|name| name == word)
                 || elder.contains_key(word.as_str())
                 || nearest(word, counts.map(|(name, _)| name.text.as_str())).is_some();
@@ -398,7 +405,19 @@ impl<'p> Checker<'p> {
         Type::Error
     }
 
+    /// Whether a definition or its interface names an interface that it cannot have. Some of its names are not
+    /// known.
+    pub(super) fn lacks_interface(&self, definition: Option<DefinitionId>) -> bool {
+        let eldest = definition.and_then(|id| self.program.lineage(id).first().copied());
+        let eldest = eldest.and_then(|eldest| self.declaration(eldest));
+        eldest.and_then(interface_name).is_some()
+    }
+
     fn unknown_name(&mut self, scope: &Scope<'p>, name: &str, span: Span) {
+        // the message about the interface is enough: the name may be one of the interface
+        if self.lacks_interface(scope.definition) {
+            return;
+        }
         // nobody reads a hundred suggestions, and each costs a comparison with all names
         if self.diagnostics.len() > EXPLAINED {
             let message =
@@ -435,6 +454,10 @@ impl<'p> Checker<'p> {
             ));
         } else if let Some(path) = self.module_of(name) {
             message = self.offer_use(message, scope.module, &path, name);
+        } else if crate::functions::find(name).is_some() {
+            message = message.with_help(format!(
+                "`{name}` is a function of the language, which is called: `{name}(…)`; a function that is passed on is one of the text: `fn own(…) = {name}(…)`"
+            ));
         } else if self.program.units.contains_key(name) {
             message = message.with_help(format!(
                 "`{name}` is a unit: it follows a number, as in `1 {name}`, a list or a parenthesis"

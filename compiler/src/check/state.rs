@@ -8,15 +8,18 @@ use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::nearest;
+use crate::typed::lineage::levels;
 use eng_grammar::ast::{
-    Binding, BindingKind, Declaration, Expr, ExprKind, ItemKind, Name, Statement, UnaryOp,
+    Binding, BindingKind, Declaration, Expr, ExprKind, ItemKind, Kind, Name, Statement, UnaryOp,
 };
 use eng_grammar::{Diagnostic, Span};
 
 impl<'p> Checker<'p> {
-    /// Checks that every state has a rate and every rate a state.
+    /// Checks that every state has a rate and every rate a state. A class may give the rate of a state of its
+    /// interface.
     pub(super) fn states_and_rates(&mut self, id: DefinitionId, declaration: &'p Declaration) {
-        let items = || block_of(declaration).into_iter().flat_map(|b| &b.items);
+        let texts = levels(self.program, id);
+        let items = || texts.iter().flat_map(|level| &level.block.items);
         let mut rates: Vec<&'p Name> = Vec::new();
         for item in items() {
             let ItemKind::Statement(Statement::Rate { state, .. }) = &item.kind else {
@@ -31,7 +34,8 @@ impl<'p> Checker<'p> {
                 self.member(id, &state.text),
                 Some(Member::Binding(binding)) if binding.kind == BindingKind::State
             );
-            if !is_state && placing(declaration.kind, &item.kind).is_none() {
+            let known = !self.lacks_interface(Some(id));
+            if known && !is_state && placing(declaration.kind, &item.kind).is_none() {
                 let states: Vec<&str> = items()
                     .filter_map(|item| match &item.kind {
                         ItemKind::Binding(b) if b.kind == BindingKind::State => {
@@ -54,6 +58,9 @@ impl<'p> Checker<'p> {
                 self.report(message);
             }
         }
+        if declaration.kind == Kind::Interface {
+            return;
+        }
         for item in items() {
             if let ItemKind::Binding(binding) = &item.kind
                 && binding.kind == BindingKind::State
@@ -61,11 +68,17 @@ impl<'p> Checker<'p> {
                 && placing(declaration.kind, &item.kind).is_none()
             {
                 let name = &binding.name.text;
-                self.report(
+                let message =
                     Diagnostic::error(codes::STATE, format!("the state `{name}` has no rate"))
-                        .at(binding.name.span, "how does it change?")
-                        .with_help(format!("write `der({name}) = …`")),
-                );
+                        .with_help(format!("write `der({name}) = …`"));
+                let own = block_of(declaration)
+                    .is_some_and(|block| block.items.iter().any(|other| std::ptr::eq(other, item)));
+                self.report(match own {
+                    true => message.at(binding.name.span, "how does it change?"),
+                    false => message
+                        .at(declaration.name.span, format!("no `der({name})`"))
+                        .also(binding.name.span, "the interface leaves it to the class"),
+                });
             }
         }
     }

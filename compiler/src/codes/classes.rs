@@ -29,8 +29,8 @@ eng_grammar::codes! {
         "force Push(a: Marker, load: Force = 3 N) { apply force load*a.x on a }";
     INTERFACE = "E0407", "a class does not give what its interface promises",
         "The name after the colon is an interface. The class gives each output and function that the interface requires, with the same types. A class may repeat a parameter or output with its type. An interface may extend an interface that extends none.",
-        "journal Film(pin: Marker) : JournalLaw { }",
-        "journal Film(pin: Marker) { output height = dot(pin.origin, ground.y) as mm }";
+        "interface Law { param a: Marker; output load: Force }\nforce Push() : Law { apply force [0, 0, 3] N on a }",
+        "interface Law { param a: Marker; output load: Force }\nforce Push() : Law { apply force [0, 0, 3] N on a; output load: Force = 3 N }";
     NOT_OF_INTERFACE = "E0408", "a class does not belong to the interface that is expected",
         "A class that is passed as an argument states the interface after its parameters. It has no required parameters besides those of the interface.",
         "part main = Bearing(law: Revolute)",
@@ -56,7 +56,7 @@ eng_grammar::codes! {
         "analysis run = transient(M(), duration: 4 rev, sample: 1 deg)",
         "model M { cycle angle = rotation(crank.main, ground) { period = 720 deg } }";
     STATE = "E0414", "a state and its rate do not match",
-        "Every `state` has one `der(state) = …` in its class, and every such line a state.",
+        "Every `state` has one `der(state) = …` in its class or the interface of the class, and every such line a state.",
         "force Damper(a: Marker) { state p: Pressure = 3 bar }",
         "force Damper(a: Marker) { state p: Pressure = 3 bar; der(p) = -p/1 s }";
     MISSING_VALUE = "E0415", "a definition has no value or no type",

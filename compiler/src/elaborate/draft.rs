@@ -41,10 +41,17 @@ pub(crate) struct Draft<'a> {
     /// Places of stated attributes, by path. If an argument of a class is the name of a constant, it is the
     /// place of this constant.
     pub stated: BTreeMap<String, Location>,
+    /// Places of the arguments of classes, by path.
+    pub passed: HashMap<String, Span>,
+    /// Arrays that interfaces ask for, each with its scope, by the scope and name of the output that gives
+    /// it.
+    pub promised: HashMap<(u32, String), (&'a ast::Binding, ScopeId)>,
     /// Places of the `let`s and `const`s of models and components, by scope and name.
     pub named: HashMap<(usize, String), Location>,
     pub gravity: Option<[Node; 3]>,
     pub cycle: Option<CycleDraft<'a>>,
+    /// A cycle has an error, which was reported.
+    pub cycle_failed: bool,
     pub pending: Vec<model::Pending<'a>>,
 }
 
@@ -106,6 +113,8 @@ pub(crate) enum Argument<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct OutputShape {
     pub name: String,
+    /// Its index, for one of several with a name: `many[2]`.
+    pub index: Vec<usize>,
     pub first: u32,
     /// 1 for a scalar, else the number of components.
     pub count: u32,

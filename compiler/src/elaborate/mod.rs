@@ -17,6 +17,7 @@ mod expression;
 mod finish;
 mod flexible;
 mod grid;
+mod lengths;
 mod model;
 mod output;
 mod reference;
@@ -40,6 +41,7 @@ pub use flexible::{MarkerName, ModePart};
 
 use crate::codes;
 use crate::program::Program;
+use crate::typed::lineage::ClassParameter;
 use crate::typed::types::Solution;
 use crate::typed::{Findings, TypedProgram};
 use budget::Budget;
@@ -56,6 +58,16 @@ use value::{ScopeId, Value};
 pub(crate) struct Reported;
 
 pub(crate) type Eval<T> = Result<T, Reported>;
+
+/// Messages about values that an item or call gives to a text, so they also show this item or call.
+const OF_VALUES: [&str; 6] = [
+    codes::LENGTHS,
+    codes::LIST_LENGTH,
+    codes::INDEX_OUTSIDE,
+    codes::EMPTY_LIST,
+    codes::NOT_IN_LIST,
+    codes::DIVISION_BY_ZERO,
+];
 
 /// The meaning of a name in a scope.
 #[derive(Clone, Debug)]
@@ -78,8 +90,12 @@ pub(crate) enum Lazy<'a> {
     Binding(&'a ast::Binding),
     /// A `param` of a model or component. It becomes a parameter.
     Parameter(&'a ast::Binding),
-    /// A default of a class parameter.
+    /// A default of a parameter of a function.
     Default(&'a ast::Parameter),
+    /// A default of a parameter of a class. It becomes a parameter.
+    DefaultOf(ClassParameter<'a>),
+    /// The length of an array, which its default decides.
+    LengthOf(ClassParameter<'a>),
     /// A table.
     Table(&'a ast::Table),
     /// `part x = Component(…)`.
@@ -112,12 +128,17 @@ pub(crate) struct Context {
     /// not known yet. Each comes with the number of scopes at that moment, because a name of an older scope
     /// also counts elsewhere.
     pub guards: Vec<(scalar::Flag, usize)>,
+    /// The items and calls whose texts are being evaluated, the outermost first, each with the number of scopes
+    /// at that moment: a name of an older scope does not belong to them.
+    pub uses: Vec<(Span, usize)>,
     /// Unknowns of derivatives that are being taken, one inside the other.
     pub unknowns: u32,
     /// Inside an output: accelerations are allowed, and an element's output means its channel.
     pub in_output: bool,
     /// Inside `der(…)`: element outputs are evaluated, not read.
     pub in_rate: bool,
+    /// In a start value of a model or component.
+    pub in_start: bool,
     /// Inside the block of a component, whose markers are the choice of its author.
     pub in_part: bool,
     /// The text that asks for an element's output where no element is lowered, and the output's path.
@@ -152,6 +173,13 @@ impl<'a> Elaborator<'a, '_> {
     pub fn report(&mut self, mut diagnostic: Diagnostic) -> Reported {
         if let (codes::MOTION, Some((span, output))) = (diagnostic.code, &self.context.asked_from) {
             diagnostic.moved_to(*span, format!("`{output}` moves"));
+        }
+        if let (true, Some((place, _))) = (
+            OF_VALUES.contains(&diagnostic.code),
+            self.context.uses.last(),
+        ) && diagnostic.labels.iter().all(|label| label.span != *place)
+        {
+            diagnostic = diagnostic.also(*place, "used here");
         }
         self.diagnostics.push(diagnostic);
         Reported
@@ -226,6 +254,14 @@ impl<'a> Elaborator<'a, '_> {
     pub fn count_instance(&mut self, span: Span) -> Eval<()> {
         let within = self.budget.instance();
         within.map_err(|message| self.report(message.at(span, "the limit is reached here")))
+    }
+
+    /// Evaluates a text for an item or a call.
+    pub fn used_at<T>(&mut self, place: Span, f: impl FnOnce(&mut Self) -> T) -> T {
+        self.context.uses.push((place, self.scopes.len()));
+        let result = f(self);
+        self.context.uses.pop();
+        result
     }
 
     pub fn deeper<T>(&mut self, span: Span, f: impl FnOnce(&mut Self) -> Eval<T>) -> Eval<T> {

@@ -1,6 +1,6 @@
 //! Blocks of models and components: parameters, bodies, parts, elements, starts, outputs.
 
-use super::element::ClassScope;
+use super::element::{Class, ClassScope};
 use super::output::Columns;
 use super::scalar::{ElementBuilder, Scalar, Stage};
 use super::value::{ScopeId, Value};
@@ -8,6 +8,7 @@ use super::{CycleDraft, Elaborator, ElementSource, Entry, Eval, Lazy, body::inde
 use crate::codes;
 use crate::ir::{Node, Op};
 use crate::program::DefinitionId;
+use crate::typed::lineage::{has_cycle, used_class};
 use crate::typed::settable;
 use eng_grammar::ast::{self, BindingKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
@@ -124,6 +125,14 @@ impl<'a> Elaborator<'a, '_> {
             Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive => Some(2),
             _ => None,
         };
+        // the part that states the cycle comes before whatever reads it
+        let module = self.scope(scope).module;
+        let parts = declarations.clone().filter(|d| d.kind == Kind::Part);
+        for part in parts.filter(|part| {
+            used_class(self.program, module, part).is_some_and(|id| has_cycle(self.program, id))
+        }) {
+            let _ = self.entry(scope, &part.name.text, part.name.span);
+        }
         for turn in 0..3 {
             for d in declarations.clone() {
                 if rank(d.kind) == Some(turn) {
@@ -208,6 +217,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         let Some(attribute) = period else {
             let _ = self.checked(period, declaration.name.span, "it has no period");
+            self.draft.cycle_failed = true;
             return;
         };
         let node = self
@@ -224,6 +234,7 @@ impl<'a> Elaborator<'a, '_> {
                             .at(span, "this is not")
                             .with_help("720 deg for a four-stroke engine, 360 deg for a two-stroke engine or a machine"),
                     );
+                    self.draft.cycle_failed = true;
                     return;
                 }
                 None => {
@@ -240,6 +251,8 @@ impl<'a> Elaborator<'a, '_> {
                 scope,
                 period,
             });
+        } else {
+            self.draft.cycle_failed = true;
         }
     }
 
@@ -263,7 +276,7 @@ impl<'a> Elaborator<'a, '_> {
         self.instances_of(declaration, scope, &mut |e, inner, position| {
             e.count_instance(declaration.name.span)?;
             let path = format!("{base}{}", index_text(position));
-            let (class, given) = e.class_called(value, inner)?;
+            let (class, given) = e.class_used(declaration, value, inner)?;
             let bound = e.bind_arguments(&class, &given, &path)?;
             let source = ElementSource {
                 definition: class.definition,
@@ -286,20 +299,9 @@ impl<'a> Elaborator<'a, '_> {
                     .with_help("give the component the markers, and measure inside it"),
                 ));
             }
-            let ClassScope { own, texts } = e.class_scope(&source, &class, &path)?;
-            for (_, scope) in &texts {
-                e.lasting(*scope);
-            }
-            if let Some(block) = block {
-                e.accepted_in(&block.items, &path);
-            }
-            e.deeper(value.span, |e| {
-                let outer = std::mem::replace(&mut e.context.in_part, true);
-                for (items, scope) in &texts {
-                    e.block(items, *scope);
-                }
-                e.context.in_part = outer;
-                Ok(())
+            let place = declaration.name.span;
+            let own = e.used_at(place, |e| {
+                e.part_of_class(&source, &class, value, block, &path)
             })?;
             if let Some(block) = block {
                 let at_use = e.use_scope(own, inner);
@@ -312,6 +314,33 @@ impl<'a> Elaborator<'a, '_> {
             }
             Ok(Value::Part(own))
         })
+    }
+
+    /// An instance of a component with its arguments.
+    fn part_of_class(
+        &mut self,
+        source: &ElementSource<'a>,
+        class: &Class<'a>,
+        value: &'a ast::Expr,
+        block: Option<&'a ast::Block>,
+        path: &str,
+    ) -> Eval<ScopeId> {
+        let ClassScope { own, texts } = self.class_scope(source, class, path)?;
+        for (_, scope) in &texts {
+            self.lasting(*scope);
+        }
+        if let Some(block) = block {
+            self.accepted_in(&block.items, path);
+        }
+        self.deeper(value.span, |e| {
+            let outer = std::mem::replace(&mut e.context.in_part, true);
+            for (items, scope) in &texts {
+                e.block(items, *scope);
+            }
+            e.context.in_part = outer;
+            Ok(())
+        })?;
+        Ok(own)
     }
 
     /// Makes the value of a record from its call.
@@ -335,6 +364,18 @@ impl<'a> Elaborator<'a, '_> {
             let value = self.declared(value, field.ty.as_ref())?;
             self.define(own, &field.name.text, Entry::Value(value));
         }
+        // the length of one field may be another field
+        for (argument, place) in arguments.iter().zip(places.iter()) {
+            let Some(field) = fields.get(*place as usize) else {
+                continue;
+            };
+            if let Some(ty) = &field.ty {
+                let (name, place) = (&field.name.text, argument.value.span);
+                let value = self.entry(own, name, place)?;
+                let what = format!("`{name}` of `{}`", declaration.name.text);
+                self.of_stated_length(&value, ty, own, &what, place)?;
+            }
+        }
         Ok(Value::Record(id, own))
     }
 
@@ -354,7 +395,12 @@ impl<'a> Elaborator<'a, '_> {
                     target,
                     value,
                     scope,
-                } => self.lower_start_expression(exact, target, value, scope),
+                } => {
+                    self.context.in_start = true;
+                    let lowered = self.lower_start_expression(exact, target, value, scope);
+                    self.context.in_start = false;
+                    lowered
+                }
                 Pending::Output { binding, scope } => self.lower_output(binding, scope),
             };
             // the error was reported
@@ -444,6 +490,15 @@ impl<'a> Elaborator<'a, '_> {
             },
             target.span,
         )?;
+        if a.iter().all(|part| part.stage == Stage::Bind) {
+            return Err(self.report(
+                Diagnostic::error(codes::START, "only what moves can be set at the start")
+                    .at(target.span, "this follows from parameters alone")
+                    .with_help(
+                        "a parameter has its value in the text; `--set` changes it for a run",
+                    ),
+            ));
+        }
         let b = self.as_components(
             match stated {
                 Value::Scalar(_) | Value::Int(_) => Value::List(vec![stated]),
@@ -483,7 +538,7 @@ impl<'a> Elaborator<'a, '_> {
                     .unary(difference, |g, n| g.unary(Elementary::Cos, n));
                 difference = self.bench.binary(sine, cosine, crate::ir::Graph::atan2);
             }
-            velocity |= self.uses_twist(difference.node);
+            velocity |= difference.stage == Stage::Motion && self.uses_twist(difference.node);
             rows.push((difference, text.clone()));
         }
         let role = if velocity {
@@ -527,6 +582,7 @@ impl<'a> Elaborator<'a, '_> {
             return Ok(());
         };
         let display = self.display_of(binding)?;
+        let mut found = Vec::new();
         self.for_each(&binding.index, scope, &mut |e, inner, position| {
             e.bench.element = Some(ElementBuilder::default());
             e.context.in_output = true;
@@ -540,11 +596,13 @@ impl<'a> Elaborator<'a, '_> {
                 frame: None,
             };
             let value = e.bound_value(binding, expr, inner)?;
+            found.push((position.to_vec(), value.clone()));
             e.output_element(path, vec![(name.clone(), value, shown)], binding.name.span)?;
             e.bench.element = None;
             e.context.in_output = false;
             Ok(())
-        })
+        })?;
+        self.as_promised(binding, scope, &found)
     }
 
     /// The cycle's element: angle and its rate.

@@ -1,5 +1,6 @@
 //! Outputs of elements, their channels, and the closing of an element's graph.
 
+use super::body::index_text;
 use super::element::{Class, Draft, is_marker};
 use super::scalar::{ElementBuilder, PROVISIONAL, Scalar, Stage, compact_input};
 use super::value::{Axes, ScopeId, Shown, Value};
@@ -19,6 +20,7 @@ use eng_system::{Dimension, DisplayUnit};
 const MOST_OPERATIONS: usize = 100_000;
 
 /// The display of the numbers of an output.
+#[derive(Clone)]
 pub(crate) struct Columns {
     pub dimension: Dimension,
     /// The stated unit; `None` means the natural unit of the dimension.
@@ -76,7 +78,15 @@ impl<'a> Elaborator<'a, '_> {
                 declared: b.ty.is_some(),
                 frame,
             };
-            self.add_output(&b.name.text, value, expr.span, shown, draft)?;
+            let values = match value {
+                Value::Family(values) => values,
+                value => vec![(Vec::new(), value)],
+            };
+            self.as_promised(b, scope, &values)?;
+            for (index, value) in values {
+                let shown = shown.clone();
+                self.add_output((&b.name.text, index), value, expr.span, shown, draft)?;
+            }
         }
         Ok(())
     }
@@ -90,12 +100,13 @@ impl<'a> Elaborator<'a, '_> {
     /// Adds an output. A vector becomes its components along the stated axes.
     fn add_output(
         &mut self,
-        name: &str,
+        (name, index): (&str, Vec<usize>),
         value: Value<'a>,
         span: Span,
         shown: Columns,
         draft: &mut Draft,
     ) -> Eval<()> {
+        let place = index_text(&index);
         let vector = matches!(value, Value::Vector(_) | Value::Shown(_));
         let single = !value.is_several();
         let (components, axes) = match value {
@@ -131,7 +142,7 @@ impl<'a> Elaborator<'a, '_> {
                 _ => format!("[{}]", i + 1),
             };
             draft.infos.push(OutputInfo {
-                name: format!("{name}{suffix}"),
+                name: format!("{name}{place}{suffix}"),
                 dimension: shown.dimension,
                 display: shown
                     .display
@@ -142,6 +153,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         draft.shapes.push(OutputShape {
             name: name.to_owned(),
+            index,
             first,
             count: if single { 1 } else { count },
             axes,
@@ -219,7 +231,7 @@ impl<'a> Elaborator<'a, '_> {
                     frame: Some(frame_name.to_owned()),
                     ..Columns::of(dimension)
                 };
-                self.add_output(name, value, span, shown, draft)?;
+                self.add_output((name, Vec::new()), value, span, shown, draft)?;
             }
         }
         Ok(())
@@ -349,35 +361,21 @@ impl<'a> Elaborator<'a, '_> {
     /// The value of `joint.output`, or of another name of its class.
     pub fn element_field(&mut self, index: u32, name: &ast::Name) -> Eval<Value<'a>> {
         let draft = &self.draft.elements[index as usize];
-        let shape = draft.outputs.iter().find(|s| s.name == name.text).cloned();
+        let shapes = draft.outputs.iter().filter(|s| s.name == name.text);
+        let shapes: Vec<OutputShape> = shapes.cloned().collect();
         let first_channel = draft.first_channel;
         let source = draft.source.clone();
         let path = draft.origin.path.clone();
-        if let Some(shape) = shape
-            && self.context.in_output
-            && !self.context.in_rate
-        {
-            let mut scalars = Vec::new();
-            for k in 0..shape.count {
-                let channel = first_channel + shape.first + k;
-                let Some(element) = self.bench.element.as_mut() else {
-                    return Err(Reported);
-                };
-                scalars.push(Scalar {
-                    stage: Stage::Motion,
-                    node: element.signal(channel),
-                });
+        if !shapes.is_empty() && self.context.in_output && !self.context.in_rate {
+            let mut family = Vec::with_capacity(shapes.len());
+            for shape in shapes {
+                let value = self.recorded(first_channel, &shape)?;
+                if shape.index.is_empty() {
+                    return Ok(value);
+                }
+                family.push((shape.index, value));
             }
-            return Ok(match (scalars.as_slice(), shape.axes) {
-                (&[x, y, z], Some(axes)) if shape.vector => Value::Shown(Shown {
-                    components: [x, y, z],
-                    axes,
-                    space: None,
-                }),
-                (_, Some(axes)) => Value::Components(scalars, axes),
-                (&[one], None) => Value::Scalar(one),
-                (many, None) => Self::list(many),
-            });
+            return Ok(Value::Family(family));
         }
         let Some(source) = source else {
             return Err(Reported);
@@ -401,6 +399,31 @@ impl<'a> Elaborator<'a, '_> {
             self.context.asked_from = None;
         }
         value
+    }
+
+    /// An output of an element that is not the present one.
+    fn recorded(&mut self, first_channel: u32, shape: &OutputShape) -> Eval<Value<'a>> {
+        let mut scalars = Vec::new();
+        for k in 0..shape.count {
+            let channel = first_channel + shape.first + k;
+            let Some(element) = self.bench.element.as_mut() else {
+                return Err(Reported);
+            };
+            scalars.push(Scalar {
+                stage: Stage::Motion,
+                node: element.signal(channel),
+            });
+        }
+        Ok(match (scalars.as_slice(), shape.axes) {
+            (&[x, y, z], Some(axes)) if shape.vector => Value::Shown(Shown {
+                components: [x, y, z],
+                axes,
+                space: None,
+            }),
+            (_, Some(axes)) => Value::Components(scalars, axes),
+            (&[one], None) => Value::Scalar(one),
+            (many, None) => Self::list(many),
+        })
     }
 
     /// The message about a reaction or state of an element outside of outputs.
@@ -477,7 +500,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         let as_copied = values.iter().all(plain);
         for (name, value, shown) in values {
-            self.add_output(&name, value, span, shown, &mut draft)?;
+            self.add_output((&name, Vec::new()), value, span, shown, &mut draft)?;
         }
         for (i, node) in draft.outputs.iter().enumerate() {
             if let Some(element) = self.bench.element.as_ref()

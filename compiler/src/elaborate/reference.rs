@@ -53,6 +53,8 @@ impl<'a> Elaborator<'a, '_> {
             ))),
             "ground" => Ok(Some(Value::Ground)),
             "cycle" if self.draft.cycle.is_some() => Ok(Some(Value::Cycle)),
+            "cycle" if self.draft.cycle_failed => Err(Reported),
+            "cycle" => Err(self.no_cycle(span)),
             "time" => {
                 let Some(element) = self.bench.element.as_mut() else {
                     return Err(self.report(
@@ -71,6 +73,18 @@ impl<'a> Elaborator<'a, '_> {
             }
             _ => Ok(None),
         }
+    }
+
+    /// Reports a text that reads the cycle of a model without one.
+    fn no_cycle(&mut self, span: Span) -> Reported {
+        let message = Diagnostic::error(codes::NO_CYCLE, "the model has no cycle");
+        let message = match self.context.uses.first() {
+            Some((item, _)) => message.at(*item, "this needs one").also(span, "read here"),
+            None => message.at(span, "of which cycle?"),
+        };
+        self.report(message.with_help(
+            "for instance `cycle angle = rotation(crank.main, ground) { period = 720 deg }`",
+        ))
     }
 
     /// The value of an entry of a scope, evaluated at its first use.
@@ -99,8 +113,13 @@ impl<'a> Elaborator<'a, '_> {
                 self.context
                     .guards
                     .retain(|(_, scopes)| *scopes <= scope.0 as usize);
+                let uses = self.context.uses.clone();
+                self.context
+                    .uses
+                    .retain(|(_, scopes)| *scopes <= scope.0 as usize);
                 let result = self.deeper(span, |e| e.force(&lazy, scope));
                 self.context.guards = guards;
+                self.context.uses = uses;
                 let entry = match &result {
                     Ok(value) if self.scope(scope).lasting && self.moves(value) => {
                         Entry::Lazy(lazy)
@@ -152,7 +171,9 @@ impl<'a> Elaborator<'a, '_> {
                     scope,
                 };
                 let value = self.parameterise(value, &path, stated)?;
-                self.declared(value, binding.ty.as_ref())
+                let value = self.declared(value, binding.ty.as_ref())?;
+                self.binding_as_stated(binding, expr, &value, scope)?;
+                Ok(value)
             }
             Lazy::Default(parameter) => {
                 let default = parameter.default.as_ref();
@@ -160,6 +181,8 @@ impl<'a> Elaborator<'a, '_> {
                 let value = self.evaluate(default, scope)?;
                 self.declared(value, Some(&parameter.ty))
             }
+            Lazy::DefaultOf(parameter) => self.default_of(parameter, scope),
+            Lazy::LengthOf(parameter) => self.length_of_default(parameter, scope),
             Lazy::Table(table) => {
                 let module = self.scope(scope).module;
                 self.table_value(table, scope, module)
@@ -208,12 +231,29 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Value<'a>> {
         let value = self.evaluate(expr, scope)?;
         let value = self.declared(value, binding.ty.as_ref())?;
+        self.binding_as_stated(binding, expr, &value, scope)?;
         match &binding.frame {
             Some(frame) => {
                 let axes = self.axes(frame, scope)?;
                 self.shown(value, axes, expr.span)
             }
             None => Ok(value),
+        }
+    }
+
+    fn binding_as_stated(
+        &mut self,
+        binding: &'a ast::Binding,
+        expr: &ast::Expr,
+        value: &Value<'a>,
+        scope: ScopeId,
+    ) -> Eval<()> {
+        match &binding.ty {
+            Some(ty) => {
+                let what = format!("`{}`", binding.name.text);
+                self.of_stated_length(value, ty, scope, &what, expr.span)
+            }
+            None => Ok(()),
         }
     }
 

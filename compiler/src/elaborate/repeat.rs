@@ -74,9 +74,10 @@ impl<'a> Elaborator<'a, '_> {
         if let Some(condition) = &declaration.condition {
             message = message.also(condition.span, "this does not hold");
         }
-        self.report(
-            message.with_help("give the part that uses it the same condition; an output takes an index over a range that may be empty: `output x[k in 1..count] = …`"),
-        )
+        self.report(message.with_help(match self.context.in_start {
+            true => "a `start` has no condition: put the part and its start into a component, and give the part of this component the condition",
+            false => "give the part that uses it the same condition; an output takes an index over a range that may be empty: `output x[k in 1..count] = …`",
+        }))
     }
 
     fn for_each_from(

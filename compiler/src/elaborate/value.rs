@@ -77,6 +77,8 @@ pub(crate) struct Given<'a> {
     pub scope: ScopeId,
     /// The place of the call.
     pub call: Span,
+    /// The interface by which the call knows the class.
+    pub interface: Option<DefinitionId>,
 }
 
 /// The axes of components.

@@ -10,6 +10,7 @@ use eng_grammar::ast::{
     Binding, BindingKind, Block, Declaration, Expr, ExprKind, Form, ItemKind, Kind, Name, TypeExpr,
     TypeExprKind, UnitExpr,
 };
+use std::collections::BTreeSet;
 
 /// One definition of a lineage.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +79,53 @@ pub(crate) fn has_functions_only(program: &Program, interface: DefinitionId) -> 
         .peekable();
     items.peek().is_some()
         && items.all(|item| matches!(item.kind, ItemKind::Function(_) | ItemKind::Error))
+}
+
+/// The class that `part name = Class(…)` names, if it is a definition.
+pub(crate) fn used_class(
+    program: &Program,
+    module: u32,
+    declaration: &Declaration,
+) -> Option<DefinitionId> {
+    let Form::Instance { value, .. } = &declaration.form else {
+        return None;
+    };
+    let ExprKind::Call { callee, .. } = &value.kind else {
+        return None;
+    };
+    match &callee.kind {
+        ExprKind::Name(name) => program.lookup(module, name),
+        _ => None,
+    }
+}
+
+/// Whether a model or component states a cycle, itself or in its parts. A part whose class is a parameter
+/// states none.
+pub(crate) fn has_cycle(program: &Program, id: DefinitionId) -> bool {
+    let mut waiting = vec![id];
+    let mut seen = BTreeSet::new();
+    while let Some(id) = waiting.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        // a class with arguments: `component Engine = Crank(throw: 40 mm)`
+        let declaration = program.declaration(id);
+        waiting.extend(declaration.and_then(|known| used_class(program, id.module, known)));
+        for item in levels(program, id)
+            .iter()
+            .flat_map(|level| &level.block.items)
+        {
+            let ItemKind::Declaration(inner) = &item.kind else {
+                continue;
+            };
+            match inner.kind {
+                Kind::Cycle => return true,
+                Kind::Part => waiting.extend(used_class(program, id.module, inner)),
+                _ => {}
+            }
+        }
+    }
+    false
 }
 
 /// Whether a type is `Int`.

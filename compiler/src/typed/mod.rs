@@ -10,6 +10,7 @@
 //! variables.
 
 mod class_text;
+pub(crate) mod kind_words;
 pub(crate) mod lineage;
 pub(crate) mod types;
 

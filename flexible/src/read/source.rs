@@ -144,7 +144,7 @@ impl<'f> Source<'f> {
                     .collect::<Vec<_>>()
                     .join(" → ");
                 return Err(at.problem(
-                    format!("{include} '{name}' includes itself: {circle}"),
+                    format!("{include} '{name}' includes itself in a circle: {circle}"),
                     format!("remove one of these {include} lines"),
                 ));
             }

@@ -19,7 +19,7 @@ const POINTLIKE: f64 = 1e-2;
 /// Position tolerance as a part of the smallest length that a class resolves.
 const OF_RESOLUTION: f64 = 1e-3;
 
-/// Position tolerance of a model without such a length as a part of the model's length.
+/// Largest position tolerance as a part of the model's length.
 const OF_LENGTH: f64 = 1e-6;
 
 fn malformed(what: impl Into<String>) -> RuntimeError {
@@ -289,16 +289,14 @@ impl Model {
 
 /// The position tolerance (m) of a model of this length (m).
 fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64, RuntimeError> {
-    let mut tolerance = f64::INFINITY;
+    // a class can ask for finer positions than the model's length gives, never for coarser ones: it knows
+    // nothing of the other classes in the model, and a length in a wrong unit would make all of them coarse
+    let mut tolerance = OF_LENGTH * length;
     for resolution in &system.resolutions {
         // the compiler adds a condition that each is positive
         tolerance = tolerance.min(OF_RESOLUTION * slots.get(*resolution)?);
     }
-    Ok(if tolerance.is_finite() {
-        tolerance
-    } else {
-        OF_LENGTH * length
-    })
+    Ok(tolerance)
 }
 
 /// Checks that channels and the cycle read outputs that are there.

@@ -1,6 +1,7 @@
 //! Arguments of a class, and their scope.
 
 use super::super::binding::Stated;
+use super::super::lengths::{Texts, home};
 use super::super::scalar::{Scalar, Stage};
 use super::super::value::{Closure, Given, ScopeId, Value};
 use super::super::{Argument, Elaborator, ElementSource, Entry, Eval, Lazy};
@@ -11,6 +12,7 @@ use crate::typed::lineage::{self, ClassParameter};
 use crate::typed::types::Type;
 use eng_grammar::ast::{BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span, ast};
+use std::rc::Rc;
 
 impl<'a> Elaborator<'a, '_> {
     /// Evaluates the arguments of a class. Numbers become parameters of the instance.
@@ -26,13 +28,24 @@ impl<'a> Elaborator<'a, '_> {
         let mut arguments = Vec::new();
         for call in given {
             let places = self.call_at(call.call)?;
-            let of_call = call.arguments.iter().zip(places.iter());
-            arguments.extend(of_call.map(|(argument, place)| (argument, *place, call.scope)));
+            // a use through an interface knows the parameters of the interface, which the class has by name
+            let of_interface: Option<Rc<[ClassParameter<'a>]>> = call
+                .interface
+                .map(|interface| lineage::parameters(self.program, interface).into());
+            let parameters = of_interface.unwrap_or_else(|| class.parameters.clone());
+            for (argument, place) in call.arguments.iter().zip(places.iter()) {
+                let name = parameters.get(*place as usize).map(|p| &p.name.text);
+                arguments.push((argument, name.cloned(), call.scope));
+            }
         }
-        for (argument, place, scope) in arguments {
-            let parameter = class.parameters.get(place as usize);
+        for (argument, name, scope) in arguments {
+            let mut parameters = class.parameters.iter();
+            let parameter = parameters.find(|p| Some(&p.name.text) == name.as_ref());
             let parameter = self.checked(parameter, argument.value.span, "no such parameter")?;
             let name = parameter.name.text.clone();
+            self.draft
+                .passed
+                .insert(format!("{path}.{name}"), argument.value.span);
             let ty = self.type_at(parameter.ty.span)?;
             let value = self.evaluate(&argument.value, scope)?;
             let value = match value {
@@ -104,11 +117,6 @@ impl<'a> Elaborator<'a, '_> {
         }
         let last = texts.last().map(|(_, scope)| *scope);
         let own = self.checked(last, class.declaration.name.span, "a class without a text")?;
-        let home = |parameter: &ClassParameter<'a>| {
-            let levels = class.levels.iter().zip(&texts);
-            let mut at = levels.filter(|(level, _)| level.definition == parameter.home);
-            at.next().map_or(own, |(_, (_, scope))| *scope)
-        };
         for (name, argument) in &source.arguments {
             let value = match argument {
                 Argument::Value(v) => v.clone(),
@@ -116,69 +124,37 @@ impl<'a> Elaborator<'a, '_> {
             };
             let parameter = class.parameters.iter().find(|p| p.name.text == *name);
             let value = self.declared(value, parameter.map(|p| p.ty))?;
-            let scope = parameter.map_or(own, home);
+            let scope = parameter.map_or(own, |parameter| home(class, &texts, parameter));
             self.define(scope, name, Entry::Value(value));
         }
         for (items, scope) in &texts {
             self.register(items, *scope);
         }
-        self.link(&texts);
+        // a default may name any parameter, so it is evaluated at its first use
         for parameter in class.parameters.iter() {
-            self.count(&parameter.name.text, parameter.ty, home(parameter))?;
-        }
-        for parameter in class.parameters.iter() {
-            let scope = home(parameter);
-            if !self.scope(scope).entries.contains_key(&parameter.name.text) {
-                self.default_of(parameter, scope, path)?;
-                // the defaults that follow may read it in another text
-                self.link(&texts);
+            let scope = home(class, &texts, parameter);
+            let name = &parameter.name.text;
+            if parameter.default.is_some() && !self.scope(scope).entries.contains_key(name) {
+                self.define(scope, name, Entry::Lazy(Lazy::DefaultOf(*parameter)));
             }
         }
+        self.lengths_of_class(class, &texts)?;
+        self.promises(&texts);
+        self.link(&texts);
+        // defaults become parameters of the model in the order of the class
+        for parameter in class.parameters.iter() {
+            let scope = home(class, &texts, parameter);
+            if parameter.default.is_some() {
+                self.entry(scope, &parameter.name.text, parameter.span)?;
+            }
+        }
+        self.arrays_as_stated(class, &texts)?;
         Ok(ClassScope { own, texts })
     }
 
-    /// Defines the length that the argument of an array decides: `n` of `values: Length[n]`. Arrays of one
-    /// length must agree.
-    pub fn count(&mut self, name: &str, ty: &'a ast::TypeExpr, scope: ScopeId) -> Eval<()> {
-        let Some((word, place)) = lineage::word_of_length(ty) else {
-            return Ok(());
-        };
-        if !self.typed.findings.lengths.contains(&place)
-            || !self.scope(scope).entries.contains_key(name)
-        {
-            return Ok(());
-        }
-        let length = match self.entry(scope, name, place)? {
-            Value::List(items) => items.len(),
-            Value::Family(items) => items.len(),
-            Value::Components(items, _) => items.len(),
-            _ => return Ok(()),
-        };
-        let known = match self.scope(scope).entries.get(word) {
-            Some(Entry::Value(Value::Int(known))) => Some(*known),
-            _ => None,
-        };
-        if let Some(known) = known
-            && known != length as i64
-        {
-            return Err(self.report(
-                Diagnostic::error(
-                    codes::LENGTHS,
-                    format!("`{name}` has {length} elements, and `{word}` is {known}"),
-                )
-                .at(place, format!("another array has {known} elements"))
-                .with_help("arrays of one length have the same number of elements"),
-            ));
-        }
-        self.define(scope, word, Entry::Value(Value::Int(length as i64)));
-        Ok(())
-    }
-
-    /// Defines a parameter without an argument, in the scope of its text. A default becomes a parameter of the
-    /// instance at its first use.
-    fn default_of(&mut self, parameter: &ClassParameter<'a>, own: ScopeId, path: &str) -> Eval<()> {
-        let name = &parameter.name.text;
-        let parameter_path = format!("{path}.{name}");
+    /// The value of a parameter without an argument. It becomes a parameter of the instance.
+    pub fn default_of(&mut self, parameter: &ClassParameter<'a>, own: ScopeId) -> Eval<Value<'a>> {
+        let parameter_path = self.path(own, &parameter.name.text);
         let known = self
             .draft
             .parameters
@@ -186,35 +162,32 @@ impl<'a> Elaborator<'a, '_> {
             .position(|p| p.origin.path == parameter_path);
         if let Some(index) = known {
             let node = self.bench.bind.graph.input(index as u32);
-            let value = Value::Scalar(Scalar {
+            return Ok(Value::Scalar(Scalar {
                 stage: Stage::Bind,
                 node,
-            });
-            self.define(own, name, Entry::Value(value));
-        } else if let Some(default) = parameter.default {
-            let value = self.evaluate(default, own)?;
-            let ty = self.type_at(parameter.ty.span)?;
-            let value = if is_structural(&ty) {
-                value
-            } else {
-                let stated = Stated {
-                    expr: default,
-                    dimension: self.dimension_at(parameter.ty.span, own)?,
-                    limits: parameter.limits,
-                    span: parameter.span,
-                    scope: own,
-                };
-                self.parameterise(value, &parameter_path, stated)?
-            };
-            let value = self.read_as(value, &ty);
-            self.define(own, name, Entry::Value(value));
+            }));
         }
-        Ok(())
+        let default = self.checked(parameter.default, parameter.span, "no default")?;
+        let value = self.evaluate(default, own)?;
+        let ty = self.type_at(parameter.ty.span)?;
+        let value = if is_structural(&ty) {
+            value
+        } else {
+            let stated = Stated {
+                expr: default,
+                dimension: self.dimension_at(parameter.ty.span, own)?,
+                limits: parameter.limits,
+                span: parameter.span,
+                scope: own,
+            };
+            self.parameterise(value, &parameter_path, stated)?
+        };
+        Ok(self.read_as(value, &ty))
     }
 
     /// Links the scopes of the texts of a class or record. A younger text sees all names of the elder ones. The
     /// text of an interface sees a name of its class only if it asks for it.
-    fn link(&mut self, texts: &[(&'a [ast::Item], ScopeId)]) {
+    pub(super) fn link(&mut self, texts: &Texts<'a>) {
         for (younger, (_, scope)) in texts.iter().enumerate() {
             for (_, elder) in texts.iter().take(younger).rev() {
                 let names: Vec<String> = self.scope(*elder).entries.keys().cloned().collect();

@@ -9,11 +9,14 @@ pub(crate) use arguments::is_marker;
 use super::scalar::{ElementBuilder, PROVISIONAL};
 use super::value::{Axes, Given, ScopeId, Value};
 use super::{Argument, Elaborator, ElementSource, Eval, OutputShape, body::index_text, location};
+use crate::codes;
 use crate::ir::Node;
 use crate::program::DefinitionId;
+use crate::typed::kind_words::{kind_word, with_article};
 use crate::typed::lineage::{self, ClassParameter, Level};
-use eng_grammar::Span;
-use eng_grammar::ast::{self, ExprKind, Form};
+use crate::typed::types::Type;
+use eng_grammar::ast::{self, ExprKind, Form, Kind};
+use eng_grammar::{Diagnostic, Span};
 use eng_system::system::{Condition, ConditionKind, Origin, OutputInfo, Role};
 use std::rc::Rc;
 
@@ -90,8 +93,80 @@ impl<'a> Elaborator<'a, '_> {
             arguments,
             scope,
             call: value.span,
+            interface: match self.type_at(callee.span)? {
+                Type::ClassOf(interface) => Some(interface),
+                _ => None,
+            },
         });
         Ok((self.class_of(class, callee.span)?, given))
+    }
+
+    /// The class of an item with its arguments. A class that was passed on by its interface may be of another
+    /// kind than the item.
+    pub fn class_used(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<(Class<'a>, Vec<Given<'a>>)> {
+        let (class, given) = self.class_called(value, scope)?;
+        let wanted = match declaration.kind {
+            Kind::Part => Kind::Component,
+            kind => kind,
+        };
+        let found = class.declaration.kind;
+        if found == wanted {
+            return Ok((class, given));
+        }
+        let (callee, _) = self.called(value)?;
+        let (name, word) = (&class.declaration.name, kind_word(found));
+        let message = Diagnostic::error(
+            codes::KIND,
+            format!(
+                "`{}` is {}, not {}",
+                name.text,
+                with_article(word),
+                with_article(kind_word(wanted))
+            ),
+        )
+        .at(
+            declaration.kind_span,
+            format!("declared as {}", with_article(kind_word(declaration.kind))),
+        );
+        let message = match self.passed_at(callee, scope) {
+            Some(argument) => message.also(argument, "passed here"),
+            None => message,
+        };
+        let item = match found {
+            Kind::Component => "part",
+            _ => word,
+        };
+        let callee = self.sources.text(callee.span);
+        let help = format!(
+            "pass a {} to it, or write `{item} {} = {callee}(…)`",
+            kind_word(wanted),
+            declaration.name.text
+        );
+        let message = message.also(name.span, format!("defined as {}", with_article(word)));
+        Err(self.report(message.with_help(help)))
+    }
+
+    /// The place of the argument that gave a parameter its class.
+    fn passed_at(&self, callee: &ast::Expr, scope: ScopeId) -> Option<Span> {
+        let name = match &callee.kind {
+            ExprKind::Name(name) => name,
+            ExprKind::Index { base, .. } => return self.passed_at(base, scope),
+            ExprKind::Paren { inner, .. } => return self.passed_at(inner, scope),
+            _ => return None,
+        };
+        let mut at = Some(scope);
+        while let Some(id) = at {
+            if self.scope(id).entries.contains_key(name) {
+                return self.draft.passed.get(&self.path(id, name)).copied();
+            }
+            at = self.scope(id).parent;
+        }
+        None
     }
 
     /// The called expression and its arguments.
@@ -129,11 +204,14 @@ impl<'a> Elaborator<'a, '_> {
         path: String,
     ) -> Eval<u32> {
         self.count_instance(declaration.name.span)?;
-        let (class, given) = self.class_called(value, scope)?;
+        let (class, given) = self.class_used(declaration, value, scope)?;
         self.bench.element = Some(ElementBuilder::default());
         self.bench.bind.owner.clone_from(&path);
         let bound = self.bind_arguments(&class, &given, &path)?;
-        self.element_of_class(&class, bound, block, scope, path, declaration.name.span)
+        let place = declaration.name.span;
+        self.used_at(place, |e| {
+            e.element_of_class(&class, bound, block, scope, path, place)
+        })
     }
 
     /// An instance of a class with its arguments.
@@ -169,6 +247,10 @@ impl<'a> Elaborator<'a, '_> {
         }
         for (items, scope) in texts {
             self.states(items, *scope, &path, used_at)?;
+        }
+        // a class reads the states of its interfaces
+        if texts.len() > 1 {
+            self.link(texts);
         }
         let at_use = block.map(|b| (b, self.use_scope(own, scope)));
         let mut draft = Draft {

@@ -7,6 +7,7 @@ use super::super::{Elaborator, Entry, Eval, Lazy};
 use crate::codes;
 use crate::ir::Node;
 use crate::typed::Callee;
+use crate::typed::types::Solution;
 use eng_grammar::ast::Expr;
 use eng_grammar::{Diagnostic, Span, ast};
 use std::rc::Rc;
@@ -94,11 +95,24 @@ impl<'a> Elaborator<'a, '_> {
             Some(handed_on) => Some(Rc::clone(handed_on)),
             None => self.solution_at(call, caller),
         };
+        let places = self.call_at(call)?;
+        self.used_at(call, |e| {
+            e.applied(closure, solution, &places, values, call)
+        })
+    }
+
+    fn applied(
+        &mut self,
+        closure: &super::super::value::Closure<'a>,
+        solution: Option<Rc<Solution>>,
+        places: &[u32],
+        values: Vec<Value<'a>>,
+        call: Span,
+    ) -> Eval<Value<'a>> {
         let function = closure.function;
         let module = self.scope(closure.scope).module;
         let inner = self.new_scope(Some(closure.scope), module, String::new());
         self.scopes[inner.0 as usize].solution = solution;
-        let places = self.call_at(call)?;
         for (value, place) in values.into_iter().zip(places.iter()) {
             let parameter = function.parameters.get(*place as usize);
             let parameter = self.checked(parameter, call, "no such parameter")?;
@@ -114,6 +128,14 @@ impl<'a> Elaborator<'a, '_> {
         for parameter in &function.parameters {
             self.count(&parameter.name.text, &parameter.ty, inner)?;
         }
+        for parameter in &function.parameters {
+            if matches!(parameter.ty.kind, ast::TypeExprKind::Array(..)) {
+                let name = &parameter.name;
+                let value = self.entry(inner, &name.text, name.span)?;
+                let what = format!("`{}` of `{}`", name.text, function.name.text);
+                self.of_stated_length(&value, &parameter.ty, inner, &what, call)?;
+            }
+        }
         for binding in &function.lets {
             self.define(
                 inner,
@@ -127,8 +149,14 @@ impl<'a> Elaborator<'a, '_> {
             }
             let value = function.value.as_ref();
             let value = e.checked(value, call, "a function without a value is called")?;
+            let place = value.span;
             let value = e.evaluate(value, inner)?;
-            e.declared(value, function.result.as_ref())
+            let value = e.declared(value, function.result.as_ref())?;
+            if let Some(ty) = &function.result {
+                let what = format!("the value of `{}`", function.name.text);
+                e.of_stated_length(&value, ty, inner, &what, place)?;
+            }
+            Ok(value)
         })
     }
 

@@ -3,7 +3,7 @@
 use super::super::value::{ScopeId, Value};
 use super::super::{Elaborator, Eval};
 use crate::codes;
-use eng_grammar::ast::Expr;
+use eng_grammar::ast::{Expr, IndexArgument};
 use eng_grammar::{Diagnostic, Span};
 
 impl<'a> Elaborator<'a, '_> {
@@ -93,6 +93,61 @@ impl<'a> Elaborator<'a, '_> {
         )
     }
 
+    /// The elements of a list or family. A range, a list of numbers or `*` selects several; the indices behind
+    /// it belong to each of these.
+    pub(super) fn indexed(
+        &mut self,
+        value: Value<'a>,
+        indices: &'a [IndexArgument],
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        let Some((first, rest)) = indices.split_first() else {
+            return Ok(value);
+        };
+        let (places, span) = match first {
+            // a family keeps its indices
+            IndexArgument::All(_) if rest.is_empty() => return Ok(value),
+            IndexArgument::All(span) => (all_places(&value), *span),
+            IndexArgument::At(at) => match self.evaluate(at, scope)? {
+                Value::List(items) => {
+                    let mut places = Vec::with_capacity(items.len());
+                    for item in items {
+                        places.push(self.whole_number(item, at.span)?);
+                    }
+                    (places, at.span)
+                }
+                one => {
+                    let place = self.whole_number(one, at.span)?;
+                    let element = self.element_of(value, place, at.span)?;
+                    return self.indexed(element, rest, scope);
+                }
+            },
+        };
+        let mut chosen = Vec::with_capacity(places.len());
+        for place in places {
+            let element = self.element_of(value.clone(), place, span)?;
+            chosen.push(match self.indexed(element, rest, scope)? {
+                Value::Family(members) => {
+                    Value::List(members.into_iter().map(|(_, v)| v).collect())
+                }
+                other => other,
+            });
+        }
+        Ok(Value::List(chosen))
+    }
+
+    /// The whole number of a count or an index.
+    pub(super) fn whole_number(&mut self, value: Value<'a>, span: Span) -> Eval<i64> {
+        match value {
+            Value::Int(place) => Ok(place),
+            other => {
+                let number = self.as_scalar(other, span)?;
+                self.structural(number, span)?;
+                Err(self.not_countable(span))
+            }
+        }
+    }
+
     pub(super) fn element_of(
         &mut self,
         value: Value<'a>,
@@ -166,6 +221,23 @@ impl<'a> Elaborator<'a, '_> {
                 .at(second_span, format!("{second} elements"))
                 .also(first_span, format!("{first} elements")),
         )
+    }
+}
+
+/// All first indices of a list or family, in their order.
+fn all_places(value: &Value<'_>) -> Vec<i64> {
+    match value {
+        Value::Family(members) => {
+            let mut places: Vec<i64> = Vec::new();
+            for (key, _) in members {
+                let place = key.first().map(|place| *place as i64);
+                places.extend(place.filter(|place| !places.contains(place)));
+            }
+            places
+        }
+        Value::List(items) => (1..=items.len() as i64).collect(),
+        Value::Components(items, _) => (1..=items.len() as i64).collect(),
+        _ => Vec::new(),
     }
 }
 

@@ -88,17 +88,8 @@ impl<'a> Elaborator<'a, '_> {
             }
             ExprKind::Call { callee, arguments } => self.call(expr, callee, arguments, scope),
             ExprKind::Index { base, indices } => {
-                let mut value = self.evaluate_family(base, scope)?;
-                for index in indices {
-                    match index {
-                        ast::IndexArgument::All(_) => {}
-                        ast::IndexArgument::At(index_expr) => {
-                            let index = self.integer(index_expr, scope)?;
-                            value = self.element_of(value, index, index_expr.span)?;
-                        }
-                    }
-                }
-                Ok(value)
+                let value = self.evaluate_family(base, scope)?;
+                self.indexed(value, indices, scope)
             }
             ExprKind::Unary { op, operand } => {
                 let value = self.evaluate(operand, scope)?;
@@ -154,14 +145,8 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub fn integer(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<i64> {
-        match self.evaluate(expr, scope)? {
-            Value::Int(i) => Ok(i),
-            other => {
-                let number = self.as_scalar(other, expr.span)?;
-                self.structural(number, expr.span)?;
-                Err(self.not_countable(expr.span))
-            }
-        }
+        let value = self.evaluate(expr, scope)?;
+        self.whole_number(value, expr.span)
     }
 
     /// The SI value of a literal.

@@ -86,6 +86,7 @@ impl<'b> Failure<'b> {
             .or_else(|| self.malformed_number())
             .or_else(|| self.strange())
             .or_else(|| self.foreign_operator())
+            .or_else(|| self.unit_of_condition())
             .or_else(|| self.equals())
             .or_else(|| self.spaced_bracket())
             .or_else(|| self.reserved_name())
@@ -380,9 +381,59 @@ impl<'b> Failure<'b> {
             })
     }
 
+    /// The words and signs before the mistake, without comments.
+    fn read(&self) -> impl Iterator<Item = &'b str> + use<'_, 'b> {
+        let tokens = self.tokens.iter().take(self.at);
+        tokens
+            .filter(|token| token.kind != TokenKind::Doc)
+            .map(|token| token.text(self.text))
+    }
+
+    /// `marker z if l > 2 mm = …`: the unit does not end before `=`.
+    fn unit_of_condition(&self) -> Option<Diagnostic> {
+        if self.found() != "=" || self.read().any(|word| word == "=" || word == "then") {
+            return None;
+        }
+        let start = self
+            .tokens
+            .iter()
+            .position(|token| token.text(self.text) == "if")?;
+        let (first, last) = (self.token(start + 1)?, self.before()?);
+        if start + 1 >= self.at || last.kind != TokenKind::Word {
+            return None;
+        }
+        let condition = self.builder.span(first.start, last.end);
+        let written = self.text.get(first.start..last.end).unwrap_or_default();
+        Some(
+            Diagnostic::error(
+                codes::UNEXPECTED,
+                "a condition that ends with a unit needs parentheses",
+            )
+            .at(condition, "the unit would reach beyond it")
+            .with_fix("add the parentheses", condition, format!("({written})")),
+        )
+    }
+
     /// `a + if …`, `if` without `then` or `else`, `require` without `else`.
     fn conditional(&self) -> Option<Diagnostic> {
         let span = self.span();
+        if self.found() == "if" && !self.read().any(|word| word == "=") {
+            let item = self.read().next().unwrap_or_default();
+            let values = [
+                "output", "let", "const", "param", "state", "table", "analysis",
+            ];
+            if values.contains(&item) {
+                let message = Diagnostic::error(codes::UNEXPECTED, "only parts have a condition")
+                    .at(span, format!("`{item}` has none"))
+                    .with_help(
+                        "bodies, markers, joints, forces, journals, drives and parts may have one",
+                    );
+                return Some(match item {
+                    "output" => message.with_help("an output of parts that may be absent takes an index over a range that may be empty: `output x[k in 1..count] = …`"),
+                    _ => message,
+                });
+            }
+        }
         if self.found() == "if" {
             return Some(
                 Diagnostic::error(
