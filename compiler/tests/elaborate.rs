@@ -377,3 +377,22 @@ fn markers_stand_in_the_axes_of_other_markers() {
         assert!((found - exact).abs() < 1e-15, "{axes:?}");
     }
 }
+
+/// A component without arguments needs no parentheses where it is defined.
+#[test]
+fn a_component_needs_no_parentheses() {
+    for head in ["component Weight {", "component Weight() {"] {
+        let text = MODEL
+            .replace(
+                "model Chain {",
+                &format!("{head} body lead {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2 }} }}\nmodel Chain {{"),
+            )
+            .replace("const count = 3", "const count = 3\n    part weight = Weight()");
+        let (made, diagnostics, _) = run(&text);
+        let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+        assert!(errors.is_empty(), "{errors:#?}");
+        let bodies = &made.expect("a system").system.bodies;
+        assert_eq!(bodies.len(), 4);
+        assert!(bodies.iter().any(|b| b.origin.path == "weight.lead"));
+    }
+}

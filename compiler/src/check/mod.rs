@@ -239,10 +239,7 @@ impl<'p> Checker<'p> {
                 (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),
                 (_, Kind::Analysis) => self.analysis(&scope, declaration),
                 (Form::Class { .. }, _)
-                | (
-                    Form::Plain { .. },
-                    Kind::Model | Kind::Interface | Kind::Record | Kind::Component,
-                ) => {
+                | (Form::Plain { .. }, Kind::Model | Kind::Interface | Kind::Record) => {
                     self.definition(id, declaration);
                 }
                 (Form::Instance { .. }, kind) if class::is_of_elements(kind) => {

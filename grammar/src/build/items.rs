@@ -681,7 +681,15 @@ impl<'t> Builder<'t, '_> {
                 if let (Some(kind), Some(name)) = (kind, &interface) {
                     self.fills_nothing(kind, word.as_str(), name);
                 }
-                Form::Plain { interface, block }
+                match kind {
+                    // a component without arguments is a class all the same
+                    Some(Kind::Component) => Form::Class {
+                        parameters,
+                        interface,
+                        block,
+                    },
+                    _ => Form::Plain { interface, block },
+                }
             }
             _ => return ItemKind::Error,
         };
