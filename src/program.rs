@@ -8,7 +8,7 @@ use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses};
 use eng_compiler::models::SharedModels;
 use eng_compiler::program::{DefinitionId, Program as Resolved};
 use eng_compiler::typed::TypedProgram;
-use eng_grammar::ast::{BindingKind, Block, Declaration, Form, ItemKind, Kind};
+use eng_grammar::ast::{BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
 use std::path::PathBuf;
@@ -93,14 +93,6 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         texts,
         diagnostics,
         program,
-    }
-}
-
-/// The block of a declaration.
-fn block_of(declaration: &Declaration) -> Option<&Block> {
-    match &declaration.form {
-        Form::Class { block, .. } | Form::Plain { block, .. } => Some(block),
-        Form::Instance { block, .. } => block.as_ref(),
     }
 }
 
@@ -360,7 +352,7 @@ impl Program {
         let file = &resolved.modules.get(resolved.root() as usize)?.file;
         let of_model = file.items.iter().any(|item| match &item.kind {
             ItemKind::Declaration(declaration) if declaration.name.text == model => {
-                let block = block_of(declaration);
+                let block = declaration.block();
                 block.is_some_and(|block| block.items.iter().any(is_constant))
             }
             _ => false,

@@ -338,6 +338,16 @@ pub struct Declaration {
     pub form: Form,
 }
 
+impl Declaration {
+    /// Its block, if it has one.
+    pub fn block(&self) -> Option<&Block> {
+        match &self.form {
+            Form::Class { block, .. } | Form::Plain { block, .. } => Some(block),
+            Form::Instance { block, .. } => block.as_ref(),
+        }
+    }
+}
+
 /// The three forms of a declaration.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {

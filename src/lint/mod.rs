@@ -12,7 +12,7 @@ pub(crate) use turned::turned as of_turn;
 
 use crate::codes;
 use crate::places::{MOST_PLACES, decided, related, span};
-use crate::significant::significant;
+use crate::significant::short;
 use eng_grammar::Diagnostic;
 use eng_runtime::Warning;
 use eng_runtime::model::Model;
@@ -223,15 +223,6 @@ fn diagnostic(group: &[&Finding]) -> Diagnostic {
         message = message.with_help(first.help.as_str());
     }
     message.acceptable(&first.name)
-}
-
-/// A number with at most `digits` significant digits.
-fn short(value: f64, digits: usize) -> String {
-    let text = significant(value, digits);
-    match text.contains('.') && !text.contains('e') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
 }
 
 /// An angle (rad) with its unit: degrees, unless a number of them is beyond what numbers hold.

@@ -2,7 +2,7 @@
 
 use super::Checker;
 use super::mismatch::Due;
-use super::scope::{Scope, block_of};
+use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
@@ -19,7 +19,7 @@ const STARTS: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity
 
 /// Whether the block of a body assigns a value to a name: `big = [0, -41, 0] mm`.
 pub(super) fn states(body: &Declaration, name: &str) -> bool {
-    block_of(body).is_some_and(|block| {
+    body.block().is_some_and(|block| {
         block
             .items
             .iter()
@@ -74,7 +74,7 @@ impl<'p> Checker<'p> {
         let scope = self.binders(outer, &declaration.index);
         self.condition_of(&scope, declaration);
         let name = &declaration.name.text;
-        let (Form::Plain { .. }, Some(block)) = (&declaration.form, block_of(declaration)) else {
+        let (Form::Plain { .. }, Some(block)) = (&declaration.form, declaration.block()) else {
             self.report(
                 Diagnostic::error(
                     codes::MISSING_VALUE,
@@ -95,7 +95,7 @@ impl<'p> Checker<'p> {
             match &item.kind {
                 ItemKind::Error => {}
                 ItemKind::Attribute(attribute) => {
-                    self.attribute_once(&mut attributes, &attribute.name);
+                    self.name_once(&mut attributes, &attribute.name);
                     self.body_attribute(&inner, &attribute.name, &attribute.value);
                 }
                 ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {

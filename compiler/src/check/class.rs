@@ -2,7 +2,7 @@
 
 use super::Checker;
 use super::describe::{kind_word, with_article};
-use super::scope::{Scope, block_of};
+use super::scope::Scope;
 use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;
@@ -215,7 +215,7 @@ impl<'p> Checker<'p> {
             }
         }
         let scope = Scope::of(id);
-        let Some(block) = block_of(declaration) else {
+        let Some(block) = declaration.block() else {
             return;
         };
         let mut cycles: Option<Span> = None;
@@ -229,7 +229,7 @@ impl<'p> Checker<'p> {
             match &item.kind {
                 ItemKind::Statement(statement) => self.statement(&scope, statement),
                 ItemKind::Attribute(attribute) => {
-                    self.attribute_once(&mut attributes, &attribute.name);
+                    self.name_once(&mut attributes, &attribute.name);
                     self.model_attribute(&scope, attribute, kind);
                 }
                 ItemKind::Declaration(inner) => match inner.kind {
@@ -254,7 +254,7 @@ impl<'p> Checker<'p> {
         self.summaries(id, declaration);
     }
 
-    pub(super) fn attribute_once(&mut self, seen: &mut Vec<&'p Name>, name: &'p Name) {
+    pub(super) fn name_once(&mut self, seen: &mut Vec<&'p Name>, name: &'p Name) {
         if let Some(first) = seen.iter().find(|n| n.text == name.text) {
             let first = first.span;
             self.defined_twice(&name.text, name.span, first);

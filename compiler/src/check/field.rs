@@ -231,10 +231,7 @@ impl<'p> Checker<'p> {
         if let Some(super::scope::Member::Declaration(declared)) =
             self.member(body.definition, &body.name)
         {
-            for item in super::scope::block_of(declared)
-                .into_iter()
-                .flat_map(|b| &b.items)
-            {
+            for item in declared.block().into_iter().flat_map(|b| &b.items) {
                 if let eng_grammar::ast::ItemKind::Declaration(marker) = &item.kind
                     && marker.kind == eng_grammar::ast::Kind::Marker
                 {

@@ -3,7 +3,7 @@
 use super::Checker;
 use super::bound::{Called, Parameter};
 use super::mismatch::Due;
-use super::scope::{Member, Scope, block_of};
+use super::scope::{Member, Scope};
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::{listing, nearest};
@@ -43,7 +43,7 @@ impl<'p> Checker<'p> {
         let scope = self.binders(outer, &declaration.index);
         self.condition_of(&scope, declaration);
         let name = &declaration.name.text;
-        let (Form::Plain { .. }, Some(block)) = (&declaration.form, block_of(declaration)) else {
+        let (Form::Plain { .. }, Some(block)) = (&declaration.form, declaration.block()) else {
             self.report(
                 Diagnostic::error(
                     codes::MISSING_VALUE,
@@ -66,7 +66,7 @@ impl<'p> Checker<'p> {
             match &item.kind {
                 ItemKind::Error => {}
                 ItemKind::Attribute(attribute) => {
-                    self.attribute_once(&mut attributes, &attribute.name);
+                    self.name_once(&mut attributes, &attribute.name);
                     self.flexible_attribute(&inner, attribute);
                 }
                 ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {
@@ -468,7 +468,8 @@ impl<'p> Checker<'p> {
                 let Some(body) = scope.body else {
                     return;
                 };
-                let known: Vec<&str> = block_of(body)
+                let known: Vec<&str> = body
+                    .block()
                     .into_iter()
                     .flat_map(|b| &b.items)
                     .filter_map(|item| match &item.kind {
@@ -560,7 +561,7 @@ impl<'p> Checker<'p> {
 
 /// Whether a body has a marker of this name.
 fn names_marker(body: &Declaration, name: &str) -> bool {
-    block_of(body)
+    body.block()
         .into_iter()
         .flat_map(|block| &block.items)
         .any(|item| matches!(&item.kind, ItemKind::Declaration(d) if d.kind == Kind::Marker && d.name.text == name))
@@ -587,7 +588,7 @@ fn called(callee: &Expr, place: Place) -> Option<&'static Word> {
 /// Whether a body has a support on the ground.
 pub(super) fn has_support(body: &Declaration) -> bool {
     body.kind == Kind::Flexible
-        && block_of(body).is_some_and(|block| {
+        && body.block().is_some_and(|block| {
             block.items.iter().any(
                 |item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "support"),
             )

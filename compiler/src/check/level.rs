@@ -4,7 +4,7 @@
 //! This pass runs after the types of all definitions are right. Every value gets its level. Functions are
 //! followed with the levels of their arguments. Each statement has a highest permitted level.
 
-use super::scope::{Found, Held, Member, Scope, block_of, is_asked};
+use super::scope::{Found, Held, Member, Scope, is_asked};
 use super::types::Type;
 use super::{Checker, Progress};
 use crate::codes;
@@ -191,7 +191,7 @@ pub(super) fn check(checker: &mut Checker<'_>) {
 
 impl<'p> Levels<'_, 'p> {
     fn block_of_use(&mut self, place: &Place<'p>, declaration: &'p eng_grammar::ast::Declaration) {
-        let Some(block) = block_of(declaration) else {
+        let Some(block) = declaration.block() else {
             return;
         };
         let ty = self.checker.element_type(&place.scope, declaration);

@@ -1,7 +1,7 @@
 //! Lints of literals, and the rule that a definition uses each lint name once.
 
 use super::Checker;
-use super::scope::{Scope, block_of};
+use super::scope::Scope;
 use crate::codes;
 use eng_grammar::ast::{
     BindingKind, Block, Form, Function, Item, ItemKind, Kind, Name, Statement, UnitExpr,
@@ -25,10 +25,10 @@ impl<'p> Checker<'p> {
             match &item.kind {
                 ItemKind::Statement(Statement::Require {
                     name: Some(name), ..
-                }) => self.lint_named(name, &mut here),
+                }) => self.name_once(&mut here, name),
                 ItemKind::Function(function) => self.lints_of_function(function),
                 ItemKind::Declaration(declaration) => {
-                    if let Some(block) = block_of(declaration) {
+                    if let Some(block) = declaration.block() {
                         self.lints_of(&block.items);
                     }
                 }
@@ -41,17 +41,9 @@ impl<'p> Checker<'p> {
         let mut here = Vec::new();
         for requirement in &function.requirements {
             if let Some(name) = &requirement.name {
-                self.lint_named(name, &mut here);
+                self.name_once(&mut here, name);
             }
         }
-    }
-
-    fn lint_named(&mut self, name: &'p Name, here: &mut Vec<&'p Name>) {
-        if let Some(first) = here.iter().find(|known| known.text == name.text) {
-            let first = first.span;
-            self.defined_twice(&name.text, name.span, first);
-        }
-        here.push(name);
     }
 
     /// Whether a block accepts a lint. Notes the acceptance as one with effect.
@@ -93,7 +85,7 @@ impl<'p> Checker<'p> {
                 }
             }
             ItemKind::Declaration(declaration) => {
-                let Some(block) = block_of(declaration) else {
+                let Some(block) = declaration.block() else {
                     return;
                 };
                 let around = match declaration.kind {
@@ -154,7 +146,7 @@ impl<'p> Checker<'p> {
         }
         let around = scope.definition.and_then(|id| self.declaration(id));
         if around
-            .and_then(block_of)
+            .and_then(eng_grammar::ast::Declaration::block)
             .is_some_and(|block| self.accepts(block, eng_system::lint::TURNS))
         {
             return;

@@ -11,8 +11,8 @@ use crate::program::{DefinitionId, interface_name};
 use crate::resolve::suggest::{EXPLAINED, nearest};
 use crate::typed::lineage::{is_parameter, word_of_length};
 use eng_grammar::ast::{
-    Binding, BindingKind, Block, Declaration, Form, Function, ItemKind, Kind, Name, Parameter,
-    Statement, Table,
+    Binding, BindingKind, Declaration, Form, Function, ItemKind, Kind, Name, Parameter, Statement,
+    Table,
 };
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -107,14 +107,6 @@ impl<'p> Scope<'p> {
     }
 }
 
-/// The block of a definition's or body's declaration.
-pub(super) fn block_of(declaration: &Declaration) -> Option<&Block> {
-    match &declaration.form {
-        Form::Class { block, .. } | Form::Plain { block, .. } => Some(block),
-        Form::Instance { block, .. } => block.as_ref(),
-    }
-}
-
 /// Names of the language itself.
 pub(super) const BUILT_IN_NAMES: [&str; 4] = ["pi", "time", "ground", "cycle"];
 
@@ -185,7 +177,7 @@ impl<'p> Checker<'p> {
             let parameters = parameters.iter();
             found.extend(parameters.map(|p| (&p.name, Member::Parameter(p))));
         }
-        for item in block_of(declaration).into_iter().flat_map(|b| &b.items) {
+        for item in declaration.block().into_iter().flat_map(|b| &b.items) {
             match &item.kind {
                 ItemKind::Binding(binding) => {
                     found.push((&binding.name, Member::Binding(binding)));
@@ -813,7 +805,7 @@ fn kind_of(member: Member<'_>) -> &'static str {
 
 /// A marker in a body's block.
 pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Declaration> {
-    block_of(body)?
+    body.block()?
         .items
         .iter()
         .find_map(|item| match &item.kind {
@@ -828,7 +820,7 @@ pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Dec
 
 fn has_mass(body: &Declaration) -> bool {
     body.kind == Kind::Body
-        && block_of(body).is_some_and(|block| {
+        && body.block().is_some_and(|block| {
             block
                 .items
                 .iter()

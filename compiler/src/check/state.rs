@@ -3,7 +3,7 @@
 use super::Checker;
 use super::class::placing;
 use super::mismatch::Due;
-use super::scope::{Member, Scope, block_of};
+use super::scope::{Member, Scope};
 use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;
@@ -71,7 +71,8 @@ impl<'p> Checker<'p> {
                 let message =
                     Diagnostic::error(codes::STATE, format!("the state `{name}` has no rate"))
                         .with_help(format!("write `der({name}) = …`"));
-                let own = block_of(declaration)
+                let own = declaration
+                    .block()
                     .is_some_and(|block| block.items.iter().any(|other| std::ptr::eq(other, item)));
                 self.report(match own {
                     true => message.at(binding.name.span, "how does it change?"),

@@ -2,7 +2,7 @@
 
 use super::Checker;
 use super::describe::kind_word;
-use super::scope::{Member, block_of};
+use super::scope::Member;
 use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;
@@ -24,7 +24,7 @@ fn summarised<'p>(level: Level<'p>) -> impl Iterator<Item = (&'p Binding, &'p Na
 impl<'p> Checker<'p> {
     /// Checks the summaries of a definition: each belongs to an output of an interface that is one number.
     pub(super) fn summaries(&mut self, id: DefinitionId, declaration: &'p Declaration) {
-        let Some(block) = block_of(declaration) else {
+        let Some(block) = declaration.block() else {
             return;
         };
         let own = Level {

@@ -1,7 +1,6 @@
 //! Warnings about names that are taken with `use` or defined, but not used.
 
 use super::Checker;
-use super::scope::block_of;
 use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::PRELUDE;
@@ -26,7 +25,7 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                         module: module_index,
                         item: item_index as u32,
                     };
-                    for inner in block_of(declaration).into_iter().flat_map(|b| &b.items) {
+                    for inner in declaration.block().into_iter().flat_map(|b| &b.items) {
                         if let ItemKind::Binding(binding) = &inner.kind
                             && binding.kind == BindingKind::Let
                             && !checker.used.contains(&(id, binding.name.text.clone()))
