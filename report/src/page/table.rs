@@ -67,7 +67,7 @@ pub struct Column {
     pub heading: String,
     /// Its unit; empty for none.
     pub unit: String,
-    /// What it shows, for readers that point at the heading; may be empty.
+    /// An explanation of the column that appears when a reader points at the heading; may be empty.
     pub about: String,
 }
 
