@@ -1,8 +1,8 @@
 //! The model as far as elaboration has built it.
 
-use super::binding::Check;
+use super::bind_program::Check;
+use super::flexible;
 use super::value::{self, ScopeId, Value};
-use super::{flexible, model};
 use crate::ir::{self, KinkPlace, Node};
 use crate::program::DefinitionId;
 use eng_grammar::{Diagnostic, Span, ast};
@@ -52,7 +52,7 @@ pub(crate) struct Draft<'a> {
     pub cycle: Option<CycleDraft<'a>>,
     /// A cycle has an error, which was reported.
     pub cycle_failed: bool,
-    pub pending: Vec<model::Pending<'a>>,
+    pub pending: Vec<super::pending::Pending<'a>>,
 }
 
 /// A finished element, before elements share classes.

@@ -5,6 +5,7 @@
 
 mod analysis;
 mod axes;
+mod bind_program;
 mod binding;
 mod body;
 mod budget;
@@ -18,10 +19,13 @@ mod finish;
 mod flexible;
 mod grid;
 mod lengths;
+mod marker;
 mod model;
 mod output;
+mod pending;
 mod reference;
 mod repeat;
+mod requirement;
 mod scalar;
 mod slope;
 mod table;
@@ -31,7 +35,7 @@ mod typed;
 mod value;
 
 pub use analysis::{AnalysisPlan, analyses};
-pub use binding::{BindProgram, Check, MessagePart, ParameterDefault};
+pub use bind_program::{BindProgram, Check, MessagePart, ParameterDefault};
 pub(crate) use constants::Constants;
 pub(crate) use draft::{
     Argument, ClassMeta, CycleDraft, Draft, ElementDraft, ElementSource, OutputShape,

@@ -124,7 +124,7 @@ pub(crate) struct Asked {
     /// Its name for `accept`; empty without a name.
     pub name: String,
     pub flag: Flag,
-    pub message: super::binding::Message,
+    pub message: super::requirement::Message,
     /// Place of the condition.
     pub span: eng_grammar::Span,
 }

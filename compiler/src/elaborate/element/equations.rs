@@ -1,6 +1,6 @@
 //! The statements of a class: states, conditions, constraints, loads.
 
-use super::super::binding::{Asked, Message, Part};
+use super::super::requirement::{Asked, Message, Part};
 use super::super::scalar::{Flag, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
 use super::super::value::{ScopeId, Value};
 use super::super::{Check, Elaborator, Entry, Eval, MessagePart as Told, Reported, location};

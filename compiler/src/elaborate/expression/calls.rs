@@ -1,6 +1,6 @@
 //! Calls of functions and tables, with the conditions of functions.
 
-use super::super::binding::Part;
+use super::super::requirement::Part;
 use super::super::scalar::{Flag, Scalar, Stage};
 use super::super::value::{BoundClass, ScopeId, TableValue, Value};
 use super::super::{Elaborator, Entry, Eval, Lazy};
@@ -187,7 +187,7 @@ impl<'a> Elaborator<'a, '_> {
         let path = self.bench.bind.owner.clone();
         let name = requirement.name.as_ref();
         let found = self.requirement(
-            super::super::binding::Asked {
+            super::super::requirement::Asked {
                 advise: requirement.advise,
                 name,
                 condition: &requirement.condition,

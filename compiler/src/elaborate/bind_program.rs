@@ -1,0 +1,299 @@
+//! The bind graph as a program: evaluated once for each parameter set, it gives the slots and the messages of failed
+//! conditions.
+
+use super::scalar::FIXED;
+use crate::ir::{Function, Node, Op};
+use eng_system::DisplayUnit;
+use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
+use eng_system::system::{Location, Origin, Parameter, Slot};
+use eng_system::table::{Outside, Table};
+use std::collections::BTreeSet;
+
+/// The largest number that a model may hold (SI): its square is still a number.
+const LARGEST: f64 = 1e150;
+
+/// The node with the default of a parameter.
+pub type ParameterDefault = Node;
+
+/// Part of a message with numbers in it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MessagePart {
+    /// Plain text.
+    Text(String),
+    /// A value in a unit.
+    Value(Node, DisplayUnit),
+}
+
+/// A `require` or `advise` on parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// A number that is 1 if the condition holds.
+    pub holds: Node,
+    /// A lint.
+    pub advise: bool,
+    /// The name of a lint for `accept`; empty without a name.
+    pub name: String,
+    /// The author's message.
+    pub message: Vec<MessagePart>,
+    /// Path of the element.
+    pub path: String,
+    /// The user's line.
+    pub used_at: Option<Location>,
+    /// The law's line.
+    pub defined_at: Option<Location>,
+}
+
+/// The bind graph as a program.
+#[derive(Clone, Debug, Default)]
+pub struct BindProgram {
+    /// All operations, operands first; inputs below 2²⁴ are parameters, from there fixed numbers.
+    pub function: Function,
+    /// Fixed numbers.
+    pub fixed: Vec<f64>,
+    /// Path of the body, marker or element that each slot belongs to.
+    pub slot_owners: Vec<String>,
+    /// Defaults of the parameters.
+    pub defaults: Vec<ParameterDefault>,
+    /// Paths, units and limits of the parameters.
+    pub parameters: Vec<Parameter>,
+    /// Conditions.
+    pub checks: Vec<Check>,
+}
+
+impl BindProgram {
+    /// The first table that is evaluated outside its points, given the values of all nodes.
+    fn outside(&self, values: &[Pair], tables: &[Table]) -> Option<Box<Outside>> {
+        let nodes = self.function.graph.nodes();
+        let [outside, _] = crate::ir::interpret::outside(nodes, values, tables);
+        outside.map(Box::new)
+    }
+
+    /// Parameters in a node, ascending. A parameter whose default depends on others is replaced by these.
+    fn leaves(&self, node: Node) -> Vec<u32> {
+        let nodes = self.function.graph.nodes();
+        let mut seen = vec![false; nodes.len()];
+        let mut found = std::collections::BTreeSet::new();
+        let mut open = vec![node];
+        while let Some(node) = open.pop() {
+            let at = node.0 as usize;
+            let (Some(op), Some(seen)) = (nodes.get(at), seen.get_mut(at)) else {
+                continue;
+            };
+            if std::mem::replace(seen, true) {
+                continue;
+            }
+            match *op {
+                Op::Input(k) if k >= FIXED => {}
+                Op::Input(k) => {
+                    let inner = match self.defaults.get(k as usize) {
+                        Some(default) => self.leaves(*default),
+                        None => Vec::new(),
+                    };
+                    if inner.is_empty() {
+                        found.insert(k);
+                    }
+                    found.extend(inner);
+                }
+                op => open.extend(op.operands()),
+            }
+        }
+        found.into_iter().collect()
+    }
+}
+
+impl BindProgram {
+    /// The parameters and tables that decide a value. A parameter whose default depends on others is replaced
+    /// by these.
+    fn decided_by(&self, value: Node, tables: &[Table]) -> Vec<Origin> {
+        let graph = &self.function.graph;
+        let mut waiting = vec![value];
+        let mut seen = BTreeSet::new();
+        let mut found: Vec<Origin> = Vec::new();
+        let mut add = |origin: Origin| {
+            if !found.iter().any(|known| known.used_at == origin.used_at) {
+                found.push(origin);
+            }
+        };
+        while let Some(node) = waiting.pop() {
+            if !seen.insert(node) {
+                continue;
+            }
+            match graph.op(node) {
+                Op::Input(k) if k < FIXED => {
+                    let (Some(parameter), Some(default)) = (
+                        self.parameters.get(k as usize),
+                        self.defaults.get(k as usize),
+                    ) else {
+                        continue;
+                    };
+                    match self.is_stated(*default) {
+                        true => add(parameter.origin.clone()),
+                        false => waiting.push(*default),
+                    }
+                }
+                Op::Table(handle, ..) => {
+                    let index = match graph.op(handle) {
+                        Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
+                        _ => graph.as_constant(handle),
+                    };
+                    let table = index.and_then(|index| tables.get(index as usize));
+                    if let Some(table) = table {
+                        add(Origin {
+                            path: table.name().to_owned(),
+                            used_at: table.stated_at(),
+                            defined_at: None,
+                        });
+                    }
+                    waiting.extend(graph.op(node).operands().skip(1));
+                }
+                op => waiting.extend(op.operands()),
+            }
+        }
+        found.retain(|origin| origin.used_at.is_some());
+        found.sort_by_key(|origin| origin.used_at.map(|at| (at.source, at.start)));
+        found
+    }
+
+    /// Whether a default is a number of the text, without parameters or tables.
+    fn is_stated(&self, default: Node) -> bool {
+        let graph = &self.function.graph;
+        let mut waiting = vec![default];
+        while let Some(node) = waiting.pop() {
+            match graph.op(node) {
+                Op::Input(k) if k < FIXED => return false,
+                Op::Table(..) => return false,
+                op => waiting.extend(op.operands()),
+            }
+        }
+        true
+    }
+}
+
+impl BindCode for BindProgram {
+    fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
+        let nodes = self.function.graph.nodes();
+        // both lanes hold the same number, so these are the operations of the generated code
+        let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
+        for op in nodes {
+            let value = match *op {
+                Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
+                Op::Input(k) => {
+                    let default = self
+                        .defaults
+                        .get(k as usize)
+                        .and_then(|n| values.get(n.0 as usize))
+                        .map(|pair| pair[0]);
+                    overrides.get(k as usize).copied().flatten().or(default)
+                }
+                other => Some(crate::ir::interpret::operate(other, &values, tables)[0]),
+            };
+            values.push([value.unwrap_or(f64::NAN); 2]);
+        }
+        let at = |n: &Node| values.get(n.0 as usize).map_or(f64::NAN, |pair| pair[0]);
+        let mut parameters = Vec::with_capacity(self.parameters.len());
+        for (i, parameter) in self.parameters.iter().enumerate() {
+            let value = match (overrides.get(i).copied().flatten(), self.defaults.get(i)) {
+                (Some(v), _) => v,
+                (None, Some(n)) => at(n),
+                (None, None) => f64::NAN,
+            };
+            if !value.is_finite() {
+                return Err(BindError::NotFinite {
+                    path: parameter.origin.path.clone(),
+                    outside: self.outside(&values, tables),
+                });
+            }
+            let (low, high) = parameter.limits;
+            if value <= low || value >= high {
+                let d = &parameter.display;
+                return Err(BindError::Limits {
+                    path: parameter.origin.path.clone(),
+                    value: d.text(value).into(),
+                    low: d.text(low).into(),
+                    high: d.text(high).into(),
+                });
+            }
+            parameters.push(value);
+        }
+        let mut advice = Vec::new();
+        for check in &self.checks {
+            if at(&check.holds) == 1.0 {
+                continue;
+            }
+            // a number that does not exist (beyond the end of a table, a root of a negative number) cannot be
+            // shown
+            let known = |part: &MessagePart| match part {
+                MessagePart::Text(_) => true,
+                MessagePart::Value(n, _) => at(n).is_finite(),
+            };
+            if check.advise && !check.message.iter().all(known) {
+                continue;
+            }
+            let message: String = check
+                .message
+                .iter()
+                .map(|part| match part {
+                    MessagePart::Text(t) => t.clone(),
+                    MessagePart::Value(n, unit) => unit.text(at(n)),
+                })
+                .collect();
+            if check.advise {
+                advice.push(Advice {
+                    name: check.name.clone(),
+                    origin: Origin {
+                        path: check.path.clone(),
+                        used_at: check.used_at,
+                        defined_at: check.defined_at,
+                    },
+                    message,
+                    decided_by: self.decided_by(check.holds, tables),
+                });
+            } else {
+                return Err(BindError::Require {
+                    path: check.path.clone(),
+                    message,
+                    used_at: check.used_at,
+                    defined_at: check.defined_at,
+                    parameters: self
+                        .leaves(check.holds)
+                        .into_iter()
+                        .map(|k| (k, parameters.get(k as usize).copied().unwrap_or(f64::NAN)))
+                        .collect(),
+                });
+            }
+        }
+        let slots: Vec<f64> = self.function.outputs.iter().map(at).collect();
+        if let Some(i) = slots.iter().position(|v| !v.is_finite()) {
+            return Err(BindError::NotFinite {
+                path: self
+                    .slot_owners
+                    .get(i)
+                    .unwrap_or(&self.function.name)
+                    .clone(),
+                outside: self.outside(&values, tables),
+            });
+        }
+        if let Some(i) = slots.iter().position(|v| v.abs() > LARGEST) {
+            return Err(BindError::TooLarge {
+                path: self
+                    .slot_owners
+                    .get(i)
+                    .unwrap_or(&self.function.name)
+                    .clone(),
+                value: slots[i],
+            });
+        }
+        Ok(Bound {
+            slots,
+            parameters,
+            advice,
+        })
+    }
+
+    fn parameters_of(&self, slot: Slot) -> Vec<u32> {
+        match self.function.outputs.get(slot.0 as usize) {
+            Some(node) => self.leaves(*node),
+            None => Vec::new(),
+        }
+    }
+}

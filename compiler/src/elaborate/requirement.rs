@@ -1,0 +1,245 @@
+//! `require` and `advise`: their conditions, and the messages with the numbers of the model.
+
+use super::bind_program::{Check, MessagePart};
+use super::binding::span_of;
+use super::scalar::{Flag, Scalar, Stage};
+use super::value::{ScopeId, Value};
+use super::{Elaborator, Eval, expression::Truth, location};
+use crate::codes;
+use crate::ir::Op;
+use eng_grammar::{Diagnostic, Span, ast};
+use eng_system::system::Location;
+use eng_system::{Dimension, DisplayUnit};
+
+/// A `require` or `advise` as written.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub advise: bool,
+    /// Its name for `accept`.
+    pub name: Option<&'a ast::Name>,
+    pub condition: &'a ast::Expr,
+    pub message: &'a ast::Name,
+}
+
+/// The author's message of a `require` or `advise`, evaluated in the scope of the condition.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Message {
+    /// The text, with its expressions as written.
+    pub text: String,
+    pub parts: Vec<Part>,
+    /// Dimension of the two numbers that its condition compares, if it is a comparison.
+    pub compared: Option<Dimension>,
+}
+
+/// Part of a message, before the stage of its numbers is known.
+#[derive(Clone, Debug)]
+pub(crate) enum Part {
+    Text(String),
+    Value {
+        value: Scalar,
+        display: DisplayUnit,
+        span: Span,
+    },
+}
+
+/// The title of a message about several paths.
+fn titled(text: &str, paths: &[&str]) -> String {
+    match paths {
+        [] | [""] => text.to_owned(),
+        paths => format!("{}: {text}", super::topology::listed(paths)),
+    }
+}
+
+impl<'a> Elaborator<'a, '_> {
+    /// Evaluates a `require` or `advise`. A condition of parameters alone becomes a check of the bind graph.
+    /// Another condition is returned with its message.
+    pub fn requirement(
+        &mut self,
+        asked: Asked<'a>,
+        scope: ScopeId,
+        path: &str,
+        used_at: Option<Location>,
+    ) -> Eval<Option<(Flag, Message)>> {
+        let Asked {
+            advise,
+            name,
+            condition,
+            message,
+        } = asked;
+        let truth = self.truth(condition, scope)?;
+        if let Truth::Known(true) = truth {
+            return Ok(None);
+        }
+        let truth = self.where_it_counts(truth);
+        let mut message = self.message(message, scope)?;
+        message.compared = self.compared(condition, scope)?;
+        match truth {
+            Truth::Later(flag) if flag.stage == Stage::Motion => Ok(Some((flag, message))),
+            Truth::Later(flag) => {
+                let mut parts = Vec::with_capacity(message.parts.len());
+                for part in message.parts {
+                    parts.push(match part {
+                        Part::Text(text) => MessagePart::Text(text),
+                        Part::Value {
+                            value,
+                            display,
+                            span,
+                        } => MessagePart::Value(self.bind_node(value, span)?, display),
+                    });
+                }
+                let holds = self.bench.flag_number(flag);
+                self.draft.checks.push(Check {
+                    holds,
+                    advise,
+                    name: name.map_or(String::new(), |name| name.text.clone()),
+                    message: parts,
+                    path: path.to_owned(),
+                    used_at,
+                    defined_at: Some(location(condition.span)),
+                });
+                Ok(None)
+            }
+            Truth::Known(_) => {
+                if let Some(name) = name
+                    && self.accepts(&name.text, path)
+                {
+                    return Ok(None);
+                }
+                let text = self.known_text(message);
+                let title = |paths: &[&str]| titled(&text, paths);
+                let places = |diagnostic: Diagnostic| match used_at.map(span_of) {
+                    Some(place) => diagnostic
+                        .at(place, "needed by the item used here")
+                        .also(condition.span, "this does not hold"),
+                    None => diagnostic.at(condition.span, "this does not hold"),
+                };
+                if !advise {
+                    let message = places(Diagnostic::error(codes::REQUIRED, title(&[path])));
+                    return Err(self.report(message));
+                }
+                let message = places(Diagnostic::warning(codes::ADVISED, text.clone()))
+                    .acceptable(name.map_or("", |name| &name.text));
+                // equal messages become one message about several paths
+                match self
+                    .draft
+                    .advised
+                    .iter_mut()
+                    .find(|(known, _)| *known == message)
+                {
+                    Some((_, paths)) => paths.push(path.to_owned()),
+                    None => self.draft.advised.push((message, vec![path.to_owned()])),
+                }
+                Ok(None)
+            }
+        }
+    }
+
+    /// Reports failed `advise`s on values known while compiling.
+    pub fn tell_advised(&mut self) {
+        for (mut message, paths) in std::mem::take(&mut self.draft.advised) {
+            let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+            message.title = titled(&message.title, &paths);
+            self.diagnostics.push(message);
+        }
+    }
+
+    /// A condition that is true if one of the surrounding `if`s takes its other side.
+    fn where_it_counts(&mut self, truth: Truth) -> Truth {
+        let guards = self.context.guards.clone();
+        guards.into_iter().fold(truth, |truth, (guard, _)| {
+            let elsewhere = self.bench.not(guard);
+            Truth::Later(match truth {
+                Truth::Later(flag) => self.bench.logic(elsewhere, flag, Op::Or),
+                Truth::Known(_) => elsewhere,
+            })
+        })
+    }
+
+    /// A message with the numbers known while compiling. Other expressions appear as written.
+    fn known_text(&self, message: Message) -> String {
+        message
+            .parts
+            .into_iter()
+            .map(|part| match part {
+                Part::Text(text) => text,
+                Part::Value {
+                    value,
+                    display,
+                    span,
+                } => match self.bench.known(value) {
+                    Some(known) => display.text(known),
+                    None => self.sources.text(span).to_owned(),
+                },
+            })
+            .collect()
+    }
+
+    /// The dimension of the two numbers that a condition compares; `None` for another condition.
+    pub(super) fn compared(
+        &mut self,
+        condition: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<Option<Dimension>> {
+        use ast::BinaryOp as B;
+        match &condition.kind {
+            ast::ExprKind::Paren { inner, unit: None } => self.compared(inner, scope),
+            ast::ExprKind::Binary {
+                op: B::Less | B::LessEqual | B::Greater | B::GreaterEqual | B::Equal,
+                left,
+                ..
+            } => self.dimension_at(left.span, scope).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    fn message(&mut self, message: &'a ast::Name, scope: ScopeId) -> Eval<Message> {
+        let mut found = Message::default();
+        for part in self.message_at(message.span)? {
+            let (value, unit) = match part {
+                eng_grammar::MessagePart::Text(text) => {
+                    found.text.push_str(text);
+                    found.parts.push(Part::Text(text.clone()));
+                    continue;
+                }
+                eng_grammar::MessagePart::Value { value, unit, .. } => (value, unit),
+            };
+            let span = value.span;
+            found.text.push_str(self.sources.text(span));
+            let number = match self.evaluate(value, scope)? {
+                Value::Scalar(number) => number,
+                Value::Int(i) => self.bench.constant(i as f64),
+                Value::Text(text) => {
+                    found.parts.push(Part::Text(text));
+                    continue;
+                }
+                Value::Choice(id, word) => {
+                    let word = self.program.word(id, word);
+                    let word = self.checked(word, span, "no such word")?;
+                    found.parts.push(Part::Text(word.to_owned()));
+                    continue;
+                }
+                other => return Err(self.not_shown(span, &other)),
+            };
+            let display = match unit {
+                Some(unit) => DisplayUnit::from(self.unit(unit)?),
+                None => {
+                    let dimension = self.dimension_at(span, scope)?;
+                    self.natural_unit(dimension)
+                }
+            };
+            found.parts.push(Part::Value {
+                value: number,
+                display,
+                span,
+            });
+        }
+        Ok(found)
+    }
+
+    fn not_shown(&mut self, span: Span, found: &Value<'_>) -> super::Reported {
+        self.report(
+            Diagnostic::error(codes::MESSAGE_FORM, "a message shows numbers and texts")
+                .at(span, format!("this is {}", found.kind())),
+        )
+    }
+}
