@@ -3,8 +3,9 @@
 use super::Checker;
 use super::bound::{Called, Parameter};
 use super::declare::written_unit;
+use super::member::Member;
 use super::mismatch::Due;
-use super::scope::{Member, Scope};
+use super::scope::Scope;
 use super::types::{BoundClass, Misfit, Quantity, Signature, Solution, Type};
 use crate::codes;
 use crate::program::DefinitionId;

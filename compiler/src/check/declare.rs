@@ -1,8 +1,9 @@
 //! Types as written, and declarations with types: bindings, parameters, functions.
 
 use super::Checker;
+use super::member::Member;
 use super::mismatch::Due;
-use super::scope::{Found, Member, Scope};
+use super::scope::{Found, Scope};
 use super::types::{Dim, FunctionParameter, Kind as PointKind, Quantity, Signature, Type};
 use crate::codes;
 use crate::program::unit_text;

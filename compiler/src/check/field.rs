@@ -72,7 +72,7 @@ impl<'p> Checker<'p> {
             return Type::Error;
         };
         let declared = match self.member(body.definition, &body.name) {
-            Some(super::scope::Member::Declaration(declaration)) => declaration,
+            Some(super::member::Member::Declaration(declaration)) => declaration,
             _ => return Type::Error,
         };
         if let Some(marker) = super::scope::marker_of(declared, &name.text) {
@@ -228,7 +228,7 @@ impl<'p> Checker<'p> {
     /// Names of a body's markers, `origin` last.
     pub(super) fn markers_of(&mut self, body: &super::types::BodyRef) -> Vec<String> {
         let mut names = Vec::new();
-        if let Some(super::scope::Member::Declaration(declared)) =
+        if let Some(super::member::Member::Declaration(declared)) =
             self.member(body.definition, &body.name)
         {
             for item in declared.block().into_iter().flat_map(|b| &b.items) {

@@ -2,8 +2,9 @@
 
 use super::Checker;
 use super::bound::{Called, Parameter};
+use super::member::Member;
 use super::mismatch::Due;
-use super::scope::{Member, Scope};
+use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::{listing, nearest};

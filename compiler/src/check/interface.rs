@@ -3,7 +3,8 @@
 use super::Checker;
 use super::class::{item_place, placing};
 use super::describe::{kind_word, with_article};
-use super::scope::{Held, Member, Scope};
+use super::member::{Held, Member};
+use super::scope::Scope;
 use super::types::{Signature, Type};
 use crate::codes;
 use crate::program::{DefinitionId, interface_name};

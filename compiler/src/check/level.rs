@@ -4,7 +4,8 @@
 //! This pass runs after the types of all definitions are right. Every value gets its level. Functions are
 //! followed with the levels of their arguments. Each statement has a highest permitted level.
 
-use super::scope::{Found, Held, Member, Scope, is_asked};
+use super::member::{Held, Member, is_asked};
+use super::scope::{Found, Scope};
 use super::types::Type;
 use super::{Checker, Progress};
 use crate::codes;

@@ -2,8 +2,9 @@
 
 use super::Checker;
 use super::class::placing;
+use super::member::Member;
 use super::mismatch::Due;
-use super::scope::{Member, Scope};
+use super::scope::Scope;
 use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;

@@ -2,7 +2,7 @@
 
 use super::Checker;
 use super::describe::kind_word;
-use super::scope::Member;
+use super::member::Member;
 use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;
