@@ -1,7 +1,7 @@
 //! Axes of signals: components along different axes are not added.
 
 use super::Reporter;
-use super::channel::Channels;
+use super::recorded::Channels;
 use crate::codes;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::expression::{Expression, Function, Operator};

@@ -9,6 +9,7 @@ mod axes;
 mod channel;
 mod function;
 mod picture;
+mod recorded;
 mod settings;
 mod value;
 
@@ -20,12 +21,12 @@ use crate::codes;
 use crate::elaborate::{AnalysisPlan, Constants, location};
 use crate::models::SharedModels;
 use crate::typed::TypedProgram;
-use channel::Models;
 use eng_grammar::ast::{self, BindingKind, Expr, ItemKind, Statement};
 use eng_grammar::{Diagnostic, Diagnostics, MessagePart, SourceMap, Span, parse_message};
 use eng_system::DisplayUnit;
 use eng_system::host::Host;
 use eng_system::report as plan;
+use recorded::Models;
 use std::collections::BTreeMap;
 use value::Typed;
 
