@@ -355,7 +355,7 @@ impl Simulation {
     /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y, at the state of
     /// the last outputs.
     pub fn eccentricities(&self) -> Vec<[f64; 2]> {
-        start::motion::eccentricities(&self.model, &self.completed.pose)
+        start::eccentricity::eccentricities(&self.model, &self.completed.pose)
     }
 
     /// For each body r (m), unit quaternion, modal amplitudes, at the state of the last outputs.

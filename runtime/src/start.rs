@@ -18,10 +18,12 @@
 //! stated twist.
 
 pub mod balance;
+pub mod eccentricity;
 pub mod hanging;
 pub mod motion;
 mod picking;
 pub mod turn;
+mod wish;
 
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;

@@ -19,7 +19,8 @@ mod stability;
 mod telling;
 mod turning;
 
-use super::motion::{SteadyMotion, film_ratios};
+use super::eccentricity::film_ratios;
+use super::motion::SteadyMotion;
 use super::picking::{split, unit_rows};
 use super::{Equilibrium, JournalStart, Obstacle};
 use crate::assembly::rows::Rows;

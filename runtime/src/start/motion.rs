@@ -24,42 +24,26 @@
 //! same combinations give the velocities by a linear system. The steady acceleration is the rate of these
 //! velocities along the motion itself.
 
+use super::eccentricity::rates_of_eccentricities;
 use super::picking::{DETERMINED, split, split_above, unit_rows};
+use super::wish::{Wish, films, stated};
 use crate::assembly::at;
-use crate::assembly::rows::{self, Along, Rows};
-use crate::chain;
-use crate::elements;
+use crate::assembly::rows::{Along, Rows};
 use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::model::Model;
-use crate::rotation::V3;
 use crate::state::{State, move_pose};
-use eng_system::code::Function;
-use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Length (in scaled velocities) below which a row counts as empty.
 const EMPTY: f64 = 1e-12;
 /// Share of a stated velocity that the tilting of shafts may have.
 const TILTS: f64 = 1e-2;
-/// Share of an element's largest stiffness below which a direction does not count as held.
-const SOFT: f64 = 1e-6;
 /// Scaled increment of a position for differences of rates.
 const DIFFERENCE: f64 = 1e-5;
 /// Time between two velocities for a difference quotient, as a part of the time in which the motion covers
 /// about its own size.
 const APART: f64 = 5e-4;
-
-/// A source of velocities, in the order of [`self`].
-#[derive(Clone, Debug)]
-enum Wish {
-    /// Some of the rows of stated velocities.
-    Stated(Rows, Vec<usize>),
-    /// These velocities themselves.
-    Own(Vec<usize>),
-    Films,
-    Loads(Vec<usize>),
-}
 
 #[derive(Clone, Debug)]
 struct Level {
@@ -232,118 +216,10 @@ impl SteadyMotion {
         Ok((self.constraints.rates(model, &at(&resting))?, matrix))
     }
 
-    fn scale_columns(&self, matrix: &mut DMatrix<f64>) {
+    pub(super) fn scale_columns(&self, matrix: &mut DMatrix<f64>) {
         for (mut column, scale) in matrix.column_iter_mut().zip(&self.scales) {
             column.scale_mut(*scale);
         }
-    }
-
-    /// The rows `matrix · y + values` of a wish, which should be zero for the scaled velocities y.
-    fn wished(
-        &self,
-        model: &Model,
-        state: &State,
-        wish: &Wish,
-    ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
-        let n = model.velocities;
-        let homogeneous = |matrix: DMatrix<f64>| (DVector::zeros(matrix.nrows()), matrix);
-        let (values, mut matrix) = match wish {
-            Wish::Stated(rows, chosen) => {
-                let mut resting = state.clone();
-                resting.velocity.fill(0.0);
-                let (values, matrix) = rows.evaluate(model, &at(&resting), Along::Velocity)?;
-                (values.select_rows(chosen), matrix.select_rows(chosen))
-            }
-            Wish::Own(chosen) => homogeneous(DMatrix::from_fn(chosen.len(), n, |i, j| {
-                f64::from(u8::from(chosen[i] == j))
-            })),
-            Wish::Films => homogeneous(eccentricity_rates(model, state)),
-            Wish::Loads(elements) => {
-                let mut parts = Vec::new();
-                for element in elements {
-                    parts.extend(self.load_derivatives(model, state, *element)?);
-                }
-                let rows = parts.iter().map(DMatrix::nrows).sum();
-                let mut all = DMatrix::zeros(rows, n);
-                let mut first = 0;
-                for part in parts {
-                    all.rows_mut(first, part.nrows()).copy_from(&part);
-                    first += part.nrows();
-                }
-                homogeneous(all)
-            }
-        };
-        self.scale_columns(&mut matrix);
-        Ok((values, matrix))
-    }
-
-    /// Derivatives of an element's wrenches with respect to velocities and positions, each scaled to the size
-    /// of one. Soft rows are zero.
-    pub(crate) fn load_derivatives(
-        &self,
-        model: &Model,
-        state: &State,
-        element: usize,
-    ) -> Result<Vec<DMatrix<f64>>, RuntimeError> {
-        let class_index = model.elements[element].class;
-        let class = &model.compiled.system.classes[class_index];
-        let layout = &class.layout;
-        let markers = &model.elements[element].markers;
-        let (rows, wrenches) = (layout.rows as usize, 6 * layout.markers as usize);
-        let tape = class.tape as usize;
-        let mut work = vec![[0.0; 2]; tape + layout.directions() as usize];
-        let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
-        let inputs = rows::inputs(model, element, &at(state));
-        elements::call(
-            model,
-            class_index,
-            Function::Linearize,
-            &inputs,
-            &mut work[..tape],
-        )?;
-        let mut made = Vec::new();
-        for by_twist in [true, false] {
-            if by_twist && !class.uses_twist {
-                continue;
-            }
-            let mut matrix = DMatrix::zeros(wrenches, model.velocities);
-            for (k, marker) in markers.iter().enumerate() {
-                let Some((first, jacobian)) = marker_jacobian(model, *marker, state) else {
-                    continue;
-                };
-                let base = if by_twist {
-                    layout.twist_direction(k as u32)
-                } else {
-                    layout.pose_direction(k as u32)
-                } as usize;
-                for d in 0..6 {
-                    work[tape + base + d] = [1.0; 2];
-                    elements::call(model, class_index, Function::Tangent, &work, &mut out)?;
-                    work[tape + base + d] = [0.0; 2];
-                    for i in 0..wrenches {
-                        // a force counts with the model's length as its arm, to be comparable with a torque
-                        let slope = out[rows + i][0] * if i % 6 < 3 { model.length } else { 1.0 };
-                        for w in 0..jacobian.ncols() {
-                            matrix[(i, first + w)] += slope * jacobian[(d, w)];
-                        }
-                    }
-                }
-            }
-            let mut scaled = matrix.clone();
-            self.scale_columns(&mut scaled);
-            let largest = scaled.row_iter().fold(0.0_f64, |w, r| w.max(r.norm()));
-            if largest > 0.0 && largest.is_finite() {
-                for i in 0..wrenches {
-                    let keep = scaled.row(i).norm() > SOFT * largest;
-                    matrix.row_mut(i).scale_mut(f64::from(u8::from(keep)));
-                }
-            } else {
-                // an open contact has no slope here but may have one elsewhere, so its rows remain
-                matrix.fill(0.0);
-            }
-            made.push(matrix);
-        }
-        Ok(made)
     }
 
     /// Velocities at a position.
@@ -598,12 +474,6 @@ impl SteadyMotion {
     }
 }
 
-/// Indices of the films among the elements.
-fn films(model: &Model) -> Vec<usize> {
-    let journals = &model.compiled.system.journals;
-    journals.iter().map(|j| j.element as usize).collect()
-}
-
 /// Indices of all modal rates.
 pub fn modal(model: &Model) -> Vec<usize> {
     model
@@ -613,34 +483,13 @@ pub fn modal(model: &Model) -> Vec<usize> {
         .collect()
 }
 
-fn rows_of(model: &Model, wanted: impl Fn(usize) -> bool) -> Rows {
+pub(super) fn rows_of(model: &Model, wanted: impl Fn(usize) -> bool) -> Rows {
     Rows::new(
         model,
         (0..model.elements.len())
             .filter(|e| wanted(*e) && !model.class(*e).rows.is_empty())
             .collect(),
     )
-}
-
-/// Three wishes: stated velocities other than zero, stated zeros, and guessed velocities.
-fn stated(model: &Model, state: &State) -> Result<[Wish; 3], RuntimeError> {
-    let of = |exact| {
-        rows_of(model, |e| {
-            model.compiled.system.elements[e].role == Role::StartVelocity { exact }
-        })
-    };
-    let mut resting = state.clone();
-    resting.velocity.fill(0.0);
-    let stated = of(true);
-    let (values, _) = stated.evaluate(model, &at(&resting), Along::Velocity)?;
-    let (moving, still) = (0..stated.len()).partition(|i| values[*i] != 0.0);
-    let guessed = of(false);
-    let all = (0..guessed.len()).collect();
-    Ok([
-        Wish::Stated(stated.clone(), moving),
-        Wish::Stated(stated, still),
-        Wish::Stated(guessed, all),
-    ])
 }
 
 fn weighed(
@@ -653,113 +502,4 @@ fn weighed(
         rows.row_mut(i).scale_mut(*factor);
     }
     (values, rows)
-}
-
-/// First velocity of a marker's body, and J of the marker (6 × width); `None` on ground.
-fn marker_jacobian(model: &Model, marker: usize, state: &State) -> Option<(usize, DMatrix<f64>)> {
-    let body = &model.bodies[model.markers[marker].body?];
-    let width = body.width();
-    let mut jacobian = vec![0.0; 6 * width];
-    chain::jacobian(
-        body,
-        &body.frame(&state.pose),
-        &model.markers[marker],
-        &mut jacobian,
-    );
-    Some((body.velocity, DMatrix::from_row_slice(6, width, &jacobian)))
-}
-
-/// Markers of a journal: pin and shell.
-pub fn pin_and_shell(model: &Model, journal: usize) -> Option<(usize, usize)> {
-    let info = model.compiled.system.journals.get(journal)?;
-    let markers = &model.elements.get(info.element as usize)?.markers;
-    Some((
-        *markers.get(info.pin as usize)?,
-        *markers.get(info.shell as usize)?,
-    ))
-}
-
-/// Rates of the eccentricities of all journals, seen from their shells: x and y of each (m/s).
-fn rates_of_eccentricities(model: &Model, pose: &[f64], velocity: &[f64]) -> Vec<f64> {
-    let mut rates = Vec::new();
-    for journal in 0..model.compiled.system.journals.len() {
-        let Some((pin, shell)) = pin_and_shell(model, journal) else {
-            rates.extend([0.0; 2]);
-            continue;
-        };
-        let seen = rows::marker(model, shell, pose, velocity);
-        let place = rows::marker(model, pin, pose, velocity);
-        let back = seen.rotation.transpose();
-        let arm = back * (place.position - seen.position);
-        let rate = back * (place.velocity - seen.velocity) - seen.angular_velocity.cross(&arm);
-        rates.extend([rate.x, rate.y]);
-    }
-    rates
-}
-
-/// Derivative of the eccentricity rates of all journals (seen from their shells) with respect to velocities:
-/// two rows (x, y) for each journal.
-pub fn eccentricity_rates(model: &Model, state: &State) -> DMatrix<f64> {
-    let count = model.compiled.system.journals.len();
-    let mut matrix = DMatrix::zeros(2 * count, model.velocities);
-    for journal in 0..count {
-        let Some((pin, shell)) = pin_and_shell(model, journal) else {
-            continue;
-        };
-        let seen = rows::marker(model, shell, &state.pose, &state.velocity);
-        let place = rows::marker(model, pin, &state.pose, &state.velocity);
-        let back = seen.rotation.transpose();
-        let arm = back * (place.position - seen.position);
-        for (marker, of_shell) in [(pin, false), (shell, true)] {
-            let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
-                continue;
-            };
-            for w in 0..jacobian.ncols() {
-                let part = |from: usize| {
-                    V3::new(
-                        jacobian[(from, w)],
-                        jacobian[(from + 1, w)],
-                        jacobian[(from + 2, w)],
-                    )
-                };
-                let velocity = back * part(0);
-                let rate = if of_shell {
-                    -velocity - part(3).cross(&arm)
-                } else {
-                    velocity
-                };
-                matrix[(2 * journal, first + w)] += rate.x;
-                matrix[(2 * journal + 1, first + w)] += rate.y;
-            }
-        }
-    }
-    matrix
-}
-
-/// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
-pub fn eccentricities(model: &Model, pose: &[f64]) -> Vec<[f64; 2]> {
-    let rest = vec![0.0; model.velocities];
-    (0..model.compiled.system.journals.len())
-        .map(|journal| {
-            let Some((pin, shell)) = pin_and_shell(model, journal) else {
-                return [0.0; 2];
-            };
-            let seen = rows::marker(model, shell, pose, &rest);
-            let place = rows::marker(model, pin, pose, &rest);
-            let arm = seen.rotation.transpose() * (place.position - seen.position);
-            [arm.x, arm.y]
-        })
-        .collect()
-}
-
-/// |e|/c of every journal.
-pub fn film_ratios(model: &Model, pose: &[f64]) -> Vec<f64> {
-    model
-        .compiled
-        .system
-        .journals
-        .iter()
-        .zip(eccentricities(model, pose))
-        .map(|(journal, [x, y])| libm::hypot(x, y) / model.slot(journal.clearance))
-        .collect()
 }

@@ -1,0 +1,121 @@
+//! Eccentricities of films, and their rates.
+
+use crate::assembly::rows;
+use crate::chain;
+use crate::model::Model;
+use crate::rotation::V3;
+use crate::state::State;
+use nalgebra::DMatrix;
+
+/// First velocity of a marker's body, and J of the marker (6 × width); `None` on ground.
+pub(super) fn marker_jacobian(
+    model: &Model,
+    marker: usize,
+    state: &State,
+) -> Option<(usize, DMatrix<f64>)> {
+    let body = &model.bodies[model.markers[marker].body?];
+    let width = body.width();
+    let mut jacobian = vec![0.0; 6 * width];
+    chain::jacobian(
+        body,
+        &body.frame(&state.pose),
+        &model.markers[marker],
+        &mut jacobian,
+    );
+    Some((body.velocity, DMatrix::from_row_slice(6, width, &jacobian)))
+}
+
+/// Markers of a journal: pin and shell.
+pub fn pin_and_shell(model: &Model, journal: usize) -> Option<(usize, usize)> {
+    let info = model.compiled.system.journals.get(journal)?;
+    let markers = &model.elements.get(info.element as usize)?.markers;
+    Some((
+        *markers.get(info.pin as usize)?,
+        *markers.get(info.shell as usize)?,
+    ))
+}
+
+/// Rates of the eccentricities of all journals, seen from their shells: x and y of each (m/s).
+pub(super) fn rates_of_eccentricities(model: &Model, pose: &[f64], velocity: &[f64]) -> Vec<f64> {
+    let mut rates = Vec::new();
+    for journal in 0..model.compiled.system.journals.len() {
+        let Some((pin, shell)) = pin_and_shell(model, journal) else {
+            rates.extend([0.0; 2]);
+            continue;
+        };
+        let seen = rows::marker(model, shell, pose, velocity);
+        let place = rows::marker(model, pin, pose, velocity);
+        let back = seen.rotation.transpose();
+        let arm = back * (place.position - seen.position);
+        let rate = back * (place.velocity - seen.velocity) - seen.angular_velocity.cross(&arm);
+        rates.extend([rate.x, rate.y]);
+    }
+    rates
+}
+
+/// Derivative of the eccentricity rates of all journals (seen from their shells) with respect to velocities:
+/// two rows (x, y) for each journal.
+pub fn eccentricity_rates(model: &Model, state: &State) -> DMatrix<f64> {
+    let count = model.compiled.system.journals.len();
+    let mut matrix = DMatrix::zeros(2 * count, model.velocities);
+    for journal in 0..count {
+        let Some((pin, shell)) = pin_and_shell(model, journal) else {
+            continue;
+        };
+        let seen = rows::marker(model, shell, &state.pose, &state.velocity);
+        let place = rows::marker(model, pin, &state.pose, &state.velocity);
+        let back = seen.rotation.transpose();
+        let arm = back * (place.position - seen.position);
+        for (marker, of_shell) in [(pin, false), (shell, true)] {
+            let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
+                continue;
+            };
+            for w in 0..jacobian.ncols() {
+                let part = |from: usize| {
+                    V3::new(
+                        jacobian[(from, w)],
+                        jacobian[(from + 1, w)],
+                        jacobian[(from + 2, w)],
+                    )
+                };
+                let velocity = back * part(0);
+                let rate = if of_shell {
+                    -velocity - part(3).cross(&arm)
+                } else {
+                    velocity
+                };
+                matrix[(2 * journal, first + w)] += rate.x;
+                matrix[(2 * journal + 1, first + w)] += rate.y;
+            }
+        }
+    }
+    matrix
+}
+
+/// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
+pub fn eccentricities(model: &Model, pose: &[f64]) -> Vec<[f64; 2]> {
+    let rest = vec![0.0; model.velocities];
+    (0..model.compiled.system.journals.len())
+        .map(|journal| {
+            let Some((pin, shell)) = pin_and_shell(model, journal) else {
+                return [0.0; 2];
+            };
+            let seen = rows::marker(model, shell, pose, &rest);
+            let place = rows::marker(model, pin, pose, &rest);
+            let arm = seen.rotation.transpose() * (place.position - seen.position);
+            [arm.x, arm.y]
+        })
+        .collect()
+}
+
+/// |e|/c of every journal.
+pub fn film_ratios(model: &Model, pose: &[f64]) -> Vec<f64> {
+    model
+        .compiled
+        .system
+        .journals
+        .iter()
+        .zip(eccentricities(model, pose))
+        .map(|(journal, [x, y])| libm::hypot(x, y) / model.slot(journal.clearance))
+        .collect()
+}

@@ -1,0 +1,164 @@
+//! Sources of velocities of a steady motion: stated velocities, films, dampers and springs.
+
+use super::eccentricity::{eccentricity_rates, marker_jacobian};
+use super::motion::{SteadyMotion, rows_of};
+use crate::assembly::at;
+use crate::assembly::rows::{self, Along, Rows};
+use crate::elements;
+use crate::error::RuntimeError;
+use crate::model::Model;
+use crate::state::State;
+use eng_system::code::Function;
+use eng_system::system::Role;
+use nalgebra::{DMatrix, DVector};
+
+/// Share of an element's largest stiffness below which a direction does not count as held.
+const SOFT: f64 = 1e-6;
+
+/// A source of velocities. [`super::motion`] has their order.
+#[derive(Clone, Debug)]
+pub(super) enum Wish {
+    /// Some of the rows of stated velocities.
+    Stated(Rows, Vec<usize>),
+    /// These velocities themselves.
+    Own(Vec<usize>),
+    Films,
+    Loads(Vec<usize>),
+}
+
+impl SteadyMotion {
+    /// The rows `matrix · y + values` of a wish, which should be zero for the scaled velocities y.
+    pub(super) fn wished(
+        &self,
+        model: &Model,
+        state: &State,
+        wish: &Wish,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let n = model.velocities;
+        let homogeneous = |matrix: DMatrix<f64>| (DVector::zeros(matrix.nrows()), matrix);
+        let (values, mut matrix) = match wish {
+            Wish::Stated(rows, chosen) => {
+                let mut resting = state.clone();
+                resting.velocity.fill(0.0);
+                let (values, matrix) = rows.evaluate(model, &at(&resting), Along::Velocity)?;
+                (values.select_rows(chosen), matrix.select_rows(chosen))
+            }
+            Wish::Own(chosen) => homogeneous(DMatrix::from_fn(chosen.len(), n, |i, j| {
+                f64::from(u8::from(chosen[i] == j))
+            })),
+            Wish::Films => homogeneous(eccentricity_rates(model, state)),
+            Wish::Loads(elements) => {
+                let mut parts = Vec::new();
+                for element in elements {
+                    parts.extend(self.load_derivatives(model, state, *element)?);
+                }
+                let rows = parts.iter().map(DMatrix::nrows).sum();
+                let mut all = DMatrix::zeros(rows, n);
+                let mut first = 0;
+                for part in parts {
+                    all.rows_mut(first, part.nrows()).copy_from(&part);
+                    first += part.nrows();
+                }
+                homogeneous(all)
+            }
+        };
+        self.scale_columns(&mut matrix);
+        Ok((values, matrix))
+    }
+
+    /// Derivatives of an element's wrenches with respect to velocities and positions, each scaled to the size
+    /// of one. Soft rows are zero.
+    pub(crate) fn load_derivatives(
+        &self,
+        model: &Model,
+        state: &State,
+        element: usize,
+    ) -> Result<Vec<DMatrix<f64>>, RuntimeError> {
+        let class_index = model.elements[element].class;
+        let class = &model.compiled.system.classes[class_index];
+        let layout = &class.layout;
+        let markers = &model.elements[element].markers;
+        let (rows, wrenches) = (layout.rows as usize, 6 * layout.markers as usize);
+        let tape = class.tape as usize;
+        let mut work = vec![[0.0; 2]; tape + layout.directions() as usize];
+        let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
+        let inputs = rows::inputs(model, element, &at(state));
+        elements::call(
+            model,
+            class_index,
+            Function::Linearize,
+            &inputs,
+            &mut work[..tape],
+        )?;
+        let mut made = Vec::new();
+        for by_twist in [true, false] {
+            if by_twist && !class.uses_twist {
+                continue;
+            }
+            let mut matrix = DMatrix::zeros(wrenches, model.velocities);
+            for (k, marker) in markers.iter().enumerate() {
+                let Some((first, jacobian)) = marker_jacobian(model, *marker, state) else {
+                    continue;
+                };
+                let base = if by_twist {
+                    layout.twist_direction(k as u32)
+                } else {
+                    layout.pose_direction(k as u32)
+                } as usize;
+                for d in 0..6 {
+                    work[tape + base + d] = [1.0; 2];
+                    elements::call(model, class_index, Function::Tangent, &work, &mut out)?;
+                    work[tape + base + d] = [0.0; 2];
+                    for i in 0..wrenches {
+                        // a force counts with the model's length as its arm, to be comparable with a torque
+                        let slope = out[rows + i][0] * if i % 6 < 3 { model.length } else { 1.0 };
+                        for w in 0..jacobian.ncols() {
+                            matrix[(i, first + w)] += slope * jacobian[(d, w)];
+                        }
+                    }
+                }
+            }
+            let mut scaled = matrix.clone();
+            self.scale_columns(&mut scaled);
+            let largest = scaled.row_iter().fold(0.0_f64, |w, r| w.max(r.norm()));
+            if largest > 0.0 && largest.is_finite() {
+                for i in 0..wrenches {
+                    let keep = scaled.row(i).norm() > SOFT * largest;
+                    matrix.row_mut(i).scale_mut(f64::from(u8::from(keep)));
+                }
+            } else {
+                // an open contact has no slope here but may have one elsewhere, so its rows remain
+                matrix.fill(0.0);
+            }
+            made.push(matrix);
+        }
+        Ok(made)
+    }
+}
+
+/// Indices of the films among the elements.
+pub(super) fn films(model: &Model) -> Vec<usize> {
+    let journals = &model.compiled.system.journals;
+    journals.iter().map(|j| j.element as usize).collect()
+}
+
+/// Three wishes: stated velocities other than zero, stated zeros, and guessed velocities.
+pub(super) fn stated(model: &Model, state: &State) -> Result<[Wish; 3], RuntimeError> {
+    let of = |exact| {
+        rows_of(model, |e| {
+            model.compiled.system.elements[e].role == Role::StartVelocity { exact }
+        })
+    };
+    let mut resting = state.clone();
+    resting.velocity.fill(0.0);
+    let stated = of(true);
+    let (values, _) = stated.evaluate(model, &at(&resting), Along::Velocity)?;
+    let (moving, still) = (0..stated.len()).partition(|i| values[*i] != 0.0);
+    let guessed = of(false);
+    let all = (0..guessed.len()).collect();
+    Ok([
+        Wish::Stated(stated.clone(), moving),
+        Wish::Stated(stated, still),
+        Wish::Stated(guessed, all),
+    ])
+}
