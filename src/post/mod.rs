@@ -28,6 +28,7 @@
 
 mod evaluate;
 mod natural;
+mod operation;
 mod picture;
 mod reach;
 mod sampling;

@@ -1,7 +1,8 @@
 //! Spectra and orders of signals.
 
 use super::PostError;
-use super::evaluate::{Evaluator, sampled_track, window_of};
+use super::evaluate::Evaluator;
+use super::operation::{sampled_track, window_of};
 use super::reach::{limit_text, speed_text};
 use super::sampling::{Sampled, on};
 use super::track::Track;

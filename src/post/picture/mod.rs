@@ -8,7 +8,8 @@ mod xy;
 pub(crate) use labels::capital;
 pub(crate) use orders::ORDERS;
 
-use super::evaluate::{Evaluator, filter_of};
+use super::evaluate::Evaluator;
+use super::operation::filter_of;
 use super::track::{Track, told_apart};
 use super::{PostError, Run};
 use eng_report::figure::{Abscissa, Curve, Figure, History, Mark, Ordinate, Panel, Scale};

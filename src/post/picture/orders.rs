@@ -2,8 +2,8 @@
 
 use super::{Drawer, named, pairs};
 use crate::post::PostError;
-use crate::post::evaluate::window_of;
 use crate::post::natural::Natural;
+use crate::post::operation::window_of;
 use crate::post::reach::limit_text;
 use crate::post::spectra::{map_of, orders_along, orders_of, spectrum_of};
 use crate::post::track::{Track, told_apart};
