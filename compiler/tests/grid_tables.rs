@@ -159,3 +159,52 @@ fn own(y: Length) -> 1 = y^2/1 m^2
         );
     }
 }
+
+#[test]
+fn functions_and_tables_with_some_arguments_are_functions() {
+    let tables = "
+fn burnt(angle: Angle, shape: 1, begin: Angle = 0 deg, n: Int = 2) -> 1 = shape*((angle - begin)/1 rad)^n
+fn weighted<D>(x: D, y: D, share: 1) -> D = share*x + (1 - share)*y
+table push(x: Length, turn: Angle) -> Force = points([0, 10, 20] mm, [0, 90, 180, 270] deg,
+    [[1, 2, 3, 2], [2, 4, 6, 4], [3, 6, 9, 6]] N, x: [linear, hold], turn: periodic(360 deg))
+fn steep = burnt(shape: 5)
+fn late = steep(begin: 1 rad)
+fn early = weighted(share: 0.25)
+fn at_90 = push(turn: 90 deg)
+fn rate = slope(late)
+fn there(f: fn(Angle) -> 1) -> 1 = f(3 rad)
+fn middle(f: fn(Length, Length) -> Length) -> Length = f(4 mm, 8 mm)
+record Fuel { let burn: fn(Angle) -> 1 }
+const Diesel = Fuel(burn: burnt(shape: 7, n: 3))
+";
+    let asked = "
+    let law: fn(Angle) -> 1 = burnt(shape: 9)
+    param by_name = late(3 rad)
+    param again = late(angle: 3 rad, n: 3)
+    param passed = there(burnt(shape: 2, begin: 1 rad))
+    param of_record = Diesel.burn(2 rad)
+    param of_value = law(1 rad)
+    param generic: Length = middle(weighted(share: 0.75))
+    param twice: Force = early(4 N, 8 N)
+    param of_table: Force = at_90(5 mm)
+    param slope_of_table: Stiffness = slope(at_90, 5 mm)
+    param slope_of_call: 1/Angle = slope(burnt(shape: 3), 2 rad)
+    param rate_there: 1/Angle = rate(3 rad)";
+    let found = parameters(tables, asked, &[]);
+    for (name, exact) in [
+        ("by_name", 20.0),
+        ("again", 40.0),
+        ("passed", 8.0),
+        ("of_record", 56.0),
+        ("of_value", 9.0),
+        ("generic", 5e-3),
+        ("twice", 7.0),
+        ("of_table", 3.0),
+        ("slope_of_table", 200.0),
+        ("slope_of_call", 12.0),
+        ("rate_there", 20.0),
+    ] {
+        let error = (found[name] / exact - 1.0).abs();
+        assert!(error < 1e-12, "{name}: {}", found[name]);
+    }
+}

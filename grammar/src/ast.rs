@@ -198,11 +198,13 @@ pub struct Parameter {
     pub span: Span,
 }
 
-/// `fn clamp<D>(x: D, low: D, high: D) -> D { let … ; value }`.
+/// `fn clamp<D>(x: D, low: D, high: D) -> D { let … ; value }`, `fn burn = wiebe(shape: 2)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Function {
     /// The name.
     pub name: Name,
+    /// Whether it has no list of parameters: its value is a function with some of its arguments.
+    pub bound: bool,
     /// Dimension variables.
     pub generics: Vec<Name>,
     /// Parameters.

@@ -8,6 +8,7 @@ use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{BoundClass, Misfit, Quantity, Signature, Solution, Type};
 use crate::codes;
+use crate::functions::Kind as FunctionKind;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::listing;
 use crate::typed::Callee;
@@ -58,6 +59,8 @@ impl<'p> Checker<'p> {
         callee: &Expr,
         arguments: &[Argument],
     ) -> Type {
+        // the function is due as the value of this call, not in its arguments
+        let function_due = std::mem::replace(&mut self.function_due, false);
         if let ExprKind::Name(name) = &callee.kind {
             let found = self.find(scope, name).is_some();
             let built_in = crate::functions::find(name);
@@ -71,6 +74,9 @@ impl<'p> Checker<'p> {
             {
                 let called = Callee::BuiltIn(built_in);
                 self.findings.callees.insert(span, called);
+                if function_due && matches!(built_in.kind, FunctionKind::Functions) {
+                    return self.derivative_as_function(scope, built_in, span, arguments);
+                }
                 return self.built_in(scope, built_in, span, arguments);
             }
             if !found && let Some(ty) = self.call_of_word(scope, name, callee.span, span, arguments)
@@ -109,45 +115,11 @@ impl<'p> Checker<'p> {
                 }
                 Type::Error
             }
+            Type::Function(signature) if function_due => {
+                self.function_of_call(scope, span, &signature, arguments)
+            }
             Type::Function(signature) => self.call_of_function(scope, span, &signature, arguments),
-            Type::Class(id) => match self.declaration(id).map(|d| d.kind) {
-                Some(Kind::Record) => {
-                    self.arguments_of_class(scope, id, &[], arguments, span);
-                    Type::Instance(id)
-                }
-                Some(kind) if self.class_due && super::class::is_of_elements(kind) => {
-                    self.bound_class(scope, id, &[], arguments, span)
-                }
-                Some(kind) => {
-                    let word = super::describe::kind_word(kind);
-                    let class = self.class_name(id);
-                    let form = match kind {
-                        Kind::Component => format!("part name = {class}(…)"),
-                        Kind::Model => {
-                            format!("analysis name = transient({class}(…), duration: …)")
-                        }
-                        _ => format!("{word} name = {class}(…)"),
-                    };
-                    let message = Diagnostic::error(
-                        codes::MISPLACED,
-                        format!("the {word} `{class}` is no value"),
-                    )
-                    .at(span, "used inside an expression")
-                    .with_help(format!("it is an item of its own: `{form}`"));
-                    let interface = self.program.interface_of(id);
-                    self.report(match interface {
-                        Some(interface) if kind != Kind::Model => {
-                            let interface = self.class_name(interface);
-                            message.with_help(format!(
-                                "a class with some of its arguments needs a stated type: `law: {interface} = {class}(…)`, `laws: {interface}[2] = [{class}(…), …]`"
-                            ))
-                        }
-                        _ => message,
-                    });
-                    Type::Error
-                }
-                None => Type::Error,
-            },
+            Type::Class(id) => self.call_of_class(scope, span, id, arguments),
             Type::Bound(bound) if self.class_due => {
                 self.bound_class(scope, bound.class, &bound.given, arguments, span)
             }
@@ -168,6 +140,54 @@ impl<'p> Checker<'p> {
         }
     }
 
+    /// The type of a call of a class inside an expression.
+    fn call_of_class(
+        &mut self,
+        scope: &Scope<'p>,
+        span: Span,
+        id: DefinitionId,
+        arguments: &[Argument],
+    ) -> Type {
+        match self.declaration(id).map(|d| d.kind) {
+            Some(Kind::Record) => {
+                self.arguments_of_class(scope, id, &[], arguments, span);
+                Type::Instance(id)
+            }
+            Some(kind) if self.class_due && super::class::is_of_elements(kind) => {
+                self.bound_class(scope, id, &[], arguments, span)
+            }
+            Some(kind) => {
+                let word = super::describe::kind_word(kind);
+                let class = self.class_name(id);
+                let form = match kind {
+                    Kind::Component => format!("part name = {class}(…)"),
+                    Kind::Model => {
+                        format!("analysis name = transient({class}(…), duration: …)")
+                    }
+                    _ => format!("{word} name = {class}(…)"),
+                };
+                let message = Diagnostic::error(
+                    codes::MISPLACED,
+                    format!("the {word} `{class}` is no value"),
+                )
+                .at(span, "used inside an expression")
+                .with_help(format!("it is an item of its own: `{form}`"));
+                let interface = self.program.interface_of(id);
+                self.report(match interface {
+                        Some(interface) if kind != Kind::Model => {
+                            let interface = self.class_name(interface);
+                            message.with_help(format!(
+                                "a class with some of its arguments needs a stated type: `law: {interface} = {class}(…)`, `laws: {interface}[2] = [{class}(…), …]`"
+                            ))
+                        }
+                        _ => message,
+                    });
+                Type::Error
+            }
+            None => Type::Error,
+        }
+    }
+
     pub(super) fn call_of_function(
         &mut self,
         scope: &Scope<'p>,
@@ -182,24 +202,7 @@ impl<'p> Checker<'p> {
             }
             return Type::Error;
         }
-        let slots: Vec<Slot> = signature
-            .parameters
-            .iter()
-            .enumerate()
-            .map(|(index, parameter)| Slot {
-                name: if parameter.name.is_empty() {
-                    format!("argument {}", index + 1)
-                } else {
-                    parameter.name.clone()
-                },
-                ty: parameter.ty.clone(),
-                optional: parameter.optional,
-                span: Some(parameter.span),
-                unit: None,
-                named_only: false,
-                given: None,
-            })
-            .collect();
+        let slots = slots_of_function(signature);
         let mut solution = Solution::default();
         let ok = self.arguments(
             scope,
@@ -218,7 +221,7 @@ impl<'p> Checker<'p> {
     }
 
     /// Stores the dimensions of the variables of a function at a use.
-    fn solved(&mut self, place: Span, solution: Solution) {
+    pub(super) fn solved(&mut self, place: Span, solution: Solution) {
         if !solution.is_empty() {
             self.findings.solutions.insert(place, solution);
         }
@@ -501,6 +504,9 @@ impl<'p> Checker<'p> {
         }
         fits &= self.assignable(&result, &wanted.result);
         if fits {
+            // a call that gives a generic function some of its arguments has found some of its variables
+            let known = self.findings.solutions.get(&expr.span);
+            let solution = known.map_or(solution.clone(), |known| solution.and(known));
             self.solved(expr.span, solution);
             return Type::Function(wanted.clone().into());
         }
@@ -630,6 +636,26 @@ impl<'p> Checker<'p> {
         }
         Type::ClassOf(interface)
     }
+}
+
+/// The parameters of a function.
+pub(super) fn slots_of_function(signature: &Signature) -> Vec<Slot> {
+    let parameters = signature.parameters.iter().enumerate();
+    parameters
+        .map(|(index, parameter)| Slot {
+            name: if parameter.name.is_empty() {
+                format!("argument {}", index + 1)
+            } else {
+                parameter.name.clone()
+            },
+            ty: parameter.ty.clone(),
+            optional: parameter.optional,
+            span: Some(parameter.span),
+            unit: None,
+            named_only: false,
+            given: None,
+        })
+        .collect()
 }
 
 fn has_variables(ty: &Type) -> bool {

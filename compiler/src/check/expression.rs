@@ -44,7 +44,18 @@ pub(super) fn counts_from_one(range: &Expr) -> bool {
 impl<'p> Checker<'p> {
     /// The type of an expression. Stores it in the findings.
     pub(super) fn infer(&mut self, scope: &Scope<'p>, expr: &Expr) -> Type {
+        let outer = self.function_due;
+        // a function is due in the parts of these expressions only
+        self.function_due &= matches!(
+            expr.kind,
+            ExprKind::Paren { .. }
+                | ExprKind::List { .. }
+                | ExprKind::Comprehension { .. }
+                | ExprKind::If { .. }
+                | ExprKind::Call { .. }
+        );
         let ty = self.type_of(scope, expr);
+        self.function_due = outer;
         self.findings.types.insert(expr.span, ty.clone());
         ty
     }
@@ -113,7 +124,9 @@ impl<'p> Checker<'p> {
 
     /// Checks an expression that must be true or false.
     pub(super) fn condition(&mut self, scope: &Scope<'p>, expr: &Expr, what: &str) {
+        let outer = std::mem::replace(&mut self.function_due, false);
         let ty = self.infer_due(scope, expr, None);
+        self.function_due = outer;
         if ty.is_error() || ty == Type::Bool {
             return;
         }

@@ -52,6 +52,13 @@ impl<'p> Checker<'p> {
             output: false,
             ..outer.clone()
         };
+        if function.bound {
+            let signature = Arc::new(self.bound_function(&scope, function));
+            self.depth -= 1;
+            let done = Progress::Done(signature.clone());
+            self.signatures.insert(key, done);
+            return signature;
+        }
         for generic in &function.generics {
             let number = self.variables.len() as u32;
             self.variables.push(generic.text.clone());
@@ -89,34 +96,7 @@ impl<'p> Checker<'p> {
             });
             scope.locals.push((parameter.name.text.clone(), ty));
         }
-        let declared = function.result.as_ref().map(|ty| self.ty(&scope, ty));
-        self.lets(function, &mut scope);
-        for requirement in &function.requirements {
-            let word = if requirement.advise {
-                "advise"
-            } else {
-                "require"
-            };
-            let what = format!("what follows `{word}`");
-            self.condition(&scope, &requirement.condition, &what);
-            self.message(&scope, &requirement.message);
-        }
-        let result = match declared {
-            Some(declared) => {
-                let mut due = Due::new(format!("the value of `{}`", function.name.text));
-                if let Some(ty) = &function.result {
-                    due = due.declared(ty.span, "declared here");
-                }
-                if let Some(value) = &function.value {
-                    self.expect(&scope, value, &declared, &due);
-                }
-                declared
-            }
-            None => match &function.value {
-                Some(value) => self.infer(&scope, value),
-                None => Type::Error,
-            },
-        };
+        let result = self.result_of(function, &mut scope);
         self.function_needs(&scope, function);
         self.depth -= 1;
         let signature = Arc::new(Signature {
@@ -127,6 +107,38 @@ impl<'p> Checker<'p> {
         self.signatures
             .insert(key, Progress::Done(signature.clone()));
         signature
+    }
+
+    /// Checks the text of a function, and gives the type of its value.
+    fn result_of(&mut self, function: &'p Function, scope: &mut Scope<'p>) -> Type {
+        let declared = function.result.as_ref().map(|ty| self.ty(scope, ty));
+        self.lets(function, scope);
+        for requirement in &function.requirements {
+            let word = if requirement.advise {
+                "advise"
+            } else {
+                "require"
+            };
+            let what = format!("what follows `{word}`");
+            self.condition(scope, &requirement.condition, &what);
+            self.message(scope, &requirement.message);
+        }
+        match declared {
+            Some(declared) => {
+                let mut due = Due::new(format!("the value of `{}`", function.name.text));
+                if let Some(ty) = &function.result {
+                    due = due.declared(ty.span, "declared here");
+                }
+                if let Some(value) = &function.value {
+                    self.expect(scope, value, &declared, &due);
+                }
+                declared
+            }
+            None => match &function.value {
+                Some(value) => self.infer(scope, value),
+                None => Type::Error,
+            },
+        }
     }
 
     /// Adds the lengths that the arguments decide to the names of a function: `n` of `values: Length[n]` if

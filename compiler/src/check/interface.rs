@@ -267,7 +267,7 @@ impl<'p> Checker<'p> {
         let given = self.function(&Scope::of(home), own);
         let fault = if !own.generics.is_empty() {
             Some((own.name.span, "it has dimension variables".to_owned()))
-        } else if own.result.is_none() {
+        } else if own.result.is_none() && !own.bound {
             Some((
                 own.name.span,
                 "it does not state the type of its value".to_owned(),

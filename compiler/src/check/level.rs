@@ -94,6 +94,8 @@ enum Abstract<'p> {
     Instance(DefinitionId),
     Class(DefinitionId),
     Function(&'p Function, Rc<Place<'p>>),
+    /// A function with some of its arguments, by the names of their parameters.
+    Partial(Rc<Abstract<'p>>, Rc<Vec<(String, Abstract<'p>)>>),
     /// A table, or a function that is a parameter.
     Unknown,
 }
@@ -106,6 +108,9 @@ impl Abstract<'_> {
             Abstract::Record(_, fields) => fields
                 .values()
                 .fold(FREE, |level, field| level.with(field.level())),
+            Abstract::Partial(_, given) => given
+                .iter()
+                .fold(FREE, |level, (_, given)| level.with(given.level())),
             _ => FREE,
         }
     }
@@ -425,7 +430,7 @@ impl<'p> Levels<'_, 'p> {
                 levels.binding(&Place::of(Scope::top(id.module)), binding)
             }),
             ItemKind::Function(function) => {
-                Abstract::Function(function, Rc::new(Place::of(Scope::top(id.module))))
+                self.function(function, Place::of(Scope::top(id.module)), (id, ""))
             }
             ItemKind::Declaration(_) => Abstract::Class(id),
             _ => Abstract::Unknown,
@@ -495,7 +500,7 @@ impl<'p> Levels<'_, 'p> {
             },
             // the class gives it, and no class is known here
             Member::Function(_) if is_asked(member) => Abstract::Unknown,
-            Member::Function(function) => Abstract::Function(function, Rc::new(place)),
+            Member::Function(function) => self.function(function, place, (class, name)),
             Member::Table(_) => Abstract::Unknown,
             Member::Length(_) => Abstract::Number(FREE),
             Member::Reaction(_) => Abstract::Number(Level::new(2, span, Cause::Reaction)),
@@ -509,6 +514,21 @@ impl<'p> Levels<'_, 'p> {
                     self.given(&ty)
                 }
             },
+        }
+    }
+
+    /// A function of the text. The value of `fn burn = wiebe(shape: 2)` is remembered under its key.
+    fn function(
+        &mut self,
+        function: &'p Function,
+        place: Place<'p>,
+        (id, name): (DefinitionId, &str),
+    ) -> Abstract<'p> {
+        match &function.value {
+            Some(value) if function.bound => {
+                self.remembered(id, name, |levels| levels.value(&place, value))
+            }
+            _ => Abstract::Function(function, Rc::new(place)),
         }
     }
 
@@ -575,9 +595,10 @@ impl<'p> Levels<'_, 'p> {
                 Some(held) => self.member(id, &name.text, held, name.span),
                 None => Abstract::Number(FREE),
             },
-            Abstract::Class(_) | Abstract::Function(..) | Abstract::Unknown => {
-                Abstract::Number(FREE)
-            }
+            Abstract::Class(_)
+            | Abstract::Function(..)
+            | Abstract::Partial(..)
+            | Abstract::Unknown => Abstract::Number(FREE),
         }
     }
 
@@ -603,7 +624,7 @@ impl<'p> Levels<'_, 'p> {
         {
             let own = matches!(
                 self.name(place, name, callee.span),
-                Abstract::Function(..) | Abstract::Class(_)
+                Abstract::Function(..) | Abstract::Partial(..) | Abstract::Class(_)
             );
             if !own {
                 return Abstract::Number(match name.as_str() {
@@ -613,8 +634,35 @@ impl<'p> Levels<'_, 'p> {
                 });
             }
         }
-        match self.value(place, callee) {
+        let called = self.value(place, callee);
+        if self.checker.findings.bound.contains(&span) {
+            let named = values.into_iter();
+            let named = named.filter_map(|(name, value)| Some((name?.to_owned(), value)));
+            return Abstract::Partial(Rc::new(called), Rc::new(named.collect()));
+        }
+        self.called(called, values, all)
+    }
+
+    fn called(
+        &mut self,
+        called: Abstract<'p>,
+        values: Vec<(Option<&str>, Abstract<'p>)>,
+        all: Level,
+    ) -> Abstract<'p> {
+        match called {
             Abstract::Function(function, defined) => self.follow(function, &defined, values, all),
+            Abstract::Partial(inner, given) => {
+                let all = given
+                    .iter()
+                    .fold(all, |all, (_, value)| all.with(value.level()));
+                let given: Vec<(String, Abstract<'p>)> = Vec::clone(&given);
+                let named = given
+                    .iter()
+                    .map(|(name, value)| (Some(name.as_str()), value.clone()));
+                let mut values = values;
+                values.extend(named);
+                self.called(Abstract::clone(&inner), values, all)
+            }
             Abstract::Class(id) => {
                 let slots: Vec<String> = self
                     .checker
@@ -656,18 +704,18 @@ impl<'p> Levels<'_, 'p> {
         }
         self.depth += 1;
         let mut inner = defined.clone();
-        let mut position = 0;
         let mut given: Vec<&str> = Vec::new();
+        // arguments by place belong to the parameters without an argument by name
+        let named: Vec<&str> = values.iter().filter_map(|(name, _)| *name).collect();
+        let mut by_place = function
+            .parameters
+            .iter()
+            .map(|p| p.name.text.as_str())
+            .filter(|name| !named.contains(name));
         for (name, value) in &values {
             let name = match name {
                 Some(name) => Some(*name),
-                None => {
-                    position += 1;
-                    function
-                        .parameters
-                        .get(position - 1)
-                        .map(|p| p.name.text.as_str())
-                }
+                None => by_place.next(),
             };
             if let Some(name) = name {
                 given.push(name);

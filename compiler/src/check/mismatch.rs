@@ -98,23 +98,23 @@ impl<'p> Checker<'p> {
         let wanted = dimension
             .filter(|quantity| unit_of(expr).is_some() && quantity.dim.variables.is_empty())
             .map(|quantity| quantity.dim.base);
-        let class_due = match expected {
-            Type::List { element, .. } => matches!(**element, Type::ClassOf(_)),
-            expected => matches!(expected, Type::ClassOf(_)),
-        };
-        let choice_due = match expected {
+        let due = match expected {
             Type::List { element, .. } => element.as_ref(),
             expected => expected,
         };
-        let choice_due = match choice_due {
+        let choice_due = match due {
             Type::Choice(id) => Some(*id),
             _ => None,
         };
+        let class_due = matches!(due, Type::ClassOf(_));
+        let function_due = matches!(due, Type::Function(_));
         let outer = std::mem::replace(&mut self.wanted, wanted);
-        let outer_due = std::mem::replace(&mut self.class_due, class_due);
+        let outer_class = std::mem::replace(&mut self.class_due, class_due);
+        let outer_function = std::mem::replace(&mut self.function_due, function_due);
         let found = self.infer_due(scope, expr, choice_due);
         self.wanted = outer;
-        self.class_due = outer_due;
+        self.class_due = outer_class;
+        self.function_due = outer_function;
         found
     }
 

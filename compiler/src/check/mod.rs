@@ -25,6 +25,7 @@ mod lint;
 mod member;
 mod mismatch;
 mod operator;
+mod partial;
 mod report;
 mod scope;
 mod signal;
@@ -82,6 +83,8 @@ struct Checker<'p> {
     wanted: Option<Dimension>,
     /// Whether the context of a call needs a class, so that the call may give it some of its arguments.
     class_due: bool,
+    /// Whether the context of a call needs a function, so that the call may give it some of its arguments.
+    function_due: bool,
     /// The choice whose words may stand here by themselves.
     choice_due: Option<DefinitionId>,
     /// Values and functions being inferred.
@@ -160,6 +163,7 @@ impl<'p> Checker<'p> {
             used_units: BTreeSet::new(),
             wanted: None,
             class_due: false,
+            function_due: false,
             choice_due: None,
             depth: 0,
             lints: program.lints(),

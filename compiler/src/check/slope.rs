@@ -2,10 +2,11 @@
 
 use super::Checker;
 use super::scope::Scope;
-use super::types::{Kind, Quantity, Type};
+use super::types::{Kind, Quantity, Signature, Type};
 use crate::functions::BuiltIn;
 use eng_grammar::Span;
-use eng_grammar::ast::Argument;
+use eng_grammar::ast::{Argument, Expr};
+use std::sync::Arc;
 
 impl<'p> Checker<'p> {
     /// The type of a call whose first argument is a function of one argument.
@@ -23,21 +24,13 @@ impl<'p> Checker<'p> {
             }
             return Type::Error;
         };
-        let found = self.infer(scope, &first.value);
-        let signature = match &found {
-            Type::Function(signature) if signature.parameters.len() == 1 => signature.clone(),
-            Type::Error => {
-                for argument in rest {
-                    self.infer(scope, &argument.value);
-                }
-                return Type::Error;
+        let Some(signature) = self.function_of_one(scope, function, &first.value) else {
+            for argument in rest {
+                self.infer(scope, &argument.value);
             }
-            other => {
-                let what = format!("the first argument of `{}`", function.name);
-                let wanted = "a table or function of one argument, by its name";
-                return self.not_a(&first.value, &other.clone(), &what, wanted);
-            }
+            return Type::Error;
         };
+        let found = Type::Function(signature.clone());
         let of_parameter = signature.parameters.first().and_then(|p| p.ty.quantity());
         if function.name == "period" {
             return match of_parameter {
@@ -60,24 +53,84 @@ impl<'p> Checker<'p> {
         let argument = rest.first().map(|x| self.infer(scope, &x.value));
         let by = of_parameter.filter(|quantity| quantity.dim.variables.is_empty());
         let by = by.or_else(|| argument.and_then(|ty| ty.quantity()));
-        let (Some(of), Some(by)) = (value.quantity(), by) else {
-            let what = format!("the first argument of `{}`", function.name);
-            return self.not_a(
-                &first.value,
-                &found,
-                &what,
-                "a function of a number that gives a number",
-            );
-        };
-        let mut slope = of.over(&by);
-        if function.name == "curvature" {
-            slope = slope.over(&by);
+        match (value.quantity(), by) {
+            (Some(of), Some(by)) => derivative_type(function, &of, &by),
+            _ => self.no_number(function, &first.value, &found),
         }
-        // like `der`: an angle may be dropped from a computed value
-        Type::Scalar(Quantity {
-            soft: true,
-            kind: Kind::Any,
-            ..slope
-        })
     }
+
+    /// The signature of the function of one argument that is the first argument of a call.
+    fn function_of_one(
+        &mut self,
+        scope: &Scope<'p>,
+        function: &BuiltIn,
+        first: &Expr,
+    ) -> Option<Arc<Signature>> {
+        match self.infer_function(scope, first) {
+            Type::Function(signature) if takes_one(&signature) => Some(signature),
+            Type::Error => None,
+            other => {
+                let what = format!("the first argument of `{}`", function.name);
+                let wanted = "a table or function of one argument, by its name";
+                self.not_a(first, &other, &what, wanted);
+                None
+            }
+        }
+    }
+
+    fn no_number(&mut self, function: &BuiltIn, first: &Expr, found: &Type) -> Type {
+        let what = format!("the first argument of `{}`", function.name);
+        let wanted = "a function of a number that gives a number";
+        self.not_a(first, found, &what, wanted)
+    }
+
+    /// The type of `slope(lift)` where a function is due. With an argument the call gives a number.
+    pub(super) fn derivative_as_function(
+        &mut self,
+        scope: &Scope<'p>,
+        function: &BuiltIn,
+        span: Span,
+        arguments: &[Argument],
+    ) -> Type {
+        let [Argument { name: None, value }] = arguments else {
+            return self.of_function(scope, function, span, arguments);
+        };
+        if function.name == "period" {
+            return self.of_function(scope, function, span, arguments);
+        }
+        let Some(signature) = self.function_of_one(scope, function, value) else {
+            return Type::Error;
+        };
+        let parameter = signature.parameters.first();
+        let by = parameter.and_then(|parameter| parameter.ty.quantity());
+        let quantities = signature.result.quantity().zip(by);
+        let Some((of, by)) = quantities.filter(|(_, by)| by.dim.variables.is_empty()) else {
+            return self.no_number(function, value, &Type::Function(signature));
+        };
+        self.findings.bound.insert(span);
+        Type::Function(Arc::new(Signature {
+            name: format!("{} of {}", function.name, signature.name),
+            parameters: signature.parameters.iter().take(1).cloned().collect(),
+            result: derivative_type(function, &of, &by),
+        }))
+    }
+}
+
+/// Whether one argument is enough for a function.
+fn takes_one(signature: &Signature) -> bool {
+    let mut parameters = signature.parameters.iter();
+    parameters.next().is_some() && parameters.all(|parameter| parameter.optional)
+}
+
+fn derivative_type(function: &BuiltIn, of: &Quantity, by: &Quantity) -> Type {
+    let mut slope = of.over(by);
+    if function.name == "curvature" {
+        slope = slope.over(by);
+    }
+    // like `der`: an angle may be dropped from a computed value
+    Type::Scalar(Quantity {
+        soft: true,
+        kind: Kind::Any,
+        ..slope
+    })
 }

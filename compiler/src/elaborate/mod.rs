@@ -22,6 +22,7 @@ mod lengths;
 mod marker;
 mod model;
 mod output;
+mod partial;
 mod pending;
 mod reference;
 mod repeat;
@@ -98,6 +99,8 @@ pub(crate) enum Lazy<'a> {
     Default(&'a ast::Parameter),
     /// A default of a parameter of a class. It becomes a parameter.
     DefaultOf(ClassParameter<'a>),
+    /// `fn burn = wiebe(shape: 2)`: its value is the function.
+    BoundFunction(&'a ast::Function),
     /// The length of an array, which its default decides.
     LengthOf(ClassParameter<'a>),
     /// A table.

@@ -146,6 +146,10 @@ impl<'a> Elaborator<'a, '_> {
             Value::Components(c, _) => c.iter().any(motion),
             Value::List(items) => items.iter().any(|v| self.moves(v)),
             Value::Family(items) => items.iter().any(|(_, v)| self.moves(v)),
+            Value::Partial(partial) => {
+                let mut given = partial.given.iter();
+                self.moves(&partial.function) || given.any(|given| self.moves(&given.value))
+            }
             Value::Record(_, scope) => {
                 let mut fields = self.scope(*scope).entries.values();
                 fields.any(|entry| matches!(entry, Entry::Value(v) if self.moves(v)))
@@ -182,6 +186,12 @@ impl<'a> Elaborator<'a, '_> {
                 self.declared(value, Some(&parameter.ty))
             }
             Lazy::DefaultOf(parameter) => self.default_of(parameter, scope),
+            Lazy::BoundFunction(function) => {
+                let value = function.value.as_ref();
+                let value =
+                    self.checked(value, function.name.span, "a function without a value")?;
+                self.evaluate(value, scope)
+            }
             Lazy::LengthOf(parameter) => self.length_of_default(parameter, scope),
             Lazy::Table(table) => {
                 let module = self.scope(scope).module;
@@ -267,6 +277,7 @@ impl<'a> Elaborator<'a, '_> {
             ItemKind::Binding(b) if matches!(b.kind, BindingKind::Param) => Lazy::Parameter(b),
             ItemKind::Binding(b) => Lazy::Binding(b),
             ItemKind::Table(t) => Lazy::Table(t),
+            ItemKind::Function(function) if function.bound => Lazy::BoundFunction(function),
             ItemKind::Function(function) => {
                 return Ok(Value::Closure(Closure {
                     function,
@@ -285,6 +296,7 @@ impl<'a> Elaborator<'a, '_> {
         let name = match &item.kind {
             ItemKind::Binding(b) => b.name.text.clone(),
             ItemKind::Table(t) => t.name.text.clone(),
+            ItemKind::Function(function) => function.name.text.clone(),
             _ => return Err(Reported),
         };
         if !self.scope(scope).entries.contains_key(&name) {

@@ -1,16 +1,18 @@
 //! Functions of functions: `slope`, `curvature`, `period`.
 
+use super::partial::Passed;
 use super::scalar::{Scalar, Stage};
-use super::value::{Closure, ScopeId, Value};
+use super::value::{Partial, ScopeId, Value};
 use super::{Elaborator, Eval};
 use eng_grammar::Span;
+use std::rc::Rc;
 
-/// A function of the text whose derivative is asked for.
-struct Asked<'a, 'c> {
-    function: &'c Closure<'a>,
-    /// The call of `slope` or `curvature`, and its scope.
-    call: Span,
-    scope: ScopeId,
+/// A function whose derivative is asked for.
+pub(super) struct Asked<'a, 'c> {
+    pub function: &'c Value<'a>,
+    /// The call of `slope`, `curvature`, or of such a function, and its scope.
+    pub call: Span,
+    pub scope: ScopeId,
 }
 
 impl<'a> Elaborator<'a, '_> {
@@ -30,14 +32,21 @@ impl<'a> Elaborator<'a, '_> {
                 _ => self.bench.constant(0.0),
             }));
         }
+        let order = if name == "slope" { 1 } else { 2 };
+        if self.typed.findings.bound.contains(&span) {
+            return Ok(Value::Partial(Rc::new(Partial {
+                function,
+                order,
+                given: Vec::new(),
+            })));
+        }
         let (x, place) = self.checked(values.next(), span, "no argument is given")?;
         let x = self.as_scalar(x, place)?;
-        let order = if name == "slope" { 1 } else { 2 };
         Ok(Value::Scalar(match function {
             Value::Table(table) => self.bench.slope_of_table(table.handle, x, order),
-            Value::Closure(closure) => {
+            function @ (Value::Closure(_) | Value::Partial(_)) => {
                 let asked = Asked {
-                    function: &closure,
+                    function: &function,
                     call: span,
                     scope,
                 };
@@ -50,8 +59,13 @@ impl<'a> Elaborator<'a, '_> {
         }))
     }
 
-    /// A derivative of a function of the text at x.
-    fn derivative(&mut self, asked: &Asked<'a, '_>, x: Scalar, order: u8) -> Eval<Scalar> {
+    /// A derivative of a function at x.
+    pub(super) fn derivative(
+        &mut self,
+        asked: &Asked<'a, '_>,
+        x: Scalar,
+        order: u8,
+    ) -> Eval<Scalar> {
         // the value itself is not used, but its call asks for the function's conditions and tells the stage
         let stage = self.value_of(asked, x)?.stage;
         let x = match stage {
@@ -76,8 +90,13 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn value_of(&mut self, asked: &Asked<'a, '_>, x: Scalar) -> Eval<Scalar> {
-        let arguments = vec![Value::Scalar(x)];
-        let value = self.apply(asked.function, arguments, asked.call, asked.scope)?;
+        let passed = vec![Passed {
+            place: 0,
+            value: Value::Scalar(x),
+            span: asked.call,
+            scope: asked.scope,
+        }];
+        let value = self.apply(asked.function, passed, asked.call, asked.scope)?;
         self.as_scalar(value, asked.call)
     }
 }

@@ -21,6 +21,30 @@ pub(crate) struct Closure<'a> {
     pub solution: Option<Rc<Solution>>,
 }
 
+/// A function with some of its arguments: `wiebe(shape: 2)`.
+#[derive(Clone, Debug)]
+pub(crate) struct Partial<'a> {
+    /// A function or a table.
+    pub function: Value<'a>,
+    /// The derivative of the function in the place of its value.
+    pub order: u8,
+    pub given: Vec<GivenValue<'a>>,
+}
+
+/// An argument that a function has already.
+#[derive(Clone, Debug)]
+pub(crate) struct GivenValue<'a> {
+    /// Its parameter, by the place in the function.
+    pub place: u32,
+    pub name: String,
+    pub value: Value<'a>,
+    pub expr: &'a ast::Expr,
+    /// The scope of the expression.
+    pub scope: ScopeId,
+    /// Whether code depends on the value itself, as on a count.
+    pub structural: bool,
+}
+
 /// A value.
 #[derive(Clone, Debug)]
 pub(crate) enum Value<'a> {
@@ -49,6 +73,8 @@ pub(crate) enum Value<'a> {
     Part(ScopeId),
     Closure(Closure<'a>),
     Table(TableValue),
+    /// A function with some of its arguments.
+    Partial(Rc<Partial<'a>>),
     /// A class, record, model or component, which is called with arguments.
     Definition(DefinitionId),
     /// A class with some of its arguments.
@@ -130,7 +156,7 @@ impl Value<'_> {
             Value::Element(_) => "an element",
             Value::Record(..) => "a record",
             Value::Part(_) => "a part",
-            Value::Closure(_) => "a function",
+            Value::Closure(_) | Value::Partial(_) => "a function",
             Value::Table(_) => "a table",
             Value::Definition(_) | Value::Bound(_) => "a class",
             Value::Absent(_) => "a part that is not there",

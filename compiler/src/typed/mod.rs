@@ -39,6 +39,8 @@ pub(crate) struct Findings {
     /// The parameter of each argument, by the place of the call: its index in the signature of a function,
     /// the list of a class, or the [`settable`] values of a record or model.
     pub calls: BTreeMap<Span, Arc<[u32]>>,
+    /// Calls that give a function some of its arguments and make a function of the others.
+    pub bound: BTreeSet<Span>,
     /// Messages of `require` and `advise` and texts with values in them, by the place inside their quotes.
     pub messages: BTreeMap<Span, Vec<MessagePart>>,
     /// The words of choices, each with its choice and its place among the words.
@@ -67,6 +69,7 @@ impl Findings {
         self.solutions.extend(other.solutions);
         self.callees.extend(other.callees);
         self.calls.extend(other.calls);
+        self.bound.extend(other.bound);
         self.messages.extend(other.messages);
         self.lengths.extend(other.lengths);
         self.named.extend(other.named);

@@ -120,6 +120,16 @@ impl Solution {
         self.solved.is_empty()
     }
 
+    /// This solution with the variables that only `other` has.
+    pub fn and(mut self, other: &Solution) -> Solution {
+        for (number, quantity) in &other.solved {
+            if self.get(*number).is_none() {
+                self.solved.push((*number, quantity.clone()));
+            }
+        }
+        self
+    }
+
     /// This solution with the variables of the surrounding function replaced by those of `outer`.
     pub fn within(&self, outer: &Solution) -> Solution {
         let solved = self.solved.iter();

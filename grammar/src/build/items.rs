@@ -373,6 +373,7 @@ impl<'t> Builder<'t, '_> {
                 text: String::new(),
                 span,
             },
+            bound: true,
             generics: Vec::new(),
             parameters: Vec::new(),
             result: None,
@@ -384,7 +385,10 @@ impl<'t> Builder<'t, '_> {
             match part.as_rule() {
                 Rule::name => function.name = self.name(&part),
                 Rule::generics => function.generics = self.names(part),
-                Rule::parameters => function.parameters = self.parameters(part, depth),
+                Rule::parameters => {
+                    function.bound = false;
+                    function.parameters = self.parameters(part, depth);
+                }
                 Rule::type_expression => function.result = Some(self.type_expression(part, depth)),
                 Rule::expression => function.value = Some(self.expression(part, depth)),
                 Rule::function_block => self.function_block(part, depth, &mut function),

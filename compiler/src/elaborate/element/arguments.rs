@@ -58,13 +58,8 @@ impl<'a> Elaborator<'a, '_> {
                     partner = partner.or(Some(m));
                     Value::Marker(m)
                 }
-                Value::Table(mut t) => {
-                    // the handle is no constant of the code, so that instances with other tables share the
-                    // code
-                    if let Some(known) = self.bench.bind.graph.as_constant(t.handle) {
-                        t.handle = self.bench.bind.fixed(known);
-                    }
-                    Value::Table(t)
+                value @ (Value::Table(_) | Value::Partial(_)) => {
+                    self.function_argument(value, &format!("{path}.{name}"))?
                 }
                 value if is_structural(&ty) => value,
                 value => {
@@ -170,7 +165,9 @@ impl<'a> Elaborator<'a, '_> {
         let default = self.checked(parameter.default, parameter.span, "no default")?;
         let value = self.evaluate(default, own)?;
         let ty = self.type_at(parameter.ty.span)?;
-        let value = if is_structural(&ty) {
+        let value = if let Value::Partial(_) = value {
+            self.function_argument(value, &parameter_path)?
+        } else if is_structural(&ty) {
             value
         } else {
             let stated = Stated {
@@ -257,6 +254,10 @@ impl<'a> Elaborator<'a, '_> {
                 {
                     self.define(scope, &b.name.text, Entry::Lazy(Lazy::Binding(b)));
                 }
+                ItemKind::Function(function) if function.bound => {
+                    let lazy = Lazy::BoundFunction(function);
+                    self.define(scope, &function.name.text, Entry::Lazy(lazy));
+                }
                 ItemKind::Function(function) if function.value.is_some() => self.define(
                     scope,
                     &function.name.text,
@@ -324,7 +325,7 @@ pub(crate) fn is_marker(ty: &Type) -> bool {
 
 /// Whether a class's code or layout depends on values of a type. Such values are no parameters of its
 /// instances.
-fn is_structural(ty: &Type) -> bool {
+pub(crate) fn is_structural(ty: &Type) -> bool {
     match ty {
         Type::Int
         | Type::Bool

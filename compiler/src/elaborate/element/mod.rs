@@ -4,7 +4,7 @@ mod arguments;
 mod equations;
 mod laws;
 
-pub(crate) use arguments::is_marker;
+pub(crate) use arguments::{is_marker, is_structural};
 
 use super::scalar::{ElementBuilder, PROVISIONAL};
 use super::value::{Axes, Given, ScopeId, Value};

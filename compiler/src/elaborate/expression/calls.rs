@@ -1,7 +1,9 @@
 //! Calls of functions and tables, with the conditions of functions.
 
+use super::super::partial::{Passed, all_arguments, joined};
 use super::super::requirement::Part;
 use super::super::scalar::{Flag, Scalar, Stage};
+use super::super::slope::Asked;
 use super::super::value::{BoundClass, ScopeId, TableValue, Value};
 use super::super::{Elaborator, Entry, Eval, Lazy};
 use crate::codes;
@@ -31,30 +33,21 @@ impl<'a> Elaborator<'a, '_> {
         }
         let function = self.evaluate(callee, scope)?;
         match function {
-            Value::Closure(closure) => {
-                let mut values = Vec::with_capacity(arguments.len());
-                for argument in arguments {
-                    values.push(self.evaluate(&argument.value, scope)?);
+            Value::Closure(_) | Value::Table(_) | Value::Partial(_) => {
+                if self.typed.findings.bound.contains(&expr.span) {
+                    return self.partial(function, arguments, expr.span, scope);
                 }
-                self.apply(&closure, values, expr.span, scope)
-            }
-            Value::Table(table) => {
                 let places = self.call_at(expr.span)?;
-                let mut given: Vec<Option<Scalar>> = vec![None; arguments.len()];
+                let mut passed = Vec::with_capacity(arguments.len());
                 for (argument, place) in arguments.iter().zip(places.iter()) {
-                    let value = self.evaluate(&argument.value, scope)?;
-                    let x = self.as_scalar(value, argument.value.span)?;
-                    let place = given.get_mut(*place as usize);
-                    *self.checked(place, argument.value.span, "no such argument")? = Some(x);
+                    passed.push(Passed {
+                        place: *place,
+                        value: self.evaluate(&argument.value, scope)?,
+                        span: argument.value.span,
+                        scope,
+                    });
                 }
-                let all: Option<Vec<Scalar>> = given.into_iter().collect();
-                let all = self.checked(all, expr.span, "an argument of a table is missing")?;
-                let value = self.look_up_table(table, &all);
-                for (argument, place) in arguments.iter().zip(places.iter()) {
-                    let of = argument.value.span;
-                    self.note_kink(value.stage, value.node, *place as u8, of, expr.span, scope)?;
-                }
-                Ok(Value::Scalar(value))
+                self.apply(&function, passed, expr.span, scope)
             }
             Value::Definition(id)
                 if self
@@ -79,42 +72,80 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    pub fn look_up_table(&mut self, table: TableValue, arguments: &[Scalar]) -> Scalar {
-        self.bench.table(table.handle, arguments)
-    }
-
-    /// Calls a function of the text with the values of the arguments, in their order at the call.
+    /// Calls a function with the values of its arguments.
     pub fn apply(
         &mut self,
-        closure: &super::super::value::Closure<'a>,
-        values: Vec<Value<'a>>,
+        function: &Value<'a>,
+        passed: Vec<Passed<'a>>,
         call: Span,
         caller: ScopeId,
     ) -> Eval<Value<'a>> {
-        let solution = match &closure.solution {
-            Some(handed_on) => Some(Rc::clone(handed_on)),
-            None => self.solution_at(call, caller),
-        };
-        let places = self.call_at(call)?;
-        self.used_at(call, |e| {
-            e.applied(closure, solution, &places, values, call)
-        })
+        match function {
+            Value::Closure(closure) => {
+                let here = self.solution_at(call, caller);
+                let solution = joined(closure.solution.as_ref(), here);
+                self.used_at(call, |e| e.applied(closure, solution, passed, call))
+            }
+            Value::Table(table) => self.look_up(*table, passed, call),
+            Value::Partial(partial) => {
+                let passed = all_arguments(partial, passed);
+                match partial.order {
+                    0 => self.apply(&partial.function, passed, call, caller),
+                    order => {
+                        let asked = Asked {
+                            function: &partial.function,
+                            call,
+                            scope: caller,
+                        };
+                        let x = self.checked(passed.into_iter().next(), call, "no argument")?;
+                        let x = self.as_scalar(x.value, x.span)?;
+                        self.derivative(&asked, x, order).map(Value::Scalar)
+                    }
+                }
+            }
+            other => {
+                let what = format!("{} is called", other.kind());
+                self.checked(None, call, &what)
+            }
+        }
+    }
+
+    fn look_up(
+        &mut self,
+        table: TableValue,
+        passed: Vec<Passed<'a>>,
+        call: Span,
+    ) -> Eval<Value<'a>> {
+        let mut given: Vec<Option<Scalar>> = vec![None; passed.len()];
+        let mut kinks = Vec::with_capacity(passed.len());
+        for argument in passed {
+            let x = self.as_scalar(argument.value, argument.span)?;
+            let place = given.get_mut(argument.place as usize);
+            *self.checked(place, argument.span, "no such argument")? = Some(x);
+            kinks.push((argument.place as u8, argument.span, argument.scope));
+        }
+        let all: Option<Vec<Scalar>> = given.into_iter().collect();
+        let all = self.checked(all, call, "an argument of a table is missing")?;
+        let value = self.bench.table(table.handle, &all);
+        for (place, of, scope) in kinks {
+            self.note_kink(value.stage, value.node, place, of, call, scope)?;
+        }
+        Ok(Value::Scalar(value))
     }
 
     fn applied(
         &mut self,
         closure: &super::super::value::Closure<'a>,
         solution: Option<Rc<Solution>>,
-        places: &[u32],
-        values: Vec<Value<'a>>,
+        passed: Vec<Passed<'a>>,
         call: Span,
     ) -> Eval<Value<'a>> {
         let function = closure.function;
         let module = self.scope(closure.scope).module;
         let inner = self.new_scope(Some(closure.scope), module, String::new());
         self.scopes[inner.0 as usize].solution = solution;
-        for (value, place) in values.into_iter().zip(places.iter()) {
-            let parameter = function.parameters.get(*place as usize);
+        for Passed { place, value, .. } in passed {
+            let parameter = function.parameters.get(place as usize);
             let parameter = self.checked(parameter, call, "no such parameter")?;
             let value = self.declared(value, Some(&parameter.ty))?;
             self.define(inner, &parameter.name.text, Entry::Value(value));

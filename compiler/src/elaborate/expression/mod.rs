@@ -8,7 +8,7 @@ mod operators;
 pub(crate) use conditions::Truth;
 
 use super::scalar::Scalar;
-use super::value::{Closure, ScopeId, Value};
+use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
 use eng_grammar::ast::{self, Expr, ExprKind, UnaryOp};
@@ -18,12 +18,9 @@ impl<'a> Elaborator<'a, '_> {
     /// The value of an expression. A family becomes the list of its members.
     pub fn evaluate(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
         Ok(match self.evaluate_family(expr, scope)? {
-            Value::Closure(closure) => Value::Closure(Closure {
-                solution: closure
-                    .solution
-                    .or_else(|| self.solution_at(expr.span, scope)),
-                ..closure
-            }),
+            function @ (Value::Closure(_) | Value::Partial(_)) => {
+                self.with_solution(function, expr.span, scope)
+            }
             Value::Family(members) => Value::List(members.into_iter().map(|(_, v)| v).collect()),
             other => other,
         })
