@@ -1,6 +1,10 @@
-//! What the README shows is true.
+//! What README, tutorial, guides and reference show is true.
 
-use std::path::Path;
+#[path = "documents/page.rs"]
+mod page;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// The first block of Eng text in a document.
 fn first_model(document: &str) -> String {
@@ -55,38 +59,95 @@ fn mistakes_named_in_the_readme_are_told() {
 /// Every whole model of the reference is right and its analyses run.
 #[test]
 fn the_models_of_the_reference_run() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/language.md");
-    let document = std::fs::read_to_string(path).expect("the document");
+    let document = std::fs::read_to_string(root().join("docs/language.md")).expect("the document");
     let blocks = document.split("```eng\n").skip(1);
     let models =
         blocks.filter_map(|block| block.split("```").next().filter(|b| b.contains("\nmodel ")));
-    let mut run = 0;
-    for text in models {
-        let sources = eng::Sources::from_text("model.eng", text.to_owned());
-        let checked = eng::check(&sources, "model.eng");
-        assert!(
-            checked.report().diagnostics().is_empty(),
-            "{}",
-            checked.report()
-        );
-        let program = checked
-            .into_program()
-            .unwrap_or_else(|report| panic!("{report}"));
-        for line in text.lines() {
-            let Some(rest) = line.strip_prefix("analysis ") else {
+    let run: usize = models.map(page::run_all).sum();
+    assert!(run > 0);
+}
+
+#[test]
+fn the_first_model_of_the_tutorial_is_true() {
+    page::follow("docs/tutorial.md", Some("1. An arm on a spring"));
+}
+
+#[test]
+fn the_second_model_of_the_tutorial_is_true() {
+    page::follow("docs/tutorial.md", Some("2. A single-cylinder engine"));
+}
+
+#[test]
+fn the_third_model_of_the_tutorial_is_true() {
+    page::follow(
+        "docs/tutorial.md",
+        Some("3. A flexible crankshaft in a flexible block"),
+    );
+}
+
+#[test]
+fn the_guides_are_true() {
+    for guide in pages("docs/guides") {
+        page::follow(&guide, None);
+    }
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The pages in a folder of the project, as paths from its root.
+fn pages(folder: &str) -> Vec<String> {
+    let mut found: Vec<String> = std::fs::read_dir(root().join(folder))
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "md"))
+        .map(|path| {
+            let name = path.file_name().expect("a name").to_string_lossy();
+            format!("{folder}/{name}")
+        })
+        .collect();
+    found.sort();
+    found
+}
+
+/// Every link of a page leads to a file of the project, and to a heading of it. Every page is linked from the README.
+#[test]
+fn the_documents_lead_to_each_other() {
+    let mut all = pages("docs");
+    all.extend(pages("docs/guides"));
+    let mut wrong = Vec::new();
+    let mut of_readme = BTreeSet::new();
+    for page in std::iter::once("README.md".to_owned()).chain(all.iter().cloned()) {
+        let text = std::fs::read_to_string(root().join(&page)).expect("a page");
+        let folder = Path::new(&page).parent().expect("a folder");
+        for link in page::links(&text) {
+            if link.contains("://") {
+                continue;
+            }
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            let place = match file {
+                "" => PathBuf::from(&page),
+                _ => page::joined(folder, file),
+            };
+            let Ok(there) = std::fs::metadata(root().join(&place)) else {
+                wrong.push(format!("{page}: {link}"));
                 continue;
             };
-            let name = rest.split([' ', '[']).next().expect("a name");
-            let analysis = program
-                .analysis(name)
-                .unwrap_or_else(|error| panic!("{error}"));
-            analysis
-                .run(&mut |_| {})
-                .unwrap_or_else(|failed| panic!("{}", failed.error));
-            run += 1;
+            if page == "README.md" {
+                of_readme.insert(place.to_string_lossy().into_owned());
+            }
+            if there.is_file() && !heading.is_empty() {
+                let text = std::fs::read_to_string(root().join(&place)).expect("a page");
+                if !page::headings(&text).contains(heading) {
+                    wrong.push(format!("{page}: {link}"));
+                }
+            }
         }
     }
-    assert!(run > 0);
+    assert!(wrong.is_empty(), "links to nothing: {wrong:#?}");
+    let missing: Vec<&String> = all.iter().filter(|p| !of_readme.contains(*p)).collect();
+    assert!(missing.is_empty(), "the README does not name {missing:?}");
 }
 
 /// All but the mesh is right: the block of the reference in a model of its own.
