@@ -64,6 +64,9 @@ eng_grammar::codes! {
         "The tolerance requires errors of a step, or of the solution of its equations, below the rounding errors of this model with numbers of 16 digits. The message states the least possible tolerance. Bodies far from the origin and angles of many turns need a larger one.",
         "analysis run = transient(Engine(), duration: 4 rev, tolerance: 1e-12)",
         "analysis run = transient(Engine(), duration: 4 rev, tolerance: 1e-3)";
+    INPUT = "E0717", "an input cannot be set like this",
+        "A program sets an input to a number within the limits of the input. Only `interpolation: cubic` takes rates, only `linear` and `cubic` take the value of the next point, and a cubic input has no jump. An input that an analysis drives by a function of time cannot be set.",
+        "", "";
     PARAMETER_REQUIRED = "E0720", "parameters do not fulfil a `require`",
         "The class, or the language for masses and inertias, has a condition that these parameters do not fulfil. The author of the class wrote the text.",
         "body rod { mass = -1 kg; inertia = [1, 1, 1] g*m^2 }",

@@ -71,6 +71,14 @@ pub enum Error {
         /// A name with a similar spelling.
         nearest: Option<String>,
     },
+    /// No such input.
+    #[error("there is no input {path}{}", hint(nearest))]
+    NoInput {
+        /// The wanted name or value.
+        path: String,
+        /// A name with a similar spelling.
+        nearest: Option<String>,
+    },
     /// No such element, body, marker, parameter or output.
     #[error("there is no {path} in the model{}", hint(nearest))]
     NoItem {
@@ -79,7 +87,7 @@ pub enum Error {
         /// A path with a similar spelling.
         nearest: Option<String>,
     },
-    /// A handle of a parameter or channel of another model.
+    /// A handle of a parameter, input or channel of another model.
     #[error("the handle is of another model")]
     OtherModel,
     /// A parameter that the analysis itself varies.

@@ -9,7 +9,7 @@ use eng_runtime::{
     Turning, Unstable,
 };
 use eng_system::code::BindError;
-use eng_system::system::{Location, Origin, System};
+use eng_system::system::{Location, Origin, Parameter, System};
 use eng_system::table::Outside;
 
 mod geometry;
@@ -83,6 +83,10 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
     let d = |code: &'static str| Diagnostic::error(code, error.to_string());
     match error {
         R::Bind(bind) => bind_diagnostic(bind, system),
+        R::Input { origin, .. } => place(d(codes::INPUT), origin, "this input"),
+        R::Inputs { moment, cause } => {
+            bind_diagnostic(cause, system).with_note(format!("inputs decide it at {moment}"))
+        }
         R::Body { origin, .. } => place(d(codes::BODY), origin, "this body")
             .with_help("check the unit, the signs of the products, and that the inertia is about the centre of mass"),
         R::OpenLoop { rows, chain } => open_loop(d(codes::OPEN_LOOP), rows, chain.as_deref(), system),
@@ -328,6 +332,18 @@ fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
     }
     message.with_help(
         "reactions of repeated equations are not unique: keep one of the joints, and let the others hold less (PointOnLine, PointOnPlane) or replace them by journals",
+    )
+}
+
+/// A parameter in place of an input.
+pub(crate) fn no_input(parameter: &Parameter) -> Diagnostic {
+    let path = &parameter.origin.path;
+    let message = Diagnostic::error(
+        codes::INPUT,
+        format!("the parameter `{path}` stays as it is during a run"),
+    );
+    place(message, &parameter.origin, "no `input`").with_help(
+        "declare it as `input` in its model; an argument of a class can be given an input of the model",
     )
 }
 

@@ -73,19 +73,21 @@ mod sources;
 mod tables;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
+pub use eng_runtime::inputs::Point;
 pub use eng_runtime::linearised::{
     Coefficients, Harmonics, LinearModes, Mode, Orbit, Repeating, Wanted,
 };
 pub use eng_runtime::{
-    Energy, Pace, PeriodicSummary, RuntimeError, Slow, StartReport, Statistics, TopologyReport,
-    Turning, Verdict, Warning,
+    Energy, Pace, PeriodicSummary, Reading, RuntimeError, Slow, StartReport, Statistics,
+    TopologyReport, Turning, Verdict, Warning,
 };
+pub use eng_system::input::Interpolation;
 pub use eng_system::system::summary::{SummaryColumn, SummaryParameter, Taken};
 pub use eng_system::system::{Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::{Error, Report};
 pub use machine::{InterfaceSummary, JournalGeometry, Machine, SummarisedElement};
-pub use model::{Channel, ChannelInfo, Model, Parameter, ParameterInfo};
+pub use model::{Channel, ChannelInfo, Input, InputInfo, Model, Parameter, ParameterInfo};
 pub use program::{Checked, Program, check};
 pub use quantity::{Quantity, QuantityError};
 pub use reduction::Reduction;

@@ -1,9 +1,10 @@
 //! Compiled models, and handles to their parameters and channels.
 
 use crate::counted::counted;
-use crate::{Error, Quantity};
-use eng_grammar::SourceMap;
+use crate::{Error, Quantity, Report};
+use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
+use eng_system::input::Interpolation;
 use eng_system::system::{Body, BodyInertia};
 use eng_system::{Dimension, DisplayUnit};
 use std::sync::Arc;
@@ -34,6 +35,33 @@ pub struct Channel {
     model: u64,
 }
 
+/// A number of a model that a program sets while a simulation runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    pub(crate) index: usize,
+    /// Its start value.
+    pub(crate) parameter: Parameter,
+    /// The model that gave it.
+    model: u64,
+}
+
+/// Description of an input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputInfo {
+    /// `brake`.
+    pub path: String,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// Its display unit.
+    pub display: DisplayUnit,
+    /// Open limits (SI).
+    pub limits: (f64, f64),
+    /// Its values between two points.
+    pub interpolation: Interpolation,
+    /// Name of the function of time in the text that gives its values.
+    pub signal: Option<String>,
+}
+
 /// Description of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterInfo {
@@ -58,6 +86,13 @@ pub struct ChannelInfo {
     pub display: DisplayUnit,
     /// The axes of a component, as a path; empty for a scalar.
     pub frame: String,
+}
+
+impl Input {
+    /// The parameter that gives its start value.
+    pub fn parameter(self) -> Parameter {
+        self.parameter
+    }
 }
 
 impl Model {
@@ -105,6 +140,57 @@ impl Model {
                 nearest: nearest(path, all.iter().map(|p| p.origin.path.as_str())),
             }),
         }
+    }
+
+    /// The input with a path.
+    pub fn input(&self, path: &str) -> Result<Input, Error> {
+        let system = &self.compiled.system;
+        let path_of = |input: &eng_system::input::Input| {
+            let parameter = system.parameters.get(input.parameter as usize);
+            parameter.map_or("", |parameter| parameter.origin.path.as_str())
+        };
+        let inputs = &system.inputs;
+        match inputs.iter().position(|input| path_of(input) == path) {
+            Some(index) => Ok(Input {
+                index,
+                parameter: Parameter {
+                    index: inputs[index].parameter as usize,
+                    model: self.handles,
+                },
+                model: self.handles,
+            }),
+            None => match system.parameters.iter().find(|p| p.origin.path == path) {
+                Some(parameter) => {
+                    let message = crate::failure::no_input(parameter);
+                    let mut diagnostics = Diagnostics::new();
+                    diagnostics.push(message);
+                    Err(Error::Report(Report::new(self.texts.clone(), diagnostics)))
+                }
+                None => Err(Error::NoInput {
+                    path: path.to_owned(),
+                    nearest: nearest(path, inputs.iter().map(path_of)),
+                }),
+            },
+        }
+    }
+
+    /// All inputs, in a fixed order.
+    pub fn inputs(&self) -> Vec<InputInfo> {
+        let parameters = self.parameters();
+        let inputs = self.compiled.system.inputs.iter();
+        inputs
+            .filter_map(|input| {
+                let parameter = parameters.get(input.parameter as usize)?;
+                Some(InputInfo {
+                    path: parameter.path.clone(),
+                    dimension: parameter.dimension,
+                    display: parameter.display.clone(),
+                    limits: parameter.limits,
+                    interpolation: input.interpolation,
+                    signal: input.signal.clone(),
+                })
+            })
+            .collect()
     }
 
     /// The channel with a path.
@@ -172,7 +258,7 @@ impl Model {
             .sum();
         let bytes: usize = self.compiled.code.iter().map(|c| c.code_bytes()).sum();
         format!(
-            "{}: {} with {}{}, {} of {}, {}, {}, {}, {}; {} kB of machine code",
+            "{}: {} with {}{}, {} of {}, {}, {}, {}{}, {}; {} kB of machine code",
             system.name,
             counted(system.bodies.len(), "body", "bodies"),
             counted(6 * system.bodies.len() + modes, "velocity", "velocities"),
@@ -182,6 +268,10 @@ impl Model {
             counted(rows, "constraint equation", "constraint equations"),
             counted(system.journals.len(), "journal", "journals"),
             counted(system.parameters.len(), "parameter", "parameters"),
+            match system.inputs.len() {
+                0 => String::new(),
+                inputs => format!(" ({})", counted(inputs, "input", "inputs")),
+            },
             counted(system.channels.len(), "channel", "channels"),
             bytes / 1024,
         )
@@ -210,6 +300,15 @@ impl Model {
             .zip(&self.compiled.code)
             .map(|(class, code)| (class.name.clone(), code.code_bytes()))
             .collect()
+    }
+
+    /// The index of an input. Refuses an input of another model.
+    pub(crate) fn index_of_input(&self, input: Input) -> Result<usize, Error> {
+        if input.model == self.handles {
+            Ok(input.index)
+        } else {
+            Err(Error::OtherModel)
+        }
     }
 
     /// The index of a channel. Refuses a channel of another model.

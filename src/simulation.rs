@@ -1,10 +1,11 @@
 //! Simulations of a model, step by step, for programs that embed Eng.
 
-use crate::model::{Channel, Model, Parameter};
+use crate::model::{Channel, Input, Model, Parameter};
 use crate::{Error, Quantity, Report, failure};
 use eng_grammar::{Diagnostic, Diagnostics};
+use eng_runtime::inputs::Point;
 use eng_runtime::linearised::{LinearModes, Wanted};
-use eng_runtime::{Energy, Options, RuntimeError, Statistics};
+use eng_runtime::{Energy, Options, Reading, RuntimeError, Statistics};
 use eng_system::system::{Start, StepControl};
 
 /// Parameters and options of a simulation before its start.
@@ -146,6 +147,42 @@ impl Simulation {
         }
     }
 
+    /// Steps up to a time (s), which no step crosses; returns the time reached. Fixed steps keep their grid, so
+    /// the time reached can differ from `to` by rounding.
+    ///
+    /// # Errors
+    /// A time that is not later than the present one; those of a step.
+    pub fn advance(&mut self, to: f64) -> Result<f64, Error> {
+        match self.inner.advance(to) {
+            Ok(report) => Ok(report.time),
+            Err(cause) => Err(run_error(&self.model, cause)),
+        }
+    }
+
+    /// Sets an input (SI) from the present time on.
+    ///
+    /// # Errors
+    /// An input of another model; a value outside the limits of the input, or not finite; a jump of a cubic input
+    /// after the start; an input that the analysis drives.
+    pub fn set_input(&mut self, input: Input, value: impl Into<Point>) -> Result<(), Error> {
+        let index = self.model.index_of_input(input)?;
+        let set = self.inner.set_input(index, value.into());
+        set.map_err(|cause| run_error(&self.model, cause))
+    }
+
+    /// Sets an input from the present time on; the dimension must fit.
+    pub fn set_quantity(&mut self, input: Input, value: Quantity) -> Result<(), Error> {
+        let value = self.model.checked(input.parameter(), value)?;
+        self.set_input(input, value)
+    }
+
+    /// Gives the value (SI) that a `linear` or `cubic` input has at the end of the next [`Simulation::advance`].
+    pub fn aim_input(&mut self, input: Input, value: impl Into<Point>) -> Result<(), Error> {
+        let index = self.model.index_of_input(input)?;
+        let aimed = self.inner.aim_input(index, value.into());
+        aimed.map_err(|cause| run_error(&self.model, cause))
+    }
+
     /// Time (s).
     pub fn time(&self) -> f64 {
         self.inner.time()
@@ -171,6 +208,23 @@ impl Simulation {
     pub fn values(&mut self, out: &mut [f64]) -> Result<(), Error> {
         self.inner
             .evaluate_channels(out)
+            .map_err(|cause| run_error(&self.model, cause))
+    }
+
+    /// A plan for reading channels: only their elements are evaluated, and only as deep as they need.
+    pub fn watch(&self, channels: &[Channel]) -> Result<Reading, Error> {
+        let indices = channels.iter().map(|channel| self.model.index_of(*channel));
+        let indices = indices.collect::<Result<Vec<_>, _>>()?;
+        self.inner
+            .reading(&indices)
+            .map_err(|cause| run_error(&self.model, cause))
+    }
+
+    /// Values of the channels of a plan at the current state (SI), in their order. The bits are those of
+    /// [`Simulation::value`]. It allocates nothing.
+    pub fn read(&mut self, watch: &mut Reading, out: &mut [f64]) -> Result<(), Error> {
+        self.inner
+            .read(watch, out)
             .map_err(|cause| run_error(&self.model, cause))
     }
 

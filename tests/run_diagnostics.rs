@@ -126,7 +126,9 @@ fn from_programs() -> Vec<&'static str> {
         .expect("a sound model");
     let model = program.model("Swing").expect("a model");
     let code = |error: Error| match error {
-        Error::Run { report, .. } => report.diagnostics().iter().next().map(|d| d.code),
+        Error::Run { report, .. } | Error::Report(report) => {
+            report.diagnostics().iter().next().map(|d| d.code)
+        }
         other => panic!("{other}"),
     };
     let options = model
@@ -150,7 +152,9 @@ fn from_programs() -> Vec<&'static str> {
     let stopped = stopped.expect_err("stopped");
     // without a folder, what was computed is there
     assert_eq!(stopped.partial.map(|made| made.results.samples()), Some(1));
-    [options, checkpoint, *stopped.error]
+    let [only] = model.parameters().try_into().expect("one parameter");
+    let input = model.input(&only.path).expect_err("a parameter");
+    [options, checkpoint, *stopped.error, input]
         .into_iter()
         .filter_map(code)
         .collect()
@@ -160,7 +164,12 @@ fn from_programs() -> Vec<&'static str> {
 fn codes_that_only_programs_can_raise() {
     assert_eq!(
         from_programs(),
-        [codes::OPTIONS, codes::CHECKPOINT, codes::STOPPED]
+        [
+            codes::OPTIONS,
+            codes::CHECKPOINT,
+            codes::STOPPED,
+            codes::INPUT
+        ]
     );
 }
 

@@ -138,6 +138,8 @@ pub enum BindingKind {
     Const,
     /// A parameter. It can change without a new compilation.
     Param,
+    /// A number that changes while the model runs.
+    Input,
     /// A named value.
     Let,
     /// An unknown with a rate.
@@ -164,12 +166,14 @@ pub struct Binding {
     pub frame: Option<Expr>,
     /// `as kN`.
     pub display: Option<UnitExpr>,
-    /// `in (low, high)`: open limits of a parameter. Params only.
+    /// `in (low, high)`: open limits of a parameter or input.
     pub limits: Option<(Expr, Expr)>,
     /// `scale 0.1 mm`: the size against which errors of a state are measured. States only.
     pub scale: Option<Expr>,
     /// `summary largest`: the number that tables take of an output. Outputs only.
     pub summary: Option<Name>,
+    /// `interpolation: linear`: an input between two points. Inputs only.
+    pub interpolation: Option<Name>,
 }
 
 /// `j in 1..5`.

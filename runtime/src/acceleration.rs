@@ -40,6 +40,17 @@ const VELOCITY_ROUNDING: f64 = 1e-12;
 /// Most refinements of a solution with the factors of a nearby position.
 const REFINEMENTS: usize = 6;
 
+/// The factors for the projection of positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Factors {
+    /// Made at the given state; [`AccelerationSystem::finish`] needs them.
+    Made,
+    /// Those of the call before, which was at a nearby position.
+    Kept,
+    /// Made at the given state if its positions must move.
+    IfNeeded,
+}
+
 /// The system with its factors.
 #[derive(Debug)]
 pub struct AccelerationSystem {
@@ -230,19 +241,18 @@ impl AccelerationSystem {
         state: &mut State,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
-        self.project(model, dynamics, state, moment, true)?;
+        self.project(model, dynamics, state, moment, Factors::Made)?;
         self.finish(model, dynamics, integrator, state, moment)
     }
 
-    /// Brings positions back to Φ = 0 and places `dynamics` there. With `fresh` it makes the factors at the
-    /// given state. Otherwise it keeps the factors of the call before, which must be at a nearby position.
+    /// Brings positions back to Φ = 0 and places `dynamics` there.
     pub fn project(
         &mut self,
         model: &Model,
         dynamics: &mut Dynamics,
         state: &mut State,
         moment: Moment,
-        fresh: bool,
+        factors: Factors,
     ) -> Result<(), RuntimeError> {
         let n = model.velocities;
         for attempt in 0..ATTEMPTS {
@@ -262,7 +272,12 @@ impl AccelerationSystem {
                         }
                     });
             // the factors of the first position serve for small moves; larger moves get a second set
-            if (attempt == 0 && fresh) || attempt == ATTEMPTS / 2 {
+            let first = match factors {
+                Factors::Made => true,
+                Factors::Kept => false,
+                Factors::IfNeeded => worst.abs() > POSITION_GOAL,
+            };
+            if (attempt == 0 && first) || attempt == ATTEMPTS / 2 {
                 self.factor(model, dynamics, moment)?;
             }
             if worst.abs() <= POSITION_GOAL || (attempt >= 3 && worst.abs() <= POSITION_LIMIT) {
@@ -404,7 +419,7 @@ impl AccelerationSystem {
         state: &mut State,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
-        self.project(model, dynamics, state, moment, true)?;
+        self.project(model, dynamics, state, moment, Factors::Made)?;
         let mut defect = vec![0.0; model.velocities];
         self.velocity_defect(model, dynamics, state, moment, &mut defect)?;
         for (v, off) in state.velocity.iter_mut().zip(&defect) {

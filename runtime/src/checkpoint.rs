@@ -5,10 +5,11 @@
 
 use crate::error::RuntimeError;
 use crate::model::Model;
+use eng_system::system::Slot;
 
 const MAGIC: &[u8; 8] = b"ENGCHECK";
 /// Version of the format.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 fn refuse(reason: impl Into<String>) -> RuntimeError {
     RuntimeError::Checkpoint {
@@ -23,11 +24,33 @@ fn fnv(bytes: impl IntoIterator<Item = u8>) -> u64 {
     })
 }
 
-/// A number that differs between models and between parameter sets.
+/// A number that differs between models and between parameter sets. A checkpoint has the values of inputs, so they
+/// and all that follows them are left out.
 pub fn fingerprint(model: &Model) -> u64 {
-    let mut text = format!("{:?}", model.compiled.system).into_bytes();
-    for value in model.slots.iter().chain(&model.parameters) {
-        text.extend(value.to_bits().to_le_bytes());
+    let system = &model.compiled.system;
+    let mut text = format!("{system:?}").into_bytes();
+    let mut add = |value: f64| text.extend(value.to_bits().to_le_bytes());
+    if system.inputs.is_empty() {
+        model
+            .slots
+            .iter()
+            .chain(&model.parameters)
+            .copied()
+            .for_each(add);
+        return fnv(text);
+    }
+    for (index, value) in model.slots.iter().enumerate() {
+        let moves = system.moving.binary_search(&Slot(index as u32)).is_ok();
+        add(if moves { 0.0 } else { *value });
+    }
+    let set_by_program = |index: usize| {
+        let mut inputs = system.inputs.iter();
+        inputs.any(|input| input.parameter as usize == index && input.signal.is_none())
+    };
+    for (index, stated) in model.overrides.iter().enumerate() {
+        let stated = stated.filter(|_| !set_by_program(index));
+        add(f64::from(u8::from(stated.is_some())));
+        add(stated.unwrap_or_default());
     }
     fnv(text)
 }

@@ -111,6 +111,10 @@ impl FixedGrid {
         let count = self.whole as f64 + (self.part + 1) as f64 / pieces;
         (nominal / pieces, self.origin + count * nominal)
     }
+    /// The time (s) of whole steps that is nearest to another one, with the bits that [`FixedGrid::next`] gives.
+    pub fn point_near(&self, time: f64, nominal: f64) -> f64 {
+        self.origin + libm::round((time - self.origin) / nominal) * nominal
+    }
     /// Called after an accepted step.
     pub fn advance(&mut self) {
         self.part += 1;

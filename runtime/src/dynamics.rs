@@ -18,6 +18,7 @@ use crate::dense::add_scaled;
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::{Moment, RuntimeError};
 use crate::flexible::Work;
+use crate::inputs::Signals;
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use eng_system::code::{Function, Pair};
@@ -70,6 +71,8 @@ struct Workspace {
 #[derive(Clone, Debug)]
 pub struct Dynamics {
     at: Placement,
+    /// The inputs at the time of the placement.
+    signals: Signals,
     /// Inputs of the dynamic elements.
     batches: Vec<Batch>,
     /// Constraint values (m, rad).
@@ -160,6 +163,7 @@ impl Dynamics {
                 jacobians: vec![0.0; total],
                 jacobian_at,
             },
+            signals: Signals::new(model),
             batches: elements::batches(model, &dynamic, false),
             constraints: vec![0.0; model.rows],
             constraint_rates: vec![0.0; model.rows],
@@ -180,6 +184,21 @@ impl Dynamics {
                 wrenches: vec![0.0; model.wrenches],
             },
         }
+    }
+
+    /// The inputs.
+    pub fn signals(&self) -> &Signals {
+        &self.signals
+    }
+
+    /// The inputs, for setting them. Place the dynamics again afterwards.
+    pub fn signals_mut(&mut self) -> &mut Signals {
+        &mut self.signals
+    }
+
+    /// Slots that follow the inputs, at the time of the placement.
+    pub fn moving(&self) -> &[f64] {
+        self.signals.values()
     }
 
     /// Poses and twists of the markers.
@@ -232,6 +251,7 @@ impl Dynamics {
     /// Sets frames, markers and marker Jacobians.
     pub fn place(&mut self, model: &Model, time: f64, pose: &[f64], velocity: &[f64]) {
         self.at.time = time;
+        self.signals.follow(model, time);
         self.at.pose.copy_from_slice(pose);
         for (cached, body) in self.at.frames.iter_mut().zip(&model.bodies) {
             let frame = body.frame(pose);
@@ -289,6 +309,7 @@ impl Dynamics {
             states,
             multipliers,
             rotations,
+            moving: self.signals.values(),
         };
         for batch in &mut self.batches {
             elements::gather(model, batch, &from);
@@ -297,6 +318,7 @@ impl Dynamics {
 
     /// Constraint values, wrenches and rates at the gathered inputs.
     pub fn evaluate(&mut self, model: &Model) -> Result<(), RuntimeError> {
+        self.signals.defined(model)?;
         for batch in &self.batches {
             let layout = model.compiled.system.classes[batch.class].layout;
             let (rows, wrenches, states) = (

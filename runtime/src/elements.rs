@@ -20,6 +20,8 @@ pub struct Inputs<'a> {
     pub multipliers: &'a [f64],
     /// Rotation references of all elements; empty for zeros.
     pub rotations: &'a [f64],
+    /// Slots that follow the inputs; empty for those at the start of a run.
+    pub moving: &'a [f64],
 }
 
 /// Instances of one class, two by two.
@@ -31,6 +33,17 @@ pub struct Batch {
     pub pairs: Vec<[usize; 2]>,
     stride: usize,
     inputs: Vec<Pair>,
+    /// Constants that follow the inputs.
+    moving: Vec<Moving>,
+}
+
+/// A constant that follows the inputs: its place in the inputs of a batch, its lane, and its slot among those that
+/// move.
+#[derive(Clone, Copy, Debug)]
+struct Moving {
+    at: usize,
+    lane: usize,
+    slot: usize,
 }
 
 impl Batch {
@@ -75,10 +88,18 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
             .map(|c| [c[0], *c.last().unwrap_or(&c[0])])
             .collect();
         let mut inputs = vec![[0.0; 2]; stride * pairs.len()];
+        let mut moving = Vec::new();
         for (p, pair) in pairs.iter().enumerate() {
             for (lane, element) in pair.iter().enumerate() {
                 for (k, constant) in model.elements[*element].constants.iter().enumerate() {
                     inputs[p * stride + layout.constant(k as u32) as usize][lane] = *constant;
+                }
+                for (k, slot) in &model.elements[*element].moving {
+                    moving.push(Moving {
+                        at: p * stride + layout.constant(*k as u32) as usize,
+                        lane,
+                        slot: *slot,
+                    });
                 }
             }
         }
@@ -87,6 +108,7 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
             pairs,
             stride,
             inputs,
+            moving,
         });
     }
     made
@@ -108,6 +130,11 @@ fn write_marker(inputs: &mut [Pair], at: usize, lane: usize, m: &MarkerKinematic
 pub fn gather(model: &Model, batch: &mut Batch, from: &Inputs) {
     let layout = model.compiled.system.classes[batch.class].layout;
     debug_assert_eq!(MARKER_WIDTH, 18);
+    for moving in &batch.moving {
+        if let Some(value) = from.moving.get(moving.slot) {
+            batch.inputs[moving.at][moving.lane] = *value;
+        }
+    }
     for p in 0..batch.pairs.len() {
         let pair = batch.pairs[p];
         let inputs = &mut batch.inputs[p * batch.stride..(p + 1) * batch.stride];

@@ -254,6 +254,22 @@ pub enum RuntimeError {
         /// The mistake and its remedy.
         message: String,
     },
+    /// A program sets an input in a way that has no meaning.
+    #[error("{}: {message}", origin.path)]
+    Input {
+        /// The input.
+        origin: Box<Origin>,
+        /// The mistake and its remedy.
+        message: String,
+    },
+    /// The inputs break a limit or a condition of parameters during a run.
+    #[error("at {moment}: {cause}")]
+    Inputs {
+        /// The moment.
+        moment: Moment,
+        /// The limit or condition.
+        cause: Box<BindError>,
+    },
     /// A body has a mass or inertia that is physically impossible.
     #[error("{}: {message}", origin.path)]
     Body {

@@ -181,6 +181,7 @@ impl Kinks {
                     states: &state.states,
                     multipliers: &[],
                     rotations: &state.rotations,
+                    moving: dynamics.moving(),
                 };
                 elements::gather(model, own, &from);
                 add_accelerations(model, dynamics, state, own);

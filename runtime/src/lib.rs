@@ -8,6 +8,7 @@
 //! | --- | --- |
 //! | [`model`], [`state`] | numbers of one parameter set; the state on R³ × SO(3) × Rⁿ |
 //! | [`body`], [`chain`], [`shape`] | kinds of bodies: inertia, markers, generalised forces |
+//! | [`inputs`] | numbers that a program sets while a model runs |
 //! | [`joint`] | the kind of joint that a class of elements makes |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
@@ -52,6 +53,7 @@ pub mod equilibrium;
 pub mod error;
 pub mod flexible;
 mod frame;
+pub mod inputs;
 pub mod integrator;
 pub mod joint;
 pub mod kinks;
@@ -81,7 +83,9 @@ pub use integrator::{Damped, Statistics};
 pub use kinks::Overlooked;
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
-pub use simulation::{CscView, Energy, Jump, Options, Pace, Simulation, Slow, StepReport, Warning};
+pub use simulation::{
+    CscView, Energy, Jump, Options, Pace, Reading, Simulation, Slow, StepReport, Warning,
+};
 pub use start::{StartReport, Turning, Unstable};
 pub use topology::TopologyReport;
 pub use transient::{Advance, Observer, RunSummary, Sample, Verdict, countable, run_transient};

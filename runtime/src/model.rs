@@ -17,8 +17,10 @@ pub struct ElementModel {
     pub class: usize,
     /// Indices of its markers.
     pub markers: Vec<usize>,
-    /// Values of its constants.
+    /// Values of its constants, at the start of a run.
     pub constants: Vec<f64>,
+    /// Its constants that follow the inputs: places among the constants and among the slots that move.
+    pub moving: Vec<(usize, usize)>,
     /// First of its states.
     pub state: usize,
     /// First of its multipliers, for dynamic elements.
@@ -42,6 +44,10 @@ pub struct Model {
     pub slots: Vec<f64>,
     /// Values of the parameters.
     pub parameters: Vec<f64>,
+    /// Stated values of the parameters.
+    pub overrides: Vec<Option<f64>>,
+    /// Values of the bind graph at the start of a run; empty for a system without inputs.
+    pub nodes: Vec<eng_system::code::Pair>,
     /// Messages of the bind graph.
     pub advice: Vec<eng_system::code::Advice>,
     /// Bodies.

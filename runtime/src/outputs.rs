@@ -35,6 +35,14 @@ impl Outputs {
         Outputs::of(model, wanted, None)
     }
 
+    /// The outputs of some elements, and those that they need.
+    pub fn of_elements(
+        model: &Model,
+        elements: impl IntoIterator<Item = usize>,
+    ) -> Result<Outputs, RuntimeError> {
+        Outputs::of(model, elements.into_iter().collect(), None)
+    }
+
     /// The outputs of one element, and those that it needs.
     pub fn watching(model: &Model, element: usize) -> Result<Outputs, RuntimeError> {
         Outputs::of(model, BTreeSet::from([element]), Some(element))
@@ -142,6 +150,7 @@ impl Outputs {
             states: &state.states,
             multipliers: &state.multipliers,
             rotations: &state.rotations,
+            moving: dynamics.moving(),
         };
         for batches in &mut self.levels {
             for batch in batches {

@@ -1,8 +1,10 @@
 //! A simulation: one parameter set of a compiled model, its state, and all data to integrate it.
 
 mod astray;
+mod driving;
 mod kinked;
 mod pace;
+mod reading;
 mod resting;
 mod sampling;
 mod saving;
@@ -27,6 +29,7 @@ use astray::Astray;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
 use pace::Limit;
+pub use reading::Reading;
 
 /// Options of the integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,6 +174,8 @@ pub struct Simulation {
     cycle_start: f64,
     astray: Astray,
     advised: Vec<bool>,
+    /// Names and places of failed `advise`s on parameters that follow inputs, since the start or the resumption.
+    advised_inputs: Vec<(String, Origin)>,
     warnings: Vec<Warning>,
     fingerprint: u64,
     start: StartReport,
@@ -291,6 +296,9 @@ impl Simulation {
             cycle_start: 0.0,
             astray: Astray::begin(&model, &state),
             advised: vec![false; conditions],
+            advised_inputs: (model.advice.iter())
+                .map(|advice| (advice.name.clone(), advice.origin.clone()))
+                .collect(),
             warnings,
             evaluated: None,
             fingerprint: checkpoint::fingerprint(&model),

@@ -270,6 +270,7 @@ fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeEr
         states: &state.states,
         multipliers: &state.multipliers,
         rotations: &state.rotations,
+        moving: dynamics.moving(),
     };
     let mut found = None;
     watch.violations(

@@ -200,6 +200,19 @@ impl Analysis {
                 d.exact_text(*value),
             );
         }
+        for input in &system.inputs {
+            let stated = self.overrides.get(input.parameter as usize);
+            let held = stated.copied().flatten().is_some();
+            let signal = input.signal.as_ref().filter(|_| !held);
+            if let (Some(signal), Some(parameter)) =
+                (signal, system.parameters.get(input.parameter as usize))
+            {
+                results.set_metadata(
+                    format!("input.{}", parameter.origin.path),
+                    format!("{signal}(time)"),
+                );
+            }
+        }
         Ok(results)
     }
 

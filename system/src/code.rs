@@ -97,6 +97,26 @@ pub trait BindCode: Send + Sync + std::fmt::Debug {
     fn parameters_of(&self, _slot: Slot) -> Vec<u32> {
         Vec::new()
     }
+
+    /// Computes the values that change with the inputs anew. `overrides` are those of [`BindCode::bind`], with the
+    /// present values of the inputs that a program sets; inputs that the text drives have their values at
+    /// `time` (s). Writes one value for each slot of [`System::moving`](crate::system::System::moving). A value
+    /// that does not exist is NaN.
+    fn renew(
+        &self,
+        _nodes: &mut [Pair],
+        _overrides: &[Option<f64>],
+        _time: f64,
+        _tables: &[Table],
+        _moving: &mut [f64],
+    ) {
+    }
+
+    /// Checks limits and conditions of parameters with the values of [`BindCode::renew`]. Returns the failed
+    /// `advise`s.
+    fn check(&self, _nodes: &[Pair], _tables: &[Table]) -> Result<Vec<Advice>, BindError> {
+        Ok(Vec::new())
+    }
 }
 
 /// The values of one parameter set.
@@ -108,6 +128,8 @@ pub struct Bound {
     pub parameters: Vec<f64>,
     /// The failed `advise`s.
     pub advice: Vec<Advice>,
+    /// The values of all operations, for [`BindCode::renew`]; empty for a system without inputs.
+    pub nodes: Vec<Pair>,
 }
 
 /// A failed `advise` on parameters.

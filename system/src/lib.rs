@@ -25,6 +25,7 @@ pub mod expression;
 pub mod figure;
 pub mod flexible;
 pub mod host;
+pub mod input;
 pub mod layout;
 pub mod lint;
 pub mod mesh_files;

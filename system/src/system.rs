@@ -114,6 +114,17 @@ pub struct StateInfo {
     pub dimension: Dimension,
 }
 
+/// How deep an output reaches into the equations, without the channels that it reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Depth {
+    /// Positions, states and time.
+    Position,
+    /// Velocities too.
+    Velocity,
+    /// Accelerations, reactions and rates of states too.
+    Acceleration,
+}
+
 /// One scalar output of a class.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputInfo {
@@ -125,6 +136,8 @@ pub struct OutputInfo {
     pub display: DisplayUnit,
     /// The axes of a component: `shell` (a parameter's name of the class), `ground`; empty for a scalar.
     pub frame: String,
+    /// The quantities that it needs.
+    pub depth: Depth,
 }
 
 /// The kind of a condition.
@@ -365,6 +378,10 @@ pub struct System {
     pub markers: Vec<Marker>,
     /// Parameters in the order of the bind graph.
     pub parameters: Vec<Parameter>,
+    /// Parameters that may change during a run.
+    pub inputs: Vec<crate::input::Input>,
+    /// Slots that change with the inputs, ascending.
+    pub moving: Vec<Slot>,
     /// Number of slots that a bind fills.
     pub slots: u32,
     /// Classes. Their code has the same indices.

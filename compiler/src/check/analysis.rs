@@ -144,6 +144,7 @@ impl<'p> Checker<'p> {
                 unit: (!argument.unit.is_empty()).then(|| argument.unit.to_owned()),
                 named_only: true,
                 given: None,
+                over_time: false,
             })
             .collect();
         let mut solution = super::types::Solution::default();

@@ -13,7 +13,7 @@ use crate::program::DefinitionId;
 use crate::resolve::suggest::listing;
 use crate::typed::Callee;
 use crate::typed::lineage::parameters;
-use eng_grammar::ast::{Argument, Declaration, Expr, ExprKind, Form, Kind};
+use eng_grammar::ast::{Argument, BindingKind, Declaration, Expr, ExprKind, Form, Kind};
 use eng_grammar::{Diagnostic, Span};
 use std::sync::Arc;
 
@@ -31,6 +31,8 @@ pub(super) struct Slot {
     pub named_only: bool,
     /// The argument that it has already.
     pub given: Option<Span>,
+    /// Whether it also takes a function of time: an input of a model.
+    pub over_time: bool,
 }
 
 /// Words with a meaning only in certain places, and these places.
@@ -249,6 +251,7 @@ impl<'p> Checker<'p> {
                     unit: parameter.default.and_then(written_unit),
                     named_only: false,
                     given: None,
+                    over_time: false,
                 });
             }
             return slots;
@@ -264,6 +267,7 @@ impl<'p> Checker<'p> {
                 unit: binding.value.as_ref().and_then(written_unit),
                 named_only: false,
                 given: None,
+                over_time: binding.kind == BindingKind::Input,
             });
         }
         slots
@@ -475,6 +479,9 @@ impl<'p> Checker<'p> {
         if expected.is_error() {
             return true;
         }
+        if let (true, Type::Function(signature)) = (slot.over_time, &found) {
+            return self.over_time(value, signature, &expected, &due);
+        }
         !self.fit(value, &found, &expected, &due).is_error()
     }
 
@@ -654,6 +661,7 @@ pub(super) fn slots_of_function(signature: &Signature) -> Vec<Slot> {
             unit: None,
             named_only: false,
             given: None,
+            over_time: false,
         })
         .collect()
 }

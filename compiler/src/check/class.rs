@@ -83,6 +83,11 @@ fn placing_of_binding(holder: Holder, kind: BindingKind) -> Placing {
                 "the parameters of a class are in the parentheses after its name"
             },
         ),
+        BindingKind::Input => (
+            holder.parts,
+            "an `input`",
+            "it belongs into a model or a component, which gives its value to classes as an argument",
+        ),
         BindingKind::Let => ANYWHERE,
         BindingKind::State => (holder.class, "a state", "it belongs into a class"),
         BindingKind::Output => (!holder.record, "an output", OF_RECORDS),

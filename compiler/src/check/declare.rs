@@ -306,7 +306,9 @@ impl<'p> Checker<'p> {
                 },
                 _ => None,
             };
-            let Some(binding) = binding.filter(|b| b.kind == BindingKind::Param) else {
+            let Some(binding) =
+                binding.filter(|b| matches!(b.kind, BindingKind::Param | BindingKind::Input))
+            else {
                 continue;
             };
             // A count that is a `param` is refused at its declaration.
@@ -317,10 +319,20 @@ impl<'p> Checker<'p> {
             }
             let message = Diagnostic::error(
                 codes::STRUCTURAL,
-                format!("the parameter `{name}` decides how many there are"),
+                format!(
+                    "the {} `{name}` decides how many there are",
+                    if binding.kind == BindingKind::Input {
+                        "input"
+                    } else {
+                        "parameter"
+                    }
+                ),
             )
             .at(span, "a count must be known when the model is compiled")
-            .also(binding.name.span, "declared as `param` here");
+            .also(
+                binding.name.span,
+                format!("declared as `{}` here", super::input::word(binding)),
+            );
             let message = self.const_instead(message, binding);
             self.report(message);
         }
@@ -329,16 +341,17 @@ impl<'p> Checker<'p> {
     /// Adds the fix of writing `const` for `param`.
     fn const_instead(&self, message: Diagnostic, binding: &Binding) -> Diagnostic {
         let message = message.with_help("make it a `const`");
+        let word = super::input::word(binding);
         let span = binding.name.span;
         let before = self
             .sources
             .get(span.source)
             .and_then(|source| source.text.get(..span.start as usize))
-            .and_then(|text| text.rfind("param"));
+            .and_then(|text| text.rfind(word));
         match before {
             Some(start) => message.with_fix(
                 "write `const`",
-                Span::new(span.source, start, start + "param".len()),
+                Span::new(span.source, start, start + word.len()),
                 "const",
             ),
             None => message,
@@ -408,6 +421,9 @@ impl<'p> Checker<'p> {
         }
         if binding.kind == BindingKind::State {
             self.scale_of_state(&scope, binding, &ty);
+        }
+        if binding.kind == BindingKind::Input {
+            self.input(binding, &ty);
         }
         if let Some((low, high)) = &binding.limits {
             let due = Due::new(format!("the limit of `{}`", binding.name.text))
@@ -502,7 +518,7 @@ impl<'p> Checker<'p> {
                 // A `param` at a wrong place gets only the message about its place.
                 BindingKind::Param => around.is_some_and(|kind| kind != Kind::Component),
                 BindingKind::Let => around == Some(Kind::Record),
-                BindingKind::State => false,
+                BindingKind::State | BindingKind::Input => false,
                 BindingKind::Output => in_interface,
             };
             let missing = match (without_value, &binding.ty) {

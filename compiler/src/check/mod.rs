@@ -19,6 +19,7 @@ mod expression;
 mod field;
 mod flexible;
 mod function;
+mod input;
 mod interface;
 mod level;
 mod lint;
@@ -208,7 +209,7 @@ impl<'p> Checker<'p> {
                 } else {
                     self.misplaced(
                         binding.name.span,
-                        "a state or an output",
+                        "a state, an input or an output",
                         "at the top of a file",
                         "it belongs into a class or a model",
                     );

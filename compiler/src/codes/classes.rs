@@ -95,4 +95,8 @@ eng_grammar::codes! {
         "`summary least`, `largest` or `mean` makes a column of a table, with a row for each element whose class fills the interface. So it belongs to an output of an interface, and the output is a single number.",
         "force Pull(a: Marker) { output load: Force = 3 N summary largest }",
         "interface Loaded {\n    param a: Marker\n    output load: Force summary largest\n}\nforce Pull() : Loaded { apply force 3 N*a.x on a; output load: Force = 3 N }";
+    INPUT = "E0432", "an input has a wrong type or interpolation",
+        "An input is a number, or a list of numbers, that a program sets while the model runs. Between two points it follows `interpolation: hold` (the default), `linear` or `cubic`.",
+        "model Line { input brake: Torque = 0 N*m, interpolation: spline }",
+        "model Line { input brake: Torque = 0 N*m, interpolation: cubic }";
 }

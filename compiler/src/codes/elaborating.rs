@@ -122,7 +122,7 @@ eng_grammar::codes! {
         "cycle angle = rotation(crank.main, ground) { period = 0 deg }",
         "cycle angle = rotation(crank.main, ground) { period = 720 deg }";
     NOT_HANDED_ON = "E0531", "an analysis gives a model something that it cannot hand on",
-        "Arguments of a model in an analysis are numbers, texts, truth values, mode sets, classes, records, and lists of these. A function or a table is defined where it is used.",
+        "Arguments of a model in an analysis are numbers, texts, truth values, mode sets, classes, records, and lists of these. A function or a table is defined where it is used; an `input` of the model takes a function or table of time by its name.",
         "analysis soft = transient(Rig(law: soft_spring), duration: 1 s)",
         "analysis soft = transient(Rig(stiffness: 2 N/mm), duration: 1 s)";
     CHANNEL_TWICE = "E0532", "two columns of the results have one name",
@@ -148,6 +148,10 @@ eng_grammar::codes! {
         "A body, marker, joint, force, journal, drive or part with `if` after its name exists only where the condition holds. A part that uses it needs the same condition; an output takes an index over a range that may be empty.",
         "const damped = false\nforce damper if damped = Damper(a, b, damping: 1 N*s/m)\noutput load = damper.load",
         "const damped = true\nforce damper if damped = Damper(a, b, damping: 1 N*s/m)\noutput load = damper.load";
+    INPUT_DECIDES = "E0538", "an input decides what cannot change during a run",
+        "Loads, rates of states, outputs and conditions may read an input. Structure, geometry, masses, scales, starts and constraints may not: a constraint needs accelerations, and the others are fixed at the start. A torque that follows a speed, for instance a `force` of your own, replaces a drive whose speed is an input; a number that stays during a run is a `param`.",
+        "model Line {\n    input weight: Mass = 1 kg\n    body bob { mass = weight }\n}",
+        "model Line {\n    param weight: Mass = 1 kg\n    body bob { mass = weight }\n}";
     OTHER_AXES = "E0540", "components along different axes are taken together",
         "Components along a marker's axes are numbers: they can only be added to, multiplied with and shown in the same axes. Vectors have no axes and are added in space.",
         "output both = film[1].eccentricity + film[2].eccentricity in shell",

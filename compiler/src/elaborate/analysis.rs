@@ -295,7 +295,14 @@ impl<'a> Elaborator<'a, '_> {
             let binding = self.checked(binding, argument.value.span, "no such value")?;
             let name = &binding.name;
             let value = self.evaluate(&argument.value, scope)?;
-            if binding.kind == BindingKind::Const {
+            if matches!(
+                value,
+                Value::Closure(_) | Value::Table(_) | Value::Partial(_)
+            ) && binding.kind == BindingKind::Input
+            {
+                let signal = self.signal(&argument.value, &value, scope)?;
+                constants.push((name.text.clone(), signal));
+            } else if binding.kind == BindingKind::Const {
                 constants.push((
                     name.text.clone(),
                     self.structural_of(value, argument.value.span)?,

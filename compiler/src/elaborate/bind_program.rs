@@ -1,7 +1,7 @@
 //! The bind graph as a program: evaluated once for each parameter set, it gives the slots and the messages of failed
 //! conditions.
 
-use super::scalar::FIXED;
+use super::scalar::{FIXED, TIME};
 use crate::ir::{Function, Node, Op};
 use eng_system::DisplayUnit;
 use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
@@ -58,6 +58,10 @@ pub struct BindProgram {
     pub parameters: Vec<Parameter>,
     /// Conditions.
     pub checks: Vec<Check>,
+    /// Operations that change with the inputs, operands first; empty for a system without inputs.
+    pub moving: Vec<Node>,
+    /// Slots that change with them.
+    pub moving_slots: Vec<Slot>,
 }
 
 impl BindProgram {
@@ -169,54 +173,72 @@ impl BindProgram {
     }
 }
 
-impl BindCode for BindProgram {
-    fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
-        let nodes = self.function.graph.nodes();
+impl BindProgram {
+    /// The value of an operation with the values of those before it, at a time (s).
+    fn value(
+        &self,
+        op: Op,
+        values: &[Pair],
+        overrides: &[Option<f64>],
+        time: f64,
+        tables: &[Table],
+    ) -> Pair {
+        let value = match op {
+            Op::Input(TIME) => Some(time),
+            Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
+            Op::Input(k) => {
+                let default = self
+                    .defaults
+                    .get(k as usize)
+                    .and_then(|n| values.get(n.0 as usize))
+                    .map(|pair| pair[0]);
+                overrides.get(k as usize).copied().flatten().or(default)
+            }
+            other => Some(crate::ir::interpret::operate(other, values, tables)[0]),
+        };
         // both lanes hold the same number, so these are the operations of the generated code
-        let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
-        for op in nodes {
-            let value = match *op {
-                Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
-                Op::Input(k) => {
-                    let default = self
-                        .defaults
-                        .get(k as usize)
-                        .and_then(|n| values.get(n.0 as usize))
-                        .map(|pair| pair[0]);
-                    overrides.get(k as usize).copied().flatten().or(default)
-                }
-                other => Some(crate::ir::interpret::operate(other, &values, tables)[0]),
-            };
-            values.push([value.unwrap_or(f64::NAN); 2]);
+        [value.unwrap_or(f64::NAN); 2]
+    }
+
+    /// Checks that a parameter has a finite value within its limits.
+    fn within_limits(
+        &self,
+        parameter: &Parameter,
+        value: f64,
+        values: &[Pair],
+        tables: &[Table],
+    ) -> Result<(), BindError> {
+        if !value.is_finite() {
+            return Err(BindError::NotFinite {
+                path: parameter.origin.path.clone(),
+                outside: self.outside(values, tables),
+            });
         }
+        let (low, high) = parameter.limits;
+        if value <= low || value >= high {
+            let d = &parameter.display;
+            return Err(BindError::Limits {
+                path: parameter.origin.path.clone(),
+                value: d.text(value).into(),
+                low: d.text(low).into(),
+                high: d.text(high).into(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Checks conditions with the values of all operations. Returns the failed `advise`s. `parameter` gives the value
+    /// of a parameter.
+    fn conditions<'c>(
+        &self,
+        checks: impl Iterator<Item = &'c Check>,
+        values: &[Pair],
+        parameter: impl Fn(u32) -> f64,
+        tables: &[Table],
+    ) -> Result<Vec<Advice>, BindError> {
         let at = |n: &Node| values.get(n.0 as usize).map_or(f64::NAN, |pair| pair[0]);
-        let mut parameters = Vec::with_capacity(self.parameters.len());
-        for (i, parameter) in self.parameters.iter().enumerate() {
-            let value = match (overrides.get(i).copied().flatten(), self.defaults.get(i)) {
-                (Some(v), _) => v,
-                (None, Some(n)) => at(n),
-                (None, None) => f64::NAN,
-            };
-            if !value.is_finite() {
-                return Err(BindError::NotFinite {
-                    path: parameter.origin.path.clone(),
-                    outside: self.outside(&values, tables),
-                });
-            }
-            let (low, high) = parameter.limits;
-            if value <= low || value >= high {
-                let d = &parameter.display;
-                return Err(BindError::Limits {
-                    path: parameter.origin.path.clone(),
-                    value: d.text(value).into(),
-                    low: d.text(low).into(),
-                    high: d.text(high).into(),
-                });
-            }
-            parameters.push(value);
-        }
         let mut advice = Vec::new();
-        for check in &self.checks {
+        for check in checks {
             if at(&check.holds) == 1.0 {
                 continue;
             }
@@ -257,11 +279,36 @@ impl BindCode for BindProgram {
                     parameters: self
                         .leaves(check.holds)
                         .into_iter()
-                        .map(|k| (k, parameters.get(k as usize).copied().unwrap_or(f64::NAN)))
+                        .map(|k| (k, parameter(k)))
                         .collect(),
                 });
             }
         }
+        Ok(advice)
+    }
+}
+
+impl BindCode for BindProgram {
+    fn bind(&self, overrides: &[Option<f64>], tables: &[Table]) -> Result<Bound, BindError> {
+        let nodes = self.function.graph.nodes();
+        let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
+        for op in nodes {
+            // a run begins at the time zero
+            values.push(self.value(*op, &values, overrides, 0.0, tables));
+        }
+        let at = |n: &Node| values.get(n.0 as usize).map_or(f64::NAN, |pair| pair[0]);
+        let mut parameters = Vec::with_capacity(self.parameters.len());
+        for (i, parameter) in self.parameters.iter().enumerate() {
+            let value = match (overrides.get(i).copied().flatten(), self.defaults.get(i)) {
+                (Some(v), _) => v,
+                (None, Some(n)) => at(n),
+                (None, None) => f64::NAN,
+            };
+            self.within_limits(parameter, value, &values, tables)?;
+            parameters.push(value);
+        }
+        let parameter = |k: u32| parameters.get(k as usize).copied().unwrap_or(f64::NAN);
+        let advice = self.conditions(self.checks.iter(), &values, parameter, tables)?;
         let slots: Vec<f64> = self.function.outputs.iter().map(at).collect();
         if let Some(i) = slots.iter().position(|v| !v.is_finite()) {
             return Err(BindError::NotFinite {
@@ -283,11 +330,61 @@ impl BindCode for BindProgram {
                 value: slots[i],
             });
         }
+        if self.moving.is_empty() {
+            values.clear();
+        }
         Ok(Bound {
             slots,
             parameters,
             advice,
+            nodes: values,
         })
+    }
+
+    fn renew(
+        &self,
+        nodes: &mut [Pair],
+        overrides: &[Option<f64>],
+        time: f64,
+        tables: &[Table],
+        moving: &mut [f64],
+    ) {
+        let operations = self.function.graph.nodes();
+        for node in &self.moving {
+            let at = node.0 as usize;
+            if let Some(op) = operations.get(at)
+                && at < nodes.len()
+            {
+                nodes[at] = self.value(*op, nodes, overrides, time, tables);
+            }
+        }
+        let slots = self.moving_slots.iter().zip(moving);
+        for (slot, value) in slots {
+            let node = self.function.outputs.get(slot.0 as usize);
+            let found = node.and_then(|node| nodes.get(node.0 as usize));
+            *value = found.map_or(f64::NAN, |pair| pair[0]);
+        }
+    }
+
+    fn check(&self, nodes: &[Pair], tables: &[Table]) -> Result<Vec<Advice>, BindError> {
+        let moves = |node: &Node| self.moving.binary_search(node).is_ok();
+        // the node of a parameter has its value, whether stated or by default
+        let graph = &self.function.graph;
+        let value = |node: &Node| nodes.get(node.0 as usize).map_or(f64::NAN, |pair| pair[0]);
+        for node in &self.moving {
+            if let Op::Input(k) = graph.op(*node)
+                && let Some(parameter) = self.parameters.get(k as usize)
+            {
+                self.within_limits(parameter, value(node), nodes, tables)?;
+            }
+        }
+        let parameter = |k: u32| {
+            let input = self.moving.iter().find(|n| graph.op(**n) == Op::Input(k));
+            let default = self.defaults.get(k as usize);
+            input.or(default).map_or(f64::NAN, value)
+        };
+        let checks = self.checks.iter().filter(|check| moves(&check.holds));
+        self.conditions(checks, nodes, parameter, tables)
     }
 
     fn parameters_of(&self, slot: Slot) -> Vec<u32> {

@@ -6,6 +6,7 @@ use super::value::{self, ScopeId, Value};
 use crate::ir::{self, KinkPlace, Node};
 use crate::program::DefinitionId;
 use eng_grammar::{Diagnostic, Span, ast};
+use eng_system::input::Input;
 use eng_system::lint::Accepted;
 use eng_system::system::summary::Summary;
 use eng_system::system::{
@@ -25,6 +26,9 @@ pub(crate) struct Draft<'a> {
     pub used_markers: Vec<bool>,
     pub parameters: Vec<Parameter>,
     pub parameter_defaults: Vec<Node>,
+    pub inputs: Vec<Input>,
+    /// Functions of time that the analysis gives to inputs, by the name of the input.
+    pub signals: BTreeMap<String, DefinitionId>,
     pub checks: Vec<Check>,
     pub tables: Vec<Table>,
     pub elements: Vec<ElementDraft<'a>>,

@@ -4,14 +4,15 @@ use super::scalar::Workbench;
 use super::value::{ScopeId, Value};
 use super::{BindProgram, ClassMeta, Elaborator, Entry, Eval, Reported};
 use crate::codes;
-use crate::ir::{ClassBody, ClassFunctions, Function};
+use crate::ir::depth::depth;
+use crate::ir::{ClassBody, ClassFunctions, Function, Node};
 use crate::program::DefinitionId;
 use crate::typed::{Findings, TypedProgram};
 use eng_grammar::ast::{Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_system::flexible::FlexibleSource;
 use eng_system::host::Host;
-use eng_system::system::{Element, ElementClass, Kink, Role, Rotation, System};
+use eng_system::system::{Element, ElementClass, Kink, OutputInfo, Role, Rotation, System};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -50,6 +51,16 @@ fn kinks_of(functions: &ClassFunctions, meta: &ClassMeta) -> Vec<Kink> {
         .collect()
 }
 
+/// The outputs of a class with their depths.
+fn outputs_of(meta: &ClassMeta, body: &ClassBody) -> Vec<OutputInfo> {
+    let nodes = body.outputs.iter();
+    let known = |(info, node): (&OutputInfo, &Node)| OutputInfo {
+        depth: depth(&body.graph, *node, &body.layout),
+        ..info.clone()
+    };
+    meta.outputs.iter().zip(nodes).map(known).collect()
+}
+
 /// A structural argument of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Structural {
@@ -69,6 +80,8 @@ pub enum Structural {
     ModeSet(Vec<super::ModePart>),
     /// A class.
     Class(DefinitionId),
+    /// A function or table of time that gives the values of an input.
+    Signal(DefinitionId),
     /// A record with its fields.
     Record(DefinitionId, Vec<(String, Structural)>),
 }
@@ -142,6 +155,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 Some(Ok(bound)) => bound,
                 _ => Value::Definition(*id),
             },
+            Structural::Signal(id) => Value::Definition(*id),
             Structural::Record(id, fields) => {
                 let own = self.record_scope(*id);
                 for (name, value) in fields {
@@ -224,6 +238,10 @@ impl<'a, 'd> Elaborator<'a, 'd> {
     ) {
         self.register(items, scope);
         for (name, value) in constants {
+            if let Structural::Signal(id) = value {
+                self.draft.signals.insert(name.clone(), *id);
+                continue;
+            }
             let value = self.structural_value(value);
             self.define(scope, name, Entry::Value(value));
         }
@@ -270,7 +288,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         layout: body.layout,
                         rows: draft.meta.rows.clone(),
                         states: draft.meta.states.clone(),
-                        outputs: draft.meta.outputs.clone(),
+                        outputs: outputs_of(&draft.meta, body),
                         conditions: draft.meta.conditions.clone(),
                         kinks: kinks_of(&made, &draft.meta),
                         kinks_read_accelerations: made.kinks_read_accelerations,
@@ -353,7 +371,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let bind = std::mem::take(&mut self.bench.bind);
         let parameters = std::mem::take(&mut self.draft.parameters);
         let slots = bind.slots().len() as u32;
-        let program = BindProgram {
+        let mut program = BindProgram {
             function: Function {
                 name: name.clone(),
                 inputs: parameters.len() as u32,
@@ -365,12 +383,16 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             defaults: std::mem::take(&mut self.draft.parameter_defaults),
             parameters: parameters.clone(),
             checks: std::mem::take(&mut self.draft.checks),
+            moving: Vec::new(),
+            moving_slots: Vec::new(),
         };
-        let system = Arc::new(System {
+        let mut system = System {
             name,
             bodies: std::mem::take(&mut self.draft.bodies),
             markers: std::mem::take(&mut self.draft.markers),
             parameters,
+            inputs: std::mem::take(&mut self.draft.inputs),
+            moving: Vec::new(),
             slots,
             classes,
             elements,
@@ -384,9 +406,10 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             resolutions: std::mem::take(&mut self.draft.resolutions),
             accepted: std::mem::take(&mut self.draft.accepted),
             stated: std::mem::take(&mut self.draft.stated),
-        });
+        };
+        self.follow_inputs(&mut system, &mut program, &bodies)?;
         let mut elaborated = Elaborated {
-            system,
+            system: Arc::new(system),
             classes: functions,
             bodies,
             bind: Arc::new(program),

@@ -18,6 +18,7 @@ mod expression;
 mod finish;
 mod flexible;
 mod grid;
+mod input;
 mod lengths;
 mod marker;
 mod model;
@@ -93,7 +94,7 @@ pub(crate) enum Entry<'a> {
 pub(crate) enum Lazy<'a> {
     /// A `let`, `const`, or the value of an output.
     Binding(&'a ast::Binding),
-    /// A `param` of a model or component. It becomes a parameter.
+    /// A `param` or `input` of a model or component. It becomes a parameter.
     Parameter(&'a ast::Binding),
     /// A default of a parameter of a function.
     Default(&'a ast::Parameter),

@@ -20,8 +20,15 @@ impl<'a> Elaborator<'a, '_> {
         // outputs of a block are channels, not values inside it
         for item in items {
             if let ItemKind::Binding(b) = &item.kind {
+                if b.kind == BindingKind::Input {
+                    self.draft
+                        .pending
+                        .push(Pending::Input { binding: b, scope });
+                }
                 match b.kind {
-                    BindingKind::Param if !self.scope(scope).entries.contains_key(&b.name.text) => {
+                    BindingKind::Param | BindingKind::Input
+                        if !self.scope(scope).entries.contains_key(&b.name.text) =>
+                    {
                         self.define(scope, &b.name.text, Entry::Lazy(Lazy::Parameter(b)));
                     }
                     BindingKind::Output => self
@@ -56,7 +63,7 @@ impl<'a> Elaborator<'a, '_> {
         // after an error the other items are still elaborated, so that one run reports more errors
         for item in items {
             if let ItemKind::Binding(b) = &item.kind
-                && b.kind == BindingKind::Param
+                && matches!(b.kind, BindingKind::Param | BindingKind::Input)
             {
                 let _ = self.entry(scope, &b.name.text, b.name.span);
             }

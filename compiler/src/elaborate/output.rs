@@ -13,7 +13,7 @@ use crate::ir::{ClassBody, Graph, KinkPlace, Node, Op};
 use eng_grammar::ast::{self, BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::layout::InputLayout;
-use eng_system::system::{Channel, Origin, OutputInfo, Role, StateInfo};
+use eng_system::system::{Channel, Depth, Origin, OutputInfo, Role, StateInfo};
 use eng_system::{Dimension, DisplayUnit};
 
 /// Most operations of one element, without its derivatives. Their compilation takes seconds.
@@ -149,6 +149,8 @@ impl<'a> Elaborator<'a, '_> {
                     .clone()
                     .unwrap_or_else(|| self.natural_unit(shown.dimension)),
                 frame: frame_name.clone(),
+                // known as soon as the class has its functions
+                depth: Depth::Acceleration,
             });
         }
         draft.shapes.push(OutputShape {

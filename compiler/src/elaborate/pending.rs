@@ -44,6 +44,11 @@ pub(crate) enum Pending<'a> {
         binding: &'a ast::Binding,
         scope: ScopeId,
     },
+    /// The channel of an input.
+    Input {
+        binding: &'a ast::Binding,
+        scope: ScopeId,
+    },
 }
 
 impl<'a> Elaborator<'a, '_> {
@@ -85,6 +90,7 @@ impl<'a> Elaborator<'a, '_> {
                     lowered
                 }
                 Pending::Output { binding, scope } => self.lower_output(binding, scope),
+                Pending::Input { binding, scope } => self.lower_input(binding, scope),
             };
             // the error was reported
             let _ = result;

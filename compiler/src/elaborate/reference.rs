@@ -1,6 +1,5 @@
 //! The values of names and fields.
 
-use super::binding::Stated;
 use super::scalar::{Scalar, Stage};
 use super::value::{Axes, BoundClass, Closure, ScopeId, TableValue, Value};
 use super::{Elaborator, Entry, Eval, Lazy, Reported};
@@ -161,24 +160,7 @@ impl<'a> Elaborator<'a, '_> {
     fn force(&mut self, lazy: &Lazy<'a>, scope: ScopeId) -> Eval<Value<'a>> {
         match lazy {
             Lazy::Binding(binding) => self.binding_value(binding, scope),
-            Lazy::Parameter(binding) => {
-                let expr = binding.value.as_ref();
-                let expr = self.checked(expr, binding.name.span, "a parameter without a value")?;
-                let value = self.evaluate(expr, scope)?;
-                let path = self.path(scope, &binding.name.text);
-                let place = binding.ty.as_ref().map_or(expr.span, |ty| ty.span);
-                let stated = Stated {
-                    expr,
-                    dimension: self.dimension_at(place, scope)?,
-                    limits: binding.limits.as_ref(),
-                    span: binding.name.span,
-                    scope,
-                };
-                let value = self.parameterise(value, &path, stated)?;
-                let value = self.declared(value, binding.ty.as_ref())?;
-                self.binding_as_stated(binding, expr, &value, scope)?;
-                Ok(value)
-            }
+            Lazy::Parameter(binding) => self.changeable(binding, scope),
             Lazy::Default(parameter) => {
                 let default = parameter.default.as_ref();
                 let default = self.checked(default, parameter.span, "no argument, no default")?;
@@ -251,7 +233,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    fn binding_as_stated(
+    pub(super) fn binding_as_stated(
         &mut self,
         binding: &'a ast::Binding,
         expr: &ast::Expr,
@@ -268,7 +250,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The value of a definition at the top level of a module.
-    fn definition(&mut self, id: DefinitionId, span: Span) -> Eval<Value<'a>> {
+    pub(super) fn definition(&mut self, id: DefinitionId, span: Span) -> Eval<Value<'a>> {
         let Some(item) = self.program.item(id) else {
             return Err(Reported);
         };

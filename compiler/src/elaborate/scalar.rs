@@ -47,6 +47,9 @@ pub(crate) const PROVISIONAL: InputLayout = InputLayout {
 /// First input of the bind graph that is a fixed number instead of a parameter.
 pub(crate) const FIXED: u32 = 1 << 24;
 
+/// Input of the bind graph that is the time (s), for functions of time that give values of inputs.
+pub(crate) const TIME: u32 = u32::MAX;
+
 /// The bind graph while it grows.
 #[derive(Debug, Default)]
 pub(crate) struct BindBuilder {

@@ -5,6 +5,7 @@
 //! (hash-consed).
 
 pub mod class;
+pub mod depth;
 pub mod differentiate;
 pub mod graph;
 pub mod interpret;

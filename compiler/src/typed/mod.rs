@@ -86,7 +86,7 @@ pub(crate) fn settable(declaration: &Declaration) -> impl Iterator<Item = &Bindi
     let record = declaration.kind == Kind::Record;
     items.iter().filter_map(move |item| match &item.kind {
         ItemKind::Binding(binding) => match binding.kind {
-            BindingKind::Param | BindingKind::Const => Some(binding),
+            BindingKind::Param | BindingKind::Input | BindingKind::Const => Some(binding),
             BindingKind::Let => record.then_some(binding),
             BindingKind::State | BindingKind::Output => None,
         },

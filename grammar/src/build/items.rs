@@ -38,6 +38,7 @@ fn binding_kind(word: &str) -> BindingKind {
     match word {
         "const" => BindingKind::Const,
         "param" => BindingKind::Param,
+        "input" => BindingKind::Input,
         "state" => BindingKind::State,
         "output" => BindingKind::Output,
         _ => BindingKind::Let,
@@ -252,6 +253,7 @@ impl<'t> Builder<'t, '_> {
             limits: None,
             scale: None,
             summary: None,
+            interpolation: None,
         };
         let mut tails: Vec<Rule> = Vec::new();
         for part in pair.into_inner() {
@@ -262,6 +264,7 @@ impl<'t> Builder<'t, '_> {
                 Rule::display => Some("as"),
                 Rule::error_scale => Some("scale"),
                 Rule::summary => Some("summary"),
+                Rule::interpolation => Some("interpolation"),
                 _ => None,
             } {
                 if tails.contains(&rule) {
@@ -286,12 +289,14 @@ impl<'t> Builder<'t, '_> {
                         .find(|inner| inner.as_rule() == Rule::display_unit)
                         .map(|inner| self.unit(inner, depth));
                 }
-                Rule::limits if binding.kind == BindingKind::Param => {
+                Rule::limits
+                    if matches!(binding.kind, BindingKind::Param | BindingKind::Input) =>
+                {
                     binding.limits = self.limits(part, depth);
                 }
                 Rule::limits => self.report(
-                    Diagnostic::error(codes::UNEXPECTED, "limits belong to a `param`")
-                        .at(place, "not of a `param`")
+                    Diagnostic::error(codes::UNEXPECTED, "limits belong to a `param` or an `input`")
+                        .at(place, "of neither")
                         .with_help("`require` checks a condition on any value"),
                 ),
                 Rule::error_scale if binding.kind == BindingKind::State => {
@@ -313,7 +318,17 @@ impl<'t> Builder<'t, '_> {
                 Rule::frame if binding.kind == BindingKind::Output => {
                     binding.frame = self.inner_expression(part, depth);
                 }
-                Rule::frame if binding.kind == BindingKind::Param => self.report(
+                Rule::interpolation if binding.kind == BindingKind::Input => {
+                    binding.interpolation = self.names(part).pop();
+                }
+                Rule::interpolation => self.report(
+                    Diagnostic::error(codes::UNEXPECTED, "only an `input` has an `interpolation`")
+                        .at(place, "not of an `input`")
+                        .with_help("it gives the values between two points at which a program sets an input"),
+                ),
+                Rule::frame
+                    if matches!(binding.kind, BindingKind::Param | BindingKind::Input) =>
+                    self.report(
                     Diagnostic::error(codes::UNEXPECTED, "limits need a low and a high end")
                         .at(place, "expected `in (low, high)`")
                         .with_help("write both ends in parentheses: `in (10 mm, 500 mm)`"),

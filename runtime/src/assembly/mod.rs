@@ -310,6 +310,7 @@ fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         states: &state.states,
         multipliers: &[],
         rotations: &state.rotations,
+        moving: &[],
     };
     crate::outputs::Watch::new(model, |_| true).unwrap(model, &from, &mut angles)?;
 

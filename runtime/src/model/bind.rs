@@ -96,6 +96,8 @@ impl Model {
             gravity: slots.vector(&system.gravity)?,
             slots: Vec::new(),
             parameters: bound.parameters,
+            overrides: overrides.to_vec(),
+            nodes: bound.nodes,
             advice: bound.advice,
             bodies: Vec::with_capacity(system.bodies.len()),
             markers: Vec::with_capacity(system.markers.len()),
@@ -233,10 +235,14 @@ impl Model {
             )));
         }
         let constants = element.constants.iter().map(|slot| slots.get(*slot));
+        let moving = element.constants.iter().enumerate();
+        let moving =
+            moving.filter_map(|(k, slot)| Some((k, system.moving.binary_search(slot).ok()?)));
         self.elements.push(ElementModel {
             class: element.class as usize,
             markers: element.markers.iter().map(|m| *m as usize).collect(),
             constants: constants.collect::<Result<_, _>>()?,
+            moving: moving.collect(),
             state: self.states,
             row: self.rows,
             rotation: self.rotations,

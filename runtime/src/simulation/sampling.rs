@@ -1,6 +1,7 @@
 //! Outputs of a simulation: at the last accepted state, and within the last step at times and cycle angles.
 
 use super::{Energy, Simulation};
+use crate::acceleration::Factors;
 use crate::error::{Moment, RuntimeError};
 use crate::state::State;
 
@@ -146,7 +147,11 @@ impl Simulation {
                     &mut self.dynamics,
                     &mut self.completed,
                     moment,
-                    round == 0,
+                    if round == 0 {
+                        Factors::Made
+                    } else {
+                        Factors::Kept
+                    },
                 )
                 .map_err(|error| self.at_moment(error))?;
             let [now, rate] = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;

@@ -101,6 +101,7 @@ impl Simulation {
             .map(|a| f64::from(u8::from(*a)))
             .collect();
         w.numbers(&advised);
+        w.numbers(&self.dynamics.signals().numbers());
         w.integer(self.at_kink.map_or(0, |kink| kink as u64 + 1));
         w.numbers(&self.kinks.numbers());
         for vibration in &self.integrator.vibrations {
@@ -220,7 +221,7 @@ impl Simulation {
         let mut advised = vec![0.0; simulation.advised.len()];
         r.numbers(&mut advised)?;
         simulation.advised = advised.iter().map(|a| *a != 0.0).collect();
-        simulation.resume_kinks(&mut r)?;
+        simulation.resume_inputs_and_kinks(&mut r)?;
         for vibration in &mut simulation.integrator.vibrations {
             let mut numbers = [0.0; 8];
             r.numbers(&mut numbers)?;
@@ -230,8 +231,11 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Reads the part of a checkpoint about kinks.
-    fn resume_kinks(&mut self, r: &mut Reader<'_>) -> Result<(), RuntimeError> {
+    /// Reads the parts of a checkpoint about inputs and kinks.
+    fn resume_inputs_and_kinks(&mut self, r: &mut Reader<'_>) -> Result<(), RuntimeError> {
+        let mut segments = self.dynamics.signals().numbers();
+        r.numbers(&mut segments)?;
+        self.dynamics.signals_mut().set_numbers(&segments);
         self.at_kink = (r.integer()? as usize).checked_sub(1);
         let mut kinks = self.kinks.numbers();
         r.numbers(&mut kinks)?;

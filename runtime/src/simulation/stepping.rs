@@ -4,7 +4,7 @@ use super::pace::Limit;
 use super::{Simulation, StepReport, Warning};
 use crate::control::{FixedGrid, StepSize};
 use crate::elements::Inputs;
-use crate::error::RuntimeError;
+use crate::error::{Moment, RuntimeError};
 use crate::integrator::{STEP_SHARE, Trial};
 use crate::rotation::V3;
 use crate::state::{State, move_pose};
@@ -37,11 +37,51 @@ const TURN: f64 = 0.25;
 /// most half a turn relative to each other, and up to there an angle can be followed.
 const MOST_TURN: f64 = std::f64::consts::FRAC_PI_2;
 
+/// Rates of a motion behind its present state.
+pub(super) struct FirstRates {
+    /// Rates of the accelerations.
+    pub jerk: Vec<f64>,
+    /// Rates of the multipliers.
+    pub multiplier_rate: Vec<f64>,
+    /// Second rates of the states.
+    pub state_jerk: Vec<f64>,
+    /// Largest acceleration in units of the model's size (1/s²).
+    pub acceleration: f64,
+    /// One over the time in which the motion covers about its own size (1/s).
+    pub pace: f64,
+}
+
 impl Simulation {
     /// Computes consistent accelerations, their rates and the first step, and checks the conditions at the
     /// start.
     pub(super) fn begin(&mut self) -> Result<(), RuntimeError> {
         let moment = self.moment();
+        let first = self.first_rates(moment)?;
+        self.integrator.start(
+            &first.jerk,
+            &self.work,
+            &first.multiplier_rate,
+            &first.state_jerk,
+        );
+        if let StepControl::Tolerance(factor) = self.options.step {
+            self.size = StepSize::new(self.first_step(&first, factor));
+        }
+        self.grid = FixedGrid::new(self.integrator.current.time);
+        self.stand()?;
+        self.kinks
+            .evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
+        self.kinks.accept(None);
+        self.observe_state()?;
+        self.take_energy();
+        let e = &mut self.energy;
+        e.start = e.kinetic + e.gravity + e.strain;
+        self.cycle_start = self.cycle_now.map_or(0.0, |c| c[0]);
+        Ok(())
+    }
+
+    /// Accelerations and multipliers of the current state, and their rates behind it. Writes the part of the rates
+    /// of accelerations that is normal to the constraints into `work`.
+    pub(super) fn first_rates(&mut self, moment: Moment) -> Result<FirstRates, RuntimeError> {
         self.system.accelerations(
             &self.model,
             &mut self.dynamics,
@@ -99,40 +139,39 @@ impl Simulation {
         self.dynamics
             .constraints_along(&self.model, &jerk, &mut rates)?;
         self.system.normal(&self.model, &rates, &mut self.work);
-        self.integrator
-            .start(&jerk, &self.work, &multiplier_rate, &state_jerk);
-        if let StepControl::Tolerance(factor) = self.options.step {
-            let error =
-                self.integrator.coefficients.error.abs() * largest(&jerk) * self.model.length
-                    / (STEP_SHARE * self.model.tolerance * factor);
-            let mut h = if pace > 0.0 { 0.02 / pace } else { 1e-5 };
-            if error > 0.0 {
-                h = h.min(0.5 * libm::cbrt(1.0 / error));
-            }
-            // The first response of films and stiff modes hardly moves anything, but the acceleration would
-            // ring for many steps. So the first steps are short enough to follow it.
-            let least = LAYER * h;
-            let accelerations = &self.integrator.current.acceleration;
-            for (a, (j, scale)) in accelerations.iter().zip(jerk.iter().zip(&scales)) {
-                let (a, j) = ((a / scale).abs(), (j / scale).abs());
-                if j > 0.0 {
-                    let own = (a + REST * acceleration).max(ROUNDING * pace * pace);
-                    h = h.min(FOLLOWED * own / j);
-                }
-            }
-            self.size = StepSize::new(h.max(least));
+        Ok(FirstRates {
+            jerk,
+            multiplier_rate,
+            state_jerk,
+            acceleration,
+            pace,
+        })
+    }
+
+    /// The first step (s) of a motion under error control, with a factor on the tolerances.
+    pub(super) fn first_step(&self, first: &FirstRates, factor: f64) -> f64 {
+        let scales = self.model.velocity_scales();
+        let jerks = first.jerk.iter().zip(&scales);
+        let largest = jerks.fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()));
+        let error = self.integrator.coefficients.error.abs() * largest * self.model.length
+            / (STEP_SHARE * self.model.tolerance * factor);
+        let pace = first.pace;
+        let mut h = if pace > 0.0 { 0.02 / pace } else { 1e-5 };
+        if error > 0.0 {
+            h = h.min(0.5 * libm::cbrt(1.0 / error));
         }
-        self.grid = FixedGrid::new(self.integrator.current.time);
-        self.stand()?;
-        self.kinks
-            .evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
-        self.kinks.accept(None);
-        self.observe_state()?;
-        self.take_energy();
-        let e = &mut self.energy;
-        e.start = e.kinetic + e.gravity + e.strain;
-        self.cycle_start = self.cycle_now.map_or(0.0, |c| c[0]);
-        Ok(())
+        // The first response of films and stiff modes hardly moves anything, but the acceleration would
+        // ring for many steps. So the first steps are short enough to follow it.
+        let least = LAYER * h;
+        let accelerations = &self.integrator.current.acceleration;
+        for (a, (j, scale)) in accelerations.iter().zip(first.jerk.iter().zip(&scales)) {
+            let (a, j) = ((a / scale).abs(), (j / scale).abs());
+            if j > 0.0 {
+                let own = (a + REST * first.acceleration).max(ROUNDING * pace * pace);
+                h = h.min(FOLLOWED * own / j);
+            }
+        }
+        h.max(least)
     }
 
     /// The state at a time e (s) after another one, along its velocities, accelerations and rates, with its own
@@ -225,6 +264,7 @@ impl Simulation {
             states: &state.states,
             multipliers: &state.multipliers,
             rotations: &self.completed.rotations,
+            moving: self.dynamics.moving(),
         };
         self.watch
             .unwrap(&self.model, &from, &mut state.rotations)?;
@@ -232,6 +272,7 @@ impl Simulation {
             cycle.evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
             self.cycle_now = Some(cycle.watched_values);
         }
+        self.check_inputs()?;
         let moment = self.moment();
         let state = &self.integrator.current;
         let from = Inputs {
@@ -240,6 +281,7 @@ impl Simulation {
             states: &state.states,
             multipliers: &state.multipliers,
             rotations: &state.rotations,
+            moving: self.dynamics.moving(),
         };
         let (model, advised, warnings) = (&self.model, &mut self.advised, &mut self.warnings);
         let mut touch = None;
@@ -325,6 +367,7 @@ impl Simulation {
     /// One step that ends at `end` (s) at the latest. A step that comes near `end` ends exactly there, to the
     /// last bit.
     pub fn step_within(&mut self, end: f64) -> Result<StepReport, RuntimeError> {
+        self.ends_known()?;
         self.step_no_longer(end, f64::INFINITY)
     }
 
@@ -340,6 +383,7 @@ impl Simulation {
                 message: format!("a step must go forward: from {begin} s to {end} s"),
             });
         }
+        self.after_jumps()?;
         // behind a kink the powers before it say nothing about the power within the step
         let earlier_step = if self.at_kink.take().is_some() {
             0.0

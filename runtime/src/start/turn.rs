@@ -427,6 +427,7 @@ impl<'a> Turning<'a> {
             states: &next.states,
             multipliers: &[],
             rotations: &from.rotations,
+            moving: self.dynamics.moving(),
         };
         let mut rotations = from.rotations.clone();
         self.watch.unwrap(model, &inputs, &mut rotations)?;

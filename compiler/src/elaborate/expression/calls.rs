@@ -133,7 +133,8 @@ impl<'a> Elaborator<'a, '_> {
         Ok(Value::Scalar(value))
     }
 
-    fn applied(
+    /// Calls a function of the text with values for the parameters at given places.
+    pub fn applied(
         &mut self,
         closure: &super::super::value::Closure<'a>,
         solution: Option<Rc<Solution>>,

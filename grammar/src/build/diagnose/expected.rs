@@ -420,7 +420,7 @@ impl<'b> Failure<'b> {
         if self.found() == "if" && !self.read().any(|word| word == "=") {
             let item = self.read().next().unwrap_or_default();
             let values = [
-                "output", "let", "const", "param", "state", "table", "analysis",
+                "output", "let", "const", "param", "input", "state", "table", "analysis",
             ];
             if values.contains(&item) {
                 let message = Diagnostic::error(codes::UNEXPECTED, "only parts have a condition")

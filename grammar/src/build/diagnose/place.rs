@@ -39,13 +39,14 @@ impl Place {
     /// The words that may begin an item at this place.
     pub fn words(self) -> &'static [&'static str] {
         const MODEL: &[&str] = &[
-            "param", "const", "let", "fn", "table", "gravity", "body", "flexible", "marker",
-            "joint", "force", "journal", "drive", "part", "cycle", "start", "guess", "output",
-            "require", "advise",
+            "param", "input", "const", "let", "fn", "table", "gravity", "body", "flexible",
+            "marker", "joint", "force", "journal", "drive", "part", "cycle", "start", "guess",
+            "output", "require", "advise",
         ];
         const COMPONENT: &[&str] = &[
-            "param", "const", "let", "fn", "table", "body", "flexible", "marker", "joint", "force",
-            "journal", "drive", "part", "cycle", "start", "guess", "output", "require", "advise",
+            "param", "input", "const", "let", "fn", "table", "body", "flexible", "marker", "joint",
+            "force", "journal", "drive", "part", "cycle", "start", "guess", "output", "require",
+            "advise",
         ];
         const CONSTRAINT: &[&str] = &[
             "const",

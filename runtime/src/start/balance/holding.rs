@@ -269,6 +269,7 @@ impl Balance<'_> {
             states: &state.states,
             multipliers: &state.multipliers,
             rotations: &state.rotations,
+            moving: self.dynamics.moving(),
         };
         let mut rotations = state.rotations.clone();
         self.watch.unwrap(self.model, &from, &mut rotations)?;

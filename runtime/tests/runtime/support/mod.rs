@@ -315,6 +315,7 @@ impl BindCode for Literal {
             slots: self.0.clone(),
             parameters: Vec::new(),
             advice: Vec::new(),
+            nodes: Vec::new(),
         })
     }
 }
@@ -345,6 +346,8 @@ impl Builder {
                 bodies: vec![],
                 markers: vec![],
                 parameters: vec![],
+                inputs: vec![],
+                moving: vec![],
                 slots: 0,
                 classes: vec![],
                 elements: vec![],
@@ -570,6 +573,7 @@ pub fn output(name: &str) -> OutputInfo {
         dimension: Dimension::ONE,
         display: DisplayUnit::si(Dimension::ONE),
         frame: String::new(),
+        depth: eng_system::system::Depth::Acceleration,
     }
 }
 

@@ -166,6 +166,7 @@ pub(super) fn unwrap(
         states: &state.states,
         multipliers: &state.multipliers,
         rotations: &references,
+        moving: dynamics.moving(),
     };
     watch.unwrap(model, &from, &mut state.rotations)
 }
