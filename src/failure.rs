@@ -6,7 +6,7 @@ use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::{
     Damped, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow, StartReport,
-    Turning, Unstable,
+    Turning, Undefined, Unstable,
 };
 use eng_system::code::BindError;
 use eng_system::system::{Location, Origin, Parameter, System};
@@ -105,9 +105,15 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         },
         R::NotFinite {
             origin,
-            outside: Some(outside),
+            because: Some(because),
             ..
-        } => outside_table(place(d(codes::OUTSIDE_TABLE), origin, "reads the table"), outside),
+        } => match because.as_ref() {
+            Undefined::Table(outside) => {
+                outside_table(place(d(codes::OUTSIDE_TABLE), origin, "reads the table"), outside)
+            }
+            Undefined::Field(_) => place(d(codes::NO_FIELD), origin, "this field has no solution"),
+        },
+        R::Field { origin, .. } => place(d(codes::NO_FIELD), origin, "its numbers make no field"),
         R::NotFinite { origin, .. } => place(d(codes::NOT_FINITE), origin, "this element")
             .with_help("keep a divisor from zero, such as by `norm(v, floor: 1 um)`, and a root's argument from below"),
         R::Newton { origin, .. } => place(d(codes::NO_STEP), origin, "the largest residual is here")

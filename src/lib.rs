@@ -53,6 +53,7 @@ mod counted;
 mod error;
 mod explained;
 mod failure;
+mod fields;
 mod figures;
 mod lint;
 mod machine;

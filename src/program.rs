@@ -1,6 +1,7 @@
 //! From texts to checked programs and compiled models.
 
 use crate::error::{Error, Report};
+use crate::fields::Fields;
 use crate::model::Model;
 use crate::reduction::{Looks, Reducer, Reduction};
 use crate::sources::Sources;
@@ -432,6 +433,7 @@ impl Program {
                 code: model.code()?.to_vec(),
                 bind: elaborated.bind.clone(),
                 reduced,
+                fields: Arc::new(Fields),
             },
             Arc::clone(&self.inner.texts),
             reductions,

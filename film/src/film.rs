@@ -52,6 +52,8 @@ pub(crate) struct LevelWork {
     /// Weight times `h³/12μ`, and its slope by h.
     pub conductance: Vec<[f64; 2]>,
     pub cell_gap: Vec<f64>,
+    /// Slopes of the gaps at links and in cells by the true gap; 1 above the floor.
+    pub continued: [Vec<f64>; 2],
     /// Change of the gap in the middle of a cell with the pin's turn, m/rad.
     pub cell_turn: Vec<f64>,
     pub cell_rate: Vec<f64>,
@@ -84,6 +86,7 @@ impl LevelWork {
             link_turn: vec![0.0; links],
             conductance: vec![[0.0; 2]; links],
             cell_gap: vec![0.0; cells],
+            continued: [vec![1.0; links], vec![1.0; cells]],
             cell_turn: vec![0.0; cells],
             cell_rate: vec![0.0; cells],
             pin_slope: vec![[0.0; 2]; cells],

@@ -49,6 +49,11 @@ impl Film {
             add(&mut state.cell_gap, amplitude, &level.shapes[1]);
             add(&mut state.cell_rate, rate, &level.shapes[2]);
         }
+        let [at_links, in_cells] = &mut state.continued;
+        let gaps = state.link_gap.iter_mut().zip(at_links);
+        for (gap, slope) in gaps.chain(state.cell_gap.iter_mut().zip(in_cells)) {
+            (*gap, *slope) = self.source.continued(*gap);
+        }
         let factor = 1.0 / (12.0 * x[VISCOSITY]);
         for ((conductance, gap), link) in state
             .conductance

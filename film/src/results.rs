@@ -323,10 +323,10 @@ impl Film {
             }
         };
         for (link, gap) in grid.links.iter().zip(&state.link_gap) {
-            look(*gap, link.angle, link.z);
+            look(self.source.true_gap(*gap), link.angle, link.z);
         }
         for (cell, gap) in grid.cells.iter().zip(&state.cell_gap) {
-            look(*gap, cell.angle, cell.z);
+            look(self.source.true_gap(*gap), cell.angle, cell.z);
         }
         // sealed ends and lines at ends are no links
         for z in [-half, half] {

@@ -222,6 +222,9 @@ pub struct FilmSource {
     pub pin_profile: Vec<Profile>,
     /// Deflections that are inputs.
     pub shapes: Vec<Shape>,
+    /// Gap (m) below which the solution continues with another one: see [`FilmSource::continued`]. With 0, surfaces
+    /// that touch are an error.
+    pub floor: f64,
     /// α of Barus' law `μ exp(α p)`, 1/Pa; 0 for oil whose viscosity does not depend on pressure.
     pub piezo: f64,
     /// Cells around.
@@ -252,11 +255,31 @@ impl FilmSource {
             profile: Vec::new(),
             pin_profile: Vec::new(),
             shapes: Vec::new(),
+            floor: 0.0,
             piezo: 0.0,
             around: Lines::Equal(cells[0]),
             across: Lines::Equal(cells[1]),
             half_width: false,
         }
+    }
+
+    /// The gap in the equation and its slope by the true gap h: `f²/(2f − h)` below the floor f, where it has the
+    /// value and slope of h and stays positive for every h. So the iterates of a solver have a film wherever the
+    /// pin is. Only solutions above the floor mean anything.
+    pub(crate) fn continued(&self, gap: f64) -> (f64, f64) {
+        if gap >= self.floor {
+            return (gap, 1.0);
+        }
+        let share = self.floor / (2.0 * self.floor - gap);
+        (self.floor * share, share * share)
+    }
+
+    /// The true gap of one that [`FilmSource::continued`] gives.
+    pub(crate) fn true_gap(&self, continued: f64) -> f64 {
+        if continued >= self.floor {
+            return continued;
+        }
+        2.0 * self.floor - self.floor * self.floor / continued
     }
 
     /// Sum of the shell's profile.
@@ -291,6 +314,13 @@ impl FilmSource {
                     range: "a positive number",
                 });
             }
+        }
+        if !(self.floor >= 0.0 && self.floor < self.clearance) {
+            return Err(SourceError::Range {
+                name: "floor of the gap",
+                value: self.floor,
+                range: "0 or a part of the clearance",
+            });
         }
         if !(self.piezo >= 0.0 && self.piezo.is_finite()) {
             return Err(SourceError::Range {

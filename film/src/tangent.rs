@@ -164,6 +164,7 @@ impl Film {
             if output == TORQUE {
                 by_gap -= link.carry * (state.pressure[link.a][0] - state.pressure[link.b][0]);
             }
+            by_gap *= state.continued[0][at];
             let [cos, sin] = link.normal;
             row[ECCENTRICITY] -= by_gap * cos;
             row[ECCENTRICITY + 1] -= by_gap * sin;
@@ -224,6 +225,7 @@ impl Film {
                 row[VISCOSITY] += x[SPIN] * over;
                 row[TURN] += cell.area * state.pressure[at][0] * turned_slope;
             }
+            by_gap *= state.continued[1][at];
             let [cos, sin] = cell.normal;
             row[ECCENTRICITY] -= by_gap * cos;
             row[ECCENTRICITY + 1] -= by_gap * sin;

@@ -144,6 +144,8 @@ pub enum BindingKind {
     Let,
     /// An unknown with a rate.
     State,
+    /// The results of a solver of its own: `field film: FilmAnswer = reynolds(…)`.
+    Field,
     /// A channel of the result.
     Output,
 }

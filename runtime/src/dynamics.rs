@@ -15,13 +15,13 @@ pub use plan::MatrixPlan;
 use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, CURVED_REACH, MarkerKinematics, Motion, Placed, REACH};
 use crate::dense::add_scaled;
-use crate::elements::{self, Batch, Inputs, Scratch};
-use crate::error::{Moment, RuntimeError};
+use crate::elements::{self, Batch, Inputs, Readings, Scratch, undefined};
+use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::inputs::Signals;
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
-use eng_system::code::{Function, Pair};
+use eng_system::code::Function;
 
 /// Bodies and markers at one position and velocity.
 #[derive(Clone, Debug)]
@@ -319,7 +319,9 @@ impl Dynamics {
     /// Constraint values, wrenches and rates at the gathered inputs.
     pub fn evaluate(&mut self, model: &Model) -> Result<(), RuntimeError> {
         self.signals.defined(model)?;
-        for batch in &self.batches {
+        for batch in &mut self.batches {
+            let scratch = &mut self.work.elements;
+            batch.solve_fields(model, self.at.time, Readings::None, scratch)?;
             let layout = model.compiled.system.classes[batch.class].layout;
             let (rows, wrenches, states) = (
                 layout.rows as usize,
@@ -424,41 +426,5 @@ impl Dynamics {
                 &mut out[range],
             );
         }
-    }
-}
-
-/// The error of an element that gives no number. It names a table that the element's function evaluates
-/// outside its points.
-pub fn undefined(
-    model: &Model,
-    element: usize,
-    time: f64,
-    function: Function,
-    inputs: &[Pair],
-    lane: usize,
-) -> RuntimeError {
-    let mut error = not_finite(model, element, time);
-    let compiled = &model.compiled;
-    let code = compiled
-        .system
-        .elements
-        .get(element)
-        .and_then(|e| compiled.code.get(e.class as usize));
-    if let (RuntimeError::NotFinite { outside, .. }, Some(code)) = (&mut error, code) {
-        let [first, second] = code.outside(function, inputs, &compiled.system.tables);
-        *outside = if lane == 0 { first } else { second }.map(Box::new);
-    }
-    error
-}
-
-/// The error for an element whose numbers are not finite.
-pub fn not_finite(model: &Model, element: usize, time: f64) -> RuntimeError {
-    RuntimeError::NotFinite {
-        origin: Box::new(model.compiled.system.elements[element].origin.clone()),
-        outside: None,
-        moment: Moment {
-            time,
-            cycle_angle: None,
-        },
     }
 }

@@ -2,9 +2,10 @@
 //! live as long as the model.
 
 use crate::chain::MarkerKinematics;
-use crate::error::RuntimeError;
+use crate::error::{Moment, RuntimeError, Undefined};
 use crate::model::Model;
 use eng_system::code::{ElementCode, Function, Pair};
+use eng_system::field::{FieldSolver, KERNELS, drives};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
 
 /// The sources of the inputs of all elements.
@@ -35,6 +36,10 @@ pub struct Batch {
     inputs: Vec<Pair>,
     /// Constants that follow the inputs.
     moving: Vec<Moving>,
+    /// Fields of both lanes, pair after pair; empty for a class without fields.
+    fields: Vec<Vec<LaneField>>,
+    /// Whether the inputs hold the answers at the gathered state, and the readings too.
+    solved: Solved,
 }
 
 /// A constant that follows the inputs: its place in the inputs of a batch, its lane, and its slot among those that
@@ -44,6 +49,36 @@ struct Moving {
     at: usize,
     lane: usize,
     slot: usize,
+}
+
+/// The readings of fields that a caller needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Readings {
+    /// None: loads follow from the answers.
+    None,
+    /// Those without derivatives: conditions are checked at every step.
+    Plain,
+    /// All.
+    All,
+}
+
+/// How much of the fields is known at the gathered state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Solved {
+    Nothing,
+    Answers,
+    Slopes,
+}
+
+/// A field of the element in a lane, with its numbers at the gathered state.
+#[derive(Clone, Debug)]
+struct LaneField {
+    solver: Box<dyn FieldSolver>,
+    drives: Vec<f64>,
+    answers: Vec<f64>,
+    readings: Vec<f64>,
+    /// Derivatives of the answers by the drives, answer by answer.
+    slopes: Vec<f64>,
 }
 
 impl Batch {
@@ -103,15 +138,178 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
                 }
             }
         }
+        let lanes = pairs.iter().flatten();
+        let fields = match layout.answers {
+            0 => Vec::new(),
+            _ => lanes.map(|element| lane_fields(model, *element)).collect(),
+        };
         made.push(Batch {
             class: index,
             pairs,
             stride,
             inputs,
             moving,
+            fields,
+            solved: Solved::Nothing,
         });
     }
     made
+}
+
+/// The fields of an element with memory of their own.
+fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
+    let sources = &model.compiled.system.elements[element].fields;
+    let kernels = &model.kernels[element];
+    (sources.iter().zip(kernels))
+        .filter_map(|(source, made)| {
+            let kernel = KERNELS.get(source.kernel as usize)?;
+            let drives: u32 = drives(kernel, source.openings)
+                .map(|(_, count)| count)
+                .sum();
+            let (drives, answers) = (drives as usize, kernel.answer_count() as usize);
+            Some(LaneField {
+                solver: made.solver(),
+                drives: vec![0.0; drives],
+                answers: vec![0.0; answers],
+                readings: vec![0.0; kernel.reading_count() as usize],
+                slopes: vec![0.0; answers * drives],
+            })
+        })
+        .collect()
+}
+
+impl Batch {
+    /// Solves the fields at the gathered state and writes their answers to the inputs, and as many of their
+    /// readings as wanted. Does nothing for a class without fields.
+    pub fn solve_fields(
+        &mut self,
+        model: &Model,
+        time: f64,
+        readings: Readings,
+        scratch: &mut Scratch,
+    ) -> Result<(), RuntimeError> {
+        let known = self.solved > Solved::Nothing && readings == Readings::None;
+        if self.fields.is_empty() || known {
+            return Ok(());
+        }
+        let layout = model.compiled.system.classes[self.class].layout;
+        let common = layout.len() as usize;
+        let length = layout.residual_len() as usize;
+        let first_drive = layout.drive(0) as usize;
+        for pair in 0..self.pairs.len() {
+            let out = &mut scratch.outputs[..length];
+            let inputs = &mut self.inputs[pair * self.stride..][..common];
+            call(model, self.class, Function::Residual, inputs, out)?;
+            for lane in 0..2 {
+                let element = self.pairs[pair][lane];
+                let again = lane == 1 && self.pairs[pair][0] == element;
+                let mut drive = first_drive;
+                let mut answer = layout.answer(0) as usize;
+                let mut reading = layout.reading(0) as usize;
+                for at in 0..self.fields[2 * pair].len() {
+                    if again {
+                        let (first, second) = self.fields.split_at_mut(2 * pair + 1);
+                        second[0][at]
+                            .answers
+                            .clone_from(&first[2 * pair][at].answers);
+                        second[0][at]
+                            .readings
+                            .clone_from(&first[2 * pair][at].readings);
+                    }
+                    let field = &mut self.fields[2 * pair + lane][at];
+                    for (x, number) in field.drives.iter_mut().zip(&out[drive..]) {
+                        *x = number[lane];
+                    }
+                    if !again {
+                        field.solve(model, element, time, readings)?;
+                    }
+                    for (place, x) in inputs[answer..].iter_mut().zip(&field.answers) {
+                        place[lane] = *x;
+                    }
+                    for (place, x) in inputs[reading..].iter_mut().zip(&field.readings) {
+                        place[lane] = *x;
+                    }
+                    drive += field.drives.len();
+                    answer += field.answers.len();
+                    reading += field.readings.len();
+                }
+            }
+        }
+        self.solved = Solved::Answers;
+        Ok(())
+    }
+
+    /// The derivatives of the fields' answers at the gathered state.
+    fn slopes_of_fields(
+        &mut self,
+        model: &Model,
+        time: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(), RuntimeError> {
+        if self.fields.is_empty() || self.solved == Solved::Slopes {
+            return Ok(());
+        }
+        self.solve_fields(model, time, Readings::None, scratch)?;
+        for pair in 0..self.pairs.len() {
+            for lane in 0..self.lanes(pair) {
+                for field in &mut self.fields[2 * pair + lane] {
+                    field.solver.tangent(&mut field.slopes);
+                    if field.slopes.iter().any(|x| !x.is_finite()) {
+                        return Err(not_finite(model, self.pairs[pair][lane], time));
+                    }
+                }
+            }
+        }
+        self.solved = Solved::Slopes;
+        Ok(())
+    }
+
+    /// The change of each answer of a lane with changes of the drives: `put(answer, change)`.
+    fn answers_along(
+        &self,
+        pair: usize,
+        lane: usize,
+        change: impl Fn(usize) -> f64,
+        mut put: impl FnMut(usize, f64),
+    ) {
+        let (mut drive, mut answer) = (0, 0);
+        for field in &self.fields[2 * pair + lane] {
+            let count = field.drives.len();
+            for row in field.slopes.chunks_exact(count) {
+                let sum = (0..count).map(|i| row[i] * change(drive + i)).sum();
+                put(answer, sum);
+                answer += 1;
+            }
+            drive += count;
+        }
+    }
+}
+
+impl LaneField {
+    fn solve(
+        &mut self,
+        model: &Model,
+        element: usize,
+        time: f64,
+        readings: Readings,
+    ) -> Result<(), RuntimeError> {
+        // numbers that are none are the element's own, and it says which table they come from
+        if self.drives.iter().any(|x| !x.is_finite()) {
+            return Err(not_finite(model, element, time));
+        }
+        if let Err(cause) = self.solver.solve(&self.drives, &mut self.answers) {
+            let mut error = not_finite(model, element, time);
+            if let RuntimeError::NotFinite { because, .. } = &mut error {
+                *because = Some(Box::new(Undefined::Field(cause)));
+            }
+            return Err(error);
+        }
+        if readings != Readings::None {
+            let slopes = readings == Readings::All;
+            self.solver.read(&mut self.readings, slopes);
+        }
+        Ok(())
+    }
 }
 
 /// Writes one marker's eighteen numbers into a lane.
@@ -128,6 +326,7 @@ fn write_marker(inputs: &mut [Pair], at: usize, lane: usize, m: &MarkerKinematic
 
 /// Gathers the common inputs of every pair of a batch.
 pub fn gather(model: &Model, batch: &mut Batch, from: &Inputs) {
+    batch.solved = Solved::Nothing;
     let layout = model.compiled.system.classes[batch.class].layout;
     debug_assert_eq!(MARKER_WIDTH, 18);
     for moving in &batch.moving {
@@ -232,11 +431,13 @@ impl Scratch {
 /// of a pair. Directions outside the range do not change.
 pub fn differentiate(
     model: &Model,
-    batch: &Batch,
+    batch: &mut Batch,
     pair: usize,
     directions: &[std::ops::Range<usize>],
+    time: f64,
     scratch: &mut Scratch,
 ) -> Result<(), RuntimeError> {
+    batch.slopes_of_fields(model, time, scratch)?;
     let class = &model.compiled.system.classes[batch.class];
     let tape = class.tape as usize;
     let count = class.layout.directions() as usize;
@@ -249,7 +450,9 @@ pub fn differentiate(
         &mut scratch.tape[..tape],
     )?;
     scratch.tape[tape..tape + count].fill([0.0; 2]);
-    for range in directions {
+    let layout = class.layout;
+    let answers = layout.answer_direction(0) as usize..count;
+    for range in directions.iter().chain([&answers]) {
         for d in range.clone() {
             scratch.tape[tape + d] = [1.0; 2];
             call(
@@ -262,5 +465,103 @@ pub fn differentiate(
             scratch.tape[tape + d] = [0.0; 2];
         }
     }
+    if answers.is_empty() {
+        return Ok(());
+    }
+    // by the chain rule, answers follow the drives
+    let (drive, length) = (layout.drive(0) as usize, length);
+    let (by_motion, by_answers) = scratch.tangents.split_at_mut(answers.start * length);
+    for lane in 0..batch.lanes(pair) {
+        for d in directions.iter().cloned().flatten() {
+            let (outputs, drives) = by_motion[d * length..(d + 1) * length].split_at_mut(drive);
+            let change = |i: usize| drives[i][lane];
+            batch.answers_along(pair, lane, change, |answer, sum| {
+                let slopes = &by_answers[answer * length..];
+                for (output, slope) in outputs.iter_mut().zip(slopes) {
+                    output[lane] += slope[lane] * sum;
+                }
+            });
+        }
+    }
     Ok(())
+}
+
+/// Calls [`Function::Tangent`] with the seeds that `scratch` has behind its tape, at the inputs of a pair. Writes
+/// the derivatives to `scratch.outputs`.
+pub fn differentiate_along(
+    model: &Model,
+    batch: &mut Batch,
+    pair: usize,
+    time: f64,
+    scratch: &mut Scratch,
+) -> Result<(), RuntimeError> {
+    batch.slopes_of_fields(model, time, scratch)?;
+    let class = &model.compiled.system.classes[batch.class];
+    let layout = class.layout;
+    let (tape, count) = (class.tape as usize, layout.directions() as usize);
+    let length = layout.residual_len() as usize;
+    let inputs = batch.inputs(pair);
+    call(
+        model,
+        batch.class,
+        Function::Linearize,
+        inputs,
+        &mut scratch.tape[..tape],
+    )?;
+    let tangent = |scratch: &mut Scratch| {
+        let seeds = &scratch.tape[..tape + count];
+        let out = &mut scratch.outputs[..length];
+        call(model, batch.class, Function::Tangent, seeds, out)
+    };
+    tangent(scratch)?;
+    if layout.answers == 0 {
+        return Ok(());
+    }
+    let drive = layout.drive(0) as usize;
+    let first = tape + layout.answer_direction(0) as usize;
+    for lane in 0..batch.lanes(pair) {
+        let (seeds, outputs) = (&mut scratch.tape, &scratch.outputs);
+        let change = |i: usize| outputs[drive + i][lane];
+        batch.answers_along(pair, lane, change, |answer, sum| {
+            seeds[first + answer][lane] = sum;
+        });
+    }
+    tangent(scratch)
+}
+
+/// The error of an element that gives no number. It names a table that the element's function evaluates
+/// outside its points.
+pub fn undefined(
+    model: &Model,
+    element: usize,
+    time: f64,
+    function: Function,
+    inputs: &[Pair],
+    lane: usize,
+) -> RuntimeError {
+    let mut error = not_finite(model, element, time);
+    let compiled = &model.compiled;
+    let code = compiled
+        .system
+        .elements
+        .get(element)
+        .and_then(|e| compiled.code.get(e.class as usize));
+    if let (RuntimeError::NotFinite { because, .. }, Some(code)) = (&mut error, code) {
+        let [first, second] = code.outside(function, inputs, &compiled.system.tables);
+        let outside = if lane == 0 { first } else { second };
+        *because = outside.map(|outside| Box::new(Undefined::Table(outside)));
+    }
+    error
+}
+
+/// The error for an element whose numbers are not finite.
+pub fn not_finite(model: &Model, element: usize, time: f64) -> RuntimeError {
+    RuntimeError::NotFinite {
+        origin: Box::new(model.compiled.system.elements[element].origin.clone()),
+        because: None,
+        moment: Moment {
+            time,
+            cycle_angle: None,
+        },
+    }
 }

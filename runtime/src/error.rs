@@ -4,6 +4,7 @@ mod linearised;
 mod pace;
 
 use eng_system::code::BindError;
+use eng_system::field::FieldError;
 use eng_system::system::Origin;
 use eng_system::table::Outside;
 use eng_system::{Dimension, DisplayUnit};
@@ -226,9 +227,27 @@ fn list_groups(groups: &[RedundantGroup]) -> String {
         .join("; ")
 }
 
-fn undefined(origin: &Origin, outside: &Option<Box<Outside>>, moment: &Moment) -> String {
-    match outside {
-        Some(outside) => format!("{}: {outside} ({moment})", origin.path),
+/// The reason why an element has no number.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Undefined {
+    /// A table is read outside its points.
+    Table(Outside),
+    /// A field has no solution.
+    Field(FieldError),
+}
+
+impl std::fmt::Display for Undefined {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Undefined::Table(outside) => outside.fmt(f),
+            Undefined::Field(error) => error.fmt(f),
+        }
+    }
+}
+
+fn undefined(origin: &Origin, because: &Option<Box<Undefined>>, moment: &Moment) -> String {
+    match because {
+        Some(because) => format!("{}: {because} ({moment})", origin.path),
         None => format!(
             "{} is not finite at {moment}: something is divided by zero, or a root or logarithm taken of a number that has none",
             origin.path
@@ -350,13 +369,21 @@ pub enum RuntimeError {
         /// Constraint equations that repeat others at this position.
         repeated: Vec<RedundantGroup>,
     },
+    /// A field cannot be made of the model's numbers.
+    #[error("{}: {message}", origin.path)]
+    Field {
+        /// The element.
+        origin: Box<Origin>,
+        /// The reason.
+        message: String,
+    },
     /// An element returned something that is not a number.
-    #[error("{}", undefined(origin, outside, moment))]
+    #[error("{}", undefined(origin, because, moment))]
     NotFinite {
         /// The element.
         origin: Box<Origin>,
-        /// The table that it reads outside its points, if this is the reason.
-        outside: Option<Box<Outside>>,
+        /// The reason, if it is known.
+        because: Option<Box<Undefined>>,
         /// When.
         moment: Moment,
     },

@@ -9,7 +9,7 @@
 //! that change*, the present way, leave code, layouts and derivatives as they are, and a model whose inputs stay at
 //! their defaults has the bits of one with parameters in their places.
 
-use crate::error::{Moment, RuntimeError};
+use crate::error::{Moment, RuntimeError, Undefined};
 use crate::model::Model;
 use eng_system::code::{Advice, BindError, Pair};
 use eng_system::input::{Input, Interpolation};
@@ -192,7 +192,7 @@ impl Signals {
         let origin = found.map(|parameter| parameter.origin.clone());
         Err(RuntimeError::NotFinite {
             origin: Box::new(origin.unwrap_or_default()),
-            outside,
+            because: outside.map(|outside| Box::new(Undefined::Table(*outside))),
             moment: Moment {
                 time: self.time.unwrap_or_default(),
                 cycle_angle: None,

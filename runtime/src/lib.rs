@@ -77,7 +77,7 @@ pub use decay::{CycleReport, Mode};
 pub use equilibrium::{run_assemble, run_static};
 pub use error::{
     Leaving, LeavingBody, Moment, NamedRow, NotBack, RedundantGroup, RuntimeError, Timed,
-    TimedElement, TurningBody, Varies,
+    TimedElement, TurningBody, Undefined, Varies,
 };
 pub use integrator::{Damped, Statistics};
 pub use kinks::Overlooked;

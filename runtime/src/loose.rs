@@ -8,14 +8,14 @@
 //! The motion that turns the cycle is the purpose of the machine, so it is left out.
 
 use crate::assembly::at;
-use crate::assembly::rows::{Along, Rows, inputs};
+use crate::assembly::rows::{Along, At, Rows, inputs};
 use crate::chain;
-use crate::elements;
+use crate::elements::{self, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::V3;
 use crate::state::{State, move_pose};
-use eng_system::code::Function;
+use eng_system::code::Pair;
 use nalgebra::{DMatrix, DVector};
 
 /// Share of the largest singular value below which one counts as zero.
@@ -345,12 +345,9 @@ fn answers_of(
             continue;
         }
         let layout = &class.layout;
-        let (rows, tape) = (layout.rows as usize, class.tape as usize);
-        let inputs = inputs(model, index, &at(rest));
-        let mut work = vec![[0.0; 2]; tape + layout.directions() as usize];
-        let linearize = Function::Linearize;
-        elements::call(model, element.class, linearize, &inputs, &mut work[..tape])?;
-        let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
+        let (rows, length) = (layout.rows as usize, layout.residual_len() as usize);
+        let mut scratch = Scratch::new(model);
+        let tangents = tangents_of(model, index, rest, &mut scratch)?;
         let jacobians: Vec<Option<(usize, Vec<f64>)>> = element
             .markers
             .iter()
@@ -371,10 +368,7 @@ fn answers_of(
             ];
             for (matrix, base) in found.iter_mut().zip(bases) {
                 for d in 0..6 {
-                    let seed = tape + base as usize + d;
-                    work[seed] = [1.0; 2];
-                    elements::call(model, element.class, Function::Tangent, &work, &mut out)?;
-                    work[seed] = [0.0; 2];
+                    let out = &tangents[(base as usize + d) * length..][..length];
                     for (l, loaded) in jacobians.iter().enumerate() {
                         let Some((body, on)) = loaded else { continue };
                         let body = &model.bodies[*body];
@@ -391,6 +385,26 @@ fn answers_of(
         }
     }
     Ok(found)
+}
+
+/// The derivatives of an element's outputs along each pose and twist of its markers, at rest.
+fn tangents_of<'s>(
+    model: &Model,
+    index: usize,
+    rest: &State,
+    scratch: &'s mut Scratch,
+) -> Result<&'s [Pair], RuntimeError> {
+    let mut batches = elements::batches(model, &[index], false);
+    let (class, At { time, .. }) = (model.class(index), at(rest));
+    for batch in &mut batches {
+        batch
+            .inputs_mut(0)
+            .copy_from_slice(&inputs(model, index, &at(rest)));
+        let motion = 0..class.layout.state_direction(0) as usize;
+        let motion = std::slice::from_ref(&motion);
+        elements::differentiate(model, batch, 0, motion, time, scratch)?;
+    }
+    Ok(&scratch.tangents)
 }
 
 /// The derivative of the cycle's angle, if it is one between two markers.

@@ -8,7 +8,9 @@ use crate::error::NamedRow;
 use crate::rotation::V3;
 use eng_system::code::Compiled;
 use eng_system::dimension::Dimension;
+use eng_system::field::FieldKernel;
 use eng_system::system::{ElementClass, Slot};
+use std::sync::Arc;
 
 /// An element with its numbers and its offsets in the model's vectors.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +58,8 @@ pub struct Model {
     pub markers: Vec<MarkerModel>,
     /// Elements.
     pub elements: Vec<ElementModel>,
+    /// Kernels of the fields of each element.
+    pub kernels: Vec<Vec<Arc<dyn FieldKernel>>>,
     /// Gravity (m/s²).
     pub gravity: V3,
     /// Pose numbers.

@@ -1,7 +1,7 @@
 //! Outputs, conditions and unwrapped angles of elements at a state.
 
-use crate::dynamics::{Dynamics, not_finite, undefined};
-use crate::elements::{self, Batch, Inputs, Scratch};
+use crate::dynamics::Dynamics;
+use crate::elements::{self, Batch, Inputs, Readings, Scratch, not_finite, undefined};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::state::State;
@@ -155,6 +155,7 @@ impl Outputs {
         for batches in &mut self.levels {
             for batch in batches {
                 elements::gather(model, batch, &from);
+                batch.solve_fields(model, state.time, Readings::All, &mut self.scratch)?;
                 let class = &model.compiled.system.classes[batch.class];
                 let layout = class.layout;
                 let count = class.outputs.len();
@@ -271,7 +272,11 @@ impl Watch {
     ) -> Result<(), RuntimeError> {
         for batch in &mut self.conditions {
             elements::gather(model, batch, from);
-            let conditions = &model.compiled.system.classes[batch.class].conditions;
+            let class = &model.compiled.system.classes[batch.class];
+            if class.conditions_read_fields {
+                batch.solve_fields(model, from.time, Readings::Plain, &mut self.scratch)?;
+            }
+            let conditions = &class.conditions;
             for pair in 0..batch.pairs.len() {
                 let out = &mut self.scratch.outputs[..conditions.len()];
                 elements::call(

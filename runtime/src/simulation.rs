@@ -155,7 +155,7 @@ pub struct Simulation {
     /// The reason for the length of the last step.
     limit: Limit,
     /// The last failure at a table's end, until a step succeeds at once.
-    outside: Option<Box<RuntimeError>>,
+    undefined: Option<Box<RuntimeError>>,
     energy: Energy,
     /// Works of loads and of constraints, and the loss in flexible bodies (J), at the beginning of the last
     /// step.
@@ -284,7 +284,7 @@ impl Simulation {
             size: StepSize::default(),
             grid: FixedGrid::default(),
             limit: Limit::default(),
-            outside: None,
+            undefined: None,
             energy: Energy::default(),
             energy_before: [0.0; 3],
             sampled_energy: Energy::default(),

@@ -5,9 +5,9 @@
 //!
 //! | function | inputs | outputs |
 //! | --- | --- | --- |
-//! | `Residual` | common | Φ (m); wrench on each marker (6K): force in inertial axes, torque in MARKER axes, applied loads minus Gᵀλ; ẏ (s) |
+//! | `Residual` | common | Φ (m); wrench on each marker (6K): force in inertial axes, torque in MARKER axes, applied loads minus Gᵀλ; ẏ (s); drives of fields |
 //! | `Linearize` | common | tape |
-//! | `Tangent` | tape, then one seed for each direction | directional derivative of `Residual`'s outputs at fixed λ |
+//! | `Tangent` | tape, then one seed for each direction | directional derivative of `Residual`'s outputs at fixed λ; the answers of fields are directions of their own |
 //! | `Velocity` | common | Φ̇ (m) at the given twists, Φ_t included; then γ (m): Φ̈ at zero accelerations with the sign turned, so that G v̇ = γ |
 //! | `Outputs` | common, accelerations, rates, signals | outputs |
 //! | `Conditions` | common | one number for each condition, which must be positive |
@@ -209,4 +209,6 @@ pub struct Compiled {
     pub bind: std::sync::Arc<dyn BindCode>,
     /// Reductions of the flexible bodies.
     pub reduced: Vec<std::sync::Arc<crate::reduced::ReducedBody>>,
+    /// Makes the kernels of the fields.
+    pub fields: std::sync::Arc<dyn crate::field::FieldMaker>,
 }

@@ -47,6 +47,16 @@ impl Dimension {
         Dimension { exponents }
     };
 
+    /// The product of whole powers of length, mass, time and angle.
+    pub const fn of_mechanics(length: i16, mass: i16, time: i16, angle: i16) -> Dimension {
+        let mut exponents = [0; BASES];
+        exponents[0] = length * DENOMINATOR as i16;
+        exponents[1] = mass * DENOMINATOR as i16;
+        exponents[2] = time * DENOMINATOR as i16;
+        exponents[BASES - 1] = angle * DENOMINATOR as i16;
+        Dimension { exponents }
+    }
+
     /// The base at a storage index below [`BASES`]; dimensionless for an index beyond.
     pub const fn base(index: usize) -> Dimension {
         let mut exponents = [0; BASES];

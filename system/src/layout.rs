@@ -4,7 +4,8 @@
 /// ω (3, in the MARKER's axes).
 pub const MARKER_WIDTH: u32 = 18;
 
-/// Order of a class's inputs: time, markers, states, multipliers, rotation references, constants; and for the
+/// Order of a class's inputs: time, markers, states, multipliers, rotation references, answers and readings of
+/// fields ([`crate::field`]), constants; and for the
 /// outputs function alone: accelerations (for each marker 3 of ẍ, inertial, and 3 of ω̇, marker axes), state
 /// rates, signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -17,6 +18,12 @@ pub struct InputLayout {
     pub rows: u32,
     /// Unwrapped rotations: each has a reference, its value at the last accepted state.
     pub rotations: u32,
+    /// Numbers that fields ask for: see [`crate::field`].
+    pub drives: u32,
+    /// Results of fields that loads may use.
+    pub answers: u32,
+    /// Results of fields that outputs and conditions alone may use.
+    pub readings: u32,
     /// Numbers from the bind graph; table handles among them.
     pub constants: u32,
     /// Channels read by outputs.
@@ -43,9 +50,17 @@ impl InputLayout {
     pub fn rotation(&self, rotation: u32) -> u32 {
         self.multiplier(self.rows) + rotation
     }
+    /// Index of an answer of a field.
+    pub fn answer(&self, answer: u32) -> u32 {
+        self.rotation(self.rotations) + answer
+    }
+    /// Index of a reading of a field.
+    pub fn reading(&self, reading: u32) -> u32 {
+        self.answer(self.answers) + reading
+    }
     /// Index of a constant.
     pub fn constant(&self, constant: u32) -> u32 {
-        self.rotation(self.rotations) + constant
+        self.reading(self.readings) + constant
     }
     /// Number of inputs of every function except outputs.
     pub fn len(&self) -> u32 {
@@ -73,9 +88,9 @@ impl InputLayout {
     }
 
     /// Number of directions of a tangent: for each marker 6 of the pose (δx inertial, δπ in marker axes) and
-    /// 6 of the twist; states.
+    /// 6 of the twist; states; answers of fields.
     pub fn directions(&self) -> u32 {
-        12 * self.markers + self.states
+        12 * self.markers + self.states + self.answers
     }
     /// First pose direction of a marker.
     pub fn pose_direction(&self, marker: u32) -> u32 {
@@ -89,8 +104,17 @@ impl InputLayout {
     pub fn state_direction(&self, state: u32) -> u32 {
         12 * self.markers + state
     }
-    /// Outputs of `residual` and `tangent`: rows, then 6 wrench components a marker, then state rates.
+    /// Direction of an answer of a field.
+    pub fn answer_direction(&self, answer: u32) -> u32 {
+        12 * self.markers + self.states + answer
+    }
+    /// First of the drives among the outputs of `residual` and `tangent`.
+    pub fn drive(&self, drive: u32) -> u32 {
+        self.rows + 6 * self.markers + self.states + drive
+    }
+    /// Outputs of `residual` and `tangent`: rows, then 6 wrench components a marker, then state rates, then
+    /// drives of fields.
     pub fn residual_len(&self) -> u32 {
-        self.rows + 6 * self.markers + self.states
+        self.drive(self.drives)
     }
 }

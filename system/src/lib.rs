@@ -22,6 +22,7 @@ pub mod code;
 pub mod dimension;
 pub mod elementary;
 pub mod expression;
+pub mod field;
 pub mod figure;
 pub mod flexible;
 pub mod host;

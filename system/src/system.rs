@@ -242,6 +242,8 @@ pub struct ElementClass {
     pub loads_over_time: bool,
     /// Whether its constraints depend on time.
     pub rows_over_time: bool,
+    /// Whether its conditions depend on fields.
+    pub conditions_read_fields: bool,
     /// Length of the tape between `linearize` and `tangent`.
     pub tape: u32,
 }
@@ -289,6 +291,23 @@ pub struct Element {
     pub signals: Vec<u32>,
     /// Its unwrapped angles, as many as the layout says.
     pub rotations: Vec<Rotation>,
+    /// Its fields. Their drives, answers and readings are one after the other.
+    pub fields: Vec<FieldSource>,
+}
+
+/// A field of an element. The kernel is made of it when parameters are bound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldSource {
+    /// Index into [`crate::field::KERNELS`].
+    pub kernel: u32,
+    /// Number of openings: the length of each list.
+    pub openings: u32,
+    /// Slots of the settings, by the name of the argument.
+    pub settings: Vec<(&'static str, Vec<Slot>)>,
+    /// Whole numbers by the name of the argument.
+    pub wholes: Vec<(&'static str, i64)>,
+    /// Words by the name of the argument.
+    pub words: Vec<(&'static str, &'static str)>,
 }
 
 /// An unwrapped angle that an element measures.

@@ -90,6 +90,7 @@ fn placing_of_binding(holder: Holder, kind: BindingKind) -> Placing {
         ),
         BindingKind::Let => ANYWHERE,
         BindingKind::State => (holder.class, "a state", "it belongs into a class"),
+        BindingKind::Field => (holder.class, "a field", "it belongs into a class"),
         BindingKind::Output => (!holder.record, "an output", OF_RECORDS),
     }
 }

@@ -363,6 +363,10 @@ impl<'p> Checker<'p> {
         let mut scope = self.binders(outer, &binding.index);
         scope.output = binding.kind == BindingKind::Output;
         let declared = binding.ty.as_ref().map(|ty| self.ty(&scope, ty));
+        if binding.kind == BindingKind::Field {
+            self.binding_needs(outer, binding, declared.as_ref().unwrap_or(&Type::Error));
+            return self.field_of_kernel(&scope, binding, declared.as_ref());
+        }
         let due = || {
             let due = Due::new(format!("`{}`", binding.name.text));
             if let Some(ty) = &binding.ty {
@@ -518,7 +522,7 @@ impl<'p> Checker<'p> {
                 // A `param` at a wrong place gets only the message about its place.
                 BindingKind::Param => around.is_some_and(|kind| kind != Kind::Component),
                 BindingKind::Let => around == Some(Kind::Record),
-                BindingKind::State | BindingKind::Input => false,
+                BindingKind::State | BindingKind::Field | BindingKind::Input => false,
                 BindingKind::Output => in_interface,
             };
             let missing = match (without_value, &binding.ty) {

@@ -28,6 +28,7 @@ enum Cause {
     Velocity,
     Derivative,
     State,
+    Field,
     SecondDerivative,
     RateOfState,
     Acceleration,
@@ -180,6 +181,9 @@ pub(super) fn check(checker: &mut Checker<'_>) {
                 let place = Place::in_class(home, id);
                 match &item.kind {
                     ItemKind::Statement(statement) => following.statement(&place, statement),
+                    ItemKind::Binding(binding) if binding.kind == BindingKind::Field => {
+                        following.drives(&place, binding);
+                    }
                     ItemKind::Declaration(inner)
                         if matches!(
                             inner.kind,
@@ -214,6 +218,17 @@ impl<'p> Levels<'_, 'p> {
             if let ItemKind::Statement(statement) = &item.kind {
                 self.statement(&inner, statement);
             }
+        }
+    }
+
+    /// Checks the arguments of a field.
+    fn drives(&mut self, place: &Place<'p>, field: &Binding) {
+        let Some(ExprKind::Call { arguments, .. }) = field.value.as_ref().map(|v| &v.kind) else {
+            return;
+        };
+        for argument in arguments {
+            let level = self.level(place, &argument.value);
+            self.bear(level, 1, argument.value.span, "in a field");
         }
     }
 
@@ -277,6 +292,12 @@ impl<'p> Levels<'_, 'p> {
                 "a velocity is differentiated outside of outputs",
                 "the second derivative of a position",
                 "accelerations are known only when a step is solved; show them by an `output`",
+            ),
+            (_, Cause::Field) => (
+                codes::DERIVATIVE,
+                "a constraint holds positions, not the results of a field",
+                "a field",
+                "apply a force that depends on the field instead",
             ),
             (_, Cause::State) => (
                 codes::DERIVATIVE,
@@ -484,6 +505,7 @@ impl<'p> Levels<'_, 'p> {
             }
             Member::Binding(binding) => match binding.kind {
                 BindingKind::State => Abstract::Number(Level::new(1, span, Cause::State)),
+                BindingKind::Field => Abstract::Number(Level::new(1, span, Cause::Field)),
                 BindingKind::Param | BindingKind::Const
                     if binding.value.is_none() || of_interface && is_parameter(binding) =>
                 {

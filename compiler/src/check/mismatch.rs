@@ -90,6 +90,19 @@ impl<'p> Checker<'p> {
         expr: &Expr,
         expected: &Type,
     ) -> Type {
+        // only the list that is due says what an empty list could hold
+        if let (ExprKind::List { items, unit: None }, Type::List { element, .. }) =
+            (&expr.kind, expected)
+            && items.is_empty()
+        {
+            let ty = Type::List {
+                element: element.clone(),
+                length: Some(0),
+                framed: false,
+            };
+            self.findings.types.insert(expr.span, ty.clone());
+            return ty;
+        }
         let dimension = match expected {
             Type::Vector { quantity, .. } => Some(quantity.clone()),
             Type::List { element, .. } => element.quantity(),

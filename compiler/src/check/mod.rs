@@ -21,6 +21,7 @@ mod flexible;
 mod function;
 mod input;
 mod interface;
+mod kernel;
 mod level;
 mod lint;
 mod member;

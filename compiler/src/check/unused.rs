@@ -27,7 +27,7 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                     };
                     for inner in declaration.block().into_iter().flat_map(|b| &b.items) {
                         if let ItemKind::Binding(binding) = &inner.kind
-                            && binding.kind == BindingKind::Let
+                            && matches!(binding.kind, BindingKind::Let | BindingKind::Field)
                             && !checker.used.contains(&(id, binding.name.text.clone()))
                         {
                             checker.report(

@@ -99,4 +99,8 @@ eng_grammar::codes! {
         "An input is a number, or a list of numbers, that a program sets while the model runs. Between two points it follows `interpolation: hold` (the default), `linear` or `cubic`.",
         "model Line { input brake: Torque = 0 N*m, interpolation: spline }",
         "model Line { input brake: Torque = 0 N*m, interpolation: cubic }";
+    FIELD = "E0433", "a field does not fit its kernel",
+        "A field asks a solver of its own, a kernel, for numbers: `reynolds` solves the oil film of a bearing. Its type is a record whose values are results of the kernel. Loads may use the answers (force, moment, torque); outputs and conditions may also use the readings, such as the least film thickness.",
+        "record Film { let force: Vector2<Force>; let heat: Power }",
+        "record Film { let force: Vector2<Force>; let shear_power: Power }";
 }

@@ -2,6 +2,7 @@
 
 use super::bind_program::Check;
 use super::flexible;
+use super::scalar::FieldDraft;
 use super::value::{self, ScopeId, Value};
 use crate::ir::{self, KinkPlace, Node};
 use crate::program::DefinitionId;
@@ -81,6 +82,8 @@ pub(crate) struct ElementDraft<'a> {
     /// Lengths that positions at its markers must resolve.
     pub resolves: Vec<Node>,
     pub signals: Vec<u32>,
+    /// Its fields.
+    pub fields: Vec<FieldDraft>,
     /// Pairs of local markers, and the bind node of a stated angle.
     pub rotations: Vec<(u32, u32, Option<Node>)>,
     /// The local markers of each `apply`: on, against.

@@ -258,7 +258,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             self.bench.bind.owner.clone_from(&draft.origin.path);
             // the key of a class: its graph and its messages
             let key = format!(
-                "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+                "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
                 draft.class_name,
                 body.layout,
                 body.graph.nodes(),
@@ -268,6 +268,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 body.outputs,
                 body.conditions,
                 body.rotations,
+                body.drives,
                 draft.meta,
             );
             let class = match class_of.get(&key) {
@@ -296,6 +297,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         applies_load: made.applies_load,
                         loads_over_time: made.loads_over_time,
                         rows_over_time: made.rows_over_time,
+                        conditions_read_fields: made.conditions_read_fields,
                         tape: made.tape(),
                     });
                     shared.functions.push(made);
@@ -338,6 +340,9 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         reference: *reference,
                         stated: stated.map(|n| self.bench.bind.slot(n)),
                     })
+                    .collect(),
+                fields: (draft.fields.into_iter())
+                    .map(|field| field.source(&mut self.bench.bind))
                     .collect(),
             });
         }

@@ -381,6 +381,9 @@ fn fixed_uses<'s>(system: &'s System, bodies: &[ClassBody]) -> Vec<Fixed<'s>> {
         add(origin, "the start", &element.state_start);
         add(origin, "the scale", &element.state_scale);
         add(origin, "the resolution", &element.resolves);
+        for (_, slots) in element.fields.iter().flat_map(|field| &field.settings) {
+            add(origin, "the geometry of a field", slots);
+        }
         for rotation in &element.rotations {
             add(origin, "the start", rotation.stated.as_slice());
         }

@@ -277,6 +277,9 @@ impl<'a> Elaborator<'a, '_> {
             outputs: draft.outputs.iter().map(at).collect(),
             conditions: draft.conditions.iter().map(|c| at(&c.0)).collect(),
             rotations: element.rotations.iter().map(|r| at(&r.2)).collect(),
+            drives: (element.fields.iter())
+                .flat_map(|field| field.drives.iter().map(at))
+                .collect(),
             turns: element.turns.iter().map(at).collect(),
             graph,
         };
@@ -320,6 +323,7 @@ impl<'a> Elaborator<'a, '_> {
             state_scale: element.states.iter().map(|s| s.scale).collect(),
             resolves: element.resolves,
             signals: element.signals,
+            fields: element.fields,
             applied: element.applied,
             rotations: (0..)
                 .zip(&element.rotations)

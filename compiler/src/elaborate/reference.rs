@@ -221,6 +221,9 @@ impl<'a> Elaborator<'a, '_> {
         expr: &'a ast::Expr,
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
+        if binding.kind == BindingKind::Field {
+            return self.field_of_kernel(binding, expr, scope);
+        }
         let value = self.evaluate(expr, scope)?;
         let value = self.declared(value, binding.ty.as_ref())?;
         self.binding_as_stated(binding, expr, &value, scope)?;

@@ -7,8 +7,9 @@
 
 use crate::ir::{Graph, KinkPlace, Node, Op};
 use eng_system::Dimension;
+use eng_system::field::{KERNELS, Kernel};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
-use eng_system::system::Kink;
+use eng_system::system::{FieldSource, Kink};
 use std::collections::{BTreeMap, HashMap};
 
 /// The graph of a scalar's node.
@@ -40,6 +41,9 @@ pub(crate) const PROVISIONAL: InputLayout = InputLayout {
     states: 64,
     rows: 256,
     rotations: 16,
+    drives: 0,
+    answers: 64,
+    readings: 256,
     constants: 4096,
     signals: 1024,
 };
@@ -118,6 +122,39 @@ pub(crate) struct ElementBuilder {
     pub kinks: BTreeMap<KinkPlace, Kink>,
     /// Operations that count turns.
     pub turns: Vec<Node>,
+    /// Its fields.
+    pub fields: Vec<FieldDraft>,
+}
+
+/// A field while its element is lowered.
+#[derive(Clone, Debug)]
+pub(crate) struct FieldDraft {
+    pub kernel: &'static Kernel,
+    pub openings: u32,
+    /// Nodes of the drives in the element's graph.
+    pub drives: Vec<Node>,
+    /// Bind nodes of the settings, by the name of the argument.
+    pub settings: Vec<(&'static str, Vec<Node>)>,
+    pub wholes: Vec<(&'static str, i64)>,
+    pub words: Vec<(&'static str, &'static str)>,
+}
+
+impl FieldDraft {
+    /// The field with slots in place of nodes.
+    pub fn source(self, bind: &mut BindBuilder) -> FieldSource {
+        let kernel = KERNELS
+            .iter()
+            .position(|row| std::ptr::eq(row, self.kernel));
+        FieldSource {
+            kernel: kernel.unwrap_or(0) as u32,
+            openings: self.openings,
+            settings: (self.settings.into_iter())
+                .map(|(name, nodes)| (name, nodes.iter().map(|n| bind.slot(*n)).collect()))
+                .collect(),
+            wholes: self.wholes,
+            words: self.words,
+        }
+    }
 }
 
 /// A condition of a function that is called with values of the motion.
@@ -196,6 +233,9 @@ impl ElementBuilder {
             states: self.states.len() as u32,
             rows: self.rows.len() as u32,
             rotations: self.rotations.len() as u32,
+            drives: self.fields.iter().map(|f| f.drives.len() as u32).sum(),
+            answers: self.fields.iter().map(|f| f.kernel.answer_count()).sum(),
+            readings: self.fields.iter().map(|f| f.kernel.reading_count()).sum(),
             constants: self.constants.len() as u32,
             signals: self.signals.len() as u32,
         }
@@ -211,8 +251,12 @@ pub(crate) fn compact_input(index: u32, to: &InputLayout) -> u32 {
         to.state(index - p.state(0))
     } else if index < p.rotation(0) {
         to.multiplier(index - p.multiplier(0))
-    } else if index < p.constant(0) {
+    } else if index < p.answer(0) {
         to.rotation(index - p.rotation(0))
+    } else if index < p.reading(0) {
+        to.answer(index - p.answer(0))
+    } else if index < p.constant(0) {
+        to.reading(index - p.reading(0))
     } else if index < p.len() {
         to.constant(index - p.constant(0))
     } else if index < p.state_rate(0) {

@@ -2,7 +2,7 @@
 
 use super::differentiate::{
     Accelerations, DifferentiateError, Place, gradient, guarded_multiply, inputs_of,
-    time_derivative_with,
+    time_derivative_with, uses_fields,
 };
 use super::graph::{Function, Graph, Node};
 use super::kinks::{self, KinkPlace};
@@ -25,6 +25,8 @@ pub struct ClassBody {
     pub loads: Vec<[Node; 6]>,
     /// ẏ, one value for each state.
     pub rates: Vec<Node>,
+    /// Drives of the fields, in the order of the kernels' arguments.
+    pub drives: Vec<Node>,
     /// Outputs; the only values that may use accelerations, state rates, signals and multipliers.
     pub outputs: Vec<Node>,
     /// Conditions, which must be positive.
@@ -63,6 +65,8 @@ pub struct ClassFunctions {
     pub loads_over_time: bool,
     /// Whether Φ depends on time.
     pub rows_over_time: bool,
+    /// Whether the conditions depend on fields.
+    pub conditions_read_fields: bool,
 }
 
 /// Entries of a marker's inputs that hold its pose: x, then R.
@@ -93,6 +97,7 @@ impl ClassBody {
             (layout.markers, self.loads.len()),
             (layout.states, self.rates.len()),
             (layout.rotations, self.rotations.len()),
+            (layout.drives, self.drives.len()),
         ] {
             if expected as usize != found {
                 return Err(DifferentiateError::Count {
@@ -145,12 +150,17 @@ impl ClassBody {
             .iter()
             .flatten()
             .chain(&self.rates)
+            .chain(&self.drives)
             .copied()
             .collect();
         let over_time = |nodes: &[Node]| inputs_of(&graph, nodes).contains(&InputLayout::TIME);
         let loads_over_time = over_time(&own);
         let rows_over_time = over_time(&self.rows);
-        let loads: Vec<Node> = self.loads.iter().flatten().copied().collect();
+        let conditions_read_fields = uses_fields(&graph, &self.conditions, &layout, false);
+        let loads: Vec<Node> = (self.loads.iter().flatten())
+            .chain(&self.drives)
+            .copied()
+            .collect();
         let kinks = kinks::find(&mut graph, &layout, &loads, &self.rates, &self.turns)?;
         let function = |name: &str, inputs: u32, outputs: Vec<Node>| Function {
             name: format!("{}.{name}", self.name),
@@ -175,6 +185,7 @@ impl ClassBody {
             applies_load,
             loads_over_time,
             rows_over_time,
+            conditions_read_fields,
         })
     }
 
@@ -204,6 +215,7 @@ impl ClassBody {
             }
         }
         residual.extend(&self.rates);
+        residual.extend(&self.drives);
         residual
     }
 }

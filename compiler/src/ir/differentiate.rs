@@ -26,6 +26,9 @@ pub enum DifferentiateError {
     /// The value depends on a channel.
     #[error("the rate of another element's output is not known")]
     Signal,
+    /// The value depends on a result of a field.
+    #[error("the rate of a field's result is not known")]
+    Field,
     /// The value depends on an input outside the layout.
     #[error("input {0} is not in the layout")]
     Input(u32),
@@ -408,6 +411,7 @@ pub(crate) fn time_derivative_with(
                 None => Some(graph.input(layout.state_rate(state))),
             },
             Place::Fixed => None,
+            Place::Answer(_) | Place::Reading => return Err(DifferentiateError::Field),
             Place::Acceleration => return Err(DifferentiateError::Acceleration),
             Place::Signal => return Err(DifferentiateError::Signal),
             Place::Outside => return Err(DifferentiateError::Input(input)),
@@ -464,6 +468,17 @@ pub fn uses_acceleration(graph: &Graph, nodes: &[Node], layout: &InputLayout) ->
         .any(|i| Place::of(layout, i) == Place::Acceleration)
 }
 
+/// Whether nodes depend on the results of fields; with `readings`, on their readings alone.
+pub fn uses_fields(graph: &Graph, nodes: &[Node], layout: &InputLayout, readings: bool) -> bool {
+    inputs_of(graph, nodes)
+        .into_iter()
+        .any(|i| match Place::of(layout, i) {
+            Place::Answer(_) => !readings,
+            Place::Reading => true,
+            _ => false,
+        })
+}
+
 /// Whether nodes depend on inputs that only outputs have: accelerations, rates of states, multipliers,
 /// channels of other elements.
 pub fn known_in_outputs_only(graph: &Graph, nodes: &[Node], layout: &InputLayout) -> bool {
@@ -492,6 +507,10 @@ pub(crate) enum Place {
         axis: u32,
     },
     State(u32),
+    /// An answer of a field.
+    Answer(u32),
+    /// A reading of a field.
+    Reading,
     /// Multipliers, rotation references, constants.
     Fixed,
     /// Accelerations and state rates.
@@ -526,6 +545,10 @@ impl Place {
         }
         if input < layout.multiplier(0) {
             Place::State(input - layout.state(0))
+        } else if (layout.answer(0)..layout.reading(0)).contains(&input) {
+            Place::Answer(input - layout.answer(0))
+        } else if (layout.reading(0)..layout.constant(0)).contains(&input) {
+            Place::Reading
         } else if input < layout.len() {
             Place::Fixed
         } else if input < layout.signal(0) {
@@ -550,6 +573,7 @@ mod tests {
             rotations: 1,
             constants: 1,
             signals: 1,
+            ..InputLayout::default()
         }
     }
 

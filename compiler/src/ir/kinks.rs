@@ -8,7 +8,7 @@
 
 use super::differentiate::{
     Accelerations, DifferentiateError, Place, inputs_of, known_in_outputs_only,
-    time_derivative_with,
+    time_derivative_with, uses_fields,
 };
 use super::graph::{Function, Graph, Node, Op};
 use super::optimise::dependencies;
@@ -79,6 +79,8 @@ pub(crate) fn find(
             if known
                 || !moves(graph, layout, value)
                 || known_in_outputs_only(graph, &[value], layout)
+                // no rate is known of what a field answers
+                || uses_fields(graph, &[value], layout, false)
             {
                 continue;
             }

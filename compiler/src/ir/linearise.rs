@@ -187,6 +187,7 @@ fn input_slopes(graph: &mut Graph, layout: &InputLayout, input: u32) -> Vec<(usi
             vec![((layout.twist_direction(marker) + axis) as usize, one)]
         }
         Place::State(state) => vec![(layout.state_direction(state) as usize, one)],
+        Place::Answer(answer) => vec![(layout.answer_direction(answer) as usize, one)],
         // δR = R δπ~: δR_i0 = R_i1 δπ₂ − R_i2 δπ₁, and cyclically
         Place::Orientation {
             marker,

@@ -56,7 +56,11 @@ pub(crate) fn is_parameter(binding: &Binding) -> bool {
     match binding.kind {
         BindingKind::Param => true,
         BindingKind::Const => binding.value.is_none(),
-        BindingKind::Input | BindingKind::Let | BindingKind::State | BindingKind::Output => false,
+        BindingKind::Input
+        | BindingKind::Let
+        | BindingKind::State
+        | BindingKind::Field
+        | BindingKind::Output => false,
     }
 }
 

@@ -88,7 +88,7 @@ pub(crate) fn settable(declaration: &Declaration) -> impl Iterator<Item = &Bindi
         ItemKind::Binding(binding) => match binding.kind {
             BindingKind::Param | BindingKind::Input | BindingKind::Const => Some(binding),
             BindingKind::Let => record.then_some(binding),
-            BindingKind::State | BindingKind::Output => None,
+            BindingKind::State | BindingKind::Field | BindingKind::Output => None,
         },
         _ => None,
     })

@@ -180,6 +180,10 @@ pub const CASES: &[Case] = &[
         "Reynolds",
         "pin: a.m, shell: b.m, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s, ring_groove: 3 mm",
     ),
+    journal(
+        "Film",
+        "pin: a.m, shell: b.m, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s",
+    ),
     Case {
         module: "",
         ..force(

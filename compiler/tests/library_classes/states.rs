@@ -141,6 +141,9 @@ impl Instance {
         fill(layout.state(0), layout.states, 0.05);
         fill(layout.multiplier(0), layout.rows, 500.0);
         fill(layout.rotation(0), layout.rotations, 20.0);
+        // what a kernel could give: the classes do not know its equations
+        fill(layout.answer(0), layout.answers, 300.0);
+        fill(layout.reading(0), layout.readings, 300.0);
         fill(
             layout.acceleration(0),
             layout.outputs_len() - layout.len(),
@@ -214,7 +217,10 @@ impl Instance {
         let mut s = state.to_vec();
         let poses = 6 * layout.markers;
         if direction >= 2 * poses {
-            let place = (layout.state(0) + direction - 2 * poses) as usize;
+            let place = match direction.checked_sub(layout.answer_direction(0)) {
+                Some(answer) => layout.answer(answer),
+                None => layout.state(direction - 2 * poses),
+            } as usize;
             s[place] = s[place] + step;
             return s;
         }

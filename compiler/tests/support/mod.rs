@@ -103,6 +103,7 @@ impl Builder {
             outputs,
             conditions: Vec::new(),
             rotations: Vec::new(),
+            drives: Vec::new(),
             turns: Vec::new(),
         }
     }

@@ -30,7 +30,7 @@ pub(crate) struct Finding {
 const MAX_SPLITS: usize = 8;
 
 /// Words that begin an item and are not kinds.
-const ITEM_WORDS: [&str; 24] = [
+const ITEM_WORDS: [&str; 25] = [
     "use",
     "dimension",
     "unit",
@@ -39,6 +39,7 @@ const ITEM_WORDS: [&str; 24] = [
     "param",
     "let",
     "state",
+    "field",
     "output",
     "fn",
     "table",

@@ -40,6 +40,7 @@ fn binding_kind(word: &str) -> BindingKind {
         "param" => BindingKind::Param,
         "input" => BindingKind::Input,
         "state" => BindingKind::State,
+        "field" => BindingKind::Field,
         "output" => BindingKind::Output,
         _ => BindingKind::Let,
     }

@@ -3,7 +3,7 @@
 use super::rows::{Along, Rows, Wish, smallest_solution};
 use super::{at, choose_turns, is_closed, violated_branches};
 use crate::body::BodyModel;
-use crate::dynamics::undefined;
+use crate::elements::undefined;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{exponential, normalized, product, quaternion};

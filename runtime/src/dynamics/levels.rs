@@ -1,9 +1,9 @@
 //! Constraints at velocity and acceleration level: their gradients, Φ̇ and γ.
 
-use super::{Dynamics, frame_of, not_finite, shape_rows, undefined};
+use super::{Dynamics, frame_of, shape_rows};
 use crate::chain::{self, CURVED_REACH, Motion};
 use crate::dense::{add_scaled, dot};
-use crate::elements;
+use crate::elements::{self, not_finite, undefined};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use eng_system::code::Function;
@@ -71,7 +71,7 @@ impl Dynamics {
 
     /// G of every element at its markers, at the gathered inputs.
     pub fn constraint_gradients(&mut self, model: &Model) -> Result<(), RuntimeError> {
-        for batch in &self.batches {
+        for batch in &mut self.batches {
             let layout = model.compiled.system.classes[batch.class].layout;
             let rows = layout.rows as usize;
             if rows == 0 {
@@ -85,6 +85,7 @@ impl Dynamics {
                     batch,
                     pair,
                     std::slice::from_ref(&(0..columns)),
+                    self.at.time,
                     &mut self.work.elements,
                 )?;
                 for lane in 0..batch.lanes(pair) {

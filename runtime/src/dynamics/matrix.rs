@@ -1,11 +1,11 @@
 //! The exact matrix of a step, filled at the places of its plan.
 
 use super::plan::{MatrixPlan, Place};
-use super::{Dynamics, Placement, Workspace, frame_of, not_finite, shape_rows};
+use super::{Dynamics, Placement, Workspace, frame_of, shape_rows};
 use crate::body::Weights;
 use crate::chain::{self, CURVED_REACH, Motion, Placed, REACH};
 use crate::dense::{add_product_of_six, add_scaled};
-use crate::elements::{self, Batch};
+use crate::elements::{self, Batch, not_finite};
 use crate::error::RuntimeError;
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
@@ -95,7 +95,7 @@ impl MatrixPlan {
             at: &dynamics.at,
             wrenches: &dynamics.wrenches,
         };
-        for batch in &dynamics.batches {
+        for batch in &mut dynamics.batches {
             filling.batch(batch)?;
         }
         filling.couplings();
@@ -138,7 +138,7 @@ impl MatrixPlan {
 }
 
 impl Filling<'_> {
-    fn batch(&mut self, batch: &Batch) -> Result<(), RuntimeError> {
+    fn batch(&mut self, batch: &mut Batch) -> Result<(), RuntimeError> {
         let class = &self.model.compiled.system.classes[batch.class];
         let layout = &class.layout;
         let markers = layout.markers as usize;
@@ -155,6 +155,7 @@ impl Filling<'_> {
                 batch,
                 pair,
                 &directions,
+                self.at.time,
                 &mut self.work.elements,
             )?;
             for lane in 0..batch.lanes(pair) {
@@ -258,7 +259,8 @@ impl Filling<'_> {
         let Seen { reach, width, .. } = seen;
         let shape = shape_rows(seen.model, &self.at.shapes, self.at.shape_at[seen.marker]);
         let table = &self.plan.table;
-        let rates = (lane.rows + 6 * lane.markers) * reach..lane.length * reach;
+        let first = lane.rows + 6 * lane.markers;
+        let rates = first * reach..(first + lane.states) * reach;
         expanded(
             shape,
             &self.work.columns[rates],

@@ -4,7 +4,7 @@ use super::Dynamics;
 use crate::elements;
 use crate::error::RuntimeError;
 use crate::model::{ElementModel, Model};
-use eng_system::code::{Function, Pair};
+use eng_system::code::Pair;
 use eng_system::layout::InputLayout;
 use eng_system::system::ElementClass;
 use nalgebra::DMatrix;
@@ -82,13 +82,6 @@ impl Dynamics {
             let directions = layout.directions() as usize;
             let length = layout.residual_len() as usize;
             for pair in 0..self.batches[b].pairs.len() {
-                elements::call(
-                    model,
-                    class_index,
-                    Function::Linearize,
-                    self.batches[b].inputs(pair),
-                    &mut self.work.elements.tape[..tape],
-                )?;
                 self.work.elements.tape[tape..tape + directions].fill([0.0; 2]);
                 for lane in 0..2 {
                     let element = &model.elements[self.batches[b].pairs[pair][lane]];
@@ -104,13 +97,9 @@ impl Dynamics {
                         }
                     }
                 }
-                elements::call(
-                    model,
-                    class_index,
-                    Function::Tangent,
-                    &self.work.elements.tape[..tape + directions],
-                    &mut self.work.elements.outputs[..length],
-                )?;
+                let scratch = &mut self.work.elements;
+                let batch = &mut self.batches[b];
+                elements::differentiate_along(model, batch, pair, self.at.time, scratch)?;
                 for lane in 0..self.batches[b].lanes(pair) {
                     let element = &model.elements[self.batches[b].pairs[pair][lane]];
                     put(element, class, lane, &self.work.elements.outputs[..length]);
@@ -127,7 +116,7 @@ impl Dynamics {
         model: &Model,
         mut put: impl FnMut(usize, DMatrix<f64>, DMatrix<f64>),
     ) -> Result<(), RuntimeError> {
-        for batch in &self.batches {
+        for batch in &mut self.batches {
             let class = &model.compiled.system.classes[batch.class];
             if !class.applies_load {
                 continue;
@@ -138,7 +127,7 @@ impl Dynamics {
             for pair in 0..batch.pairs.len() {
                 let directions = [0..count, count..2 * count];
                 let scratch = &mut self.work.elements;
-                elements::differentiate(model, batch, pair, &directions, scratch)?;
+                elements::differentiate(model, batch, pair, &directions, self.at.time, scratch)?;
                 for lane in 0..batch.lanes(pair) {
                     let block = |first: usize| {
                         DMatrix::from_fn(count, count, |i, d| {

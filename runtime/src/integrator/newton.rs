@@ -87,10 +87,10 @@ impl Integrator {
         let failed = |error| {
             Ok(Trial::Failed(Box::new(match error {
                 RuntimeError::NotFinite {
-                    origin, outside, ..
+                    origin, because, ..
                 } => RuntimeError::NotFinite {
                     origin,
-                    outside,
+                    because,
                     moment,
                 },
                 other => other,

@@ -7,6 +7,7 @@ use crate::flexible::Flexible;
 use crate::rotation::{M3, V3, skew};
 use crate::shape::MarkerShape;
 use eng_system::code::{Compiled, Function};
+use eng_system::field::{FieldKernel, FieldNumbers};
 use eng_system::reduced::ReducedBody;
 use eng_system::system::{
     Body, BodyInertia, BodyRef, Element, ElementClass, Marker, Role, Slot, System,
@@ -102,6 +103,7 @@ impl Model {
             bodies: Vec::with_capacity(system.bodies.len()),
             markers: Vec::with_capacity(system.markers.len()),
             elements: Vec::with_capacity(system.elements.len()),
+            kernels: Vec::with_capacity(system.elements.len()),
             poses: 0,
             velocities: 0,
             states: 0,
@@ -124,6 +126,8 @@ impl Model {
         }
         for element in &system.elements {
             model.add_element(element, &slots)?;
+            let kernels = kernels(compiled, element, &slots)?;
+            model.kernels.push(kernels);
         }
         check_readers(system, &slots)?;
         model.length = model.largest_length();
@@ -303,6 +307,29 @@ fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64
         tolerance = tolerance.min(OF_RESOLUTION * slots.get(*resolution)?);
     }
     Ok(tolerance)
+}
+
+/// The kernels of an element's fields.
+fn kernels(
+    compiled: &Compiled,
+    element: &Element,
+    slots: &Slots,
+) -> Result<Vec<Arc<dyn FieldKernel>>, RuntimeError> {
+    let mut kernels = Vec::with_capacity(element.fields.len());
+    for source in &element.fields {
+        let mut settings = Vec::with_capacity(source.settings.len());
+        for (name, places) in &source.settings {
+            let values: Result<Vec<f64>, RuntimeError> =
+                places.iter().map(|slot| slots.get(*slot)).collect();
+            settings.push((*name, values?));
+        }
+        let made = compiled.fields.make(&FieldNumbers { source, settings });
+        kernels.push(made.map_err(|error| RuntimeError::Field {
+            origin: Box::new(element.origin.clone()),
+            message: error.to_string(),
+        })?);
+    }
+    Ok(kernels)
 }
 
 /// Checks that channels and the cycle read outputs that are there.

@@ -611,8 +611,8 @@ impl Simulation {
             }
             if begin + h == begin || h < 1e-14 {
                 // if a table ends here, it is the cause and not the motion
-                if let Some(outside) = self.outside.take() {
-                    return Err(self.at_moment(*outside));
+                if let Some(error) = self.undefined.take() {
+                    return Err(self.at_moment(*error));
                 }
                 if let Some((_, error)) = first_rejected
                     && self.is_rounding(error, factor)
@@ -636,7 +636,7 @@ impl Simulation {
             match trial {
                 Trial::Solved { error } if error <= 1.0 => {
                     if failures == 0 {
-                        self.outside = None;
+                        self.undefined = None;
                         self.limit = if limited {
                             Limit::Longest
                         } else {
@@ -669,11 +669,11 @@ impl Simulation {
                     if matches!(
                         *error,
                         RuntimeError::NotFinite {
-                            outside: Some(_),
+                            because: Some(_),
                             ..
                         }
                     ) {
-                        self.outside = Some(error.clone());
+                        self.undefined = Some(error.clone());
                     }
                     if failures > 12 {
                         return Err(self.at_moment(*error));

@@ -67,10 +67,10 @@ impl From<RuntimeError> for Stop {
     fn from(error: RuntimeError) -> Stop {
         match error {
             RuntimeError::NotFinite {
-                origin, outside, ..
+                origin, because, ..
             } => Stop::Obstacle(Obstacle {
                 origin: *origin,
-                message: no_number(&outside),
+                message: no_number(&because),
                 carried: 0.0,
             }),
             other => Stop::Error(other),

@@ -248,7 +248,10 @@ impl<'a> Elaborator<'a, '_> {
                 ItemKind::Binding(b)
                     if matches!(
                         b.kind,
-                        BindingKind::Let | BindingKind::Const | BindingKind::Output
+                        BindingKind::Let
+                            | BindingKind::Const
+                            | BindingKind::Output
+                            | BindingKind::Field
                     ) && b.value.is_some()
                         && !self.scope(scope).entries.contains_key(&b.name.text) =>
                 {

@@ -176,6 +176,7 @@ impl<'a> Elaborator<'a, '_> {
                 Statement::Rate { state, value } => {
                     let v = self.evaluate(value, scope)?;
                     let s = self.as_scalar(v, value.span)?;
+                    self.refuse_readings(&[s], value.span)?;
                     let node = self.bench.lift(s.stage, s.node);
                     let states = self.bench.element.iter_mut().flat_map(|e| &mut e.states);
                     if let Some(draft) = states.into_iter().find(|d| d.name == state.text) {
@@ -396,6 +397,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<()> {
         let v = self.evaluate(value, scope)?;
         let v = self.as_vector(v, value.span)?;
+        self.refuse_readings(&v, value.span)?;
         let on_value = self.evaluate(on, scope)?;
         let a = self.as_marker(on_value, on.span)?;
         let a = self.local_marker(a, Some(on.span))?;

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod equations;
+mod field;
 mod laws;
 
 pub(crate) use arguments::{is_marker, is_structural};

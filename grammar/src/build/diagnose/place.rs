@@ -54,6 +54,7 @@ impl Place {
             "fn",
             "table",
             "state",
+            "field",
             "der(…)",
             "constrain",
             "branch",
@@ -113,8 +114,8 @@ impl Place {
             ],
             Place::Definition(Kind::Joint | Kind::Drive) => CONSTRAINT,
             Place::Definition(Kind::Force | Kind::Journal) => &[
-                "const", "let", "fn", "table", "state", "der(…)", "apply", "output", "require",
-                "advise",
+                "const", "let", "fn", "table", "state", "field", "der(…)", "apply", "output",
+                "require", "advise",
             ],
             Place::Definition(Kind::Cycle) => &["period"],
             Place::Definition(_) | Place::Use => &["branch", "require", "advise"],

@@ -2,11 +2,11 @@
 
 use super::{Balance, Place, Stop, UNHELD};
 use crate::body::BodyModel;
+use crate::error::Undefined;
 use crate::model::Model;
 use crate::start::motion::NoMotion;
 use crate::start::{Held, Obstacle};
 use eng_system::system::Origin;
-use eng_system::table::Outside;
 use nalgebra::DVector;
 
 impl Balance<'_> {
@@ -112,9 +112,9 @@ pub(super) fn locked(model: &Model, error: NoMotion) -> Stop {
 }
 
 /// The reason for an element's force that is no number.
-pub(super) fn no_number(outside: &Option<Box<Outside>>) -> String {
-    match outside {
-        Some(outside) => outside.to_string(),
+pub(super) fn no_number(because: &Option<Box<Undefined>>) -> String {
+    match because {
+        Some(because) => because.to_string(),
         None => "its force is no number here".to_owned(),
     }
 }

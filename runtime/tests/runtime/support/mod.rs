@@ -463,6 +463,7 @@ impl Builder {
             applies_load: true,
             loads_over_time: true,
             rows_over_time: true,
+            conditions_read_fields: false,
             tape: layout.len(),
         };
         definition.describe(&mut class);
@@ -508,6 +509,7 @@ impl Builder {
             state_scale,
             resolves: vec![],
             signals: vec![],
+            fields: vec![],
             rotations,
         });
         self.system.elements.len() as u32 - 1
@@ -547,6 +549,7 @@ impl Builder {
             code: self.code,
             bind: Arc::new(Literal(self.slots)),
             reduced: self.reduced,
+            fields: Arc::new(eng_system::field::NoFields),
         }
     }
 }

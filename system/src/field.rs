@@ -1,0 +1,337 @@
+//! Fields: what an element asks of a solver of its own, such as the oil film of a bearing on cells.
+//!
+//! The text says how the *drives* of a field follow from the motion (`field film: … = reynolds(rate: …)`). A
+//! [`FieldKernel`] turns them into *answers*, which loads may use, and into *readings*, which only outputs and
+//! conditions may use. Answers have exact derivatives by the drives. Drives, answers and readings are flat
+//! slices of SI numbers in the order of the kernel's row in [`KERNELS`].
+
+use crate::dimension::Dimension;
+use crate::system::FieldSource;
+use std::fmt;
+use std::sync::Arc;
+
+/// What an argument of a kernel is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Takes {
+    /// A number of the motion.
+    Drive,
+    /// Two numbers of the motion.
+    DrivePair,
+    /// One number of the motion for each opening.
+    Drives,
+    /// A number of parameters.
+    Setting,
+    /// One number of parameters for each opening.
+    Settings,
+    /// A whole number in a range; a change compiles again.
+    Whole(i64, i64),
+    /// A word of a choice among these; a change compiles again.
+    Word(&'static [&'static str]),
+}
+
+/// An argument of a kernel.
+#[derive(Clone, Copy, Debug)]
+pub struct KernelArgument {
+    /// Its name.
+    pub name: &'static str,
+    /// Its dimension; one for words and whole numbers.
+    pub dimension: Dimension,
+    /// What it is.
+    pub takes: Takes,
+    /// Whether it may be left out: numbers are zero then, lists empty, words the first one.
+    pub optional: bool,
+}
+
+/// One answer or reading of a kernel.
+#[derive(Clone, Copy, Debug)]
+pub struct KernelResult {
+    /// Its name.
+    pub name: &'static str,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// Number of numbers: a list has more than one.
+    pub count: u32,
+    /// Its usual size where the first answer is 1 (SI). Static modes of flexible bodies follow from it.
+    pub size: f64,
+}
+
+/// A kernel that a text can name.
+#[derive(Debug)]
+pub struct Kernel {
+    /// Its name in the text.
+    pub name: &'static str,
+    /// What it solves.
+    pub help: &'static str,
+    /// Its arguments.
+    pub arguments: &'static [KernelArgument],
+    /// Results that loads may use.
+    pub answers: &'static [KernelResult],
+    /// Results that outputs and conditions alone may use.
+    pub readings: &'static [KernelResult],
+}
+
+impl Kernel {
+    /// The kernel of a name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Kernel> {
+        KERNELS.iter().find(|kernel| kernel.name == name)
+    }
+
+    /// An answer or reading: its row, its first place among the answers or readings, and whether it is an
+    /// answer.
+    #[must_use]
+    pub fn result(&self, name: &str) -> Option<(&'static KernelResult, u32, bool)> {
+        for (rows, answer) in [(self.answers, true), (self.readings, false)] {
+            let mut first = 0;
+            for row in rows {
+                if row.name == name {
+                    return Some((row, first, answer));
+                }
+                first += row.count;
+            }
+        }
+        None
+    }
+
+    /// Number of answers.
+    #[must_use]
+    pub fn answer_count(&self) -> u32 {
+        self.answers.iter().map(|row| row.count).sum()
+    }
+
+    /// Number of readings.
+    #[must_use]
+    pub fn reading_count(&self) -> u32 {
+        self.readings.iter().map(|row| row.count).sum()
+    }
+}
+
+/// `base^a · …` of length, mass, time and angle.
+const fn of(length: i16, mass: i16, time: i16, angle: i16) -> Dimension {
+    Dimension::of_mechanics(length, mass, time, angle)
+}
+
+const ONE: Dimension = Dimension::ONE;
+const LENGTH: Dimension = Dimension::LENGTH;
+const ANGLE: Dimension = Dimension::ANGLE;
+const VELOCITY: Dimension = of(1, 0, -1, 0);
+const PRESSURE: Dimension = of(-1, 1, -2, 0);
+const TORQUE: Dimension = of(2, 1, -2, 0);
+const POWER: Dimension = of(2, 1, -3, 0);
+const FLOW: Dimension = of(3, 0, -1, 0);
+
+const fn argument(
+    name: &'static str,
+    dimension: Dimension,
+    takes: Takes,
+    optional: bool,
+) -> KernelArgument {
+    KernelArgument {
+        name,
+        dimension,
+        takes,
+        optional,
+    }
+}
+
+const fn result(name: &'static str, dimension: Dimension, count: u32, size: f64) -> KernelResult {
+    KernelResult {
+        name,
+        dimension,
+        count,
+        size,
+    }
+}
+
+/// All kernels.
+pub const KERNELS: &[Kernel] = &[Kernel {
+    name: "reynolds",
+    help: "the oil film of a journal bearing by Reynolds' equation on cells",
+    arguments: &[
+        argument("eccentricity", LENGTH, Takes::DrivePair, false),
+        argument("rate", VELOCITY, Takes::DrivePair, false),
+        argument("tilt", ONE, Takes::DrivePair, true),
+        argument("tilt_rate", of(0, 0, -1, 0), Takes::DrivePair, true),
+        argument("spin", of(0, 0, -1, 1), Takes::Drive, false),
+        argument("turn", ANGLE, Takes::Drive, true),
+        argument("viscosity", of(-1, 1, -1, 0), Takes::Drive, false),
+        argument("end_pressure", PRESSURE, Takes::Drive, true),
+        argument("supply", PRESSURE, Takes::Drives, true),
+        argument("diameter", LENGTH, Takes::Setting, false),
+        argument("width", LENGTH, Takes::Setting, false),
+        argument("radial_clearance", LENGTH, Takes::Setting, false),
+        argument("piezo", of(1, -1, 2, 0), Takes::Setting, true),
+        argument("opening_from", ANGLE, Takes::Settings, true),
+        argument("opening_to", ANGLE, Takes::Settings, true),
+        argument("opening_low", LENGTH, Takes::Settings, true),
+        argument("opening_high", LENGTH, Takes::Settings, true),
+        argument("lemon", LENGTH, Takes::Setting, true),
+        argument("lemon_at", ANGLE, Takes::Setting, true),
+        argument("offset", LENGTH, Takes::Setting, true),
+        argument("offset_at", ANGLE, Takes::Setting, true),
+        argument("barrel", LENGTH, Takes::Setting, true),
+        argument("taper", LENGTH, Takes::Setting, true),
+        argument("relief", LENGTH, Takes::Setting, true),
+        argument("relief_reach", ANGLE, Takes::Setting, true),
+        argument("relief_at", ANGLE, Takes::Setting, true),
+        argument("around", ONE, Takes::Whole(12, 2000), false),
+        argument("across", ONE, Takes::Whole(1, 500), false),
+        argument("cavitation", ONE, Takes::Word(&["reynolds", "half"]), true),
+    ],
+    answers: &[
+        result("force", Dimension::FORCE, 2, 1.0),
+        result("moment", TORQUE, 2, 1e-2),
+        result("torque", TORQUE, 1, 5e-4),
+    ],
+    readings: &[
+        result("minimum_film", LENGTH, 1, 1e-6),
+        result("minimum_film_angle", ANGLE, 1, 1.0),
+        result("minimum_film_across", LENGTH, 1, 1e-3),
+        result("maximum_pressure", PRESSURE, 1, 1e6),
+        result("maximum_pressure_angle", ANGLE, 1, 1.0),
+        result("maximum_pressure_across", LENGTH, 1, 1e-3),
+        result("side_flow", FLOW, 1, 1e-6),
+        result("supply_flow", FLOW, 1, 1e-6),
+        result("shear_power", POWER, 1, 1.0),
+        result("pressure_power", POWER, 1, 1.0),
+        result("cavitated", ONE, 1, 1.0),
+        result("stiffness", of(0, 1, -2, 0), 4, 1.0),
+        result("damping", of(0, 1, -1, 0), 4, 1.0),
+    ],
+}];
+
+/// The drives of a field in the order of its kernel: for each argument of the motion its name and how many
+/// numbers it has with so many openings.
+pub fn drives(
+    kernel: &Kernel,
+    openings: u32,
+) -> impl Iterator<Item = (&'static KernelArgument, u32)> + use<> {
+    let arguments = kernel.arguments;
+    arguments
+        .iter()
+        .filter_map(move |argument| match argument.takes {
+            Takes::Drive => Some((argument, 1)),
+            Takes::DrivePair => Some((argument, 2)),
+            Takes::Drives => Some((argument, openings)),
+            _ => None,
+        })
+}
+
+/// A field with numbers in place of slots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldNumbers<'a> {
+    /// Its source.
+    pub source: &'a FieldSource,
+    /// Numbers of the settings (SI), by the name of the argument.
+    pub settings: Vec<(&'static str, Vec<f64>)>,
+}
+
+impl FieldNumbers<'_> {
+    /// The numbers of a setting; none if the kernel has no such argument.
+    #[must_use]
+    pub fn list(&self, name: &str) -> &[f64] {
+        let found = self.settings.iter().find(|(known, _)| *known == name);
+        found.map_or(&[], |(_, values)| values)
+    }
+
+    /// The first number of a setting, or zero.
+    #[must_use]
+    pub fn number(&self, name: &str) -> f64 {
+        self.list(name).first().copied().unwrap_or(0.0)
+    }
+
+    /// A whole number, or zero.
+    #[must_use]
+    pub fn whole(&self, name: &str) -> i64 {
+        let found = self.source.wholes.iter().find(|(known, _)| *known == name);
+        found.map_or(0, |(_, value)| *value)
+    }
+
+    /// A word, or the empty text.
+    #[must_use]
+    pub fn word(&self, name: &str) -> &'static str {
+        let found = self.source.words.iter().find(|(known, _)| *known == name);
+        found.map_or("", |(_, word)| word)
+    }
+}
+
+/// A field that cannot be made or solved, in words.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldError(pub String);
+
+impl fmt::Display for FieldError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for FieldError {}
+
+/// Makes kernels.
+pub trait FieldMaker: Send + Sync + fmt::Debug {
+    /// A solver of its own memory for a field with these numbers.
+    ///
+    /// # Errors
+    /// If a number is out of its range, or the numbers do not fit each other.
+    fn make(&self, numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError>;
+}
+
+/// No kernel: for models without fields.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoFields;
+
+impl FieldMaker for NoFields {
+    fn make(&self, numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> {
+        let name = KERNELS
+            .get(numbers.source.kernel as usize)
+            .map_or("?", |kernel| kernel.name);
+        Err(FieldError(format!("this program has no kernel `{name}`")))
+    }
+}
+
+/// The equations of one field. It holds no state.
+pub trait FieldKernel: Send + Sync + fmt::Debug {
+    /// Memory to solve in.
+    fn solver(&self) -> Box<dyn FieldSolver>;
+}
+
+/// A field at a moment. The solution depends on the drives alone; what a solver remembers is where its
+/// search began.
+pub trait FieldSolver: Send + Sync + fmt::Debug {
+    /// Solves the field at drives and writes the answers.
+    ///
+    /// # Errors
+    /// If the field has no solution there.
+    fn solve(&mut self, drives: &[f64], answers: &mut [f64]) -> Result<(), FieldError>;
+    /// Derivatives of the answers by the drives at the last solution, answer by answer.
+    fn tangent(&mut self, slopes: &mut [f64]);
+    /// Readings of the last solution. Without `slopes` those that need derivatives of the answers may keep older
+    /// numbers.
+    fn read(&mut self, readings: &mut [f64], slopes: bool);
+    /// A copy.
+    fn boxed(&self) -> Box<dyn FieldSolver>;
+}
+
+impl Clone for Box<dyn FieldSolver> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_have_places_of_their_own() {
+        let film = Kernel::named("reynolds").unwrap();
+        assert_eq!(film.answer_count(), 5);
+        let (row, first, answer) = film.result("torque").unwrap();
+        assert_eq!((row.count, first, answer), (1, 4, true));
+        let (row, first, answer) = film.result("damping").unwrap();
+        assert_eq!((row.count, first + row.count), (4, film.reading_count()));
+        assert!(!answer && film.result("friction").is_none());
+        let count: u32 = drives(film, 3).map(|(_, count)| count).sum();
+        assert_eq!(count, 15);
+    }
+}
