@@ -13,9 +13,10 @@
 //! method on `min(p, 1 − ϑ)`, or on `min(p, outflow)`.
 
 use crate::error::FilmError;
-use crate::film::{Film, Level, LevelWork};
+use crate::film::{Film, Level, LevelWork, Side};
 use crate::grid::Grid;
 use crate::inputs::SPIN;
+use crate::ring::OWN;
 use crate::source::Cavitation;
 
 /// Rounds after which only half of the cells that want to change do so, in case a set came back.
@@ -53,8 +54,12 @@ impl Film {
         let mut moving = 0;
         for round in 1..=ROUNDS {
             self.assemble(grid, state, rule, x[SPIN], past);
-            state.matrix.factor();
-            state.matrix.solve(&mut state.unknown, &mut state.scratch);
+            state.matrix.factor(
+                border(grid, &state.sides, x[SPIN] >= 0.0),
+                x[SPIN] >= 0.0,
+                rule != Cavitation::MassConserving,
+            );
+            state.matrix.solve(&mut state.unknown);
             for (cell, data) in grid.cells.iter().enumerate() {
                 if data.held.is_some() {
                     continue;
@@ -95,50 +100,41 @@ impl Film {
         past: Option<(f64, &[f64])>,
     ) {
         let conserving = rule == Cavitation::MassConserving;
-        let count = grid.cells.len();
-        state.matrix.clear(border(grid, &state.full));
-        state.unknown.fill(0.0);
-        state.diagonal.fill(0.0);
-        for (at, link) in grid.links.iter().enumerate() {
-            let (carried, conductance) = (
-                spin * link.carry * state.link_gap[at],
-                state.conductance[at][0],
-            );
-            let upwind = if carried >= 0.0 { link.a } else { link.b };
+        set_sides(grid, state, conserving);
+        let (rows, sides) = (state.matrix.rows.as_mut_slice(), state.sides.as_slice());
+        let known = state.unknown.as_mut_slice();
+        rows.fill([0.0; 5]);
+        known.fill(0.0);
+        for ((link, gap), conductance) in grid
+            .links
+            .iter()
+            .zip(&state.link_gap)
+            .zip(&state.conductance)
+        {
+            let (a, b) = (sides[link.a], sides[link.b]);
+            let carried = spin * link.carry * gap;
+            let [own, other] = [conductance * a.pressed, conductance * b.pressed];
             // content of the cavity is an unknown: the flow it gives is a number of the matrix
-            let unknown_content = conserving && upwind < count && !state.full[upwind];
-            let known = match conserving {
-                true if unknown_content => 0.0,
-                true if upwind < count => carried,
-                true => carried * state.content[upwind],
-                false => carried,
+            let (flow, from_a, from_b) = if spin >= 0.0 {
+                (carried * a.content, carried * a.carrying, 0.0)
+            } else {
+                (carried * b.content, 0.0, carried * b.carrying)
             };
-            for (row, sign) in [(link.a, 1.0), (link.b, -1.0)] {
-                if row >= count
-                    || grid.cells[row].held.is_some()
-                    || !(conserving || state.full[row])
-                {
-                    continue;
-                }
-                state.unknown[row] -= sign * known;
-                if unknown_content {
-                    state.matrix.add(row, upwind, sign * carried);
-                    if row == upwind {
-                        state.diagonal[row] += carried.abs();
-                    }
-                }
-                for (side, direction) in [(link.a, 1.0), (link.b, -1.0)] {
-                    if side >= count {
-                        state.unknown[row] -= sign * direction * conductance * state.q[side];
-                    } else if state.full[side] {
-                        state.matrix.add(row, side, sign * direction * conductance);
-                    }
-                }
-            }
+            let row = &mut rows[link.a];
+            row[OWN] += own + from_a;
+            row[link.toward] = from_b - other;
+            let row = &mut rows[link.b];
+            row[OWN] += other - from_b;
+            row[link.toward + 1] = -own - from_a;
+            known[link.a] += conductance * b.q - flow;
+            known[link.b] += conductance * a.q + flow;
         }
         for (cell, data) in grid.cells.iter().enumerate() {
-            if data.held.is_some() || !(conserving || state.full[cell]) {
-                state.matrix.add(cell, cell, 1.0);
+            let side = &sides[cell];
+            let known = &mut known[cell];
+            if side.pressed == 0.0 && side.carrying == 0.0 {
+                rows[cell] = [1.0, 0.0, 0.0, 0.0, 0.0];
+                *known = 0.0;
                 continue;
             }
             let (rate, gap) = (
@@ -147,33 +143,62 @@ impl Film {
             );
             if state.full[cell] {
                 let filling = past.map_or(0.0, |(step, before)| (1.0 - before[cell]) * gap / step);
-                state.unknown[cell] -= rate + filling;
+                *known -= rate + filling;
                 continue;
             }
-            let mut diagonal = rate;
+            let diagonal = &mut rows[cell][OWN];
             match past {
                 Some((step, before)) => {
-                    diagonal += gap / step;
-                    state.unknown[cell] += before[cell] * gap / step;
+                    *diagonal += rate + gap / step;
+                    *known += before[cell] * gap / step;
                 }
-                None => diagonal += DRYING * state.diagonal[cell],
+                None => *diagonal += rate + DRYING * *diagonal,
             }
-            state.diagonal[cell] += diagonal;
-            state.matrix.add(cell, cell, diagonal);
         }
     }
 }
 
-/// The column with most cells of the cavity and of openings. If it has no others, the border is cut.
-fn border(grid: &Grid, full: &[bool]) -> usize {
-    let free = |column: usize| {
-        let cells = column * grid.across..(column + 1) * grid.across;
-        cells
-            .filter(|cell| full[*cell] && grid.cells[*cell].held.is_none())
-            .count()
+/// Sorts the cells by the present set.
+fn set_sides(grid: &Grid, state: &mut LevelWork, conserving: bool) {
+    let (cells, fixed) = state.sides.split_at_mut(grid.cells.len());
+    for ((side, data), full) in cells.iter_mut().zip(&grid.cells).zip(&state.full) {
+        let (free, full) = (data.held.is_none(), *full);
+        let carrying = conserving && !full;
+        *side = Side {
+            pressed: f64::from(u8::from(free && full)),
+            carrying: f64::from(u8::from(free && carrying)),
+            q: 0.0,
+            content: f64::from(u8::from(!carrying)),
+        };
+    }
+    let first = grid.cells.len();
+    for (at, side) in fixed.iter_mut().enumerate() {
+        side.q = state.q[first + at];
+        side.content = if conserving {
+            state.content[first + at]
+        } else {
+            1.0
+        };
+    }
+}
+
+/// The column that is cheapest as the border: with the fewest unknowns, and then with the fewest full cells
+/// in and behind it, which alone a flow of the cavity depends on.
+fn border(grid: &Grid, sides: &[Side], eastwards: bool) -> usize {
+    let count = |column: usize| {
+        let cells = &sides[column * grid.across..(column + 1) * grid.across];
+        cells.iter().fold((0, 0), |(unknown, full), side| {
+            let pressed = usize::from(side.pressed != 0.0);
+            let carrying = usize::from(side.carrying != 0.0);
+            (unknown + pressed + carrying, full + pressed)
+        })
     };
+    let step = if eastwards { 1 } else { grid.around - 1 };
     (0..grid.around)
-        .min_by_key(|column| free(*column))
+        .min_by_key(|column| {
+            let (unknown, full) = count(*column);
+            (unknown, full + count((column + step) % grid.around).1)
+        })
         .unwrap_or(0)
 }
 
@@ -188,8 +213,12 @@ fn slack(grid: &Grid, state: &mut LevelWork, spin: f64) {
         *slack = [squeezed, squeezed.abs()];
     }
     for (at, link) in grid.links.iter().enumerate() {
+        // only cells of the cavity are asked
+        if state.sides[link.a].pressed + state.sides[link.b].pressed == 2.0 {
+            continue;
+        }
         let carried = spin * link.carry * state.link_gap[at];
-        let pressed = state.conductance[at][0] * (state.q[link.a] - state.q[link.b]);
+        let pressed = state.conductance[at] * (state.q[link.a] - state.q[link.b]);
         let size = carried.abs() + pressed.abs();
         for (side, sign) in [(link.a, 1.0), (link.b, -1.0)] {
             if let Some([sum, parts]) = state.slack.get_mut(side) {
@@ -216,7 +245,7 @@ fn change(grid: &Grid, state: &mut LevelWork, rule: Cavitation, round: usize) ->
         let wants = match (state.full[cell], rule) {
             (true, _) => state.q[cell] < -ROUNDING * highest,
             (false, Cavitation::MassConserving) => {
-                state.content[cell] > 1.0 + ROUNDING || state.diagonal[cell] <= 0.0
+                state.content[cell] > 1.0 + ROUNDING || state.matrix.rows[cell][OWN] <= 0.0
             }
             (false, _) => state.slack[cell][0] < -ROUNDING * state.slack[cell][1],
         };

@@ -1,13 +1,16 @@
 //! A film: its grids, its solution at given inputs, its memory.
 
-use crate::band::RingMatrix;
 use crate::error::{FilmError, SourceError};
 use crate::grid::Grid;
 use crate::inputs::{END_PRESSURE, SHAPE_FORCE, SUPPLY, TILT, TILT_RATE, VISCOSITY};
+use crate::ring::RingMatrix;
 use crate::source::{Cavitation, Feed, FilmSource, Lines};
 
 /// Least numbers of cells of a coarse grid. It serves a first guess of the cavity's edge alone.
 const COARSEST: [usize; 2] = [12, 3];
+
+/// Most outputs whose adjoints are solved together: those of a film without shapes, and a place to spare.
+pub(crate) const TOGETHER: usize = 6;
 
 /// A film on its cells. It holds no state: the same film may be solved at many places at once, each with its
 /// own [`Work`].
@@ -37,10 +40,27 @@ pub struct Work {
     pub(crate) step: Option<f64>,
     /// Content of the cells at the begin of the step.
     pub(crate) before: Vec<f64>,
+    /// Adjoint numbers of cells and fixed places, of several outputs, and memory for two columns of them.
+    pub(crate) adjoint: Vec<f64>,
+    /// Derivatives of several outputs, input by input.
+    pub(crate) slopes: Vec<f64>,
     /// Whether the finest level holds the set of an earlier solution.
     warm: bool,
     /// Rounds of the last solution on the finest grid.
     pub(crate) rounds: usize,
+}
+
+/// Unknowns and known numbers of a cell or a fixed place, in the equations of its neighbours.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Side {
+    /// 1 if q is the unknown, else 0.
+    pub pressed: f64,
+    /// 1 if ϑ is the unknown, else 0.
+    pub carrying: f64,
+    /// q of a fixed place, else 0.
+    pub q: f64,
+    /// ϑ where it is no unknown, else 0.
+    pub content: f64,
 }
 
 /// What a solution needs on one grid.
@@ -49,8 +69,8 @@ pub(crate) struct LevelWork {
     pub link_gap: Vec<f64>,
     /// Change of the gap at a link with the pin's turn, m/rad.
     pub link_turn: Vec<f64>,
-    /// Weight times `h³/12μ`, and its slope by h.
-    pub conductance: Vec<[f64; 2]>,
+    /// Weight times `h³/12μ`.
+    pub conductance: Vec<f64>,
     pub cell_gap: Vec<f64>,
     /// Slopes of the gaps at links and in cells by the true gap; 1 above the floor.
     pub continued: [Vec<f64>; 2],
@@ -68,14 +88,12 @@ pub(crate) struct LevelWork {
     /// Pressure of cells and fixed places, cut where the rule cuts, and its slope by q.
     pub pressure: Vec<[f64; 2]>,
     pub matrix: RingMatrix,
+    /// Right-hand sides of cells, then their solution; fixed places are not read.
     pub unknown: Vec<f64>,
-    pub scratch: Vec<f64>,
+    /// What the equations of the present set know about cells and fixed places.
+    pub sides: Vec<Side>,
     /// Outflow that a cell at rest would need, and the size of its parts.
     pub slack: Vec<[f64; 2]>,
-    /// Diagonal of cavitated cells.
-    pub diagonal: Vec<f64>,
-    /// Adjoint numbers of cells and fixed places.
-    pub adjoint: Vec<f64>,
 }
 
 impl LevelWork {
@@ -84,7 +102,7 @@ impl LevelWork {
         LevelWork {
             link_gap: vec![0.0; links],
             link_turn: vec![0.0; links],
-            conductance: vec![[0.0; 2]; links],
+            conductance: vec![0.0; links],
             cell_gap: vec![0.0; cells],
             continued: [vec![1.0; links], vec![1.0; cells]],
             cell_turn: vec![0.0; cells],
@@ -94,12 +112,10 @@ impl LevelWork {
             q: vec![0.0; cells + fixed],
             content: vec![1.0; cells + fixed],
             pressure: vec![[0.0; 2]; cells + fixed],
-            matrix: RingMatrix::new(level.grid.around, level.grid.across),
-            unknown: vec![0.0; cells],
-            scratch: vec![0.0; cells],
+            matrix: RingMatrix::new(level.grid.around, level.grid.across, fixed),
+            unknown: vec![0.0; cells + fixed],
+            sides: vec![Side::default(); cells + fixed],
             slack: vec![[0.0; 2]; cells],
-            diagonal: vec![0.0; cells],
-            adjoint: vec![0.0; cells + fixed],
         }
     }
 }
@@ -137,9 +153,9 @@ impl Film {
             let mut shapes = [Vec::new(), Vec::new(), Vec::new()];
             for shape in &source.shapes {
                 shapes[0].extend(
-                    grid.links
+                    grid.sites
                         .iter()
-                        .map(|link| shape.value(link.angle, link.z / half)),
+                        .map(|site| shape.value(site.angle, site.z / half)),
                 );
                 shapes[1].extend(
                     grid.cells
@@ -204,7 +220,7 @@ impl Film {
     /// Memory for solutions.
     #[must_use]
     pub fn work(&self) -> Work {
-        let fixed = self.source.openings.len() + 1;
+        let (grid, fixed) = (&self.levels[0].grid, self.source.openings.len() + 1);
         Work {
             levels: self
                 .levels
@@ -214,6 +230,8 @@ impl Film {
             inputs: vec![0.0; self.inputs()],
             step: None,
             before: vec![1.0; self.memory()],
+            adjoint: vec![0.0; TOGETHER * (grid.cells.len() + fixed + 2 * grid.across)],
+            slopes: vec![0.0; TOGETHER * self.inputs()],
             warm: false,
             rounds: 0,
         }
@@ -343,10 +361,7 @@ impl Film {
     /// Finds the cavity and the pressure.
     fn find(&self, work: &mut Work) -> Result<(), FilmError> {
         let rule = self.source.cavitation;
-        for (level, state) in self.levels.iter().zip(&mut work.levels) {
-            self.set_gap(level, state, &work.inputs);
-            self.set_fixed(level, state, &work.inputs);
-        }
+        self.set_gap(&self.levels[0], &mut work.levels[0], &work.inputs);
         self.check_gap(&work.levels[0])?;
         if !work.warm {
             // content that an earlier step left has no coarse grid: there the guess is the cavity of the rule
@@ -358,18 +373,16 @@ impl Film {
             };
             for at in (1..self.levels.len()).rev() {
                 self.guess(at, &mut work.levels);
+                let (level, state) = (&self.levels[at], &mut work.levels[at]);
+                self.set_gap(level, state, &work.inputs);
+                self.set_fixed(level, state, &work.inputs);
                 // the finest grid alone decides: a coarse one that ends without its cavity is a guess all the
                 // same
-                let _ = self.search(
-                    &self.levels[at],
-                    &mut work.levels[at],
-                    guess,
-                    &work.inputs,
-                    None,
-                );
+                let _ = self.search(level, state, guess, &work.inputs, None);
             }
             self.guess(0, &mut work.levels);
         }
+        self.set_fixed(&self.levels[0], &mut work.levels[0], &work.inputs);
         let past = work.step.map(|step| (step, work.before.as_slice()));
         work.rounds = self.search(
             &self.levels[0],

@@ -21,8 +21,8 @@ impl Film {
         let eccentric =
             |normal: [f64; 2], z: f64| (ex + z * tx) * normal[0] + (ey + z * ty) * normal[1];
         let grid = &level.grid;
-        for (gap, link) in state.link_gap.iter_mut().zip(&grid.links) {
-            *gap = link.base - eccentric(link.normal, link.z);
+        for (gap, site) in state.link_gap.iter_mut().zip(&grid.sites) {
+            *gap = site.base - eccentric(site.normal, site.z);
         }
         for (gap, cell) in state.cell_gap.iter_mut().zip(&grid.cells) {
             *gap = cell.base - eccentric(cell.normal, cell.z);
@@ -49,20 +49,18 @@ impl Film {
             add(&mut state.cell_gap, amplitude, &level.shapes[1]);
             add(&mut state.cell_rate, rate, &level.shapes[2]);
         }
-        let [at_links, in_cells] = &mut state.continued;
-        let gaps = state.link_gap.iter_mut().zip(at_links);
-        for (gap, slope) in gaps.chain(state.cell_gap.iter_mut().zip(in_cells)) {
-            (*gap, *slope) = self.source.continued(*gap);
+        // without a floor the slopes keep their 1
+        if self.source.floor > 0.0 {
+            let [at_links, in_cells] = &mut state.continued;
+            let gaps = state.link_gap.iter_mut().zip(at_links);
+            for (gap, slope) in gaps.chain(state.cell_gap.iter_mut().zip(in_cells)) {
+                (*gap, *slope) = self.source.continued(*gap);
+            }
         }
         let factor = 1.0 / (12.0 * x[VISCOSITY]);
-        for ((conductance, gap), link) in state
-            .conductance
-            .iter_mut()
-            .zip(&state.link_gap)
-            .zip(&grid.links)
-        {
-            let slope = link.weight * factor * gap * gap;
-            *conductance = [slope * gap, 3.0 * slope];
+        let conductances = state.conductance.iter_mut().zip(&state.link_gap);
+        for ((conductance, gap), link) in conductances.zip(&grid.links) {
+            *conductance = link.weight * factor * gap * gap * gap;
         }
     }
 
@@ -71,8 +69,8 @@ impl Film {
             return;
         }
         let (grid, half, turn) = (&level.grid, self.source.width / 2.0, x[TURN]);
-        for (at, link) in grid.links.iter().enumerate() {
-            let (value, slope) = self.source.pin_profile(link.angle - turn, link.z / half);
+        for (at, site) in grid.sites.iter().enumerate() {
+            let (value, slope) = self.source.pin_profile(site.angle - turn, site.z / half);
             state.link_gap[at] += value;
             state.link_turn[at] = -slope;
         }
@@ -134,22 +132,29 @@ impl Film {
     /// Refuses surfaces that touch at a face or in the middle of a cell.
     pub(crate) fn check_gap(&self, state: &LevelWork) -> Result<(), FilmError> {
         let grid = &self.levels[0].grid;
-        let links = grid
-            .links
-            .iter()
-            .map(|link| place(link.angle, link.z))
-            .zip(&state.link_gap);
-        let cells = grid
-            .cells
-            .iter()
-            .map(|cell| place(cell.angle, cell.z))
-            .zip(&state.cell_gap);
-        match links
-            .chain(cells)
-            .min_by(|one, other| one.1.total_cmp(other.1))
-        {
-            Some((place, gap)) if *gap <= 0.0 => Err(FilmError::NoGap { gap: *gap, place }),
-            _ => Ok(()),
+        let refuse = |gap: f64, angle: f64, z: f64| {
+            let place = place(angle, z);
+            Err(FilmError::NoGap { gap, place })
+        };
+        let (link, at_link) = thinnest(&state.link_gap);
+        let (cell, in_cell) = thinnest(&state.cell_gap);
+        if at_link <= 0.0 && at_link <= in_cell {
+            return refuse(at_link, grid.sites[link].angle, grid.sites[link].z);
+        }
+        if in_cell <= 0.0 {
+            return refuse(in_cell, grid.cells[cell].angle, grid.cells[cell].z);
+        }
+        Ok(())
+    }
+}
+
+/// The least gap and its number.
+fn thinnest(gaps: &[f64]) -> (usize, f64) {
+    let mut least = (0, f64::INFINITY);
+    for (at, gap) in gaps.iter().enumerate() {
+        if *gap < least.1 {
+            least = (at, *gap);
         }
     }
+    least
 }

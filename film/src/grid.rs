@@ -5,6 +5,7 @@
 //! cells: the openings in their order, then the ends.
 
 use crate::error::{Place, SourceError};
+use crate::ring::{EAST, HIGH};
 use crate::source::{Ends, FilmSource, Lines, Opening, mean_of_wave};
 
 /// A face between two cells, or between a cell and a fixed place.
@@ -17,9 +18,16 @@ pub(crate) struct Link {
     /// Length of the face over the distance of its sides; an edge of an opening or an end has half a cell of
     /// distance.
     pub weight: f64,
+    /// Place of the cell b in the row of the cell a; that of a in the row of b follows it.
+    pub toward: usize,
     /// ½RΔz at faces that cross the motion, 0 at the others, m²; times ω and the gap it is the flow that the
     /// surfaces carry, m³/s.
     pub carry: f64,
+}
+
+/// Place of a link.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Site {
     /// Angle, rad.
     pub angle: f64,
     /// Distance from mid width, m.
@@ -62,7 +70,9 @@ pub(crate) struct Grid {
     /// Lines across, m: `across + 1`.
     pub heights: Vec<f64>,
     pub cells: Vec<Cell>,
+    /// Links, column by column. Their places are apart: a search needs the links alone, many times.
     pub links: Vec<Link>,
+    pub sites: Vec<Site>,
 }
 
 impl Grid {
@@ -106,6 +116,7 @@ impl Grid {
             heights,
             cells,
             links: Vec::new(),
+            sites: Vec::new(),
         };
         grid.link(source);
         Ok(grid)
@@ -126,19 +137,22 @@ impl Grid {
         let (columns, rows, count) = (self.around, self.across, self.cells.len());
         let half = source.width / 2.0;
         let side = |cell: usize, held: Option<usize>| held.map_or(cell, |opening| count + opening);
-        let face = |a, b, weight, carry, angle: f64, z: f64| {
+        let (mut links, mut sites) = (Vec::new(), Vec::new());
+        let mut face = |a, b, weight, carry, angle: f64, z: f64| {
             let (sin, cos) = libm::sincos(angle);
-            let base = source.clearance + source.shell_profile(angle, z / half);
-            Link {
+            links.push(Link {
                 a,
                 b,
                 weight,
+                toward: if carry == 0.0 { HIGH } else { EAST },
                 carry,
+            });
+            sites.push(Site {
                 angle,
                 z,
                 normal: [cos, sin],
-                base,
-            }
+                base: source.clearance + source.shell_profile(angle, z / half),
+            });
         };
         for column in 0..columns {
             let angle = self.angles[column + 1];
@@ -166,27 +180,12 @@ impl Grid {
                 let (z, a, b) = (before.z, side(west, from), side(east, to));
                 match line.filter(|_| from.is_none() && to.is_none()) {
                     Some(line) => {
-                        self.links.push(face(
-                            a,
-                            count + line,
-                            weight(reach(before)),
-                            carry,
-                            angle,
-                            z,
-                        ));
-                        self.links.push(face(
-                            count + line,
-                            b,
-                            weight(reach(behind)),
-                            carry,
-                            angle,
-                            z,
-                        ));
+                        face(a, count + line, weight(reach(before)), carry, angle, z);
+                        face(count + line, b, weight(reach(behind)), carry, angle, z);
                     }
                     None => {
                         let distance = reach(before) + reach(behind);
-                        self.links
-                            .push(face(a, b, weight(distance), carry, angle, z));
+                        face(a, b, weight(distance), carry, angle, z);
                     }
                 }
             }
@@ -211,16 +210,17 @@ impl Grid {
                 };
                 let middle_cell = &self.cells[column * rows];
                 let weight = source.radius * middle_cell.sector / distance;
-                self.links.push(face(
+                face(
                     number(below),
                     number(above),
                     weight,
                     0.0,
                     middle_cell.angle,
                     self.heights[line],
-                ));
+                );
             }
         }
+        (self.links, self.sites) = (links, sites);
     }
 
     /// The cell in which a place lies.

@@ -37,7 +37,7 @@
 )]
 
 mod active;
-mod band;
+mod block;
 mod error;
 mod film;
 mod gap;
@@ -45,6 +45,7 @@ mod grid;
 pub mod impedance;
 pub mod inputs;
 mod results;
+mod ring;
 mod source;
 mod tangent;
 

@@ -110,22 +110,28 @@ impl Film {
         let (level, state, x) = (&self.levels[0], &work.levels[0], &work.inputs);
         outputs.fill(0.0);
         let shear = x[VISCOSITY] * self.source.radius * self.source.radius * x[SPIN];
+        let [mut fx, mut fy, mut mx, mut my, mut torque] = [0.0; 5];
         for (at, cell) in level.grid.cells.iter().enumerate() {
             let load = cell.area * state.pressure[at][0];
             let [cos, sin] = cell.mean_normal;
-            outputs[FORCE] -= load * cos;
-            outputs[FORCE + 1] -= load * sin;
-            outputs[MOMENT] += load * cell.z * sin;
-            outputs[MOMENT + 1] -= load * cell.z * cos;
-            outputs[TORQUE] += shear * self.shear_factor(state, at) * cell.area
-                / state.cell_gap[at]
+            let (along_x, along_y) = (load * cos, load * sin);
+            fx -= along_x;
+            fy -= along_y;
+            mx += along_y * cell.z;
+            my -= along_x * cell.z;
+            torque += shear * self.shear_factor(state, at) * cell.area / state.cell_gap[at]
                 + load * state.pin_slope[at][0];
         }
         // −½ ∫ p ∂h/∂θ dA, summed by parts: the flow that the surfaces carry through a face against the pressure
         for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
-            outputs[TORQUE] -=
-                link.carry * gap * (state.pressure[link.a][0] - state.pressure[link.b][0]);
+            if link.carry > 0.0 {
+                torque -=
+                    link.carry * gap * (state.pressure[link.a][0] - state.pressure[link.b][0]);
+            }
         }
+        outputs[FORCE..FORCE + 2].copy_from_slice(&[fx, fy]);
+        outputs[MOMENT..MOMENT + 2].copy_from_slice(&[mx, my]);
+        outputs[TORQUE] = torque;
         let count = level.grid.cells.len();
         for (shape, force) in outputs[SHAPE_FORCE..].iter_mut().enumerate() {
             for (at, cell) in level.grid.cells.iter().enumerate() {
@@ -213,14 +219,14 @@ impl Film {
                     state.q[side]
                 }
             };
-            let pressed = state.conductance[at][0] * (q(link.a) - q(link.b));
+            let pressed = state.conductance[at] * (q(link.a) - q(link.b));
             let flow = carried * state.content[upwind] + pressed;
             let drop = state.pressure[link.a][0] - state.pressure[link.b][0];
             summary.pressure_power += halves * pressed * drop;
             for (side, sign) in [(link.a, 1.0), (link.b, -1.0)] {
                 let entering = halves * sign * flow;
                 if side == ends {
-                    let positive = usize::from(link.z > 0.0);
+                    let positive = usize::from(level.grid.sites[at].z > 0.0);
                     summary.end_flow[positive] -= entering;
                     summary.outflow += (-entering).max(0.0);
                     summary.inflow += entering.max(0.0);
@@ -322,8 +328,8 @@ impl Film {
                 least = (gap, place(angle, z));
             }
         };
-        for (link, gap) in grid.links.iter().zip(&state.link_gap) {
-            look(self.source.true_gap(*gap), link.angle, link.z);
+        for (site, gap) in grid.sites.iter().zip(&state.link_gap) {
+            look(self.source.true_gap(*gap), site.angle, site.z);
         }
         for (cell, gap) in grid.cells.iter().zip(&state.cell_gap) {
             look(self.source.true_gap(*gap), cell.angle, cell.z);

@@ -267,7 +267,8 @@ impl FilmSource {
     /// value and slope of h and stays positive for every h. So the iterates of a solver have a film wherever the
     /// pin is. Only solutions above the floor mean anything.
     pub(crate) fn continued(&self, gap: f64) -> (f64, f64) {
-        if gap >= self.floor {
+        // without a floor nothing continues: the caller refuses surfaces that touch
+        if gap >= self.floor || self.floor == 0.0 {
             return (gap, 1.0);
         }
         let share = self.floor / (2.0 * self.floor - gap);

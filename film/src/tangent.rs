@@ -4,12 +4,29 @@
 //! = ∂R/∂u`. All inputs but the pressures act through the gap, its rate, ω and μ: the sensitivities by gap
 //! and rate of each place come first, and are then summed with the weights of the inputs.
 
-use crate::film::{Film, Level, LevelWork, Work};
+use crate::block::add_lanes as add;
+use crate::film::{Film, Level, LevelWork, TOGETHER, Work};
 use crate::inputs::{
     ECCENTRICITY, END_PRESSURE, FORCE, MOMENT, RATE, SHAPE_FORCE, SPIN, SUPPLY, TILT, TILT_RATE,
     TORQUE, TURN, VISCOSITY,
 };
 use crate::source::{Cavitation, Feed};
+
+/// The solution at which the derivatives are wanted.
+struct Solution<'a> {
+    level: &'a Level,
+    state: &'a LevelWork,
+    x: &'a [f64],
+    /// The step and the content before it.
+    past: Option<(f64, &'a [f64])>,
+}
+
+/// Outputs whose adjoints are solved together.
+struct Group<const N: usize> {
+    outputs: [Option<usize>; N],
+    /// 1 at the torque, else 0.
+    torque: [f64; N],
+}
 
 impl Film {
     /// Derivatives of the outputs by the inputs at the last solution of `work`, output by output: `outputs()
@@ -19,21 +36,51 @@ impl Film {
     /// both sides differ by the order of a cell, and this is the one of the present set. The content before a
     /// step is constant.
     pub fn tangent(&self, work: &mut Work, dy_dx: &mut [f64]) {
-        let (level, inputs) = (&self.levels[0], self.inputs());
-        let past = work.step.map(|step| (step, work.before.as_slice()));
-        let (state, x) = (&mut work.levels[0], work.inputs.as_slice());
         dy_dx.fill(0.0);
-        for (output, row) in dy_dx.chunks_exact_mut(inputs).enumerate() {
-            if self.source.half_width && (MOMENT..TORQUE).contains(&output) {
-                continue;
+        // a half has no moments
+        let skipped = |output: &usize| self.source.half_width && (MOMENT..TORQUE).contains(output);
+        let mut left = (0..self.outputs()).filter(|output| !skipped(output));
+        loop {
+            match left.clone().count() {
+                0 => return,
+                1..=4 => self.differentiate::<4>(work, &mut left, dy_dx),
+                _ => self.differentiate::<TOGETHER>(work, &mut left, dy_dx),
             }
-            self.weigh(level, state, output);
-            self.direct(level, state, x, output, row);
-            self.solve_adjoint(level, state, x, output);
-            self.sum_links(level, state, x, output, row);
-            self.sum_cells(level, state, x, output, past, row);
-            for slope in row.iter_mut() {
-                *slope *= self.halves();
+        }
+    }
+
+    /// Derivatives of the next outputs.
+    fn differentiate<const N: usize>(
+        &self,
+        work: &mut Work,
+        left: &mut impl Iterator<Item = usize>,
+        dy_dx: &mut [f64],
+    ) {
+        let outputs = [(); N].map(|()| left.next());
+        let torque = outputs.map(|output| if output == Some(TORQUE) { 1.0 } else { 0.0 });
+        let group = Group { outputs, torque };
+        let (level, inputs) = (&self.levels[0], self.inputs());
+        let solution = Solution {
+            level,
+            state: &work.levels[0],
+            x: &work.inputs,
+            past: work.step.map(|step| (step, work.before.as_slice())),
+        };
+        let places = level.grid.cells.len() + self.source.openings.len() + 1;
+        let adjoint = work.adjoint.as_chunks_mut::<N>().0;
+        let (adjoint, columns) = adjoint[..places + 2 * level.grid.across].split_at_mut(places);
+        let slopes = &mut work.slopes.as_chunks_mut::<N>().0[..inputs];
+        slopes.fill([0.0; N]);
+        self.weigh(&solution, &group, adjoint);
+        self.direct(&solution, &group, adjoint, slopes);
+        self.solve_adjoint(&solution, &group, adjoint, columns);
+        self.sum_links(&solution, &group, adjoint, slopes);
+        self.sum_cells(&solution, &group, adjoint, slopes);
+        for (lane, output) in outputs.iter().enumerate() {
+            let Some(output) = output else { continue };
+            let row = &mut dy_dx[output * inputs..(output + 1) * inputs];
+            for (slope, lanes) in row.iter_mut().zip(slopes.iter()) {
+                *slope = self.halves() * lanes[lane];
             }
             if self.source.half_width {
                 row[TILT..SPIN].fill(0.0);
@@ -41,46 +88,65 @@ impl Film {
         }
     }
 
-    /// Derivatives of an output by the pressure of each cell and fixed place, to `adjoint`.
-    fn weigh(&self, level: &Level, state: &mut LevelWork, output: usize) {
-        state.adjoint.fill(0.0);
+    /// Derivatives of the outputs by the pressure of each cell and fixed place, to `adjoint`.
+    fn weigh<const N: usize>(
+        &self,
+        solution: &Solution,
+        group: &Group<N>,
+        adjoint: &mut [[f64; N]],
+    ) {
+        let Solution { level, state, .. } = *solution;
+        adjoint.fill([0.0; N]);
         let count = level.grid.cells.len();
-        for (at, cell) in level.grid.cells.iter().enumerate() {
-            let [cos, sin] = cell.mean_normal;
-            state.adjoint[at] = cell.area
-                * match output {
-                    FORCE => -cos,
-                    1 => -sin,
-                    MOMENT => cell.z * sin,
-                    3 => -cell.z * cos,
-                    TORQUE => state.pin_slope[at][0],
-                    _ => level.shapes[2][(output - SHAPE_FORCE) * count + at],
-                };
-        }
-        if output == TORQUE {
-            for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
-                state.adjoint[link.a] -= link.carry * gap;
-                state.adjoint[link.b] += link.carry * gap;
+        for (lane, output) in group.outputs.iter().enumerate() {
+            let Some(output) = *output else { continue };
+            for (at, cell) in level.grid.cells.iter().enumerate() {
+                let [cos, sin] = cell.mean_normal;
+                adjoint[at][lane] = cell.area
+                    * match output {
+                        FORCE => -cos,
+                        1 => -sin,
+                        MOMENT => cell.z * sin,
+                        3 => -cell.z * cos,
+                        TORQUE => state.pin_slope[at][0],
+                        _ => level.shapes[2][(output - SHAPE_FORCE) * count + at],
+                    };
+            }
+            if output == TORQUE {
+                for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
+                    adjoint[link.a][lane] -= link.carry * gap;
+                    adjoint[link.b][lane] += link.carry * gap;
+                }
             }
         }
     }
 
     /// Torque of the shear in a cell for `ϑ e^(α p) = 1`, N m.
-    fn shear(&self, level: &Level, state: &LevelWork, x: &[f64], cell: usize) -> f64 {
+    fn shear(&self, solution: &Solution, cell: usize) -> f64 {
+        let Solution {
+            level, state, x, ..
+        } = *solution;
         let speed = self.source.radius * self.source.radius * x[SPIN];
         x[VISCOSITY] * speed * level.grid.cells[cell].area / state.cell_gap[cell]
     }
 
     /// Adds the derivatives by the pressures of openings and ends at fixed pressure in the film.
-    fn direct(&self, level: &Level, state: &LevelWork, x: &[f64], output: usize, row: &mut [f64]) {
+    fn direct<const N: usize>(
+        &self,
+        solution: &Solution,
+        group: &Group<N>,
+        adjoint: &[[f64; N]],
+        slopes: &mut [[f64; N]],
+    ) {
+        let Solution { level, state, .. } = *solution;
         let count = level.grid.cells.len();
         let openings = self.source.openings.len();
         for (at, opening) in self.source.openings.iter().enumerate() {
             if opening.feed == Feed::Pressure {
-                row[SUPPLY + at] += state.adjoint[count + at];
+                add(&mut slopes[SUPPLY + at], 1.0, &adjoint[count + at]);
             }
         }
-        row[END_PRESSURE] += state.adjoint[count + openings];
+        add(&mut slopes[END_PRESSURE], 1.0, &adjoint[count + openings]);
         for (at, cell) in level.grid.cells.iter().enumerate() {
             let Some(opening) = cell
                 .held
@@ -88,91 +154,104 @@ impl Film {
             else {
                 continue;
             };
-            row[SUPPLY + opening] += state.adjoint[at];
-            if output == TORQUE {
-                row[SUPPLY + opening] +=
-                    self.shear(level, state, x, at) * self.source.piezo * state.pressure[at][1];
-            }
+            let slope = &mut slopes[SUPPLY + opening];
+            add(slope, 1.0, &adjoint[at]);
+            let thicker = self.source.piezo * state.pressure[at][1];
+            add(slope, self.shear(solution, at) * thicker, &group.torque);
         }
     }
 
     /// Whether the row of a cell is an equation of the film, and not a fixed number.
-    fn is_equation(&self, level: &Level, state: &LevelWork, cell: usize) -> bool {
+    fn is_equation(&self, solution: &Solution, cell: usize) -> bool {
+        let Solution { level, state, .. } = *solution;
         let conserving = self.source.cavitation == Cavitation::MassConserving;
         level.grid.cells[cell].held.is_none() && (conserving || state.full[cell])
     }
 
     /// Replaces the derivatives by pressure in `adjoint` by λ; 0 at fixed places.
-    fn solve_adjoint(&self, level: &Level, state: &mut LevelWork, x: &[f64], output: usize) {
+    fn solve_adjoint<const N: usize>(
+        &self,
+        solution: &Solution,
+        group: &Group<N>,
+        adjoint: &mut [[f64; N]],
+        columns: &mut [[f64; N]],
+    ) {
+        let Solution { level, state, .. } = *solution;
         let count = level.grid.cells.len();
-        for at in 0..count {
-            let slope = state.pressure[at][1];
-            let mut sum = if state.full[at] {
-                state.adjoint[at] * slope
-            } else {
-                0.0
-            };
-            if output == TORQUE {
-                let shear = self.shear(level, state, x, at);
-                sum += if state.full[at] {
-                    shear * self.source.piezo * slope * slope
-                } else {
-                    shear
-                };
+        for (at, own) in adjoint[..count].iter_mut().enumerate() {
+            if !self.is_equation(solution, at) {
+                *own = [0.0; N];
+                continue;
             }
-            state.unknown[at] = if self.is_equation(level, state, at) {
-                sum
+            let slope = state.pressure[at][1];
+            let shear = self.shear(solution, at);
+            let (by_pressure, by_shear) = if state.full[at] {
+                (slope, shear * self.source.piezo * slope * slope)
             } else {
-                0.0
+                (0.0, shear)
             };
+            *own = own.map(|weight| by_pressure * weight);
+            add(own, by_shear, &group.torque);
         }
+        adjoint[count..].fill([0.0; N]);
         state
             .matrix
-            .solve_transposed(&mut state.unknown, &mut state.scratch);
-        state.adjoint.fill(0.0);
-        for at in 0..count {
-            if self.is_equation(level, state, at) {
-                state.adjoint[at] = state.unknown[at];
+            .solve_transposed(&mut adjoint[..count], columns);
+        for (at, own) in adjoint[..count].iter_mut().enumerate() {
+            if !self.is_equation(solution, at) {
+                *own = [0.0; N];
             }
         }
     }
 
     /// Adds the changes by the gap at the links, ω, μ and the fixed pressures.
-    fn sum_links(
+    fn sum_links<const N: usize>(
         &self,
-        level: &Level,
-        state: &LevelWork,
-        x: &[f64],
-        output: usize,
-        row: &mut [f64],
+        solution: &Solution,
+        group: &Group<N>,
+        adjoint: &[[f64; N]],
+        slopes: &mut [[f64; N]],
     ) {
+        let Solution {
+            level, state, x, ..
+        } = *solution;
         let (count, links) = (level.grid.cells.len(), level.grid.links.len());
         let openings = self.source.openings.len();
         let first = SUPPLY + openings;
-        for (at, link) in level.grid.links.iter().enumerate() {
-            let drop = state.adjoint[link.a] - state.adjoint[link.b];
+        let turning = !self.source.pin_profile.is_empty();
+        let (mut by_spin, mut by_viscosity) = ([0.0; N], [0.0; N]);
+        // sums of a run of links at one angle: by the gap, and by the gap times z
+        let (mut normal, mut run) = ([0.0; 2], [[0.0; N]; 2]);
+        for (at, (link, site)) in level.grid.links.iter().zip(&level.grid.sites).enumerate() {
+            if site.normal != normal {
+                add_run(slopes, [ECCENTRICITY, TILT], normal, &mut run);
+                normal = site.normal;
+            }
+            let mut drop = adjoint[link.a];
+            add(&mut drop, -1.0, &adjoint[link.b]);
             let gap = state.link_gap[at];
             let upwind = if x[SPIN] * link.carry * gap >= 0.0 {
                 link.a
             } else {
                 link.b
             };
-            let content = state.content[upwind];
-            let [conductance, slope] = state.conductance[at];
-            let q_drop = state.q[link.a] - state.q[link.b];
-            let mut by_gap = -drop * (x[SPIN] * link.carry * content + slope * q_drop);
-            if output == TORQUE {
-                by_gap -= link.carry * (state.pressure[link.a][0] - state.pressure[link.b][0]);
+            let carried = link.carry * state.content[upwind];
+            let pressed = state.conductance[at] * (state.q[link.a] - state.q[link.b]);
+            let p_drop = state.pressure[link.a][0] - state.pressure[link.b][0];
+            let continued = state.continued[0][at];
+            // dk/dh = 3 k/h
+            let flow = x[SPIN] * carried + 3.0 * pressed / gap;
+            let mut by_gap = group
+                .torque
+                .map(|torque| -continued * link.carry * p_drop * torque);
+            add(&mut by_gap, -continued * flow, &drop);
+            add(&mut run[0], 1.0, &by_gap);
+            add(&mut run[1], site.z, &by_gap);
+            add(&mut by_spin, -carried * gap, &drop);
+            add(&mut by_viscosity, pressed, &drop);
+            if turning {
+                add(&mut slopes[TURN], state.link_turn[at], &by_gap);
             }
-            by_gap *= state.continued[0][at];
-            let [cos, sin] = link.normal;
-            row[ECCENTRICITY] -= by_gap * cos;
-            row[ECCENTRICITY + 1] -= by_gap * sin;
-            row[TILT] -= by_gap * cos * link.z;
-            row[TILT + 1] -= by_gap * sin * link.z;
-            row[TURN] += by_gap * state.link_turn[at];
-            row[SPIN] -= drop * link.carry * gap * content;
-            row[VISCOSITY] += drop * conductance * q_drop / x[VISCOSITY];
             for (side, sign) in [(link.a, 1.0), (link.b, -1.0)] {
                 let Some(fixed) = side.checked_sub(count) else {
                     continue;
@@ -185,63 +264,96 @@ impl Film {
                 if fixed == openings || self.source.openings[fixed].feed == Feed::Pressure {
                     // dq/dp of the fixed place
                     let transform = 1.0 - self.source.piezo * state.q[side];
-                    row[place] -= sign * drop * conductance * transform;
+                    let by_pressure = -sign * state.conductance[at] * transform;
+                    add(&mut slopes[place], by_pressure, &drop);
                 }
             }
             for shape in 0..self.source.shapes.len() {
-                row[first + shape] += by_gap * level.shapes[0][shape * links + at];
+                let value = level.shapes[0][shape * links + at];
+                add(&mut slopes[first + shape], value, &by_gap);
             }
         }
+        add_run(slopes, [ECCENTRICITY, TILT], normal, &mut run);
+        add(&mut slopes[SPIN], 1.0, &by_spin);
+        add(&mut slopes[VISCOSITY], 1.0 / x[VISCOSITY], &by_viscosity);
     }
 
     /// Adds the changes by the gap and its rate in the cells, ω and μ.
-    fn sum_cells(
+    fn sum_cells<const N: usize>(
         &self,
-        level: &Level,
-        state: &LevelWork,
-        x: &[f64],
-        output: usize,
-        past: Option<(f64, &[f64])>,
-        row: &mut [f64],
+        solution: &Solution,
+        group: &Group<N>,
+        adjoint: &[[f64; N]],
+        slopes: &mut [[f64; N]],
     ) {
+        let Solution {
+            level,
+            state,
+            x,
+            past,
+        } = *solution;
         let (count, shapes) = (level.grid.cells.len(), self.source.shapes.len());
         let first = SUPPLY + self.source.openings.len();
         let speed = self.source.radius * self.source.radius;
-        for (at, cell) in level.grid.cells.iter().enumerate() {
-            let adjoint = state.adjoint[at];
-            let by_rate = -adjoint * cell.area * state.content[at];
-            let mut by_gap = match past {
-                Some((step, before)) => {
-                    -adjoint * cell.area * (state.content[at] - before[at]) / step
+        let turning = !self.source.pin_profile.is_empty();
+        // of the torque alone: shear of μ = ω = 1
+        let mut sheared = 0.0;
+        for (column, cells) in level.grid.cells.chunks(level.grid.across).enumerate() {
+            // sums by the gap, by the rate, and by both times z
+            let (mut gaps, mut rates) = ([[0.0; N]; 2], [[0.0; N]; 2]);
+            for (row, cell) in cells.iter().enumerate() {
+                let at = column * level.grid.across + row;
+                let content = state.content[at];
+                let by_rate = adjoint[at].map(|number| -number * cell.area * content);
+                let over = speed * self.shear_factor(state, at) * cell.area / state.cell_gap[at];
+                sheared += over;
+                let thinner = x[VISCOSITY] * x[SPIN] * over / state.cell_gap[at];
+                let mut by_gap = group.torque.map(|torque| -thinner * torque);
+                if let Some((step, before)) = past {
+                    let filled = cell.area * (content - before[at]) / step;
+                    add(&mut by_gap, -filled, &adjoint[at]);
                 }
-                None => 0.0,
-            };
-            let [slope, turned_slope] = state.pin_slope[at];
-            if output == TORQUE {
-                let factor = self.shear_factor(state, at);
-                by_gap -= self.shear(level, state, x, at) * factor / state.cell_gap[at];
-                let over = speed * factor * cell.area / state.cell_gap[at];
-                row[SPIN] += x[VISCOSITY] * over;
-                row[VISCOSITY] += x[SPIN] * over;
-                row[TURN] += cell.area * state.pressure[at][0] * turned_slope;
+                let by_gap = by_gap.map(|number| number * state.continued[1][at]);
+                add(&mut gaps[0], 1.0, &by_gap);
+                add(&mut gaps[1], cell.z, &by_gap);
+                add(&mut rates[0], 1.0, &by_rate);
+                add(&mut rates[1], cell.z, &by_rate);
+                if turning {
+                    let [slope, turned_slope] = state.pin_slope[at];
+                    let turned = cell.area * state.pressure[at][0] * turned_slope;
+                    add(&mut slopes[SPIN], -slope, &by_rate);
+                    add(&mut slopes[TURN], turned, &group.torque);
+                    add(&mut slopes[TURN], state.cell_turn[at], &by_gap);
+                    add(&mut slopes[TURN], -x[SPIN] * turned_slope, &by_rate);
+                }
+                for shape in 0..shapes {
+                    let value = level.shapes[1][shape * count + at];
+                    add(&mut slopes[first + shape], value, &by_gap);
+                    let mean = level.shapes[2][shape * count + at];
+                    add(&mut slopes[first + shapes + shape], mean, &by_rate);
+                }
             }
-            by_gap *= state.continued[1][at];
-            let [cos, sin] = cell.normal;
-            row[ECCENTRICITY] -= by_gap * cos;
-            row[ECCENTRICITY + 1] -= by_gap * sin;
-            row[TILT] -= by_gap * cos * cell.z;
-            row[TILT + 1] -= by_gap * sin * cell.z;
-            let [cos, sin] = cell.mean_normal;
-            row[RATE] -= by_rate * cos;
-            row[RATE + 1] -= by_rate * sin;
-            row[TILT_RATE] -= by_rate * cos * cell.z;
-            row[TILT_RATE + 1] -= by_rate * sin * cell.z;
-            row[SPIN] -= by_rate * slope;
-            row[TURN] += by_gap * state.cell_turn[at] - by_rate * x[SPIN] * turned_slope;
-            for shape in 0..shapes {
-                row[first + shape] += by_gap * level.shapes[1][shape * count + at];
-                row[first + shapes + shape] += by_rate * level.shapes[2][shape * count + at];
-            }
+            let angle = &cells[0];
+            add_run(slopes, [ECCENTRICITY, TILT], angle.normal, &mut gaps);
+            add_run(slopes, [RATE, TILT_RATE], angle.mean_normal, &mut rates);
         }
+        add(&mut slopes[SPIN], x[VISCOSITY] * sheared, &group.torque);
+        add(&mut slopes[VISCOSITY], x[SPIN] * sheared, &group.torque);
+    }
+}
+
+/// Adds the sums of places at one angle, and those times z, to the derivatives by the components of two
+/// vectors of the pin, and empties them. What moves the pin along n closes the gap.
+fn add_run<const N: usize>(
+    slopes: &mut [[f64; N]],
+    places: [usize; 2],
+    normal: [f64; 2],
+    sums: &mut [[f64; N]; 2],
+) {
+    for (place, sums) in places.into_iter().zip(sums) {
+        for (component, normal) in normal.into_iter().enumerate() {
+            add(&mut slopes[place + component], -normal, sums);
+        }
+        *sums = [0.0; N];
     }
 }
