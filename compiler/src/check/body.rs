@@ -8,14 +8,40 @@ use crate::codes;
 use crate::resolve::suggest::nearest;
 use crate::words::{Place, word};
 use eng_grammar::ast::{
-    Argument, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
+    Argument, Attribute, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
 };
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
 pub(super) const ATTRIBUTES: [&str; 4] =
     ["mass", "inertia", "products_of_inertia", "center_of_mass"];
+const RIGID: BodyKind = BodyKind {
+    words: "body",
+    word: "body",
+    question: "of which mass?",
+    block: "mass = …; inertia = …",
+    attributes: &ATTRIBUTES,
+    required: &[
+        ("mass", "add `mass = 1 kg` with its value"),
+        ("inertia", "add `inertia = [1, 1, 1] kg*m^2` with its value"),
+    ],
+};
 const STARTS: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
+
+/// The attributes and the texts of rigid or flexible bodies.
+pub(super) struct BodyKind {
+    /// The kind in words.
+    pub words: &'static str,
+    /// The word that begins a declaration.
+    pub word: &'static str,
+    /// The question to a body without a block.
+    pub question: &'static str,
+    /// The contents of a block, for a help.
+    pub block: &'static str,
+    pub attributes: &'static [&'static str],
+    /// Required attributes, each with the help for a missing one.
+    pub required: &'static [(&'static str, &'static str)],
+}
 
 /// Whether the block of a body assigns a value to a name: `big = [0, -41, 0] mm`.
 pub(super) fn states(body: &Declaration, name: &str) -> bool {
@@ -70,18 +96,37 @@ impl<'p> Checker<'p> {
         }
     }
 
-    pub(super) fn body(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
+    pub(super) fn rigid(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
+        self.body(
+            outer,
+            declaration,
+            &RIGID,
+            Self::rigid_attribute,
+            Self::marker,
+        );
+    }
+
+    /// `body name[index] { … }` and `flexible name[index] { … }`.
+    pub(super) fn body(
+        &mut self,
+        outer: &Scope<'p>,
+        declaration: &'p Declaration,
+        kind: &BodyKind,
+        attribute: fn(&mut Self, &Scope<'p>, &'p Attribute),
+        marker: fn(&mut Self, &Scope<'p>, &'p Declaration),
+    ) {
         let scope = self.binders(outer, &declaration.index);
         self.condition_of(&scope, declaration);
         let name = &declaration.name.text;
+        let BodyKind { words, word, .. } = kind;
         let (Form::Plain { .. }, Some(block)) = (&declaration.form, declaration.block()) else {
             self.report(
                 Diagnostic::error(
                     codes::MISSING_VALUE,
-                    format!("the body `{name}` needs a block"),
+                    format!("the {words} `{name}` needs a block"),
                 )
-                .at(declaration.name.span, "of which mass?")
-                .with_help(format!("write `body {name} {{ mass = …; inertia = … }}`")),
+                .at(declaration.name.span, kind.question)
+                .with_help(format!("write `{word} {name} {{ {} }}`", kind.block)),
             );
             return;
         };
@@ -94,13 +139,13 @@ impl<'p> Checker<'p> {
         for item in &block.items {
             match &item.kind {
                 ItemKind::Error => {}
-                ItemKind::Attribute(attribute) => {
-                    self.name_once(&mut attributes, &attribute.name);
-                    self.body_attribute(&inner, &attribute.name, &attribute.value);
+                ItemKind::Attribute(stated) => {
+                    self.name_once(&mut attributes, &stated.name);
+                    attribute(self, &inner, stated);
                 }
-                ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {
-                    self.marker_name(&mut markers, marker);
-                    self.marker(&inner, marker);
+                ItemKind::Declaration(stated) if stated.kind == Kind::Marker => {
+                    self.marker_name(&mut markers, stated);
+                    marker(self, &inner, stated);
                 }
                 ItemKind::Statement(
                     Statement::Start { target, value } | Statement::Guess { target, value },
@@ -111,22 +156,19 @@ impl<'p> Checker<'p> {
                 _ => self.misplaced_in_body(item),
             }
         }
-        for wanted in ["mass", "inertia"] {
+        for (wanted, help) in kind.required {
+            let known = kind.attributes.iter().copied();
             let near = |given: &&&Name| {
-                given.text == wanted || nearest(&given.text, ATTRIBUTES) == Some(wanted)
+                given.text == *wanted || nearest(&given.text, known.clone()) == Some(*wanted)
             };
             if attributes.iter().find(near).is_none() {
-                let example = match wanted {
-                    "mass" => "mass = 1 kg",
-                    _ => "inertia = [1, 1, 1] kg*m^2",
-                };
                 self.report(
                     Diagnostic::error(
                         codes::MISSING_ATTRIBUTE,
-                        format!("the body `{name}` needs its {wanted}"),
+                        format!("the {words} `{name}` needs its {wanted}"),
                     )
                     .at(declaration.name.span, format!("no `{wanted}`"))
-                    .with_help(format!("add `{example}` with its value")),
+                    .with_help(*help),
                 );
             }
         }
@@ -169,7 +211,8 @@ impl<'p> Checker<'p> {
         self.misplaced(item.span, what, "into a body", help);
     }
 
-    fn body_attribute(&mut self, scope: &Scope<'p>, name: &Name, value: &Expr) {
+    fn rigid_attribute(&mut self, scope: &Scope<'p>, attribute: &'p Attribute) {
+        let Attribute { name, value } = attribute;
         let (ty, unit) = match name.text.as_str() {
             "mass" => (Type::Scalar(Quantity::hard(Dimension::MASS)), "kg"),
             "inertia" | "products_of_inertia" => (

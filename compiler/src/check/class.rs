@@ -241,7 +241,7 @@ impl<'p> Checker<'p> {
                 ItemKind::Declaration(inner) => match inner.kind {
                     Kind::Flexible => self.flexible(&scope, inner),
                     Kind::Default => self.not_built(inner.kind_span, "`default` blocks"),
-                    Kind::Body => self.body(&scope, inner),
+                    Kind::Body => self.rigid(&scope, inner),
                     Kind::Marker => self.marker(&scope, inner),
                     Kind::Cycle => {
                         if let Some(first) = cycles {

@@ -1,6 +1,7 @@
 //! Flexible bodies: their attributes, markers on meshes, mode sets.
 
 use super::Checker;
+use super::body::BodyKind;
 use super::bound::{Called, Parameter};
 use super::member::Member;
 use super::mismatch::Due;
@@ -11,8 +12,7 @@ use crate::resolve::suggest::{listing, nearest};
 use crate::typed::Callee;
 use crate::words::{DECK, ELEMENT_RULES, Place, Takes, Word, argument, belongs, word, words};
 use eng_grammar::ast::{
-    Argument, Attribute, BinaryOp, Declaration, Expr, ExprKind, Form, IndexArgument, ItemKind,
-    Kind, Name, Statement,
+    Argument, Attribute, BinaryOp, Declaration, Expr, ExprKind, Form, IndexArgument, ItemKind, Kind,
 };
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -31,83 +31,34 @@ const ATTRIBUTES: [&str; 9] = [
     "geometric_stiffness",
 ];
 
-/// Examples of the required attributes.
-const REQUIRED: [(&str, &str); 3] = [
-    ("mesh", "mesh = nastran(\"crank.bdf\", units: mm_tonne_s)"),
-    ("modes", "modes = static(at: main) + normal(10)"),
-    ("damping", "damping = 2 %"),
-];
+const FLEXIBLE: BodyKind = BodyKind {
+    words: "flexible body",
+    word: "flexible",
+    question: "of which mesh?",
+    block: "mesh = …; modes = …; damping = …",
+    attributes: &ATTRIBUTES,
+    required: &[
+        (
+            "mesh",
+            "for instance `mesh = nastran(\"crank.bdf\", units: mm_tonne_s)`",
+        ),
+        (
+            "modes",
+            "for instance `modes = static(at: main) + normal(10)`",
+        ),
+        ("damping", "for instance `damping = 2 %`"),
+    ],
+};
 
 impl<'p> Checker<'p> {
-    /// `flexible name[index] { … }`.
     pub(super) fn flexible(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
-        let scope = self.binders(outer, &declaration.index);
-        self.condition_of(&scope, declaration);
-        let name = &declaration.name.text;
-        let (Form::Plain { .. }, Some(block)) = (&declaration.form, declaration.block()) else {
-            self.report(
-                Diagnostic::error(
-                    codes::MISSING_VALUE,
-                    format!("the flexible body `{name}` needs a block"),
-                )
-                .at(declaration.name.span, "of which mesh?")
-                .with_help(format!(
-                    "write `flexible {name} {{ mesh = …; modes = …; damping = … }}`"
-                )),
-            );
-            return;
-        };
-        let inner = Scope {
-            body: Some(declaration),
-            ..scope
-        };
-        let mut attributes: Vec<&'p Name> = Vec::new();
-        let mut markers: Vec<&'p Name> = Vec::new();
-        for item in &block.items {
-            match &item.kind {
-                ItemKind::Error => {}
-                ItemKind::Attribute(attribute) => {
-                    self.name_once(&mut attributes, &attribute.name);
-                    self.flexible_attribute(&inner, attribute);
-                }
-                ItemKind::Declaration(marker) if marker.kind == Kind::Marker => {
-                    self.marker_name(&mut markers, marker);
-                    if marker.name.text == "support" {
-                        self.report(
-                            Diagnostic::error(
-                                codes::DEFINED_TWICE,
-                                "`support` is the joint that holds a body on the ground",
-                            )
-                            .at(marker.name.span, "another one")
-                            .with_help("give the marker a name of its own, such as `mount`"),
-                        );
-                    }
-                    self.marker_on_mesh(&inner, marker);
-                }
-                ItemKind::Statement(
-                    Statement::Start { target, value } | Statement::Guess { target, value },
-                ) => self.start_of_body(&inner, target, value),
-                ItemKind::Statement(statement @ Statement::Accept(_)) => {
-                    self.statement(&inner, statement);
-                }
-                _ => self.misplaced_in_body(item),
-            }
-        }
-        for (wanted, example) in REQUIRED {
-            let near = |given: &&&Name| {
-                given.text == wanted || nearest(&given.text, ATTRIBUTES) == Some(wanted)
-            };
-            if attributes.iter().find(near).is_none() {
-                self.report(
-                    Diagnostic::error(
-                        codes::MISSING_ATTRIBUTE,
-                        format!("the flexible body `{name}` needs its {wanted}"),
-                    )
-                    .at(declaration.name.span, format!("no `{wanted}`"))
-                    .with_help(format!("for instance `{example}`")),
-                );
-            }
-        }
+        self.body(
+            outer,
+            declaration,
+            &FLEXIBLE,
+            Self::flexible_attribute,
+            Self::marker_on_mesh,
+        );
     }
 
     fn flexible_attribute(&mut self, scope: &Scope<'p>, attribute: &'p Attribute) {
@@ -180,6 +131,16 @@ impl<'p> Checker<'p> {
 
     /// `marker name[index] = ring(…)` on a mesh.
     fn marker_on_mesh(&mut self, outer: &Scope<'p>, declaration: &'p Declaration) {
+        if declaration.name.text == "support" {
+            self.report(
+                Diagnostic::error(
+                    codes::DEFINED_TWICE,
+                    "`support` is the joint that holds a body on the ground",
+                )
+                .at(declaration.name.span, "another one")
+                .with_help("give the marker a name of its own, such as `mount`"),
+            );
+        }
         let scope = self.binders(outer, &declaration.index);
         self.condition_of(&scope, declaration);
         let name = &declaration.name.text;

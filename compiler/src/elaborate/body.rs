@@ -32,6 +32,48 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
+    /// Begins a body: the scope of its block.
+    pub fn body_scope(
+        &mut self,
+        declaration: &'a ast::Declaration,
+        block: &'a ast::Block,
+        outer: ScopeId,
+        path: &str,
+    ) -> Eval<ScopeId> {
+        self.count_instance(declaration.name.span)?;
+        let module = self.scope(outer).module;
+        let own = self.new_scope(Some(outer), module, path.to_owned());
+        self.accepted_in(&block.items, path);
+        path.clone_into(&mut self.bench.bind.owner);
+        Ok(own)
+    }
+
+    /// Adds a body with its marker `origin`. Returns the indices of both.
+    pub fn add_body(
+        &mut self,
+        declaration: &ast::Declaration,
+        inertia: BodyInertia,
+        own: ScopeId,
+        path: &str,
+    ) -> (u32, u32) {
+        let body = self.draft.bodies.len() as u32;
+        self.draft.bodies.push(Body {
+            origin: Origin {
+                path: path.to_owned(),
+                used_at: Some(location(declaration.name.span)),
+                defined_at: None,
+            },
+            inertia,
+            position: None,
+            orientation: None,
+            guessed_at: Vec::new(),
+        });
+        self.draft.body_scopes.push(own);
+        let origin = self.frame_marker(BodyRef::Body(body), format!("{path}.origin"));
+        self.define(own, "origin", Entry::Value(Value::Marker(origin)));
+        (body, origin)
+    }
+
     fn body(
         &mut self,
         declaration: &'a ast::Declaration,
@@ -39,12 +81,7 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
         path: String,
     ) -> Eval<u32> {
-        self.count_instance(declaration.name.span)?;
-        let module = self.scope(scope).module;
-        let own = self.new_scope(Some(scope), module, path.clone());
-        self.accepted_in(&block.items, &path);
-        self.bench.bind.owner.clone_from(&path);
-        let index = self.draft.bodies.len() as u32;
+        let own = self.body_scope(declaration, block, scope, &path)?;
         let zero = self.zero();
         let mut mass = None;
         let mut inertia = None;
@@ -98,25 +135,13 @@ impl<'a> Elaborator<'a, '_> {
             products[1],
             products[2],
         ]);
-        self.draft.bodies.push(Body {
-            origin: Origin {
-                path: path.clone(),
-                used_at: Some(location(declaration.name.span)),
-                defined_at: None,
-            },
-            inertia: BodyInertia::Rigid {
-                mass,
-                center_of_mass,
-                inertia,
-            },
-            position: None,
-            orientation: None,
-            guessed_at: Vec::new(),
-        });
-        self.draft.body_scopes.push(own);
+        let inertia = BodyInertia::Rigid {
+            mass,
+            center_of_mass,
+            inertia,
+        };
+        let (index, origin) = self.add_body(declaration, inertia, own, &path);
         let reference = BodyRef::Body(index);
-        let origin = self.frame_marker(reference, format!("{path}.origin"));
-        self.define(own, "origin", Entry::Value(Value::Marker(origin)));
         for item in &block.items {
             match &item.kind {
                 ItemKind::Declaration(d) if d.kind == Kind::Marker => {
@@ -127,16 +152,21 @@ impl<'a> Elaborator<'a, '_> {
                     };
                     self.define(own, &d.name.text, entry);
                 }
-                ItemKind::Statement(Statement::Start { target, value }) => {
-                    let _ = self.body_start(index, origin, target, value, own, true);
-                }
-                ItemKind::Statement(Statement::Guess { target, value }) => {
-                    let _ = self.body_start(index, origin, target, value, own, false);
-                }
-                _ => {}
+                _ => self.start_in_body(item, index, origin, own),
             }
         }
         Ok(index)
+    }
+
+    /// A `start` or `guess` among the items of a body.
+    pub fn start_in_body(&mut self, item: &'a ast::Item, body: u32, origin: u32, scope: ScopeId) {
+        let (target, value, exact) = match &item.kind {
+            ItemKind::Statement(Statement::Start { target, value }) => (target, value, true),
+            ItemKind::Statement(Statement::Guess { target, value }) => (target, value, false),
+            _ => return,
+        };
+        // the error was reported
+        let _ = self.body_start(body, origin, target, value, scope, exact);
     }
 
     fn positive_mass(&mut self, node: Node, display: DisplayUnit, path: &str, span: Span) {
@@ -195,7 +225,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Evaluates `start` and `guess` inside a body.
-    pub fn body_start(
+    fn body_start(
         &mut self,
         body: u32,
         origin: u32,

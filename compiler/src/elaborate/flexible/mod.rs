@@ -9,11 +9,11 @@ use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, location};
 use crate::codes;
 use crate::words::{DECK, Place, Word, word};
-use eng_grammar::ast::{self, ExprKind, ItemKind, Kind, Statement};
+use eng_grammar::ast::{self, ExprKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::flexible::{FlexibleSource, Freedoms, MarkerSource, MatrixSource, ModeCount};
 use eng_system::mesh_files::{ShapeFormat, Stated};
-use eng_system::system::{Body, BodyInertia, BodyRef, Origin};
+use eng_system::system::{BodyInertia, BodyRef};
 use std::rc::Rc;
 
 /// The markers of a body, each with its number in the system.
@@ -96,29 +96,12 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
         path: String,
     ) -> Eval<u32> {
-        self.count_instance(declaration.name.span)?;
-        let module = self.scope(scope).module;
-        let own = self.new_scope(Some(scope), module, path.clone());
-        self.accepted_in(&block.items, &path);
-        self.bench.bind.owner.clone_from(&path);
-        let body = self.draft.bodies.len() as u32;
+        let own = self.body_scope(declaration, block, scope, &path)?;
         let index = self.draft.flexible.len() as u32;
-        let place = Origin {
-            path: path.clone(),
-            used_at: Some(location(declaration.name.span)),
-            defined_at: None,
-        };
-        self.draft.bodies.push(Body {
-            origin: place.clone(),
-            inertia: BodyInertia::Flexible(index),
-            position: None,
-            orientation: None,
-            guessed_at: Vec::new(),
-        });
-        self.draft.body_scopes.push(own);
+        let inertia = BodyInertia::Flexible(index);
+        let (body, origin) = self.add_body(declaration, inertia, own, &path);
         let reference = BodyRef::Body(body);
-        let origin = self.frame_marker(reference, format!("{path}.origin"));
-        self.define(own, "origin", Entry::Value(Value::Marker(origin)));
+        let place = self.draft.bodies[body as usize].origin.clone();
         // reserves the index while the parts are read
         self.draft.flexible.push(None);
         let (markers, known) = self.markers_of_block(block, reference, own, &path);
@@ -194,7 +177,9 @@ impl<'a> Elaborator<'a, '_> {
             scope: own,
             support_span,
         });
-        self.starts_of_body(block, body, origin, own);
+        for item in &block.items {
+            self.start_in_body(item, body, origin, own);
+        }
         Ok(body)
     }
 
@@ -263,20 +248,6 @@ impl<'a> Elaborator<'a, '_> {
                 .at(span, "stiffness and mass belong together")
                 .with_help("give both `stiffness` and `mass`, or neither"),
             )),
-        }
-    }
-
-    fn starts_of_body(&mut self, block: &'a ast::Block, body: u32, origin: u32, scope: ScopeId) {
-        for item in &block.items {
-            match &item.kind {
-                ItemKind::Statement(Statement::Start { target, value }) => {
-                    let _ = self.body_start(body, origin, target, value, scope, true);
-                }
-                ItemKind::Statement(Statement::Guess { target, value }) => {
-                    let _ = self.body_start(body, origin, target, value, scope, false);
-                }
-                _ => {}
-            }
         }
     }
 
