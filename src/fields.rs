@@ -225,12 +225,16 @@ mod tests {
         let step = 1e-9;
         for (first, input) in [("stiffness", 0), ("damping", 2)] {
             let at = kernel.result(first).unwrap().1 as usize;
-            let mut moved = x.clone();
-            moved[input] += step;
-            let mut after = answers.clone();
-            solver.solve(&moved, &mut after).unwrap();
+            let mut at_end = |moved: f64| {
+                let mut moved_inputs = x.clone();
+                moved_inputs[input] += moved;
+                let mut after = answers.clone();
+                solver.solve(&moved_inputs, &mut after).unwrap();
+                after
+            };
+            let (up, down) = (at_end(step), at_end(-step));
             for force in 0..2 {
-                let slope = -(after[force] - answers[force]) / step;
+                let slope = -(up[force] - down[force]) / (2.0 * step);
                 let found = readings[at + 2 * force];
                 assert!(
                     (found - slope).abs() < 1e-4 * slope.abs(),
