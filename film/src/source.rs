@@ -222,8 +222,8 @@ pub struct FilmSource {
     pub pin_profile: Vec<Profile>,
     /// Deflections that are inputs.
     pub shapes: Vec<Shape>,
-    /// Gap (m) below which the solution continues with another one: see [`FilmSource::continued`]. With 0, surfaces
-    /// that touch are an error.
+    /// Gap f (m) below which the equation has `f²/(2f − h)` instead of the gap h, which stays positive for every h. With 0,
+    /// surfaces that touch are an error.
     pub floor: f64,
     /// α of Barus' law `μ exp(α p)`, 1/Pa; 0 for oil whose viscosity does not depend on pressure.
     pub piezo: f64,
