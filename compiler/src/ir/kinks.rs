@@ -79,7 +79,7 @@ pub(crate) fn find(
             if known
                 || !moves(graph, layout, value)
                 || known_in_outputs_only(graph, &[value], layout)
-                // no rate is known of what a field answers
+                // the answers of a field have no known rate
                 || uses_fields(graph, &[value], layout, false)
             {
                 continue;
