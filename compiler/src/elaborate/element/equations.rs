@@ -135,6 +135,7 @@ impl<'a> Elaborator<'a, '_> {
                 Statement::Constrain(expr) => self.constrain(expr, scope)?,
                 Statement::Branch(expr) => {
                     if let super::super::expression::Truth::Later(flag) = self.truth(expr, scope)? {
+                        self.refuse_branch_by_field(flag, expr.span)?;
                         let written = Message {
                             text: self.sources.text(expr.span).to_owned(),
                             parts: Vec::new(),

@@ -1,6 +1,6 @@
 //! Fields of an element: the call of a kernel becomes drives, settings and inputs for its results.
 
-use super::super::scalar::{FieldDraft, PROVISIONAL, Scalar, Stage};
+use super::super::scalar::{FieldDraft, Flag, PROVISIONAL, Scalar, Stage};
 use super::super::value::{ScopeId, Value};
 use super::super::{Elaborator, Entry, Eval};
 use crate::codes;
@@ -98,6 +98,22 @@ impl<'a> Elaborator<'a, '_> {
                 "its answers are {names}; no derivative is known of the others"
             ))
             .with_help("show it by an `output`, or use it in a `require`"),
+        ))
+    }
+
+    /// Refuses a branch that depends on a field: the assembly chooses branches before fields are solved.
+    pub(super) fn refuse_branch_by_field(&mut self, flag: Flag, span: Span) -> Eval<()> {
+        let Some(element) = self.bench.element.as_ref() else {
+            return Ok(());
+        };
+        let moves = flag.stage == Stage::Motion;
+        if !(moves && uses_fields(&element.graph, &[flag.node], &PROVISIONAL, false)) {
+            return Ok(());
+        }
+        Err(self.report(
+            Diagnostic::error(codes::FIELD, "a branch cannot depend on a field")
+                .at(span, "a result of a field is here")
+                .with_help("choose the branch by positions: the assembly needs it before fields are solved"),
         ))
     }
 
