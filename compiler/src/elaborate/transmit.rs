@@ -8,6 +8,7 @@ use crate::ir::interpret::Interpreter;
 use crate::resolve::suggest::listing;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::code::{BindCode, Pair};
+use eng_system::field::KERNELS;
 use eng_system::flexible::{
     ALL_FREEDOMS, FlexibleSource, Freedoms, Interface, ModeTerm, freedom_text,
 };
@@ -103,7 +104,8 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
         } else {
             &switched
         };
-        let inputs = state(&layout, constants, &states, &mut random);
+        let mut inputs = state(&layout, constants, &states, &mut random);
+        answer(&layout, element, &mut inputs, &mut random);
         let Some(values) = evaluate(&inputs) else {
             continue;
         };
@@ -167,6 +169,17 @@ fn state(layout: &InputLayout, constants: &[f64], states: &[f64], random: &mut R
         inputs[layout.constant(i as u32) as usize] = *x;
     }
     inputs
+}
+
+/// Sets the answers of the element's fields to random numbers of their usual sizes, because no kernel is at hand here.
+fn answer(layout: &InputLayout, element: &Element, inputs: &mut [f64], random: &mut Random) {
+    let kernels = element.fields.iter().map(|field| field.kernel as usize);
+    let rows = kernels.filter_map(|kernel| KERNELS.get(kernel));
+    let sizes = rows.flat_map(|kernel| kernel.answers);
+    let sizes = sizes.flat_map(|row| std::iter::repeat_n(row.size, row.count as usize));
+    for (place, size) in (0..layout.answers).zip(sizes) {
+        inputs[layout.answer(place) as usize] = size * random.next();
+    }
 }
 
 /// Force and torque on a marker, along its axes.
