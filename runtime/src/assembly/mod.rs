@@ -13,6 +13,7 @@
 
 pub mod chains;
 pub mod closing;
+pub mod independent;
 pub mod lock;
 pub mod placement;
 pub mod rows;
