@@ -24,9 +24,20 @@ pub fn to_png(svg: &str, scale: f32) -> Result<Vec<u8>, PlotError> {
         Transform::from_scale(scale, scale),
         &mut pixmap.as_mut(),
     );
-    pixmap
-        .encode_png()
-        .map_err(|e| PlotError::Png(e.to_string()))
+    encoded(width, height, &pixmap.take_demultiplied()).map_err(|e| PlotError::Png(e.to_string()))
+}
+
+/// A PNG of pixels in RGBA. The usual compression takes as long as the rest of a picture, so a fast one serves.
+fn encoded(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
+    let mut data = Vec::new();
+    let mut encoder = png::Encoder::new(&mut data, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
+    writer.finish()?;
+    Ok(data)
 }
 
 #[cfg(test)]
