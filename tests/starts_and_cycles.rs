@@ -631,3 +631,152 @@ fn a_wrapped_angle_keeps_its_interval_its_turns_and_its_rate() {
         "{told}"
     );
 }
+
+/// A class places its parts: a pin in the middle of a bush, a ball and a sliding block in touch with a plate. Stated
+/// positions and guesses have priority, and a stop that cannot be reached has no influence.
+#[test]
+fn a_class_places_its_parts() {
+    let text = "use std.joints.Translational
+        use std.forces.Contact
+        force Bush(pin: Marker, shell: Marker) {
+            place pin on shell
+            apply force -200 N/mm*(pin.origin - shell.origin) on pin against shell
+        }
+        force Pad() : Contact { fn push(depth: Length, rate: Velocity) -> Force = 1 kN/mm*depth }
+        model Placed {
+            param tilt: Angle = 30 deg
+            param radius: Length = 12 mm
+            gravity = [0, 0, -9.81] m/s^2
+            marker plate = at([0, 0, 40] mm, z: [sin(tilt), 0, cos(tilt)])
+            marker left = [100, 50, 0] mm
+            marker right = [300, 50, 0] mm
+            marker rail = [500, 0, 0] mm
+            marker top = at([500, 0, 200] mm, z: [0, 0, -1])
+            body beam { mass = 2 kg; inertia = [1, 8, 8] g*m^2; marker near = [-100, 0, 0] mm; marker far = [100, 0, 0] mm }
+            body ball { mass = 1 kg; inertia = [1, 1, 1] g*m^2; guess velocity = [0, 0, 1] m/s }
+            body stated { mass = 1 kg; inertia = [1, 1, 1] g*m^2; start position = [0, 7, 90] mm }
+            body slide { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker foot = [0, 0, -20] mm; marker head = [0, 0, 20] mm }
+            force bush_left = Bush(beam.near, left)
+            force bush_right = Bush(beam.far, right)
+            force on_plate = Pad(ball.origin, plate, reach: radius)
+            force above = Pad(stated.origin, plate, reach: radius)
+            joint guide = Translational(slide.origin, rail)
+            force below = Pad(slide.foot, rail, reach: 5 mm)
+            output beam_at = beam.origin.origin in ground as mm
+            output beam_turned = dot(beam.origin.x, ground.x)
+            output ball_at = ball.origin.origin in ground as mm
+            output ball_turned = dot(ball.origin.z, ground.z)
+            output stated_at = stated.origin.origin in ground as mm
+            output slide_at = dot(slide.origin.origin, ground.z) as mm
+        }
+        model Stopped {
+            gravity = [0, 0, -9.81] m/s^2
+            marker rail = [0, 0, 0] mm
+            marker top = at([0, 0, 200] mm, z: [0, 0, -1])
+            body slide { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker foot = [0, 0, -20] mm; marker head = [0, 0, 20] mm }
+            joint guide = Translational(slide.origin, rail)
+            force below = Pad(slide.foot, rail, reach: 5 mm)
+            force over = Pad(slide.head, top, reach: 5 mm)
+            guess guide.travel = 3 mm
+            output slide_at = dot(slide.origin.origin, ground.z) as mm
+        }
+        analysis placed = assemble(Placed())
+        analysis guessed = assemble(Stopped())";
+    let sources = Sources::from_texts([("places.eng".to_owned(), text.to_owned())]);
+    let program = program(sources, "places.eng");
+    let placed = run(&program, "placed").results;
+    let at = |path: &str| placed.column(path).expect("a channel").values[0];
+    let near = |path: &str, value: f64| {
+        assert!(
+            (at(path) - value).abs() < 1e-9,
+            "{path}: {} {value}",
+            at(path)
+        );
+    };
+    near("beam_at.x", 0.2);
+    near("beam_at.y", 0.05);
+    near("beam_turned", 1.0);
+    // the ball goes from the origin along the plate's normal n: n·(p − plate) = radius
+    let (normal, below) = (
+        [0.5, 30.0_f64.to_radians().cos()],
+        0.012 + 0.04 * 30.0_f64.to_radians().cos(),
+    );
+    near("ball_at.x", normal[0] * below);
+    near("ball_at.y", 0.0);
+    near("ball_at.z", normal[1] * below);
+    near("ball_turned", 1.0);
+    near("stated_at.y", 0.007);
+    near("stated_at.z", 0.09);
+    near("slide_at", 0.025);
+    // both stops cannot touch, and the guess decides
+    let guessed = run(&program, "guessed").results;
+    let slide = guessed.column("slide_at").expect("a channel").values[0];
+    assert!((slide - 0.003).abs() < 1e-9, "{slide}");
+}
+
+/// Changes of a part give the bits of a text that states the changed values; the outermost change counts, and the value
+/// follows the parameters of the text around.
+#[test]
+fn changes_of_a_part_are_those_of_its_text() {
+    let text = |mass: [&str; 2], inertia: &str, angle: &str, arm: &str, pair: &str, more: &str| {
+        format!(
+            "use std.joints.Revolute
+            use std.forces.LinearSpring
+            component Arm(foot: Marker, mass: Mass, length: Length = 300 mm) {{
+                body bar {{
+                    mass = mass
+                    inertia = {inertia}
+                    marker near = [0, 0, 0] mm
+                    marker far = [1, 0, 0]*length
+                    start angular_velocity = [0, 0, 0.5] rad/s
+                }}
+                joint hinge = Revolute(bar.near, foot)
+                start hinge.angle = {angle}
+            }}
+            component Pair(left: Marker, right: Marker, damping: Damping = 3 N*s/m) {{
+                part arm[i in 1..2] = Arm([left, right][i], mass: [{}, {}][i]) {arm}
+                force tie = LinearSpring(arm[1].bar.far, arm[2].bar.far, stiffness: 2 N/mm, damping: damping, free_length: 500 mm)
+            }}
+            model Frame {{
+                param load: Mass = 2 kg
+                gravity = [0, -9.81, 0] m/s^2
+                marker left = [0, 0, 0] mm
+                marker right = [500, 0, 0] mm
+                part pair = Pair(left, right) {pair}
+                {more}
+                output mass = pair.arm[2].bar.mass
+                output turned[i in 1..2] = pair.arm[i].hinge.angle as deg
+            }}
+            analysis swing = transient(Frame(), duration: 50 ms, sample: 1 ms)
+            analysis heavy = transient(Frame(load: 3 kg), duration: 2 ms, sample: 1 ms)",
+            mass[0], mass[1],
+        )
+    };
+    let results = |text: String, analysis: &str| {
+        let sources = Sources::from_texts([("arms.eng".to_owned(), text)]);
+        run(&program(sources, "arms.eng"), analysis).results
+    };
+    let plain = text(["1 kg", "2 kg"], "[0.1, 9, 9] g*m^2", "40 deg", "", "", "")
+        .replace("0.5] rad", "1] rad");
+    let changed = text(
+        ["3 kg", "3 kg"],
+        "[0.1, 7, 7] g*m^2",
+        "30 deg",
+        "with { bar.mass = [1, 5][i]*1 kg; bar.inertia = [0.1, 9, 9] g*m^2; start hinge.angle = 10 deg }",
+        "with { arm[2].bar.mass = load; tie.damping = 3 N*s/m; start arm[1].hinge.angle = 40 deg }",
+        "start pair.arm[2].hinge.angle = 40 deg
+         start pair.arm[1].bar.angular_velocity = [0, 0, 1] rad/s
+         start pair.arm[2].bar.angular_velocity = [0, 0, 1] rad/s",
+    );
+    let (stated, found) = (results(plain, "swing"), results(changed.clone(), "swing"));
+    for path in ["turned[1]", "turned[2]", "mass"] {
+        let [column, other] = [&stated, &found].map(|r| r.column(path).expect("a channel"));
+        assert_eq!(column.values, other.values, "{path}");
+    }
+    assert!(
+        (stated.column("turned[1]").expect("a channel").values[0] - 40.0_f64.to_radians()).abs()
+            < 1e-12
+    );
+    let heavy = results(changed, "heavy");
+    assert_eq!(heavy.column("mass").expect("a channel").values[0], 3.0);
+}

@@ -297,6 +297,22 @@ pub enum Statement {
     },
     /// `resolve radial_clearance`: the length that positions at the markers of a class must resolve.
     Resolve(Expr),
+    /// `place a on b`, `place a on b at height`: where the assembly prefers the first marker of a class.
+    Place {
+        /// The marker that is placed.
+        moving: Expr,
+        /// The marker at which it is placed.
+        on: Expr,
+        /// The height above a plane; absent for a pin in its shell.
+        height: Option<Expr>,
+    },
+    /// `shank.mass = 0.65 kg` after `with`: a number inside of a part.
+    Change {
+        /// Its path inside of the part.
+        target: Expr,
+        /// Its value.
+        value: Expr,
+    },
     /// `accept usual, short`: accepts the lints of these names here.
     Accept(Vec<Name>),
     /// `der(p) = expr`.
@@ -342,6 +358,8 @@ pub struct Declaration {
     pub index: Vec<Binder>,
     /// `if films`: the part exists only where this holds.
     pub condition: Option<Expr>,
+    /// `with { shank.mass = 0.65 kg; start hinge.angle = 3 deg }`.
+    pub changes: Option<Block>,
     /// Its form.
     pub form: Form,
 }

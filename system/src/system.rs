@@ -286,6 +286,8 @@ pub struct Element {
     pub state_scale: Vec<Slot>,
     /// Lengths that positions at its markers must resolve, as its class states them.
     pub resolves: Vec<Slot>,
+    /// Places of its parts that the assembly prefers, as its class states them.
+    pub places: Vec<Placing>,
     /// Channels that its outputs read, as many as the layout says. Each is computed before those of this
     /// element.
     pub signals: Vec<u32>,
@@ -293,6 +295,18 @@ pub struct Element {
     pub rotations: Vec<Rotation>,
     /// Its fields. Their drives, answers and readings are one after the other.
     pub fields: Vec<FieldSource>,
+}
+
+/// `place a on b` of a class: a preference of the assembly, which the motion does not contain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Placing {
+    /// Index into the element's markers: the one that is placed.
+    pub moving: u32,
+    /// Index into the element's markers: the one at which it is placed.
+    pub on: u32,
+    /// Height of the first origin above the xy plane of the second (m). Without it the first origin is on the z
+    /// axis of the second, and both z axes are parallel, as those of a pin in its shell.
+    pub height: Option<Slot>,
 }
 
 /// A field of an element. The kernel is made of it when parameters are bound.

@@ -26,7 +26,8 @@ const RIGID: BodyKind = BodyKind {
         ("inertia", "add `inertia = [1, 1, 1] kg*m^2` with its value"),
     ],
 };
-const STARTS: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
+/// The words for the start of a body.
+pub(crate) const START_VALUES: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
 
 /// The attributes and the texts of rigid or flexible bodies.
 pub(super) struct BodyKind {
@@ -212,7 +213,11 @@ impl<'p> Checker<'p> {
     }
 
     fn rigid_attribute(&mut self, scope: &Scope<'p>, attribute: &'p Attribute) {
-        let Attribute { name, value } = attribute;
+        self.attribute_of_a_body(scope, &attribute.name, &attribute.value);
+    }
+
+    /// An attribute of a rigid body, in its block or by its path.
+    pub(super) fn attribute_of_a_body(&mut self, scope: &Scope<'p>, name: &Name, value: &Expr) {
         let (ty, unit) = match name.text.as_str() {
             "mass" => (Type::Scalar(Quantity::hard(Dimension::MASS)), "kg"),
             "inertia" | "products_of_inertia" => (
@@ -257,6 +262,17 @@ impl<'p> Checker<'p> {
             ExprKind::Error => return,
             _ => "",
         };
+        self.start_of_a_body(scope, name, target, value);
+    }
+
+    /// A start value of a body, in its block or by its path.
+    pub(super) fn start_of_a_body(
+        &mut self,
+        scope: &Scope<'p>,
+        name: &str,
+        target: &Expr,
+        value: &Expr,
+    ) {
         let per_second = |dimension: Dimension| dimension.over(Dimension::TIME);
         let (ty, unit) = match name {
             "position" => (Type::vector(Quantity::hard(Dimension::LENGTH)), "mm"),
@@ -276,7 +292,7 @@ impl<'p> Checker<'p> {
                     format!("a body has no `{shown}` to set at the start"),
                 )
                 .at(target.span, "not known");
-                message = match nearest(name, STARTS) {
+                message = match nearest(name, START_VALUES) {
                     Some(near) => message.meant(target.span, near),
                     None => message
                         .with_note(

@@ -114,6 +114,16 @@ fn placing_of_statement(holder: Holder, statement: &Statement) -> Placing {
             "a `resolve`",
             "it belongs into a class: it says which length matters at the markers of the class",
         ),
+        Statement::Change { .. } => (
+            false,
+            "a change",
+            "a number inside of a part is changed where the part is used: `part unit = Cylinder(…) with { rod.mass = 0.6 kg }`",
+        ),
+        Statement::Place { .. } => (
+            holder.class,
+            "a `place`",
+            "it belongs into a class; a body is placed by `start` or `guess`",
+        ),
         Statement::Start { .. } | Statement::Guess { .. } => (
             holder.parts,
             "a start value",
@@ -512,6 +522,7 @@ impl<'p> Checker<'p> {
             _ => Vec::new(),
         };
         self.arguments_of_class(&scope, class, &given, arguments, value.span);
+        self.changes(&scope, declaration, class);
         let Some(block) = block else {
             return;
         };

@@ -255,7 +255,10 @@ impl<'p> Levels<'_, 'p> {
                 self.bear(level, 1, condition.span, "a requirement");
             }
             // elaboration asks for a length of parameters alone
-            Statement::Accept(_) | Statement::Resolve(_) => {}
+            Statement::Accept(_)
+            | Statement::Resolve(_)
+            | Statement::Place { .. }
+            | Statement::Change { .. } => {}
             Statement::Rate { value, .. } => {
                 let level = self.level(place, value);
                 self.bear(level, 1, value.span, "the rate of a state");

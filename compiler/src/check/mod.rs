@@ -11,6 +11,7 @@ mod body;
 mod bound;
 mod builtin;
 mod call;
+mod change;
 mod choice;
 mod class;
 mod declare;
@@ -39,6 +40,7 @@ mod table;
 mod unit;
 mod unused;
 
+pub(crate) use body::START_VALUES;
 pub use report::reports;
 
 use crate::codes;

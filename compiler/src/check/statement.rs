@@ -1,12 +1,15 @@
 //! Statements of definitions and bodies.
 
 use super::Checker;
+use super::body::START_VALUES;
 use super::mismatch::Due;
 use super::scope::{Scope, torque_dimension};
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
-use eng_grammar::ast::{Attribute, Declaration, Expr, Form, ItemKind, Kind, Name, Statement};
+use eng_grammar::ast::{
+    Attribute, Declaration, Expr, ExprKind, Form, ItemKind, Kind, Name, Statement,
+};
 
 use eng_grammar::{Diagnostic, Diagnostics, MessagePart, parse_message};
 use eng_system::Dimension;
@@ -17,7 +20,7 @@ impl<'p> Checker<'p> {
             Statement::Constrain(equation) => self.equation(scope, equation),
             Statement::Branch(condition) => self.condition(scope, condition, "a branch"),
             Statement::Start { target, value } | Statement::Guess { target, value } => {
-                self.start(scope, target, value);
+                self.start(scope, target, scope, value);
             }
             Statement::Apply {
                 torque,
@@ -43,6 +46,17 @@ impl<'p> Checker<'p> {
                 let due = Due::new("the length that positions resolve");
                 let length_type = Type::Scalar(Quantity::hard(Dimension::LENGTH));
                 self.expect(scope, length, &length_type, &due);
+            }
+            // a change belongs behind `with`, where `changes` checks it
+            Statement::Change { .. } => {}
+            Statement::Place { moving, on, height } => {
+                let due = Due::new("the value after `place`");
+                self.expect(scope, moving, &Type::Marker, &due);
+                self.expect(scope, on, &Type::Marker, &Due::new("the value after `on`"));
+                if let Some(height) = height {
+                    let length = Type::Scalar(Quantity::hard(Dimension::LENGTH));
+                    self.expect(scope, height, &length, &Due::new("the height after `at`"));
+                }
             }
             Statement::Require {
                 advise,
@@ -119,9 +133,27 @@ impl<'p> Checker<'p> {
         self.diagnostics.extend(said);
     }
 
-    /// `start target = value` in a model.
-    fn start(&mut self, scope: &Scope<'p>, target: &Expr, value: &Expr) {
-        let ty = self.infer(scope, target);
+    /// `start target = value` in a model, or after `with`: then the target is inside of the part and the value outside.
+    pub(super) fn start(
+        &mut self,
+        inside: &Scope<'p>,
+        target: &Expr,
+        scope: &Scope<'p>,
+        value: &Expr,
+    ) {
+        if let ExprKind::Field { base, name } = &target.kind
+            && START_VALUES.contains(&name.text.as_str())
+        {
+            match self.infer(inside, base) {
+                Type::Body(_) => return self.start_of_a_body(scope, &name.text, target, value),
+                Type::Error => {
+                    self.infer(scope, value);
+                    return;
+                }
+                _ => {}
+            }
+        }
+        let ty = self.infer(inside, target);
         match &ty {
             Type::Error => {
                 self.infer(scope, value);

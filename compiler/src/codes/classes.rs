@@ -103,4 +103,8 @@ eng_grammar::codes! {
         "A field asks a solver of its own, a kernel, for numbers: `reynolds` solves the oil film of a bearing. Its type is a record whose values are results of the kernel. Loads may use the answers (force, moment, torque); outputs and conditions may also use the readings, such as the least film thickness.",
         "record Film { let force: Vector2<Force>; let heat: Power }",
         "record Film { let force: Vector2<Force>; let shear_power: Power }";
+    CHANGE = "E0434", "a change after `with` reaches no number",
+        "`part unit = Cylinder(…) with { rod.mass = 0.6 kg }` changes a number inside of a part. The path is that of `--set`, without the name of the part, or that of an attribute which a body states. Classes, counts and words are arguments: the component needs a parameter for them.",
+        "part unit = Cylinder(throw) with { rod.mas = 0.6 kg }",
+        "part unit = Cylinder(throw) with { rod.mass = 0.6 kg }";
 }

@@ -50,6 +50,30 @@ impl<'a> Elaborator<'a, '_> {
         path: &str,
         stated: Stated<'a>,
     ) -> Eval<Value<'a>> {
+        let limited = stated.scope;
+        match self.changed(path) {
+            Some((expr, scope)) => {
+                let value = self.changed_value(&value, expr, scope)?;
+                let stated = Stated {
+                    expr,
+                    span: expr.span,
+                    scope,
+                    ..stated
+                };
+                self.parameters_of(value, path, stated, limited)
+            }
+            None => self.parameters_of(value, path, stated, limited),
+        }
+    }
+
+    /// The parameters of a value. The limits belong to another scope than the value if a use changes it.
+    fn parameters_of(
+        &mut self,
+        value: Value<'a>,
+        path: &str,
+        stated: Stated<'a>,
+        limited: ScopeId,
+    ) -> Eval<Value<'a>> {
         let Stated {
             expr,
             dimension,
@@ -65,7 +89,7 @@ impl<'a> Elaborator<'a, '_> {
         match value {
             Value::Int(i) => {
                 let s = self.bench.constant(i as f64);
-                self.parameterise(Value::Scalar(s), path, stated)
+                self.parameters_of(Value::Scalar(s), path, stated, limited)
             }
             Value::Scalar(s) if s.stage == Stage::Bind => {
                 let display = self
@@ -76,7 +100,7 @@ impl<'a> Elaborator<'a, '_> {
                 let limits = match limits {
                     Some((low, high)) => {
                         let bound = |e: &mut Self, expr: &'a ast::Expr| -> Eval<f64> {
-                            let v = e.evaluate(expr, scope)?;
+                            let v = e.evaluate(expr, limited)?;
                             let v = e.as_scalar(v, expr.span)?;
                             e.structural(v, expr.span)
                         };
@@ -105,10 +129,10 @@ impl<'a> Elaborator<'a, '_> {
             }
             value @ Value::Shown(_) => {
                 let vector = self.in_space(value, span)?;
-                self.parameterise(vector, path, stated)
+                self.parameters_of(vector, path, stated, limited)
             }
             value @ Value::Components(..) => {
-                self.parameterise(Self::without_axes(value), path, stated)
+                self.parameters_of(Self::without_axes(value), path, stated, limited)
             }
             Value::Vector(v) => {
                 let mut out = v;

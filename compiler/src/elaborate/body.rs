@@ -90,7 +90,14 @@ impl<'a> Elaborator<'a, '_> {
         for item in &block.items {
             if let ItemKind::Attribute(a) = &item.kind {
                 let attribute = format!("{path}.{}", a.name.text);
-                self.draft.stated.insert(attribute, location(a.value.span));
+                self.draft
+                    .stated
+                    .insert(attribute.clone(), location(a.value.span));
+                // a mass is a parameter, which looks for a change of its own
+                let (written, from) = match a.name.text == "mass" {
+                    true => (&a.value, own),
+                    false => self.changed(&attribute).unwrap_or((&a.value, own)),
+                };
                 match a.name.text.as_str() {
                     "mass" => {
                         let value = self.evaluate(&a.value, own)?;
@@ -111,14 +118,14 @@ impl<'a> Elaborator<'a, '_> {
                         mass = Some(node);
                     }
                     "inertia" => {
-                        let nodes = self.bind_vector(&a.value, own)?;
+                        let nodes = self.bind_vector(written, from)?;
                         for i in 0..3 {
-                            self.triangle(nodes, i, &path, a.value.span);
+                            self.triangle(nodes, i, &path, written.span);
                         }
                         inertia = Some(nodes);
                     }
-                    "products_of_inertia" => products = self.bind_vector(&a.value, own)?,
-                    "center_of_mass" => center = self.bind_vector(&a.value, own)?,
+                    "products_of_inertia" => products = self.bind_vector(written, from)?,
+                    "center_of_mass" => center = self.bind_vector(written, from)?,
                     _ => return self.checked(None, a.name.span, "no attribute of a body"),
                 }
             }
@@ -165,8 +172,12 @@ impl<'a> Elaborator<'a, '_> {
             ItemKind::Statement(Statement::Guess { target, value }) => (target, value, false),
             _ => return,
         };
+        let name = match &target.kind {
+            ExprKind::Name(n) => n.as_str(),
+            _ => "",
+        };
         // the error was reported
-        let _ = self.body_start(body, origin, target, value, scope, exact);
+        let _ = self.body_start(body, origin, (name, target.span), value, scope, exact);
     }
 
     fn positive_mass(&mut self, node: Node, display: DisplayUnit, path: &str, span: Span) {
@@ -225,30 +236,27 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Evaluates `start` and `guess` inside a body.
-    fn body_start(
+    pub fn body_start(
         &mut self,
         body: u32,
         origin: u32,
-        target: &'a ast::Expr,
+        (name, place): (&str, Span),
         value: &'a ast::Expr,
         scope: ScopeId,
         exact: bool,
     ) -> Eval<()> {
-        let name = match &target.kind {
-            ExprKind::Name(n) => n.as_str(),
-            _ => "",
-        };
         let position_role = Role::StartPosition { exact };
         let velocity_role = Role::StartVelocity { exact };
         if !exact && matches!(name, "position" | "rotation") {
             let guessed_at = &mut self.draft.bodies[body as usize].guessed_at;
-            guessed_at.push(super::location(target.span));
+            guessed_at.push(super::location(place));
         }
         match name {
             "position" => {
                 let nodes = self.bind_vector(value, scope)?;
                 let slots = self.slots(nodes);
                 self.draft.bodies[body as usize].position = Some(slots);
+                self.replaced_start(&super::pending::StartTarget::Position(origin));
                 if exact {
                     self.pending_start(
                         position_role,
@@ -263,6 +271,7 @@ impl<'a> Elaborator<'a, '_> {
                 let matrix = self.rotation_matrix(nodes);
                 let slots = self.slots(matrix);
                 self.draft.bodies[body as usize].orientation = Some(slots);
+                self.replaced_start(&super::pending::StartTarget::Rotation(origin, matrix));
                 if exact {
                     self.pending_start(
                         position_role,
@@ -285,7 +294,7 @@ impl<'a> Elaborator<'a, '_> {
                 scope,
             ),
             _ => {
-                return self.checked(None, target.span, "no start value of a body");
+                return self.checked(None, place, "no start value of a body");
             }
         }
         Ok(())

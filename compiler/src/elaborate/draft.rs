@@ -1,6 +1,7 @@
 //! The model as far as elaboration has built it.
 
 use super::bind_program::Check;
+use super::change::Change;
 use super::flexible;
 use super::scalar::FieldDraft;
 use super::value::{self, ScopeId, Value};
@@ -53,6 +54,8 @@ pub(crate) struct Draft<'a> {
     pub promised: HashMap<(u32, String), (&'a ast::Binding, ScopeId)>,
     /// Places of the `let`s and `const`s of models and components, by scope and name.
     pub named: HashMap<(usize, String), Location>,
+    /// Numbers that uses of parts change, by their paths.
+    pub changes: Vec<Change<'a>>,
     pub gravity: Option<[Node; 3]>,
     pub cycle: Option<CycleDraft<'a>>,
     /// A cycle has an error, which was reported.
@@ -81,6 +84,8 @@ pub(crate) struct ElementDraft<'a> {
     pub state_scale: Vec<Node>,
     /// Lengths that positions at its markers must resolve.
     pub resolves: Vec<Node>,
+    /// Places of its parts that the assembly prefers: local markers, and the bind node of the height.
+    pub places: Vec<(u32, u32, Option<Node>)>,
     pub signals: Vec<u32>,
     /// Its fields.
     pub fields: Vec<FieldDraft>,

@@ -12,7 +12,9 @@ use eng_grammar::ast::{Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_system::flexible::FlexibleSource;
 use eng_system::host::Host;
-use eng_system::system::{Element, ElementClass, Kink, OutputInfo, Role, Rotation, System};
+use eng_system::system::{
+    Element, ElementClass, Kink, OutputInfo, Placing, Role, Rotation, System,
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -187,6 +189,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         self.lasting(scope);
         self.block_with(items, scope, constants);
         self.weld_supports();
+        self.lost_changes();
         self.finish_pending();
         let cycle = self.lower_cycle();
         self.bench.element = None;
@@ -330,6 +333,13 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .resolves
                     .iter()
                     .map(|n| self.bench.bind.slot(*n))
+                    .collect(),
+                places: (draft.places.into_iter())
+                    .map(|(moving, on, height)| Placing {
+                        moving,
+                        on,
+                        height: height.map(|n| self.bench.bind.slot(n)),
+                    })
                     .collect(),
                 signals: draft.signals,
                 rotations: draft

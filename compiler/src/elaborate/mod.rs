@@ -10,6 +10,7 @@ mod binding;
 mod body;
 mod budget;
 mod builtin;
+mod change;
 mod constants;
 mod csv;
 mod draft;

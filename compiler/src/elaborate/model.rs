@@ -97,20 +97,10 @@ impl<'a> Elaborator<'a, '_> {
         for item in items {
             match &item.kind {
                 ItemKind::Statement(Statement::Start { target, value }) => {
-                    self.draft.pending.push(Pending::StartExpression {
-                        exact: true,
-                        target,
-                        value,
-                        scope,
-                    });
+                    let _ = self.start_of(true, (target, scope), (value, scope));
                 }
                 ItemKind::Statement(Statement::Guess { target, value }) => {
-                    self.draft.pending.push(Pending::StartExpression {
-                        exact: false,
-                        target,
-                        value,
-                        scope,
-                    });
+                    let _ = self.start_of(false, (target, scope), (value, scope));
                 }
                 ItemKind::Statement(statement) => {
                     // the error was reported
@@ -231,6 +221,7 @@ impl<'a> Elaborator<'a, '_> {
             e.count_instance(declaration.name.span)?;
             let path = format!("{base}{}", index_text(position));
             let (class, given) = e.class_used(declaration, value, inner)?;
+            e.note_changes(declaration, &path, inner)?;
             let bound = e.bind_arguments(&class, &given, &path)?;
             let source = ElementSource {
                 definition: class.definition,
@@ -257,6 +248,7 @@ impl<'a> Elaborator<'a, '_> {
             let own = e.used_at(place, |e| {
                 e.part_of_class(&source, &class, value, block, &path)
             })?;
+            e.starts_inside(declaration, own, inner)?;
             if let Some(block) = block {
                 let at_use = e.use_scope(own, inner);
                 let place = Some(super::location(declaration.name.span));

@@ -322,6 +322,7 @@ impl<'a> Elaborator<'a, '_> {
             state_start: element.states.iter().map(|s| s.start).collect(),
             state_scale: element.states.iter().map(|s| s.scale).collect(),
             resolves: element.resolves,
+            places: element.places,
             signals: element.signals,
             fields: element.fields,
             applied: element.applied,

@@ -24,6 +24,20 @@ pub(crate) enum StartTarget {
     AngularVelocity(u32),
 }
 
+impl StartTarget {
+    /// Whether it is the same quantity of the same marker.
+    pub fn is_same(&self, other: &StartTarget) -> bool {
+        use StartTarget::{AngularVelocity, Position, Rotation, Velocity};
+        match (self, other) {
+            (Position(a), Position(b))
+            | (Velocity(a), Velocity(b))
+            | (AngularVelocity(a), AngularVelocity(b))
+            | (Rotation(a, _), Rotation(b, _)) => a == b,
+            _ => false,
+        }
+    }
+}
+
 /// An item that waits until all elements are known.
 #[derive(Clone, Debug)]
 pub(crate) enum Pending<'a> {
@@ -37,8 +51,10 @@ pub(crate) enum Pending<'a> {
     StartExpression {
         exact: bool,
         target: &'a ast::Expr,
-        value: &'a ast::Expr,
         scope: ScopeId,
+        value: &'a ast::Expr,
+        /// The scope of the value.
+        outside: ScopeId,
     },
     Output {
         binding: &'a ast::Binding,
@@ -59,6 +75,7 @@ impl<'a> Elaborator<'a, '_> {
         value: &'a ast::Expr,
         scope: ScopeId,
     ) {
+        self.replaced_start(&target);
         self.draft.pending.push(Pending::Start {
             role,
             target,
@@ -81,11 +98,13 @@ impl<'a> Elaborator<'a, '_> {
                 Pending::StartExpression {
                     exact,
                     target,
-                    value,
                     scope,
+                    value,
+                    outside,
                 } => {
                     self.context.in_start = true;
-                    let lowered = self.lower_start_expression(exact, target, value, scope);
+                    let lowered =
+                        self.lower_start_expression(exact, (target, scope), (value, outside));
                     self.context.in_start = false;
                     lowered
                 }
@@ -166,12 +185,11 @@ impl<'a> Elaborator<'a, '_> {
     fn lower_start_expression(
         &mut self,
         exact: bool,
-        target: &'a ast::Expr,
-        value: &'a ast::Expr,
-        scope: ScopeId,
+        (target, scope): (&'a ast::Expr, ScopeId),
+        (value, outside): (&'a ast::Expr, ScopeId),
     ) -> Eval<()> {
         let actual = self.evaluate(target, scope)?;
-        let stated = self.evaluate(value, scope)?;
+        let stated = self.evaluate(value, outside)?;
         let a = self.as_components(
             match actual {
                 Value::Scalar(s) => Value::List(vec![Value::Scalar(s)]),

@@ -118,6 +118,8 @@ pub(crate) struct ElementBuilder {
     pub asked: Vec<Asked>,
     /// Bind nodes of the lengths that positions at its markers must resolve.
     pub resolves: Vec<Node>,
+    /// Places that the assembly prefers: local markers, and the bind node of the height.
+    pub places: Vec<(u32, u32, Option<Node>)>,
     /// Texts of operations that may have a kink.
     pub kinks: BTreeMap<KinkPlace, Kink>,
     /// Operations that count turns.

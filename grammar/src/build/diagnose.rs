@@ -30,7 +30,7 @@ pub(crate) struct Finding {
 const MAX_SPLITS: usize = 8;
 
 /// Words that begin an item and are not kinds.
-const ITEM_WORDS: [&str; 25] = [
+const ITEM_WORDS: [&str; 26] = [
     "use",
     "dimension",
     "unit",
@@ -52,6 +52,7 @@ const ITEM_WORDS: [&str; 25] = [
     "advise",
     "accept",
     "resolve",
+    "place",
     "der",
     "report",
     "figure",

@@ -507,14 +507,14 @@ impl<'t> Builder<'t, '_> {
         Some(match rule {
             Rule::constrain => Statement::Constrain(self.next_expression(&mut inner, span, depth)),
             Rule::branch => Statement::Branch(self.next_expression(&mut inner, span, depth)),
-            Rule::start | Rule::guess => {
+            Rule::start | Rule::guess | Rule::change => {
                 let target = inner.find(|part| part.as_rule() == Rule::postfix)?;
                 let target = self.postfix(target, depth);
                 let value = self.next_expression(&mut inner, span, depth);
-                if rule == Rule::start {
-                    Statement::Start { target, value }
-                } else {
-                    Statement::Guess { target, value }
+                match rule {
+                    Rule::start => Statement::Start { target, value },
+                    Rule::guess => Statement::Guess { target, value },
+                    _ => Statement::Change { target, value },
                 }
             }
             Rule::apply => {
@@ -553,6 +553,20 @@ impl<'t> Builder<'t, '_> {
                 }
             }
             Rule::resolve => Statement::Resolve(self.next_expression(&mut inner, span, depth)),
+            Rule::placing => {
+                let mut markers = Vec::with_capacity(2);
+                let mut height = None;
+                for part in inner {
+                    match part.as_rule() {
+                        Rule::postfix => markers.push(self.postfix(part, depth)),
+                        Rule::height => height = self.inner_expression(part, depth),
+                        _ => {}
+                    }
+                }
+                let on = markers.pop()?;
+                let moving = markers.pop()?;
+                Statement::Place { moving, on, height }
+            }
             Rule::accept => Statement::Accept(
                 inner
                     .filter(|part| part.as_rule() == Rule::name)
@@ -671,6 +685,7 @@ impl<'t> Builder<'t, '_> {
         let mut interface = None;
         let mut value = None;
         let mut block = None;
+        let mut changes = None;
         let rule = body.as_rule();
         // a cycle is written as a use is, and has a block of its own
         let place = match kind {
@@ -686,6 +701,10 @@ impl<'t> Builder<'t, '_> {
                 Rule::name => interface = Some(self.name(&part)),
                 Rule::condition => condition = self.inner_expression(part, depth + 1),
                 Rule::expression => value = Some(self.expression(part, depth + 1)),
+                Rule::changes => {
+                    let inside = part.into_inner().find(|p| p.as_rule() == Rule::block);
+                    changes = inside.map(|p| self.block(p, diagnose::Place::Use, depth + 1));
+                }
                 Rule::block => block = Some(self.block(part, place, depth + 1)),
                 _ => {}
             }
@@ -722,6 +741,7 @@ impl<'t> Builder<'t, '_> {
                     name,
                     index,
                     condition,
+                    changes,
                     form,
                 })
             }

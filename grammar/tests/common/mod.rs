@@ -271,6 +271,15 @@ fn statement_text(statement: &Statement) -> String {
             message.text
         ),
         Statement::Resolve(e) => format!("(resolve {})", expr(e)),
+        Statement::Change { target, value } => {
+            format!("(change {} {})", expr(target), expr(value))
+        }
+        Statement::Place { moving, on, height } => {
+            let height = height
+                .as_ref()
+                .map_or(String::new(), |h| format!(" at {}", expr(h)));
+            format!("(place {} on {}{height})", expr(moving), expr(on))
+        }
         Statement::Accept(names) => {
             let names: Vec<_> = names.iter().map(|name| name.text.as_str()).collect();
             format!("(accept {})", names.join(" "))

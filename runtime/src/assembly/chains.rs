@@ -125,13 +125,9 @@ fn is_point(model: &Model, element: usize) -> bool {
 fn edges(model: &Model, ground: usize) -> Vec<Edge> {
     let node = |marker: usize| model.markers[marker].body.unwrap_or(ground);
     let mut edges = Vec::new();
+    let pins = rows::pins(model);
     for (index, element) in model.elements.iter().enumerate() {
-        let film = model
-            .compiled
-            .system
-            .journals
-            .iter()
-            .any(|journal| journal.element as usize == index);
+        let film = pins.iter().any(|pin| pin.element == index);
         if !element.dynamic || (model.class(index).rows.is_empty() && !film) {
             continue;
         }

@@ -149,12 +149,13 @@ fn offending(
     Ok(found.into_iter().collect())
 }
 
-/// Moves pins into their shells as far as the other rows allow. Bodies with a stated position do not follow
-/// such a wish.
+/// Moves pins into their shells and surfaces into touch as far as the other rows allow. Bodies with a stated
+/// position do not follow such a wish. Surfaces that cannot touch, such as those of a stop on the other side, have
+/// no influence.
 fn follow_wishes(
     model: &Model,
     all: &[usize],
-    wishes: &[Wish],
+    mut wishes: Vec<Wish>,
     stated: &[bool],
     state: &mut State,
 ) -> Result<(), RuntimeError> {
@@ -167,9 +168,17 @@ fn follow_wishes(
             free[body.velocity..body.velocity + body.width()].fill(0.0);
         }
     }
-    let rows = Rows::new(model, all.to_vec()).with(model, wishes);
-    close(model, &rows, &free, state, 60)?;
-    Ok(())
+    let begin = state.clone();
+    loop {
+        let rows = Rows::new(model, all.to_vec()).with(model, &wishes);
+        close(model, &rows, &free, state, 60)?;
+        let count = wishes.len();
+        wishes.retain(|wish| wish.is_inside() || wish.is_fulfilled(model, &at(state)));
+        if wishes.len() == count {
+            return Ok(());
+        }
+        *state = begin.clone();
+    }
 }
 
 /// Closes all rows on the right branches.
@@ -182,8 +191,7 @@ pub fn close_all(
     state: &mut State,
 ) -> Result<(), RuntimeError> {
     let every = mobility(model, stated);
-    let wishes = super::rows::wishes(model);
-    follow_wishes(model, all, &wishes, stated, state)?;
+    follow_wishes(model, all, super::rows::wishes(model), stated, state)?;
     if all.len() > exact.len() {
         close(model, &Rows::new(model, all.to_vec()), &every, state, 60)?;
     }

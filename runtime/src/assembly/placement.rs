@@ -88,9 +88,9 @@ pub fn place(
                 .iter()
                 .map(|e| model.class(*e).rows.len())
                 .sum();
-            // films place a body like joints: a crank comes before its rods, whose position depends on it
-            let wishes = wished(model, &wishes, &[body], &placed).len();
-            let rows = rows + rows::FILM_ROWS * wishes;
+            // wishes place a body like joints: a crank comes before its rods, whose position depends on it
+            let wishes = wished(model, &wishes, &[body], &placed);
+            let rows = rows + wishes.iter().map(|wish| wish.range().len()).sum::<usize>();
             if rows > 0 && next.is_none_or(|(most, _)| rows > most) {
                 next = Some((rows, body));
             }
@@ -157,7 +157,7 @@ fn place_one(
 ) -> Result<(), RuntimeError> {
     let near = connecting(model, elements, body, known.placed);
     let alone = vec![body];
-    // a body with a stated position follows no wish of films
+    // a body with a stated position follows no wish
     let wishes_of = |moving: &[usize]| match known.stated.position[body] {
         true => Vec::new(),
         false => wished(model, known.wishes, moving, known.placed),
@@ -165,6 +165,17 @@ fn place_one(
     let wishes = wishes_of(&alone);
     if near.is_empty() && wishes.is_empty() {
         return Ok(());
+    }
+    if near.is_empty() {
+        // nothing else decides the orientation, so the body goes up without turning
+        let pose = model.bodies[body].pose;
+        for wish in &wishes {
+            let is_own = model.markers[wish.pin].body == Some(body);
+            let way = wish.way_up(model, &at(state)) * if is_own { 1.0 } else { -1.0 };
+            for i in 0..3 {
+                state.pose[pose + i] += way[i];
+            }
+        }
     }
     let mut partners = Vec::new();
     for e in &near {
@@ -338,7 +349,8 @@ fn search(
         // The branch of a sliding joint may need a position to one side, so the search looks there too. A
         // film allows no slide.
         let places = offsets(model.length);
-        let places = if wishes.is_empty() && best.key != UNWISHED {
+        let slides = !wishes.iter().any(Wish::is_inside);
+        let places = if slides && best.key != UNWISHED {
             &places[..]
         } else {
             &places[..1]

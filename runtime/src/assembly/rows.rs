@@ -9,6 +9,7 @@ use eng_system::code::{Function, Pair};
 use eng_system::layout::InputLayout;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// The kind of derivative of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,23 +20,44 @@ pub enum Along {
     Velocity,
 }
 
-/// A preference (wish) of the assembly: two axes are parallel, or also a pin is in the middle of its shell.
-/// The motion does not contain it.
+/// A preference (wish) of the assembly, which the motion does not contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
+    /// Element that has the wish.
+    pub element: usize,
     /// Marker of the pin or of the turning body.
     pub pin: usize,
     /// Marker of the shell, or of the reference; its z is the axis.
     pub shell: usize,
-    /// For a film: up to this distance from the middle (m) the wish counts as fulfilled. `None` if only the
-    /// axes matter. Then their sense matters too, because an angle is measured about the reference's z.
-    pub reach: Option<f64>,
+    /// The preferred relation of both.
+    pub relation: Relation,
 }
 
-/// Rows of a film's wish: the pin's position along the shell's x and y (m), and the pin's axis along both.
-pub const FILM_ROWS: usize = 4;
-/// Rows of a wish for axes alone: the last rows of a film's wish.
-const AXIS_ROWS: usize = 2;
+/// A relation of two markers that the assembly prefers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Relation {
+    /// The pin's origin is on the shell's axis, and both axes are parallel, in either sense.
+    Inside {
+        /// Distance from the axis up to which the wish counts as fulfilled (m).
+        reach: f64,
+    },
+    /// The pin's origin is at a height above the shell's xy plane.
+    Above {
+        /// The height (m).
+        height: f64,
+        /// Distance from the height up to which the wish counts as fulfilled (m).
+        reach: f64,
+    },
+    /// Both axes are parallel, in the same sense, because an angle is measured about the reference's z.
+    Parallel,
+}
+
+/// All rows that wishes have: the pin's position along the shell's x and y (m), the pin's axis along both, and the pin's
+/// height above that of the wish (m).
+const WISH_ROWS: usize = 5;
+
+/// Share of the model's length up to which a wish of a class that resolves no length counts as fulfilled.
+const REACHED: f64 = 1e-6;
 
 /// A list of rows: all rows of each element in order, then the rows of wishes.
 #[derive(Clone, Debug)]
@@ -88,8 +110,9 @@ impl Rows {
     pub fn with(mut self, model: &Model, wishes: &[Wish]) -> Rows {
         for wish in wishes {
             self.wishes.push(*wish);
-            let scales = [model.length, model.length, 1.0, 1.0];
-            self.scales.extend(&scales[wish.skipped()..]);
+            let length = model.length;
+            let scales = [length, length, 1.0, 1.0, length];
+            self.scales.extend(&scales[wish.range()]);
         }
         self
     }
@@ -203,7 +226,7 @@ impl Rows {
         if along == Along::Pose {
             for wish in &self.wishes {
                 wish.add(model, at, first, &mut values, &mut matrix);
-                first += FILM_ROWS - wish.skipped();
+                first += wish.range().len();
             }
         }
         Ok((values, matrix))
@@ -248,32 +271,42 @@ impl Rows {
 }
 
 impl Wish {
-    /// Number of a film's rows that the wish omits: those of the pin's position.
-    fn skipped(&self) -> usize {
-        match self.reach {
-            Some(_) => 0,
-            None => FILM_ROWS - AXIS_ROWS,
+    /// The rows of the wish, among all rows that wishes have.
+    pub fn range(&self) -> Range<usize> {
+        match self.relation {
+            Relation::Inside { .. } => 0..4,
+            Relation::Above { .. } => 4..5,
+            Relation::Parallel => 2..4,
         }
     }
 
-    /// Position of the pin in its shell: x and y (m), and x and y of its axis. In a film the axis may point
-    /// either way.
+    /// Whether the wish places a pin in its shell.
+    pub fn is_inside(&self) -> bool {
+        matches!(self.relation, Relation::Inside { .. })
+    }
+
+    /// Position of the pin in its shell: x and y (m), x and y of its axis, and its height (m) above that of the
+    /// wish. In a shell the axis may point either way.
     ///
     /// With the shell's axes S and position s, and the pin's axes P and position p: `e = Sᵀ(p − s)`,
     /// `a = Sᵀ P z`.
-    fn values(&self, model: &Model, at: &At) -> ([f64; FILM_ROWS], [M3; 2], V3, V3, f64) {
+    fn values(&self, model: &Model, at: &At) -> ([f64; WISH_ROWS], [M3; 2], V3, V3, f64) {
         let pin = marker(model, self.pin, at.pose, at.velocity);
         let shell = marker(model, self.shell, at.pose, at.velocity);
         let back = shell.rotation.transpose();
         let arm = back * (pin.position - shell.position);
         let turned = back * pin.rotation;
         let axis: V3 = turned.column(2).into_owned();
-        let sign = match self.reach {
-            Some(_) if axis.z < 0.0 => -1.0,
+        let sign = match self.relation {
+            Relation::Inside { .. } if axis.z < 0.0 => -1.0,
             _ => 1.0,
         };
+        let height = match self.relation {
+            Relation::Above { height, .. } => height,
+            _ => 0.0,
+        };
         (
-            [arm.x, arm.y, sign * axis.x, sign * axis.y],
+            [arm.x, arm.y, sign * axis.x, sign * axis.y, arm.z - height],
             [back, turned],
             arm,
             axis,
@@ -281,14 +314,24 @@ impl Wish {
         )
     }
 
-    /// Whether the pin is within its reach and its axis within a hundredth of a radian.
+    /// Whether the pin is within its reach, and its axis within a hundredth of a radian where it matters.
     pub fn is_fulfilled(&self, model: &Model, at: &At) -> bool {
-        let ([x, y, a, b], .., axis, _) = self.values(model, at);
+        let ([x, y, a, b, z], .., axis, _) = self.values(model, at);
         let along = libm::hypot(a, b) <= 0.01;
-        match self.reach {
-            Some(reach) => libm::hypot(x, y) <= reach && along,
-            None => along && axis.z > 0.0,
+        match self.relation {
+            Relation::Inside { reach } => libm::hypot(x, y) <= reach && along,
+            Relation::Above { reach, .. } => z.abs() <= reach,
+            Relation::Parallel => along && axis.z > 0.0,
         }
+    }
+
+    /// The way of the pin (m, inertial axes) to the height of the wish; zero for other wishes.
+    pub fn way_up(&self, model: &Model, at: &At) -> V3 {
+        if !matches!(self.relation, Relation::Above { .. }) {
+            return V3::zeros();
+        }
+        let ([.., above], [back, _], ..) = self.values(model, at);
+        back.transpose() * V3::new(0.0, 0.0, -above)
     }
 
     /// Values and derivatives from row `first` on: `δe = Sᵀ(δp − δs) − δσ × e`,
@@ -302,8 +345,8 @@ impl Wish {
         matrix: &mut DMatrix<f64>,
     ) {
         let (now, [back, turned], arm, axis, sign) = self.values(model, at);
-        let skipped = self.skipped();
-        for (i, value) in now.iter().skip(skipped).enumerate() {
+        let range = self.range();
+        for (i, value) in now[range.clone()].iter().enumerate() {
             values[first + i] = *value;
         }
         for (marker, of_shell) in [(self.pin, false), (self.shell, true)] {
@@ -322,8 +365,8 @@ impl Wish {
                     (moves, turned * turns.cross(&V3::z()))
                 };
                 let column = body.velocity + w;
-                let rates = [e.x, e.y, sign * a.x, sign * a.y];
-                for (i, rate) in rates.into_iter().skip(skipped).enumerate() {
+                let rates = [e.x, e.y, sign * a.x, sign * a.y, e.z];
+                for (i, rate) in rates[range.clone()].iter().enumerate() {
                     matrix[(first + i, column)] += rate;
                 }
             }
@@ -331,22 +374,49 @@ impl Wish {
     }
 }
 
-/// The wishes of a model's journals.
+/// The wishes that the classes of a model's elements state.
 pub fn wishes(model: &Model) -> Vec<Wish> {
-    let journals = model.compiled.system.journals.iter();
-    journals
-        .filter_map(|journal| {
-            let markers = &model.elements.get(journal.element as usize)?.markers;
-            let pin = *markers.get(journal.pin as usize)?;
-            let shell = *markers.get(journal.shell as usize)?;
-            let follows = |m: usize| model.markers[m].placed_at.is_some();
-            (!follows(pin) && !follows(shell)).then(|| Wish {
+    let mut found = Vec::new();
+    for (e, element) in model.compiled.system.elements.iter().enumerate() {
+        if element.places.is_empty() || !model.elements[e].dynamic {
+            continue;
+        }
+        let markers = &model.elements[e].markers;
+        let follows = |m: usize| model.markers[m].placed_at.is_some();
+        let stated = element.resolves.iter().map(|slot| model.slot(*slot));
+        let reach = stated.reduce(f64::min).unwrap_or(REACHED * model.length);
+        for place in &element.places {
+            let [Some(pin), Some(shell)] =
+                [place.moving, place.on].map(|m| markers.get(m as usize).copied())
+            else {
+                continue;
+            };
+            if follows(pin) || follows(shell) {
+                continue;
+            }
+            let reach = reach.max(0.0);
+            found.push(Wish {
+                element: e,
                 pin,
                 shell,
-                reach: Some(model.slot(journal.clearance).max(0.0)),
-            })
-        })
-        .collect()
+                relation: match place.height {
+                    None => Relation::Inside { reach },
+                    Some(height) => Relation::Above {
+                        height: model.slot(height),
+                        reach,
+                    },
+                },
+            });
+        }
+    }
+    found
+}
+
+/// Pins in their shells, as the classes of a model's elements state them: elements, and markers of pin and shell.
+pub fn pins(model: &Model) -> Vec<Wish> {
+    let mut found = wishes(model);
+    found.retain(Wish::is_inside);
+    found
 }
 
 /// The wishes of elements that measure angles. An angle about the reference's z has a meaning only if the
@@ -363,9 +433,10 @@ pub fn axes(model: &Model, elements: &[usize]) -> Vec<Wish> {
         let pairs = element.rotations.iter();
         found.extend(pairs.filter_map(|rotation| {
             let wish = Wish {
+                element: *e,
                 pin: marker(rotation.turning)?,
                 shell: marker(rotation.reference)?,
-                reach: None,
+                relation: Relation::Parallel,
             };
             Some(wish)
         }));

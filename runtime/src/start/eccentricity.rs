@@ -1,6 +1,6 @@
 //! Eccentricities of films, and their rates.
 
-use crate::assembly::rows;
+use crate::assembly::rows::{self, Wish};
 use crate::chain;
 use crate::model::Model;
 use crate::rotation::V3;
@@ -35,16 +35,17 @@ pub fn pin_and_shell(model: &Model, journal: usize) -> Option<(usize, usize)> {
     ))
 }
 
-/// Rates of the eccentricities of all journals, seen from their shells: x and y of each (m/s).
-pub(super) fn rates_of_eccentricities(model: &Model, pose: &[f64], velocity: &[f64]) -> Vec<f64> {
+/// Rates of the eccentricities of pins, seen from their shells: x and y of each (m/s).
+pub(super) fn rates_of_eccentricities(
+    model: &Model,
+    pins: &[Wish],
+    pose: &[f64],
+    velocity: &[f64],
+) -> Vec<f64> {
     let mut rates = Vec::new();
-    for journal in 0..model.compiled.system.journals.len() {
-        let Some((pin, shell)) = pin_and_shell(model, journal) else {
-            rates.extend([0.0; 2]);
-            continue;
-        };
-        let seen = rows::marker(model, shell, pose, velocity);
-        let place = rows::marker(model, pin, pose, velocity);
+    for wish in pins {
+        let seen = rows::marker(model, wish.shell, pose, velocity);
+        let place = rows::marker(model, wish.pin, pose, velocity);
         let back = seen.rotation.transpose();
         let arm = back * (place.position - seen.position);
         let rate = back * (place.velocity - seen.velocity) - seen.angular_velocity.cross(&arm);
@@ -53,20 +54,16 @@ pub(super) fn rates_of_eccentricities(model: &Model, pose: &[f64], velocity: &[f
     rates
 }
 
-/// Derivative of the eccentricity rates of all journals (seen from their shells) with respect to velocities:
-/// two rows (x, y) for each journal.
-pub fn eccentricity_rates(model: &Model, state: &State) -> DMatrix<f64> {
-    let count = model.compiled.system.journals.len();
-    let mut matrix = DMatrix::zeros(2 * count, model.velocities);
-    for journal in 0..count {
-        let Some((pin, shell)) = pin_and_shell(model, journal) else {
-            continue;
-        };
-        let seen = rows::marker(model, shell, &state.pose, &state.velocity);
-        let place = rows::marker(model, pin, &state.pose, &state.velocity);
+/// Derivative of the eccentricity rates of pins (seen from their shells) with respect to velocities: two rows
+/// (x, y) for each pin.
+pub(super) fn eccentricity_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(2 * pins.len(), model.velocities);
+    for (i, wish) in pins.iter().enumerate() {
+        let seen = rows::marker(model, wish.shell, &state.pose, &state.velocity);
+        let place = rows::marker(model, wish.pin, &state.pose, &state.velocity);
         let back = seen.rotation.transpose();
         let arm = back * (place.position - seen.position);
-        for (marker, of_shell) in [(pin, false), (shell, true)] {
+        for (marker, of_shell) in [(wish.pin, false), (wish.shell, true)] {
             let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
                 continue;
             };
@@ -84,8 +81,8 @@ pub fn eccentricity_rates(model: &Model, state: &State) -> DMatrix<f64> {
                 } else {
                     velocity
                 };
-                matrix[(2 * journal, first + w)] += rate.x;
-                matrix[(2 * journal + 1, first + w)] += rate.y;
+                matrix[(2 * i, first + w)] += rate.x;
+                matrix[(2 * i + 1, first + w)] += rate.y;
             }
         }
     }

@@ -8,7 +8,7 @@
 use super::motion::SteadyMotion;
 use crate::assembled::Assembled;
 use crate::assembly::at;
-use crate::assembly::rows::{Along, Rows, wishes};
+use crate::assembly::rows::{Along, Rows, pins};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::singular::decompose;
@@ -38,10 +38,8 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
         let markers = model.elements[e].markers.iter().take(2);
         markers.map(|m| model.markers[*m].body)
     };
-    let film = |e: usize| {
-        let journals = &model.compiled.system.journals;
-        journals.iter().any(|journal| journal.element as usize == e)
-    };
+    let pins = pins(model);
+    let film = |e: usize| pins.iter().any(|pin| pin.element == e);
     let with_rows = |e: &usize| !model.class(*e).rows.is_empty();
     let acts = |e: &usize| with_rows(e) || model.class(*e).applies_load;
     let dynamic: Vec<usize> = (0..model.elements.len())
@@ -54,7 +52,7 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
         return Ok(None);
     };
     let rows = Rows::new(model, dynamic.iter().copied().filter(with_rows).collect());
-    let rows = rows.with(model, &wishes(model));
+    let rows = rows.with(model, &pins);
     let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
     rows.scale(model, &mut values, &mut matrix);
     let mut parts = vec![matrix, shapes(model)];

@@ -26,9 +26,9 @@
 
 use super::eccentricity::rates_of_eccentricities;
 use super::picking::{DETERMINED, split, split_above, unit_rows};
-use super::wish::{Wish, films, stated};
+use super::wish::{Wish, stated};
 use crate::assembly::at;
-use crate::assembly::rows::{Along, Rows};
+use crate::assembly::rows::{Along, Rows, pins};
 use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::model::Model;
@@ -102,7 +102,7 @@ impl From<RuntimeError> for NoMotion {
 impl SteadyMotion {
     /// Chooses the sources of the velocities at an assembled state.
     pub fn new(model: &Model, state: &State) -> Result<SteadyMotion, NoMotion> {
-        let films = films(model);
+        let pins = pins(model);
         let loads = |damping: bool| -> Vec<usize> {
             (0..model.elements.len())
                 .filter(|e| {
@@ -110,19 +110,20 @@ impl SteadyMotion {
                     model.elements[*e].dynamic
                         && class.applies_load
                         && class.uses_twist == damping
-                        && !films.contains(e)
+                        && !pins.iter().any(|pin| pin.element == *e)
                 })
                 .collect()
         };
+        let (dampers, springs) = (loads(true), loads(false));
         let [moving, still, guessed] = stated(model, state)?;
         let wishes = vec![
             moving,
-            Wish::Films,
+            Wish::Pins(pins),
             Wish::Own(modal(model)),
             still,
             guessed,
-            Wish::Loads(loads(true)),
-            Wish::Loads(loads(false)),
+            Wish::Loads(dampers),
+            Wish::Loads(springs),
         ];
         SteadyMotion::decide(model, state, wishes, DETERMINED)
     }
@@ -245,7 +246,8 @@ impl SteadyMotion {
         let Some((first, level)) = films else {
             return Ok(DMatrix::zeros(n, n));
         };
-        let mut rates = DMatrix::zeros(2 * model.compiled.system.journals.len(), n);
+        let pins = pins(model);
+        let mut rates = DMatrix::zeros(2 * pins.len(), n);
         let mut pose = state.pose.clone();
         let mut increment = vec![0.0; n];
         for j in 0..n {
@@ -253,7 +255,7 @@ impl SteadyMotion {
             increment[j] = step;
             for sign in [1.0, -1.0] {
                 move_pose(model, &state.pose, &increment, sign, &mut pose);
-                for (i, rate) in rates_of_eccentricities(model, &pose, velocity)
+                for (i, rate) in rates_of_eccentricities(model, &pins, &pose, velocity)
                     .iter()
                     .enumerate()
                 {
@@ -360,9 +362,13 @@ impl SteadyMotion {
         for level in self.kept_levels() {
             let mut values = match &level.wish {
                 Wish::Stated(rows, chosen) => rows.values(model, &at(state))?.select_rows(chosen),
-                _ => {
-                    DVector::from_vec(rates_of_eccentricities(model, &state.pose, &state.velocity))
-                }
+                Wish::Pins(pins) => DVector::from_vec(rates_of_eccentricities(
+                    model,
+                    pins,
+                    &state.pose,
+                    &state.velocity,
+                )),
+                Wish::Own(_) | Wish::Loads(_) => continue,
             };
             for (value, factor) in values.iter_mut().zip(&level.factors) {
                 *value *= factor;
@@ -403,7 +409,7 @@ impl SteadyMotion {
             }
             let (values, rows) = self.wished(model, state, &level.wish)?;
             let (values, rows) = weighed(values, rows, &level.factors);
-            if matches!(level.wish, Wish::Films) {
+            if matches!(level.wish, Wish::Pins(_)) {
                 films = Some((first, level));
             }
             first = take(&(&level.pick * rows), &(&level.pick * values));

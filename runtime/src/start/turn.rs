@@ -8,7 +8,7 @@
 use super::motion::SteadyMotion;
 use crate::assembled::Assembled;
 use crate::assembly::closing::set_mobility;
-use crate::assembly::rows::{self, Along, Rows, wishes};
+use crate::assembly::rows::{self, Along, Rows, pins};
 use crate::assembly::{at, chains, lock};
 use crate::body::BodyModel;
 use crate::dynamics::Dynamics;
@@ -338,7 +338,7 @@ impl<'a> Turning<'a> {
         Ok(Turning {
             model,
             motion,
-            rows: exact.clone().with(model, &wishes(model)),
+            rows: exact.clone().with(model, &pins(model)),
             exact,
             mobility,
             dynamics: Dynamics::new(model),

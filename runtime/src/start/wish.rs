@@ -1,4 +1,4 @@
-//! Sources of velocities of a steady motion: stated velocities, films, dampers and springs.
+//! Sources of velocities of a steady motion: stated velocities, pins in shells, dampers and springs.
 
 use super::eccentricity::{eccentricity_rates, marker_jacobian};
 use super::motion::{SteadyMotion, rows_of};
@@ -22,7 +22,8 @@ pub(super) enum Wish {
     Stated(Rows, Vec<usize>),
     /// These velocities themselves.
     Own(Vec<usize>),
-    Films,
+    /// Pins that rest in their shells.
+    Pins(Vec<rows::Wish>),
     Loads(Vec<usize>),
 }
 
@@ -46,7 +47,7 @@ impl SteadyMotion {
             Wish::Own(chosen) => homogeneous(DMatrix::from_fn(chosen.len(), n, |i, j| {
                 f64::from(u8::from(chosen[i] == j))
             })),
-            Wish::Films => homogeneous(eccentricity_rates(model, state)),
+            Wish::Pins(pins) => homogeneous(eccentricity_rates(model, pins, state)),
             Wish::Loads(elements) => {
                 let mut parts = Vec::new();
                 for element in elements {
@@ -134,12 +135,6 @@ impl SteadyMotion {
         }
         Ok(made)
     }
-}
-
-/// Indices of the films among the elements.
-pub(super) fn films(model: &Model) -> Vec<usize> {
-    let journals = &model.compiled.system.journals;
-    journals.iter().map(|j| j.element as usize).collect()
 }
 
 /// Three wishes: stated velocities other than zero, stated zeros, and guessed velocities.

@@ -173,7 +173,10 @@ impl<'a> Elaborator<'a, '_> {
                     }
                 }
                 // read before and after the equations
-                Statement::Accept(_) | Statement::Resolve(_) => {}
+                Statement::Accept(_)
+                | Statement::Resolve(_)
+                | Statement::Place { .. }
+                | Statement::Change { .. } => {}
                 Statement::Rate { state, value } => {
                     let v = self.evaluate(value, scope)?;
                     let s = self.as_scalar(v, value.span)?;
@@ -233,6 +236,34 @@ impl<'a> Elaborator<'a, '_> {
             self.draft.resolutions.push(slot);
             if let Some(element) = self.bench.element.as_mut() {
                 element.resolves.push(node);
+            }
+        }
+        Ok(())
+    }
+
+    /// The places of its parts that an element states for the assembly.
+    pub(super) fn placings(&mut self, items: &'a [ast::Item], scope: ScopeId) -> Eval<()> {
+        for item in items {
+            let ItemKind::Statement(Statement::Place { moving, on, height }) = &item.kind else {
+                continue;
+            };
+            let mut markers = [0; 2];
+            for (local, written) in markers.iter_mut().zip([moving, on]) {
+                let value = self.evaluate(written, scope)?;
+                let marker = self.as_marker(value, written.span)?;
+                *local = self.local_marker(marker, Some(written.span))?;
+            }
+            let height = match height {
+                Some(height) => {
+                    let value = self.evaluate(height, scope)?;
+                    let number = self.as_scalar(value, height.span)?;
+                    Some(self.bind_node(number, height.span)?)
+                }
+                None => None,
+            };
+            let [moving, on] = markers;
+            if let Some(element) = self.bench.element.as_mut() {
+                element.places.push((moving, on, height));
             }
         }
         Ok(())

@@ -300,6 +300,7 @@ impl<'a> Elaborator<'a, '_> {
         let known = self.by_interface(class, &class_scope)?;
         for (items, scope) in texts {
             self.resolutions(items, *scope, &path, used_at)?;
+            self.placings(items, *scope)?;
         }
         let origin = Origin {
             path,

@@ -508,6 +508,7 @@ impl Builder {
             state_start,
             state_scale,
             resolves: vec![],
+            places: vec![],
             signals: vec![],
             fields: vec![],
             rotations,

@@ -21,6 +21,7 @@ use super::super::{Balance, Place, Stop};
 use super::kept::Kept;
 use super::path::{period_of, turn_between, unwrap};
 use super::{NoOrbit, singular};
+use crate::assembly::rows::pins;
 use crate::dynamics::Dynamics;
 use crate::integrator::{Goal, Integrator, Secants};
 use crate::linear::{BlockLu, LinearSolver, Pattern};
@@ -495,7 +496,7 @@ impl Balance<'_> {
     fn stiff(&self, state: &State) -> DMatrix<f64> {
         let model = self.model;
         let n = model.velocities;
-        let mut films = eccentricity_rates(model, state);
+        let mut films = eccentricity_rates(model, &pins(model), state);
         for (mut column, scale) in films.column_iter_mut().zip(self.motion.scales()) {
             column.scale_mut(*scale * STIFF / model.length);
         }
