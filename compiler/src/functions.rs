@@ -137,7 +137,7 @@ const fn reduction(name: &'static str, reduction: Reduction) -> BuiltIn {
 }
 
 /// All functions.
-static FUNCTIONS: [BuiltIn; 46] = [
+static FUNCTIONS: [BuiltIn; 47] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
     function("norm", &["v"], Kind::Vectors)
@@ -174,6 +174,7 @@ static FUNCTIONS: [BuiltIn; 46] = [
     function("slope", &["f", "x"], Kind::Functions),
     function("curvature", &["f", "x"], Kind::Functions),
     function("period", &["f"], Kind::Functions),
+    function("solve", &["f", "estimate"], Kind::Functions),
     reduction("minimum", Reduction::Minimum),
     reduction("maximum", Reduction::Maximum),
     // the checker replaces `false` if the place is a time: `over` and the model decide

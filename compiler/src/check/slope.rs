@@ -1,4 +1,4 @@
-//! Types of the functions of functions: `slope`, `curvature`, `period`.
+//! Types of the functions of functions: `slope`, `curvature`, `period`, `solve`.
 
 use super::Checker;
 use super::scope::Scope;
@@ -51,6 +51,18 @@ impl<'p> Checker<'p> {
             return Type::Error;
         }
         let argument = rest.first().map(|x| self.infer(scope, &x.value));
+        if function.name == "solve" {
+            let declared = signature.parameters.first().map(|p| p.ty.clone());
+            let known = declared.filter(|ty| each(ty).is_some_and(|q| q.dim.variables.is_empty()));
+            return match (is_solvable(&value), known.or(argument)) {
+                (true, Some(unknown)) if is_solvable(&unknown) => unknown,
+                _ => {
+                    let what = "the first argument of `solve`";
+                    let wanted = "a function of a number that gives a number, or of a list that gives a list";
+                    self.not_a(&first.value, &found, what, wanted)
+                }
+            };
+        }
         let by = of_parameter.filter(|quantity| quantity.dim.variables.is_empty());
         let by = by.or_else(|| argument.and_then(|ty| ty.quantity()));
         match (value.quantity(), by) {
@@ -95,7 +107,7 @@ impl<'p> Checker<'p> {
         let [Argument { name: None, value }] = arguments else {
             return self.of_function(scope, function, span, arguments);
         };
-        if function.name == "period" {
+        if matches!(function.name, "period" | "solve") {
             return self.of_function(scope, function, span, arguments);
         }
         let Some(signature) = self.function_of_one(scope, function, value) else {
@@ -114,6 +126,19 @@ impl<'p> Checker<'p> {
             result: derivative_type(function, &of, &by),
         }))
     }
+}
+
+/// The quantity of a number, or of each number in a list.
+fn each(ty: &Type) -> Option<Quantity> {
+    match ty {
+        Type::List { element, .. } => element.quantity(),
+        other => other.quantity(),
+    }
+}
+
+/// Whether `solve` takes values of a type as unknowns or equations.
+fn is_solvable(ty: &Type) -> bool {
+    matches!(ty, Type::Scalar(_) | Type::Int | Type::List { .. }) && each(ty).is_some()
 }
 
 /// Whether one argument is enough for a function.

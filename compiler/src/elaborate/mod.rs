@@ -31,6 +31,7 @@ mod repeat;
 mod requirement;
 mod scalar;
 mod slope;
+mod solve;
 mod table;
 mod topology;
 mod transmit;

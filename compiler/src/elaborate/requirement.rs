@@ -144,7 +144,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// A condition that is true if one of the surrounding `if`s takes its other side.
-    fn where_it_counts(&mut self, truth: Truth) -> Truth {
+    pub(super) fn where_it_counts(&mut self, truth: Truth) -> Truth {
         let guards = self.context.guards.clone();
         guards.into_iter().fold(truth, |truth, (guard, _)| {
             let elsewhere = self.bench.not(guard);

@@ -304,7 +304,7 @@ impl Workbench {
         }
     }
 
-    fn graph(&mut self, stage: Stage) -> &mut Graph {
+    pub fn graph(&mut self, stage: Stage) -> &mut Graph {
         match (stage, self.element.as_mut()) {
             (Stage::Motion, Some(element)) => &mut element.graph,
             _ => &mut self.bind.graph,

@@ -1,4 +1,4 @@
-//! Functions of functions: `slope`, `curvature`, `period`.
+//! Functions of functions: `slope`, `curvature`, `period`; [`super::solve`] has the fourth.
 
 use super::partial::Passed;
 use super::scalar::{Scalar, Stage};
@@ -24,13 +24,22 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<Value<'a>> {
         let mut values = values.into_iter();
-        let (function, _) = self.checked(values.next(), span, "no function is given")?;
+        let (function, written) = self.checked(values.next(), span, "no function is given")?;
         if name == "period" {
             return Ok(Value::Scalar(match function {
                 Value::Table(table) => self.bench.table_period(table.handle),
                 // a function of the text states no period
                 _ => self.bench.constant(0.0),
             }));
+        }
+        if name == "solve" {
+            let (estimate, place) = self.checked(values.next(), span, "no estimate is given")?;
+            let asked = Asked {
+                function: &function,
+                call: span,
+                scope,
+            };
+            return self.solve(&asked, (written, estimate, place));
         }
         let order = if name == "slope" { 1 } else { 2 };
         if self.typed.findings.bound.contains(&span) {

@@ -9,6 +9,7 @@
 //!   the result is not finite. Laws keep away from there by a floor.
 //! * `power(b, e)`: the slope over b is e·power(b, e − 1), finite at b = 0 for e ≥ 1; the slope over e is
 //!   power(b, e)·log b for b > 0 and taken as zero for b ≤ 0.
+//! * `held` has no derivative: `solve` takes it after the last steps of its iteration.
 //! * The fourth derivative of a table in one argument is zero.
 
 use super::graph::{Graph, Node, Op};
@@ -53,7 +54,8 @@ pub(crate) fn partials(graph: &mut Graph, node: Node) -> Vec<(Node, Node)> {
         | Op::Equal(..)
         | Op::And(..)
         | Op::Or(..)
-        | Op::Not(_) => Vec::new(),
+        | Op::Not(_)
+        | Op::Elementary(Elementary::Held, _) => Vec::new(),
         Op::Add(a, b) => vec![(a, one), (b, one)],
         Op::Subtract(a, b) => {
             let minus = graph.constant(-1.0);
@@ -153,6 +155,7 @@ fn slope(graph: &mut Graph, function: Elementary, a: Node, node: Node) -> Node {
         }
         Elementary::Exp => node,
         Elementary::Log => graph.divide(one, a),
+        Elementary::Held => graph.constant(0.0),
     }
 }
 

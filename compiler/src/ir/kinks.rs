@@ -11,7 +11,7 @@ use super::differentiate::{
     time_derivative_with, uses_fields,
 };
 use super::graph::{Function, Graph, Node, Op};
-use super::optimise::dependencies;
+use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
 
 /// An operation with a kink, and which of its arguments this is; zero for all but tables.
@@ -46,7 +46,7 @@ pub(crate) fn find(
     turns: &[Node],
 ) -> Result<Kinks, DifferentiateError> {
     let watched: Vec<Node> = loads.iter().chain(rates).copied().collect();
-    let needed = dependencies(graph, &watched);
+    let needed = smoothly_needed(graph, &watched);
     let operations: Vec<(Node, Op)> = (0..)
         .map(Node)
         .zip(graph.nodes().iter().copied())
@@ -99,6 +99,22 @@ pub(crate) fn find(
         .any(|input| Place::of(layout, input) == Place::Acceleration);
     kinks.outputs = values.into_iter().chain(slopes).chain(handles).collect();
     Ok(kinks)
+}
+
+/// The operations that values depend on, without those of iterations: `held` passes no change on.
+fn smoothly_needed(graph: &Graph, watched: &[Node]) -> Vec<bool> {
+    let mut needed = vec![false; graph.nodes().len()];
+    for node in watched {
+        needed[node.0 as usize] = true;
+    }
+    for (index, op) in graph.nodes().iter().enumerate().rev() {
+        if needed[index] && !matches!(op, Op::Elementary(Elementary::Held, _)) {
+            for operand in op.operands() {
+                needed[operand.0 as usize] = true;
+            }
+        }
+    }
+    needed
 }
 
 /// Whether a value depends on the motion or on time.

@@ -61,6 +61,7 @@ fn operate(op: Op, values: &[Double], inputs: &[Double], tables: &[Table]) -> Do
         Op::Elementary(Elementary::Tanh, a) => of(a).tanh(),
         Op::Elementary(Elementary::Exp, a) => of(a).exp(),
         Op::Elementary(Elementary::Log, a) => of(a).log(),
+        Op::Elementary(Elementary::Held, a) => of(a),
         Op::Atan2(y, x) => of(y).atan2(of(x)),
         Op::Power(base, exponent) => of(base).power(of(exponent)),
         Op::Less(a, b) => flag(of(a).less(of(b))),

@@ -232,11 +232,27 @@ impl<'a> Elaborator<'a, '_> {
         let Some((flag, message)) = found else {
             return Ok(());
         };
-        let values = message.parts.iter().filter_map(|part| match part {
+        let asked = super::super::scalar::Asked {
+            advise: requirement.advise,
+            name: name.map_or(String::new(), |name| name.text.clone()),
+            flag,
+            message,
+            span: requirement.condition.span,
+        };
+        self.watched(asked, call)
+    }
+
+    /// Adds a condition of a call to the element, which watches it at every step.
+    pub(in crate::elaborate) fn watched(
+        &mut self,
+        asked: super::super::scalar::Asked,
+        call: Span,
+    ) -> Eval<()> {
+        let values = asked.message.parts.iter().filter_map(|part| match part {
             Part::Value { value, .. } => Some((value.stage, value.node)),
             Part::Text(_) => None,
         });
-        let seen: Vec<Node> = std::iter::once((flag.stage, flag.node))
+        let seen: Vec<Node> = std::iter::once((asked.flag.stage, asked.flag.node))
             .chain(values)
             .filter(|(stage, _)| *stage == Stage::Motion)
             .map(|(_, node)| node)
@@ -253,17 +269,11 @@ impl<'a> Elaborator<'a, '_> {
                         "a function with a condition gets an argument that is known in outputs only",
                     )
                     .at(call, "an acceleration, a reaction or an output of another element is in its condition")
-                    .also(requirement.condition.span, "its condition is watched at every step")
+                    .also(asked.span, "its condition is watched at every step")
                     .with_help("call it in the class that knows the value, or a function without `require`"),
                 ));
             }
-            element.asked.push(super::super::scalar::Asked {
-                advise: requirement.advise,
-                name: name.map_or(String::new(), |name| name.text.clone()),
-                flag,
-                message,
-                span: requirement.condition.span,
-            });
+            element.asked.push(asked);
         }
         Ok(())
     }

@@ -1,0 +1,345 @@
+//! `solve(f, estimate)`: the zero of a function near an estimate, inside of one element.
+//!
+//! Newton's method with the exact Jacobian matrix J, as operations in a row: [`HELD`] steps from the estimate, then two more.
+//! The result of the first steps is *held*: it has no derivative. With x₀ held and near the zero, the error δ of x₀ becomes
+//! O(δ²) in x₁ = x₀ − J⁻¹f(x₀) and O(δ⁴) in x₂, as functions of everything that f depends on. So the first three derivatives of
+//! x₂ are those of the implicit function f(x) = 0, and the derivatives of a class cost two steps, not all of them.
+//!
+//! A class cannot iterate until something converges, because its code has no loops. The correction of the step after the held
+//! ones tells whether the search has ended; a condition of the element watches it.
+
+use super::bind_program::{Check, MessagePart};
+use super::expression::Truth;
+use super::partial::Passed;
+use super::requirement::{Message, Part};
+use super::scalar::{Flag, Scalar, Stage};
+use super::slope::Asked;
+use super::value::Value;
+use super::{Elaborator, Eval, location, scalar};
+use crate::codes;
+use crate::ir::{Graph, Node, copy_into, forward};
+use crate::typed::types::Type;
+use eng_grammar::{Diagnostic, Span};
+use eng_system::elementary::Elementary;
+use eng_system::{Dimension, DisplayUnit};
+
+/// Steps whose result has no derivative. From an estimate with an error of a tenth of the distance over which the slope
+/// changes, five reach rounding.
+const HELD: usize = 8;
+/// Most unknowns.
+const MOST: usize = 3;
+/// Correction after the held steps up to which the search has ended, over the size of the unknown and of its way.
+const ENDED: f64 = 1e-6;
+/// The same in SI units, for a zero at zero.
+const SMALL: f64 = 1e-12;
+
+/// A function of the unknowns with its Jacobian matrix, as nodes of one graph.
+struct System {
+    stage: Stage,
+    inputs: Vec<u32>,
+    /// The values, then the rows of the matrix.
+    nodes: Vec<Node>,
+}
+
+impl<'a> Elaborator<'a, '_> {
+    /// The value of `solve(f, estimate)`.
+    pub(super) fn solve(
+        &mut self,
+        asked: &Asked<'a, '_>,
+        (written, estimate, place): (Span, Value<'a>, Span),
+    ) -> Eval<Value<'a>> {
+        let is_list = !matches!(estimate, Value::Scalar(_) | Value::Int(_));
+        let from = match estimate {
+            value @ (Value::Scalar(_) | Value::Int(_)) => vec![self.as_scalar(value, place)?],
+            value => self.as_components(value, place)?,
+        };
+        if from.is_empty() || from.len() > MOST {
+            let title = format!("`solve` finds 1 to {MOST} unknowns, not {}", from.len());
+            return Err(self.report(
+                Diagnostic::error(codes::LENGTHS, title)
+                    .at(place, "the estimates")
+                    .with_help("put what does not depend on the others into functions of its own"),
+            ));
+        }
+        let system = self.system_of(asked, &from, is_list)?;
+        let stage = system.stage;
+        let begin: Vec<Node> = from.iter().map(|x| self.raised(*x, stage)).collect();
+        let graph = self.bench.graph(stage);
+        let mut x = begin.clone();
+        for _ in 0..HELD {
+            x = step(graph, &system, &x).0;
+        }
+        for x in &mut x {
+            *x = graph.unary(Elementary::Held, *x);
+        }
+        let held = x.clone();
+        let (near, residuals) = step(graph, &system, &x);
+        let found = step(graph, &system, &near).0;
+        // |x₁ − x₀| ≤ ENDED (|x₁| + |x₁ − estimate|) + SMALL, and false for numbers that are none
+        let mut ended = None;
+        for ((held, near), begin) in held.iter().zip(&near).zip(&begin) {
+            let correction = graph.subtract(*near, *held);
+            let correction = graph.abs(correction);
+            let way = graph.subtract(*near, *begin);
+            let (size, way) = (graph.abs(*near), graph.abs(way));
+            let size = graph.add(size, way);
+            let (share, least) = (graph.constant(ENDED), graph.constant(SMALL));
+            let most = graph.multiply(share, size);
+            let most = graph.add(most, least);
+            let fits = graph.less_equal(correction, most);
+            ended = Some(match ended {
+                Some(others) => graph.push(crate::ir::Op::And(others, fits)),
+                None => fits,
+            });
+        }
+        let node = self.checked(ended, asked.call, "nothing is solved")?;
+        let numbers = |nodes: &[Node]| -> Vec<Scalar> {
+            nodes
+                .iter()
+                .map(|node| Scalar { stage, node: *node })
+                .collect()
+        };
+        self.watch_end(
+            Flag { stage, node },
+            asked,
+            (written, place),
+            [numbers(&held), numbers(&residuals)],
+        )?;
+        let mut found: Vec<Value<'a>> = numbers(&found).into_iter().map(Value::Scalar).collect();
+        Ok(match (is_list, found.pop()) {
+            (false, Some(only)) => only,
+            (_, last) => {
+                found.extend(last);
+                Value::List(found)
+            }
+        })
+    }
+
+    /// A number as a node of the graph of a stage.
+    fn raised(&mut self, x: Scalar, stage: Stage) -> Node {
+        match stage {
+            Stage::Bind => x.node,
+            Stage::Motion => self.bench.lift(x.stage, x.node),
+        }
+    }
+
+    /// The function at unknown arguments, with its derivatives.
+    fn system_of(&mut self, asked: &Asked<'a, '_>, from: &[Scalar], is_list: bool) -> Eval<System> {
+        // the values at the estimate tell the stage, and their call asks for the function's conditions
+        let known = self.values_of(asked, from, is_list)?;
+        let moves = known.iter().chain(from).any(|s| s.stage == Stage::Motion);
+        let stage = if moves { Stage::Motion } else { Stage::Bind };
+        if known.len() != from.len() {
+            let title = format!("{} equations for {} unknowns", known.len(), from.len());
+            return Err(self.report(
+                Diagnostic::error(codes::LENGTHS, title)
+                    .at(asked.call, "the function gives as many numbers as it takes"),
+            ));
+        }
+        let count = from.len() as u32;
+        let inputs: Vec<u32> = (1..=count)
+            .map(|k| u32::MAX - self.context.unknowns - k)
+            .collect();
+        self.context.unknowns += count;
+        let unknowns: Vec<Scalar> = (inputs.iter())
+            .map(|input| self.bench.unknown(stage, *input))
+            .collect();
+        let values = self.values_of(asked, &unknowns, is_list);
+        self.context.unknowns -= count;
+        let mut nodes: Vec<Node> = (values?.into_iter())
+            .map(|value| self.raised(value, stage))
+            .collect();
+        let graph = self.bench.graph(stage);
+        let one = graph.constant(1.0);
+        let mut columns = Vec::with_capacity(inputs.len());
+        for unknown in &inputs {
+            columns.push(forward(graph, &nodes, &|input| {
+                (input == *unknown).then_some(one)
+            }));
+        }
+        for row in 0..inputs.len() {
+            nodes.extend(columns.iter().filter_map(|column| column.get(row)));
+        }
+        Ok(System {
+            stage,
+            inputs,
+            nodes,
+        })
+    }
+
+    fn values_of(
+        &mut self,
+        asked: &Asked<'a, '_>,
+        x: &[Scalar],
+        is_list: bool,
+    ) -> Eval<Vec<Scalar>> {
+        let mut numbers: Vec<Value<'a>> = x.iter().copied().map(Value::Scalar).collect();
+        let value = match (is_list, numbers.pop()) {
+            (false, Some(only)) => only,
+            (_, last) => {
+                numbers.extend(last);
+                Value::List(numbers)
+            }
+        };
+        let passed = vec![Passed {
+            place: 0,
+            value,
+            span: asked.call,
+            scope: asked.scope,
+        }];
+        match self.apply(asked.function, passed, asked.call, asked.scope)? {
+            value @ (Value::Scalar(_) | Value::Int(_)) => {
+                Ok(vec![self.as_scalar(value, asked.call)?])
+            }
+            value => self.as_components(value, asked.call),
+        }
+    }
+
+    /// Adds the condition that the search has ended.
+    fn watch_end(
+        &mut self,
+        ended: Flag,
+        asked: &Asked<'a, '_>,
+        (written, place): (Span, Span),
+        [held, residuals]: [Vec<Scalar>; 2],
+    ) -> Eval<()> {
+        // a function that is differentiated has been asked at the argument itself
+        if self.context.unknowns > 0 {
+            return Ok(());
+        }
+        let of_unknowns = self.dimension_at(place, asked.scope)?;
+        let of_values = match self.type_at(written) {
+            Ok(Type::Function(signature)) => each(&signature.result),
+            _ => None,
+        };
+        let name = self.sources.text(written).to_owned();
+        let mut message = Message {
+            text: name.clone(),
+            parts: vec![Part::Text(format!(
+                "`solve` finds no zero of `{name}` near its estimate: its last value is "
+            ))],
+            compared: None,
+        };
+        let lists = [(held, Some(of_unknowns)), (residuals, of_values)];
+        for (k, (numbers, dimension)) in lists.into_iter().enumerate() {
+            if k > 0 {
+                message
+                    .parts
+                    .push(Part::Text(", where the function is ".to_owned()));
+            }
+            for (i, value) in numbers.into_iter().enumerate() {
+                if i > 0 {
+                    message.parts.push(Part::Text(", ".to_owned()));
+                }
+                message.parts.push(Part::Value {
+                    value,
+                    display: match dimension {
+                        Some(dimension) => self.natural_unit(dimension),
+                        None => DisplayUnit::si(Dimension::ONE),
+                    },
+                    span: asked.call,
+                });
+            }
+        }
+        let Truth::Later(flag) = self.where_it_counts(Truth::Later(ended)) else {
+            return Ok(());
+        };
+        if flag.stage == Stage::Motion {
+            let asked_for = scalar::Asked {
+                advise: false,
+                name: String::new(),
+                flag,
+                message,
+                span: asked.call,
+            };
+            return self.watched(asked_for, asked.call);
+        }
+        let mut parts = Vec::with_capacity(message.parts.len());
+        for part in message.parts {
+            parts.push(match part {
+                Part::Text(text) => MessagePart::Text(text),
+                Part::Value { value, display, .. } => MessagePart::Value(value.node, display),
+            });
+        }
+        let holds = self.bench.flag_number(flag);
+        self.draft.checks.push(Check {
+            holds,
+            advise: false,
+            name: String::new(),
+            message: parts,
+            path: self.bench.bind.owner.clone(),
+            used_at: Some(location(asked.call)),
+            defined_at: None,
+        });
+        Ok(())
+    }
+}
+
+/// The dimension of a number or of each number in a list.
+fn each(ty: &Type) -> Option<Dimension> {
+    match ty {
+        Type::List { element, .. } => each(element),
+        other => {
+            let quantity = other.quantity()?;
+            (quantity.dim.variables.is_empty()).then_some(quantity.dim.base)
+        }
+    }
+}
+
+/// A step of Newton's method from x: the next x, and the values at x.
+fn step(graph: &mut Graph, system: &System, x: &[Node]) -> (Vec<Node>, Vec<Node>) {
+    let source = graph.clone();
+    let nodes = copy_into(
+        &source,
+        &system.nodes,
+        graph,
+        &mut |graph, index| match system.inputs.iter().position(|input| *input == index) {
+            Some(unknown) => x[unknown],
+            None => graph.input(index),
+        },
+    );
+    let (values, matrix) = nodes.split_at(x.len());
+    let rows: Vec<&[Node]> = matrix.chunks(x.len()).collect();
+    let all = determinant(graph, &rows);
+    let next = (0..x.len())
+        .map(|k| {
+            // Cramer's rule: column k is replaced by the values
+            let replaced: Vec<Vec<Node>> = (rows.iter().zip(values))
+                .map(|(row, value)| {
+                    let mut row = row.to_vec();
+                    row[k] = *value;
+                    row
+                })
+                .collect();
+            let replaced: Vec<&[Node]> = replaced.iter().map(Vec::as_slice).collect();
+            let part = determinant(graph, &replaced);
+            let correction = graph.divide(part, all);
+            graph.subtract(x[k], correction)
+        })
+        .collect();
+    (next, values.to_vec())
+}
+
+/// The determinant of a matrix of up to three rows, along its first row.
+fn determinant(graph: &mut Graph, rows: &[&[Node]]) -> Node {
+    let Some((first, rest)) = rows.split_first() else {
+        return graph.constant(1.0);
+    };
+    let mut sum = graph.constant(0.0);
+    for (k, entry) in first.iter().enumerate() {
+        let minor: Vec<Vec<Node>> = (rest.iter())
+            .map(|row| {
+                let others = row.iter().enumerate().filter(|(j, _)| *j != k);
+                others.map(|(_, node)| *node).collect()
+            })
+            .collect();
+        let minor: Vec<&[Node]> = minor.iter().map(Vec::as_slice).collect();
+        let minor = determinant(graph, &minor);
+        let term = graph.multiply(*entry, minor);
+        sum = match k % 2 {
+            0 => graph.add(sum, term),
+            _ => graph.subtract(sum, term),
+        };
+    }
+    sum
+}
