@@ -40,6 +40,11 @@
     )
 )]
 
+/// The snippets of the page on programs that embed Eng are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/embedding.md")]
+pub struct Embedding;
+
 pub mod cli;
 pub mod codes;
 pub mod plot;
@@ -76,7 +81,7 @@ mod tables;
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
 pub use eng_runtime::inputs::Point;
 pub use eng_runtime::linearised::{
-    Coefficients, Harmonics, LinearModes, Mode, Orbit, Repeating, Wanted,
+    Coefficients, Harmonics, LinearModes, Mode, Orbit, Repeating, StateSpace, Wanted,
 };
 pub use eng_runtime::{
     Energy, Pace, PeriodicSummary, Reading, RuntimeError, Slow, StartReport, Statistics,

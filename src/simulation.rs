@@ -4,7 +4,7 @@ use crate::model::{Channel, Input, Model, Parameter};
 use crate::{Error, Quantity, Report, failure};
 use eng_grammar::{Diagnostic, Diagnostics};
 use eng_runtime::inputs::Point;
-use eng_runtime::linearised::{LinearModes, Wanted};
+use eng_runtime::linearised::{LinearModes, StateSpace, Wanted};
 use eng_runtime::{Energy, Options, Reading, RuntimeError, Statistics};
 use eng_system::system::{Start, StepControl};
 
@@ -249,6 +249,29 @@ impl Simulation {
         self.inner
             .evaluate_channels(&mut values)
             .and_then(|()| self.inner.sampled_modes(wanted))
+            .map_err(|cause| run_error(&self.model, cause))
+    }
+
+    /// The matrices of small motions about the current state under `inputs`: `ξ̇ = A ξ + B u`, `y = C ξ + D u`, in SI. Coefficients
+    /// that change along the motion are an error, unless they are held at the moment (`frozen`).
+    ///
+    /// # Errors
+    /// Handles of another model; states that `linear` refuses; an input that the analysis drives, or whose effect bends
+    /// at its value.
+    pub fn state_space(
+        &mut self,
+        inputs: &[Input],
+        outputs: &[Channel],
+        frozen: bool,
+    ) -> Result<StateSpace, Error> {
+        let inputs = inputs.iter().map(|input| self.model.index_of_input(*input));
+        let inputs = inputs.collect::<Result<Vec<_>, _>>()?;
+        let outputs = outputs.iter().map(|channel| self.model.index_of(*channel));
+        let outputs = outputs.collect::<Result<Vec<_>, _>>()?;
+        let mut values = vec![0.0; self.model.compiled().system.channels.len()];
+        self.inner
+            .evaluate_channels(&mut values)
+            .and_then(|()| self.inner.sampled_state_space(&inputs, &outputs, frozen))
             .map_err(|cause| run_error(&self.model, cause))
     }
 

@@ -909,3 +909,101 @@ fn a_rotor_that_its_bearings_tilt() {
     }
     assert!(compared >= 2, "{held:?}");
 }
+
+/// Two masses on springs and dampers, a force through a first-order lag, and an input that acts by its square. All matrices
+/// are compared by what they say: the frequency response `C (iω − A)⁻¹ B + D` with the closed form of the two masses
+/// `Z = [k1 + k2 + (d1 + d2) s + m1 s², −k2 − d2 s; −k2 − d2 s, k2 + d2 s + m2 s²]`, s = iω.
+#[test]
+fn the_frequency_response_is_that_of_two_masses() {
+    let text = "use std.joints.Translational
+        use std.forces.LinearSpring
+        force Actuator(a: Marker, b: Marker, command: Force, lag: Time) {
+            state pushed: Force = 0 N scale 1 N
+            der(pushed) = (command - pushed)/lag
+            apply force pushed*b.z on a against b
+            output push = pushed as N
+        }
+        force Square(a: Marker, b: Marker, current: 1) {
+            apply force 5 N*current^2*b.z on a against b
+            output pull = 5 N*current^2 as N
+        }
+        force Bent(a: Marker, b: Marker, current: 1) { apply force max(current, 0)*1 N*b.z on a against b }
+        model Two {
+            input command: Force = 0 N
+            input current: 1 = 0
+            input bent: 1 = 0
+            gravity = [0, 0, 0] m/s^2
+            marker wall = [0, 0, 0] mm
+            body near { mass = 2 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+            body far { mass = 3 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+            joint rail_near = Translational(near.eye, wall)
+            joint rail_far = Translational(far.eye, wall)
+            start rail_near.travel = 100 mm
+            start rail_far.travel = 250 mm
+            force first = LinearSpring(near.eye, wall, stiffness: 8 N/mm, damping: 20 N*s/m, free_length: 100 mm)
+            force second = LinearSpring(far.eye, near.eye, stiffness: 5 N/mm, damping: 10 N*s/m, free_length: 150 mm)
+            force actuator = Actuator(near.eye, wall, command: command, lag: 5 ms)
+            force square = Square(far.eye, wall, current: current)
+            force kink = Bent(far.eye, wall, current: bent)
+            output near_at = rail_near.travel as mm
+            output far_at = rail_far.travel as mm
+            output acceleration = dot(far.origin.acceleration, ground.z)
+            output pull = square.pull
+        }";
+    let program = program(text);
+    let model = program.model("Two").expect("a model");
+    let input = |path: &str| model.input(path).expect("an input");
+    let (command, current) = (input("command"), input("current"));
+    let channels = ["near_at", "far_at", "acceleration", "pull"];
+    let channels = channels.map(|path| model.channel(path).expect("a channel"));
+    let mut simulation = model.simulation().start().expect("a start");
+    let value = 1.5;
+    simulation.set_input(current, value).expect("a value");
+    // the square pulls at once, so the state is no balance: the matrices are those of the moment
+    let held = simulation
+        .state_space(&[command, current], &channels, true)
+        .expect("matrices");
+    assert_eq!((held.freedoms, held.states), (2, 1));
+    assert_eq!(held.a.shape(), (5, 5));
+    assert_eq!(
+        (held.b.shape(), held.c.shape(), held.d.shape()),
+        ((5, 2), (4, 5), (4, 2))
+    );
+    let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
+    let (m1, m2, k1, k2, d1, d2) = (2.0, 3.0, 8e3, 5e3, 20.0, 10.0);
+    for hertz in [0.5, 6.0, 9.0, 13.0, 60.0, 400.0] {
+        let s = Complex::new(0.0, TAU * hertz);
+        let inverse = (DMatrix::from_diagonal_element(5, 5, s) - complex(&held.a))
+            .lu()
+            .solve(&complex(&held.b))
+            .expect("regular");
+        let found = complex(&held.c) * inverse + complex(&held.d);
+        let near = s * (d1 + d2) + s * s * m1 + (k1 + k2);
+        let (across, far) = (-(s * d2 + k2), s * d2 + s * s * m2 + k2);
+        let all = near * far - across * across;
+        let lag = Complex::new(1.0, 0.0) / (s * 5e-3 + 1.0);
+        let slope = 10.0 * value;
+        let due = [
+            [far / all * lag, -across / all * slope],
+            [-across / all * lag, near / all * slope],
+            [-across / all * lag * s * s, near / all * slope * s * s],
+            [Complex::new(0.0, 0.0), Complex::new(slope, 0.0)],
+        ];
+        for (row, due) in due.iter().enumerate() {
+            for (column, due) in due.iter().enumerate() {
+                let found = found[(row, column)];
+                assert!(
+                    (found - due).norm() <= 1e-7 * due.norm() + 1e-15,
+                    "{hertz} Hz, output {row}, input {column}: {found} instead of {due}"
+                );
+            }
+        }
+    }
+    // only the acceleration and the pull answer at once
+    assert!(held.d[(0, 0)] == 0.0 && held.d[(1, 1)] == 0.0);
+    near(held.d[(2, 1)], 10.0 * value / m2, 1e-9);
+    near(held.d[(3, 1)], 10.0 * value, 1e-9);
+    let refused = simulation.state_space(&[input("bent")], &channels, true);
+    let refused = refused.expect_err("a kink").to_string();
+    assert!(refused.contains("bends at its value"), "{refused}");
+}

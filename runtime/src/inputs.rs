@@ -177,6 +177,31 @@ impl Signals {
         segment.at(self.inputs[index].interpolation, time)
     }
 
+    /// Whether a function of time drives an input.
+    pub fn is_driven(&self, index: usize) -> bool {
+        self.driven.get(index).copied().unwrap_or(false)
+    }
+
+    /// The stated parameters, with the values of the inputs that a program sets at a time (s); `None` without such inputs.
+    /// A function of time goes on driving the others.
+    pub fn stated_at(&self, time: f64) -> Option<Vec<Option<f64>>> {
+        if self.driven.iter().all(|driven| *driven) {
+            return None;
+        }
+        let mut stated = self.overrides.clone();
+        for (k, input) in self
+            .inputs
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| !self.driven[*k])
+        {
+            if let Some(place) = stated.get_mut(input.parameter as usize) {
+                *place = Some(self.at(k, time).value);
+            }
+        }
+        Some(stated)
+    }
+
     /// The error of slots without a value at the last time, which names the input that has none.
     pub fn defined(&self, model: &Model) -> Result<(), RuntimeError> {
         if self.values.iter().all(|value| value.is_finite()) {
@@ -228,6 +253,15 @@ impl Signals {
         })
     }
 
+    /// The error of an input that a function of time drives.
+    pub fn refuse_driven(&self, model: &Model, index: usize) -> Result<(), RuntimeError> {
+        self.refuse(
+            model,
+            index,
+            "the analysis drives it by a function of time, so a program cannot set it",
+        )
+    }
+
     /// Checks a value for an input that a program sets.
     fn settable(&self, model: &Model, index: usize, point: Point) -> Result<Input, RuntimeError> {
         let Some(input) = self.inputs.get(index).cloned() else {
@@ -239,11 +273,7 @@ impl Signals {
             });
         };
         if self.driven[index] {
-            return self.refuse(
-                model,
-                index,
-                "the analysis drives it by a function of time, so a program cannot set it",
-            );
+            self.refuse_driven(model, index)?;
         }
         let finite = point.value.is_finite() && point.rate.is_finite();
         if !finite {

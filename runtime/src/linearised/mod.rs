@@ -42,12 +42,14 @@ mod outputs;
 mod over_time;
 mod run;
 mod slow;
+mod state_space;
 mod variation;
 
 pub use energies::{Part, Shares, parts_of, stores};
 pub use equations::Equations;
 pub use floquet::{Harmonics, Orbit, Repeating};
 pub use run::run_linear;
+pub use state_space::StateSpace;
 
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;

@@ -81,6 +81,15 @@ impl<'a> Probe<'a> {
         Ok(self.outputs.values.clone())
     }
 
+    /// Accelerations, rates of states, and all channels (SI) at the state.
+    pub fn here(&mut self) -> Result<(Vec<f64>, Vec<f64>, Vec<f64>), RuntimeError> {
+        let mut state = self.state.clone();
+        self.system
+            .accelerations(self.model, &mut self.dynamics, &mut state, self.moment)?;
+        self.outputs.evaluate(self.model, &self.dynamics, &state)?;
+        Ok((state.acceleration, state.rates, self.outputs.values.clone()))
+    }
+
     /// Derivatives of all channels (SI) per unit of the direction.
     pub fn along(&mut self, direction: &Direction) -> Result<Vec<f64>, RuntimeError> {
         let size = |x: &[f64], scales: &[f64]| {

@@ -1,8 +1,10 @@
 //! From a model to its modes: the start, the transient to the state, the linearisation.
 
 use super::floquet::about_an_orbit;
-use super::{LinearModes, Wanted, linearise};
+use super::state_space::state_space;
+use super::{LinearModes, StateSpace, Wanted, linearise};
 use crate::error::{Moment, RuntimeError};
+use crate::model::Model;
 use crate::simulation::{Options, Simulation, Slow, Warning};
 use crate::transient::{Advance, Observer, Sample, Verdict, follow};
 use eng_system::code::Compiled;
@@ -175,10 +177,42 @@ impl Simulation {
             time: state.time,
             cycle_angle: cycle.map(|[angle, _]| angle),
         };
-        let modes = linearise(self.model(), &state, moment, wanted)?;
+        let modes = linearise(&self.present()?, &state, moment, wanted)?;
         Ok(LinearModes {
             cycle_speed: cycle.map(|[_, speed]| speed),
             ..modes
         })
+    }
+
+    /// The matrices of small motions about the state of the last outputs, under `inputs` and with `channels` as outputs.
+    /// Coefficients that change along the motion are an error unless they are held at the moment (`frozen`).
+    pub fn sampled_state_space(
+        &mut self,
+        inputs: &[usize],
+        channels: &[usize],
+        frozen: bool,
+    ) -> Result<StateSpace, RuntimeError> {
+        let state = self.sampled_state().clone();
+        let cycle = self.sampled_cycle()?;
+        let moment = Moment {
+            time: state.time,
+            cycle_angle: cycle.map(|[angle, _]| angle),
+        };
+        for input in inputs {
+            self.refuse_driven(*input)?;
+        }
+        state_space(&self.present()?, &state, moment, (inputs, channels), frozen)
+    }
+
+    /// The model with the present values of the inputs that a program sets.
+    fn present(&self) -> Result<Model, RuntimeError> {
+        let model = self.model();
+        let Some(overrides) = self.present_inputs() else {
+            return Ok(model.clone());
+        };
+        let mut present = Model::bind(&model.compiled, &overrides)?;
+        // inputs decide no geometry, and the ground markers have their places
+        present.markers.clone_from(&model.markers);
+        Ok(present)
     }
 }

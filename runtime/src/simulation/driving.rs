@@ -25,6 +25,20 @@ impl Simulation {
         Ok(())
     }
 
+    /// The stated parameters with the values of inputs at the time of the last outputs; `None` without inputs.
+    pub(crate) fn present_inputs(&self) -> Option<Vec<Option<f64>>> {
+        let time = self.sampled_state().time;
+        self.dynamics.signals().stated_at(time)
+    }
+
+    /// Refuses an input that a function of time drives, for what needs an input that may change.
+    pub(crate) fn refuse_driven(&self, index: usize) -> Result<(), RuntimeError> {
+        match self.dynamics.signals().is_driven(index) {
+            true => self.dynamics.signals().refuse_driven(&self.model, index),
+            false => Ok(()),
+        }
+    }
+
     /// Gives the value (SI) that an input has at the end of the next [`Simulation::advance`].
     ///
     /// # Errors
