@@ -1474,3 +1474,40 @@ fn members_of_a_list_have_short_names() {
         );
     }
 }
+
+/// The channels of an equilibrium are numbers where a number is due: in a value, a condition, and beside samples of a run.
+#[test]
+fn a_state_is_a_number() {
+    let model = "
+use std.joints.Translational
+use std.forces.LinearSpring
+model Hanging {
+    gravity = [0, 0, -10] m/s^2
+    marker wall = [0, 0, 0] mm
+    body block { mass = 3 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+    joint rail = Translational(block.eye, wall)
+    force spring = LinearSpring(block.eye, wall, stiffness: 2 N/mm, damping: 30 N*s/m, free_length: 100 mm)
+    start rail.travel = 90 mm
+}
+analysis rest = static(Hanging())
+analysis swing = transient(Hanging(), duration: 20 ms, sample: 1 ms)
+";
+    let reports = "
+report sag {
+    value tip = rest.rail.travel as mm
+    value same = mean(rest.rail.travel)
+    value under = 100 mm - rest.rail.travel
+    value most = maximum(abs(swing.rail.travel - rest.rail.travel))
+    let force = rest.spring.tension
+    require force < -29 N else \"the spring pushes with {force as N}\"
+    require rest.rail.travel > 80 mm and rest.rail.travel < 84 mm else \"it hangs elsewhere\"
+}";
+    let ran = Ran::of(model, reports, &["rest", "swing"]);
+    let report = ran.report();
+    let one = |name: &str| values(&report, name)[0];
+    // 2 N/mm (100 mm − z) = 30 N
+    assert!((one("tip") - 0.085).abs() < 1e-9, "{}", one("tip"));
+    assert_eq!(one("tip"), one("same"));
+    assert!((one("under") - 0.015).abs() < 1e-9);
+    assert!((one("most") - 0.005).abs() < 1e-9, "{}", one("most"));
+}

@@ -386,6 +386,8 @@ pub struct Signature {
 pub enum SignalRows {
     /// Each sample of a run.
     Samples,
+    /// The one state of an analysis, such as an equilibrium. Where a number is due, it is a number.
+    State,
     /// Each mode of this linear analysis.
     Modes(Arc<str>),
 }

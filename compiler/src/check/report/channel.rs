@@ -9,6 +9,7 @@ use crate::elaborate::AnalysisPlan;
 use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Expr, ExprKind, IndexArgument, Name};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::analysis::Rows;
 use eng_system::expression::{Expression, Member};
 use eng_system::recorded::Recorded;
 use std::rc::Rc;
@@ -55,9 +56,10 @@ pub(super) struct Found<'a> {
 impl Found<'_> {
     /// The rows of a channel at the place.
     pub fn rows(&self) -> SignalRows {
-        match are_modes(self.plan) {
-            true => SignalRows::Modes(self.plan.analysis.origin.path.as_str().into()),
-            false => SignalRows::Samples,
+        match self.plan.analysis.kind.rows() {
+            Rows::Modes => SignalRows::Modes(self.plan.analysis.origin.path.as_str().into()),
+            Rows::State => SignalRows::State,
+            Rows::Samples | Rows::Cycle => SignalRows::Samples,
         }
     }
 

@@ -242,7 +242,7 @@ impl<'a> Reporter<'a, '_> {
                 .figure(&entry.value, entry.display.as_ref())
                 .map(plan::EntryKind::Figure);
         }
-        let typed = self.named(&entry.name.text, entry.name.span)?;
+        let typed = self.named(&entry.name.text, entry.name.span)?.settled();
         self.shaped(&entry.value, &typed, Shape::Number, "a value")?;
         let display = self.display(&typed, entry.display.as_ref(), &entry.value)?;
         Some(plan::EntryKind::Value {
@@ -351,7 +351,7 @@ impl<'a> Reporter<'a, '_> {
                             return None;
                         }
                     };
-                    let typed = self.named(&name, span)?;
+                    let typed = self.named(&name, span)?.settled();
                     self.shaped(&value, &typed, Shape::Number, "a value in a message")?;
                     let display = self.display(&typed, unit.as_ref(), &value)?;
                     let shown: Vec<_> = typed.members.into_iter().map(|m| m.expression).collect();

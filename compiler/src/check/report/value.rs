@@ -13,7 +13,7 @@ use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{BinaryOp, Expr, ExprKind, IndexArgument, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::DisplayUnit;
-use eng_system::expression::{Expression, Function, Member, Operator};
+use eng_system::expression::{Expression, Function, Member, Operator, Reduction};
 use eng_system::recorded::Recorded;
 
 /// Members of one type.
@@ -50,6 +50,20 @@ impl Typed {
     /// The quantity of each number.
     pub fn quantity(&self) -> Quantity {
         self.ty.each().unwrap_or_default()
+    }
+
+    /// Whether it is a signal of one row.
+    fn is_state(&self) -> bool {
+        matches!(&self.ty, Type::Signal { rows, .. } if *rows == SignalRows::State)
+    }
+
+    /// A signal of one row as its number.
+    pub fn settled(self) -> Typed {
+        if !self.is_state() {
+            return self;
+        }
+        let ty = self.ty.row();
+        self.mapped(ty, |of| Expression::Reduce(Reduction::Mean, Box::new(of)))
     }
 
     /// Wraps each member; the type remains.
@@ -381,7 +395,14 @@ impl<'a> Reporter<'a, '_> {
         right: &'a Expr,
     ) -> Option<Typed> {
         let (a, b) = (self.expression(left), self.expression(right));
-        let (a, b) = (a?, b?);
+        let (mut a, mut b) = (a?, b?);
+        let compared = !matches!(
+            op,
+            BinaryOp::Add | BinaryOp::Subtract | BinaryOp::Multiply | BinaryOp::Divide | BinaryOp::Power
+        );
+        if compared || a.is_state() != b.is_state() {
+            (a, b) = (a.settled(), b.settled());
+        }
         let ty = if matches!(op, BinaryOp::And | BinaryOp::Or) {
             self.shaped(left, &a, Shape::Truth, "a side of `and` and `or`")?;
             self.shaped(right, &b, Shape::Truth, "a side of `and` and `or`")?;
