@@ -63,6 +63,15 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
                 }
             }
         }
+        // warnings about what an analysis gives to its model, such as a mode set; its errors come with its run
+        for plan in plans.iter().filter(|plan| !plan.constants.is_empty()) {
+            let (model, constants) = (plan.model, &plan.constants);
+            let mut found = Diagnostics::new();
+            shared.model(&typed, &mut texts, sources, model, constants, &mut found);
+            if !found.has_errors() {
+                diagnostics.extend(found);
+            }
+        }
     }
     let mut reports = Vec::new();
     if !diagnostics.has_errors() {

@@ -69,14 +69,14 @@ fn values_and_rates_are_those_of_closed_forms() {
             (of("second")[k] - second).abs() < 1e-8 * (1.0 + second.abs()),
             "{mean}: {second}"
         );
-        let d = of("place[3]")[k];
+        let d = of("place.z")[k];
         let x = (d * d + 0.05 * 0.05 - 0.04 * 0.04) / (2.0 * d);
         let y = (0.05 * 0.05 - x * x).sqrt();
-        assert!((of("place[1]")[k] - x).abs() < 1e-14 && (of("place[2]")[k] - y).abs() < 1e-14);
+        assert!((of("place.x")[k] - x).abs() < 1e-14 && (of("place.y")[k] - y).abs() < 1e-14);
         let closing = 0.005 * mean.cos() * 2.0;
         let along = closing * (1.0 - (0.05_f64.powi(2) - 0.04_f64.powi(2)) / (d * d)) / 2.0;
-        assert!((of("moved[1]")[k] - along).abs() < 1e-12, "{along}");
-        assert!((of("moved[2]")[k] + x * along / y).abs() < 1e-12);
+        assert!((of("moved.x")[k] - along).abs() < 1e-12, "{along}");
+        assert!((of("moved.y")[k] + x * along / y).abs() < 1e-12);
     }
 }
 
@@ -90,11 +90,11 @@ fn a_roller_on_a_curve_moves_as_on_a_rod() {
         joint OnCurve(roller: Marker, cam: Marker, radius: Length, disc: Length, beside: Length) {
             let seen = local(roller.origin - cam.origin, cam)
             let p = [seen.x, seen.y]
-            fn curve(psi: Angle) -> Length[2] = [beside + disc*cos(psi), disc*sin(psi)]
-            fn along(psi: Angle) -> Area = dot(p - curve(psi), [-disc*sin(psi), disc*cos(psi)])
-            let psi = solve(along, atan2(p.y, p.x))
-            constrain norm(p - curve(psi)) == radius
-            output contact = psi as deg
+            fn curve(angle: Angle) -> Length[2] = [beside + disc*cos(angle), disc*sin(angle)]
+            fn along(angle: Angle) -> Area = dot(p - curve(angle), [-disc*sin(angle), disc*cos(angle)])
+            let angle = solve(along, atan2(p.y, p.x))
+            constrain norm(p - curve(angle)) == radius
+            output contact = angle as deg
         }
         model Cam {
             const rod: Bool = false
@@ -107,7 +107,7 @@ fn a_roller_on_a_curve_moves_as_on_a_rod() {
                 marker hub = origin
                 marker centre = [8, 0, 0] mm
             }
-            body roller { mass = 0.3 kg; inertia = [1, 1, 1] g*m^2; marker axle = at(origin, z: [0, 1, 0]); start position = [0, 40, 0] mm }
+            body roller { mass = 0.3 kg; inertia = [1, 1, 1] g*m^2; marker axle = at(origin, z: [0, 1, 0]); guess position = [0, 40, 0] mm }
             joint hinge = Revolute(cam.hub, axis)
             joint slide = Translational(roller.axle, guide) { branch travel > 0 mm }
             joint contact if not rod = OnCurve(roller.axle, cam.hub, radius: 10 mm, disc: 30 mm, beside: 8 mm)
@@ -142,10 +142,10 @@ fn a_roller_on_a_curve_moves_as_on_a_rod() {
 #[test]
 fn a_missing_zero_stops_the_run() {
     let text = "use std.joints.Revolute
-        fn above(x: Length, by: Length) -> Area = x^2 + by^2
+        fn above(x: Length, lifted: Length) -> Area = x^2 + lifted^2
         force Push(a: Marker, b: Marker) {
             let turned = rotation(a, b)
-            let x = solve(above(by: 20 mm*turned/(1 rad)), 10 mm)
+            let x = solve(above(lifted: 20 mm*turned/(1 rad)), 10 mm)
             apply torque 1 N*x*b.z on a against b
         }
         model Lost {
@@ -162,7 +162,7 @@ fn a_missing_zero_stops_the_run() {
         Err(error) => error,
     };
     assert!(
-        error.contains("finds no zero of `above(by: 20 mm*turned/(1 rad))`"),
+        error.contains("finds no zero of `above(lifted: 20 mm*turned/(1 rad))`"),
         "{error}"
     );
 }

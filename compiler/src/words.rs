@@ -3,6 +3,9 @@
 use eng_system::mesh_files::{ElementRules, MeshUnits, ShapeFormat, Stated};
 use eng_system::table::End;
 
+/// The words for the start of a body.
+pub(crate) const START_VALUES: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
+
 /// The continuations of a table beyond an end of an argument.
 pub(crate) const ENDS_OF_TABLES: [(&str, End); 5] = [
     ("none", End::Open),

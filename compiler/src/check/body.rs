@@ -6,7 +6,7 @@ use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
-use crate::words::{Place, word};
+use crate::words::{Place, START_VALUES, word};
 use eng_grammar::ast::{
     Argument, Attribute, Declaration, Expr, ExprKind, Form, Item, ItemKind, Kind, Name, Statement,
 };
@@ -26,8 +26,6 @@ const RIGID: BodyKind = BodyKind {
         ("inertia", "add `inertia = [1, 1, 1] kg*m^2` with its value"),
     ],
 };
-/// The words for the start of a body.
-pub(crate) const START_VALUES: [&str; 4] = ["position", "rotation", "velocity", "angular_velocity"];
 
 /// The attributes and the texts of rigid or flexible bodies.
 pub(super) struct BodyKind {

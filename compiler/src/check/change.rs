@@ -1,13 +1,14 @@
 //! Changes of the inside of a part: `part unit = Cylinder(…) with { shank.mass = 0.65 kg }`.
 
 use super::Checker;
-use super::body::{ATTRIBUTES, START_VALUES};
+use super::body::ATTRIBUTES;
 use super::class::item_place;
 use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::Type;
 use crate::codes;
 use crate::program::DefinitionId;
+use crate::words::START_VALUES;
 use eng_grammar::ast::{
     Declaration, Expr, ExprKind, IndexArgument, ItemKind, Kind, Name, Statement,
 };

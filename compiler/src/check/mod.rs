@@ -40,7 +40,6 @@ mod table;
 mod unit;
 mod unused;
 
-pub(crate) use body::START_VALUES;
 pub use report::reports;
 
 use crate::codes;

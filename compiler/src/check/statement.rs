@@ -1,12 +1,12 @@
 //! Statements of definitions and bodies.
 
 use super::Checker;
-use super::body::START_VALUES;
 use super::mismatch::Due;
 use super::scope::{Scope, torque_dimension};
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::resolve::suggest::nearest;
+use crate::words::START_VALUES;
 use eng_grammar::ast::{
     Attribute, Declaration, Expr, ExprKind, Form, ItemKind, Kind, Name, Statement,
 };

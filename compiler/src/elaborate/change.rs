@@ -7,10 +7,10 @@ use super::body::index_text;
 use super::pending::{Pending, StartTarget};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
-use crate::check::START_VALUES;
 use crate::codes;
 use crate::resolve::suggest::{listing, nearest};
 use crate::typed::types::Type;
+use crate::words::START_VALUES;
 use eng_grammar::ast::{self, ExprKind, IndexArgument, ItemKind, Statement};
 use eng_grammar::{Diagnostic, Span};
 

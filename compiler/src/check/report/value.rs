@@ -398,7 +398,11 @@ impl<'a> Reporter<'a, '_> {
         let (mut a, mut b) = (a?, b?);
         let compared = !matches!(
             op,
-            BinaryOp::Add | BinaryOp::Subtract | BinaryOp::Multiply | BinaryOp::Divide | BinaryOp::Power
+            BinaryOp::Add
+                | BinaryOp::Subtract
+                | BinaryOp::Multiply
+                | BinaryOp::Divide
+                | BinaryOp::Power
         );
         if compared || a.is_state() != b.is_state() {
             (a, b) = (a.settled(), b.settled());
