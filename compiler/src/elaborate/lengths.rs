@@ -17,7 +17,10 @@ pub(crate) type Texts<'a> = [(&'a [ast::Item], ScopeId)];
 fn length_of(value: &Value<'_>) -> Option<usize> {
     match value {
         Value::List(items) => Some(items.len()),
-        Value::Family(items) => Some(items.len()),
+        Value::Family(items) => {
+            let absent = items.iter().filter(|(_, item)| item.is_absent());
+            Some(items.len() - absent.count())
+        }
         Value::Components(items, _) => Some(items.len()),
         _ => None,
     }

@@ -1,7 +1,7 @@
 //! The values of names and fields.
 
 use super::scalar::{Scalar, Stage};
-use super::value::{Axes, BoundClass, Closure, ScopeId, TableValue, Value};
+use super::value::{Axes, BoundClass, Closure, ScopeId, TableValue, Value, present};
 use super::{Elaborator, Entry, Eval, Lazy, Reported};
 use crate::codes;
 use crate::program::DefinitionId;
@@ -366,8 +366,7 @@ impl<'a> Elaborator<'a, '_> {
                     .collect::<Vec<_>>();
                 self.field(Value::Family(items), name, span)
             }
-            Value::Family(items) => items
-                .into_iter()
+            Value::Family(items) => present(items)
                 .map(|(_, v)| self.field(v, name, span))
                 .collect::<Eval<Vec<_>>>()
                 .map(Value::List),

@@ -40,6 +40,10 @@ impl<'a> Elaborator<'a, '_> {
             if let Some(condition) = &declaration.condition
                 && !e.known_truth(condition, inner)?
             {
+                // an index that names it then tells the condition
+                if !position.is_empty() {
+                    made.push((position.to_vec(), Value::Absent(declaration)));
+                }
                 return Ok(());
             }
             made.push((position.to_vec(), make(e, inner, position)?));

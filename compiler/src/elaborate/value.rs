@@ -132,7 +132,19 @@ pub(crate) struct TableValue {
     pub handle: Node,
 }
 
+/// The members of a family that are there: those whose condition holds.
+pub(crate) fn present<'a>(
+    members: Vec<(Vec<usize>, Value<'a>)>,
+) -> impl Iterator<Item = (Vec<usize>, Value<'a>)> {
+    members.into_iter().filter(|(_, member)| !member.is_absent())
+}
+
 impl Value<'_> {
+    /// Whether it is a part whose condition does not hold.
+    pub fn is_absent(&self) -> bool {
+        matches!(self, Value::Absent(_))
+    }
+
     /// Whether it has several numbers: a vector or a list.
     pub fn is_several(&self) -> bool {
         matches!(

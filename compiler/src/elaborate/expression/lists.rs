@@ -1,6 +1,6 @@
 //! Ranges and lists: their lengths and elements.
 
-use super::super::value::{ScopeId, Value};
+use super::super::value::{ScopeId, Value, present};
 use super::super::{Elaborator, Eval};
 use crate::codes;
 use eng_grammar::ast::{Expr, IndexArgument};
@@ -126,9 +126,12 @@ impl<'a> Elaborator<'a, '_> {
         let mut chosen = Vec::with_capacity(places.len());
         for place in places {
             let element = self.element_of(value.clone(), place, span)?;
+            if let Value::Absent(declaration) = element {
+                return Err(self.absent(declaration, span));
+            }
             chosen.push(match self.indexed(element, rest, scope)? {
                 Value::Family(members) => {
-                    Value::List(members.into_iter().map(|(_, v)| v).collect())
+                    Value::List(present(members).map(|(_, v)| v).collect())
                 }
                 other => other,
             });
@@ -158,6 +161,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Family(members) => {
                 let shown: Vec<String> = members
                     .iter()
+                    .filter(|(_, member)| !member.is_absent())
                     .filter_map(|(key, _)| key.first().map(usize::to_string))
                     .collect();
                 let mut rest: Vec<(Vec<usize>, Value<'a>)> = members
@@ -229,7 +233,7 @@ fn all_places(value: &Value<'_>) -> Vec<i64> {
     match value {
         Value::Family(members) => {
             let mut places: Vec<i64> = Vec::new();
-            for (key, _) in members {
+            for (key, _) in members.iter().filter(|(_, member)| !member.is_absent()) {
                 let place = key.first().map(|place| *place as i64);
                 places.extend(place.filter(|place| !places.contains(place)));
             }

@@ -8,7 +8,7 @@ mod operators;
 pub(crate) use conditions::Truth;
 
 use super::scalar::Scalar;
-use super::value::{ScopeId, Value};
+use super::value::{ScopeId, Value, present};
 use super::{Elaborator, Eval};
 use crate::codes;
 use eng_grammar::ast::{self, Expr, ExprKind, UnaryOp};
@@ -21,7 +21,9 @@ impl<'a> Elaborator<'a, '_> {
             function @ (Value::Closure(_) | Value::Partial(_)) => {
                 self.with_solution(function, expr.span, scope)
             }
-            Value::Family(members) => Value::List(members.into_iter().map(|(_, v)| v).collect()),
+            Value::Family(members) => {
+                Value::List(present(members).map(|(_, v)| v).collect())
+            },
             other => other,
         })
     }
