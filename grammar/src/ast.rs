@@ -288,6 +288,8 @@ pub enum Statement {
     Require {
         /// `advise` instead of `require`.
         advise: bool,
+        /// `[k in 1..n]`: the condition holds for each.
+        index: Vec<Binder>,
         /// The name of an `advise` for `accept`.
         name: Option<Name>,
         /// The condition.

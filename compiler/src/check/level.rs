@@ -250,8 +250,12 @@ impl<'p> Levels<'_, 'p> {
                 let level = self.level(place, value);
                 self.bear(level, 1, value.span, "applied");
             }
-            Statement::Require { condition, .. } => {
-                let level = self.level(place, condition);
+            Statement::Require {
+                condition, index, ..
+            } => {
+                let mut place = place.clone();
+                self.bind(&mut place, index);
+                let level = self.level(&place, condition);
                 self.bear(level, 1, condition.span, "a requirement");
             }
             // elaboration asks for a length of parameters alone

@@ -60,11 +60,13 @@ impl<'p> Checker<'p> {
             }
             Statement::Require {
                 advise,
+                index,
                 condition,
                 message,
                 ..
             } => {
                 let word = if *advise { "advise" } else { "require" };
+                let scope = &self.binders(scope, index);
                 self.condition(scope, condition, &format!("what follows `{word}`"));
                 self.message(scope, message);
             }

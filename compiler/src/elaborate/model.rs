@@ -121,6 +121,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<()> {
         if let Statement::Require {
             advise,
+            index,
             name,
             condition,
             message,
@@ -132,7 +133,9 @@ impl<'a> Elaborator<'a, '_> {
                 condition,
                 message,
             };
-            self.requirement(asked, scope, path, used_at)?;
+            self.for_each(index, scope, &mut |e, inner, _| {
+                e.requirement(asked, inner, path, used_at).map(|_| ())
+            })?;
         }
         Ok(())
     }

@@ -136,7 +136,9 @@ pub(crate) struct TableValue {
 pub(crate) fn present<'a>(
     members: Vec<(Vec<usize>, Value<'a>)>,
 ) -> impl Iterator<Item = (Vec<usize>, Value<'a>)> {
-    members.into_iter().filter(|(_, member)| !member.is_absent())
+    members
+        .into_iter()
+        .filter(|(_, member)| !member.is_absent())
 }
 
 impl Value<'_> {

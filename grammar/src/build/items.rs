@@ -439,11 +439,22 @@ impl<'t> Builder<'t, '_> {
                 Rule::lint => {
                     if let Some(Statement::Require {
                         advise,
+                        index,
                         name,
                         condition,
                         message,
                     }) = self.statement(part, depth + 1)
                     {
+                        if let Some(binder) = index.first() {
+                            self.report(
+                                Diagnostic::error(
+                                    codes::UNEXPECTED,
+                                    "a condition of a function has no index",
+                                )
+                                .at(binder.name.span, "not here")
+                                .with_help("compare the extremes: `require min(f(i) for i in 1..3) > 0 else \"…\"`"),
+                            );
+                        }
                         function.requirements.push(Requirement {
                             advise,
                             name,
@@ -533,6 +544,11 @@ impl<'t> Builder<'t, '_> {
             }
             Rule::lint => {
                 let lint = inner.find(|part| part.as_rule() == Rule::lint_kind)?;
+                let indexed = inner.peek().filter(|part| part.as_rule() == Rule::index);
+                let index = indexed.map_or(Vec::new(), |part| {
+                    inner.next();
+                    self.binders(part, depth)
+                });
                 let named = inner
                     .peek()
                     .filter(|part| part.as_rule() == Rule::lint_name);
@@ -544,6 +560,7 @@ impl<'t> Builder<'t, '_> {
                 let raw = self.text.get(start..end).unwrap_or("");
                 Statement::Require {
                     advise: lint.as_str() == "advise",
+                    index,
                     name,
                     condition,
                     message: Name {

@@ -260,12 +260,14 @@ fn statement_text(statement: &Statement) -> String {
         ),
         Statement::Require {
             advise,
+            index,
             name,
             condition,
             message,
         } => format!(
-            "({}{} {} {:?})",
+            "({}{}{} {} {:?})",
             if *advise { "advise" } else { "require" },
+            binders(index),
             lint_name(name),
             expr(condition),
             message.text

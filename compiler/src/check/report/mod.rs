@@ -124,7 +124,19 @@ impl<'a> Reporter<'a, '_> {
         let mut whole = true;
         for item in &report.block.items {
             let (name, value) = match &item.kind {
-                ItemKind::Error | ItemKind::Statement(Statement::Require { .. }) => continue,
+                ItemKind::Statement(Statement::Require { index, .. }) => {
+                    if let Some(binder) = index.first() {
+                        whole = false;
+                        self.checker.misplaced(
+                            binder.name.span,
+                            "an index",
+                            "at a condition of a report",
+                            "a list of signals or numbers has the condition for each",
+                        );
+                    }
+                    continue;
+                }
+                ItemKind::Error => continue,
                 ItemKind::Entry(entry) => (&entry.name, Some(&entry.value)),
                 ItemKind::Binding(binding)
                     if binding.kind == BindingKind::Let && binding.index.is_empty() =>

@@ -152,6 +152,7 @@ impl<'a> Elaborator<'a, '_> {
                 } => self.apply_load(*torque, value, on, against.as_ref(), scope)?,
                 Statement::Require {
                     advise,
+                    index,
                     name,
                     condition,
                     message,
@@ -162,15 +163,9 @@ impl<'a> Elaborator<'a, '_> {
                         condition,
                         message,
                     };
-                    if let Some((flag, message)) = self.requirement(asked, scope, path, used_at)? {
-                        let kind = if *advise {
-                            ConditionKind::Advise
-                        } else {
-                            ConditionKind::Require
-                        };
-                        let name = asked.name.map_or("", |name| &name.text);
-                        self.condition(flag, kind, name, message, condition.span, draft);
-                    }
+                    self.for_each(index, scope, &mut |e, inner, _| {
+                        e.required(asked, (inner, path, used_at), draft)
+                    })?;
                 }
                 // read before and after the equations
                 Statement::Accept(_)
@@ -191,6 +186,25 @@ impl<'a> Elaborator<'a, '_> {
                     return self.checked(None, target.span, "a start value in a class");
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// A `require` or `advise` of an element: one of the motion becomes a condition of it.
+    fn required(
+        &mut self,
+        asked: Asked<'a>,
+        (scope, path, used_at): (ScopeId, &str, Option<Location>),
+        draft: &mut Draft,
+    ) -> Eval<()> {
+        if let Some((flag, message)) = self.requirement(asked, scope, path, used_at)? {
+            let kind = if asked.advise {
+                ConditionKind::Advise
+            } else {
+                ConditionKind::Require
+            };
+            let name = asked.name.map_or("", |name| &name.text);
+            self.condition(flag, kind, name, message, asked.condition.span, draft);
         }
         Ok(())
     }

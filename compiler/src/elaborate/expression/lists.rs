@@ -130,9 +130,7 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.absent(declaration, span));
             }
             chosen.push(match self.indexed(element, rest, scope)? {
-                Value::Family(members) => {
-                    Value::List(present(members).map(|(_, v)| v).collect())
-                }
+                Value::Family(members) => Value::List(present(members).map(|(_, v)| v).collect()),
                 other => other,
             });
         }

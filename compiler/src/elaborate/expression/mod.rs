@@ -21,9 +21,7 @@ impl<'a> Elaborator<'a, '_> {
             function @ (Value::Closure(_) | Value::Partial(_)) => {
                 self.with_solution(function, expr.span, scope)
             }
-            Value::Family(members) => {
-                Value::List(present(members).map(|(_, v)| v).collect())
-            },
+            Value::Family(members) => Value::List(present(members).map(|(_, v)| v).collect()),
             other => other,
         })
     }
