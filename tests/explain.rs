@@ -109,6 +109,21 @@ fn analyses_and_figures_are_explained() {
     }
 }
 
+/// Functions give their forms and their meaning.
+#[test]
+fn functions_are_explained() {
+    let output = eng(&["explain", "norm"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        text(&output.stdout).starts_with("`norm(v)`, `norm(v, floor: f)`: the length of a vector")
+    );
+    let output = eng(&["explain", "wrapped"]);
+    assert!(
+        text(&output.stdout)
+            .starts_with("`wrapped(angle, period, from: -180 deg)`: the angle less")
+    );
+}
+
 const SWING: &str = "use std.joints.Revolute
 use std.forces.TorsionSpring
 model Swing {

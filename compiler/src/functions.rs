@@ -194,6 +194,211 @@ static FUNCTIONS: [BuiltIn; 47] = [
     of_results("decibel", &["x", "reference"], OfResults::Decibel),
 ];
 
+/// The forms of a call and the meaning of each function.
+static ABOUT: [(&str, &str, &str); 47] = [
+    (
+        "dot",
+        "dot(a, b)",
+        "the scalar product of two vectors or of components",
+    ),
+    (
+        "cross",
+        "cross(a, b)",
+        "the vector product of two vectors or of components",
+    ),
+    (
+        "norm",
+        "norm(v), norm(v, floor: f)",
+        "the length of a vector; with a floor it is sqrt(v·v + f²), smooth at zero and never below f. In reports: the length of a recorded vector",
+    ),
+    (
+        "local",
+        "local(v, m)",
+        "the components of a vector along the axes of a marker",
+    ),
+    (
+        "vector",
+        "vector(c, m)",
+        "the vector with components c along the axes of a marker",
+    ),
+    (
+        "perpendicular",
+        "perpendicular(e)",
+        "[-e.y, e.x]: e turned by +90 deg",
+    ),
+    (
+        "rotation",
+        "rotation(a, b)",
+        "the angle of marker a about b.z, from b.x to a.x, seen from b, counted over turns",
+    ),
+    (
+        "der",
+        "der(x)",
+        "the exact time derivative of an expression of poses, states and time; only outputs may differentiate a velocity",
+    ),
+    ("abs", "abs(x)", "the amount of a number"),
+    ("sqrt", "sqrt(x)", "the square root"),
+    (
+        "exp",
+        "exp(x)",
+        "the exponential function of a plain number",
+    ),
+    ("log", "log(x)", "the natural logarithm of a plain number"),
+    (
+        "sin",
+        "sin(angle)",
+        "the sine of an angle, or of a plain number in rad",
+    ),
+    (
+        "cos",
+        "cos(angle)",
+        "the cosine of an angle, or of a plain number in rad",
+    ),
+    (
+        "tan",
+        "tan(angle)",
+        "the tangent of an angle, or of a plain number in rad",
+    ),
+    (
+        "asin",
+        "asin(x)",
+        "the angle whose sine is x, from -90 to 90 deg",
+    ),
+    (
+        "acos",
+        "acos(x)",
+        "the angle whose cosine is x, from 0 to 180 deg",
+    ),
+    (
+        "atan",
+        "atan(x)",
+        "the angle whose tangent is x, from -90 to 90 deg",
+    ),
+    (
+        "tanh",
+        "tanh(x)",
+        "the hyperbolic tangent of a plain number",
+    ),
+    (
+        "atan2",
+        "atan2(y, x)",
+        "the angle of the point (x, y), from -180 to 180 deg",
+    ),
+    (
+        "wrapped",
+        "wrapped(angle, period, from: -180 deg)",
+        "the angle less whole periods, in [from, from + period). It jumps at the ends, so a force that depends on it must vanish there",
+    ),
+    ("min", "min(a, b, …), min(list)", "the least of numbers"),
+    ("max", "max(a, b, …), max(list)", "the largest of numbers"),
+    (
+        "sum",
+        "sum(list)",
+        "the sum of the numbers of a list; `sum(f(i) for i in 1..4)` makes the list",
+    ),
+    ("length", "length(list)", "the number of elements of a list"),
+    (
+        "distinct",
+        "distinct(list)",
+        "whether all numbers of a list differ",
+    ),
+    (
+        "index_of",
+        "index_of(list, value)",
+        "the place of a number in a list, from 1; both are known when the model is compiled",
+    ),
+    (
+        "slope",
+        "slope(f, x)",
+        "the first derivative of a table or function of one argument at x, exact; where a function is due, slope(f) is one",
+    ),
+    (
+        "curvature",
+        "curvature(f, x)",
+        "the second derivative of a table or function of one argument at x, exact",
+    ),
+    (
+        "period",
+        "period(f)",
+        "the period of a table; zero without one",
+    ),
+    (
+        "solve",
+        "solve(f, estimate)",
+        "the x with f(x) = 0 near an estimate, with exact derivatives; up to three unknowns are a list",
+    ),
+    ("minimum", "minimum(x)", "the least sample of a signal"),
+    ("maximum", "maximum(x)", "the largest sample of a signal"),
+    (
+        "minimum_at",
+        "minimum_at(x), minimum_at(x, over: time)",
+        "the cycle angle or the time of the least sample, by a parabola",
+    ),
+    (
+        "maximum_at",
+        "maximum_at(x), maximum_at(x, over: time)",
+        "the cycle angle or the time of the largest sample, by a parabola",
+    ),
+    ("mean", "mean(x)", "the mean of a signal over time"),
+    (
+        "rms",
+        "rms(x)",
+        "the root of the mean square of a signal over time",
+    ),
+    (
+        "peak_to_peak",
+        "peak_to_peak(x)",
+        "the difference of the extremes of a signal",
+    ),
+    (
+        "amplitude",
+        "amplitude(x, 2), amplitude(x, 150 Hz)",
+        "the amplitude of an order or a frequency, from zero to peak",
+    ),
+    (
+        "mode",
+        "mode(column, 3), mode(column, 160 Hz)",
+        "the value of a column in one mode of a linear analysis",
+    ),
+    (
+        "low_pass",
+        "low_pass(x, to), low_pass(x, to, butterworth: 4)",
+        "the signal below a frequency or an order",
+    ),
+    (
+        "high_pass",
+        "high_pass(x, from), high_pass(x, from, butterworth: 4)",
+        "the signal above a frequency or an order",
+    ),
+    (
+        "band",
+        "band(x, from, to), band(x, from, to, butterworth: 4)",
+        "the signal between two frequencies or orders",
+    ),
+    (
+        "last",
+        "last(x, 2 rev), last(x, 10 ms)",
+        "the last part of a signal",
+    ),
+    (
+        "last_cycle",
+        "last_cycle(x), last_cycle(x, cycles: 2)",
+        "the last whole cycles of a signal, with their angle from 0",
+    ),
+    ("resample", "resample(a, like: b)", "a at the samples of b"),
+    (
+        "decibel",
+        "decibel(v, reference: r)",
+        "20 lg of the magnitude over the reference",
+    ),
+];
+
+/// The forms of a call and the meaning of a function, for people.
+pub fn explained(name: &str) -> Option<(&'static str, &'static str)> {
+    let row = ABOUT.iter().find(|(known, ..)| *known == name)?;
+    Some((row.1, row.2))
+}
+
 /// The function with a name, if any expression can call it.
 pub(crate) fn find(name: &str) -> Option<&'static BuiltIn> {
     everywhere().find(|function| function.name == name)
@@ -221,4 +426,16 @@ pub(crate) fn of_reports() -> impl Iterator<Item = &'static BuiltIn> {
 pub(crate) fn only_of_reports(name: &str) -> bool {
     let mut functions = of_reports().filter(|f| matches!(f.kind, Kind::Results));
     functions.any(|f| f.name == name) || eng_system::figure::kind(name).is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_function_is_explained() {
+        let names: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
+        let told: Vec<&str> = ABOUT.iter().map(|(name, ..)| *name).collect();
+        assert_eq!(names, told);
+    }
 }

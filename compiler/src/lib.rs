@@ -21,7 +21,7 @@ pub mod check;
 mod codegen_error;
 pub mod codes;
 pub mod elaborate;
-mod functions;
+pub mod functions;
 pub mod generate;
 pub mod ir;
 #[cfg(feature = "jit")]

@@ -31,7 +31,8 @@ pub(super) fn explain(
         )?;
         return Err(Stop::Code(USAGE_OR_SYSTEM));
     }
-    match codes::find(asked).map(explanation).or_else(|| kind(asked)) {
+    let found = codes::find(asked).map(explanation);
+    match found.or_else(|| kind(asked)).or_else(|| function(asked)) {
         Some(text) => {
             write!(console.output, "{text}")?;
             Ok(())
@@ -107,6 +108,16 @@ fn kind(name: &str) -> Option<String> {
         text.push_str(&format!("    {name}{pad}  {about}\n"));
     }
     Some(text)
+}
+
+/// The forms and the meaning of a function of the language.
+fn function(name: &str) -> Option<String> {
+    let (forms, about) = eng_compiler::functions::explained(name)?;
+    let forms: Vec<String> = forms
+        .split("), ")
+        .map(|form| format!("`{})`", form.trim_end_matches(')')))
+        .collect();
+    Some(wrapped(&format!("{}: {about}", forms.join(", "))) + "\n")
 }
 
 fn indented(example: &str) -> String {
