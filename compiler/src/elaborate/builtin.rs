@@ -515,6 +515,14 @@ impl<'a> Elaborator<'a, '_> {
             }
             other => (vec![self.as_scalar(other, span)?], None),
         };
+        if let Some(input) = self.input_in(&components) {
+            let title = format!("the rate of the input `{input}` is not known");
+            return Err(self.report(
+                Diagnostic::error(codes::NO_RATE, title)
+                    .at(span, "depends on this input")
+                    .with_help("differentiate what does not depend on it; a rate that matters is an input of its own"),
+            ));
+        }
         let nodes: Vec<Node> = components
             .iter()
             .map(|s| self.bench.lift(s.stage, s.node))

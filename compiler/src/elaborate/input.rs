@@ -10,11 +10,11 @@ use super::body::index_text;
 use super::finish::Structural;
 use super::output::Columns;
 use super::partial::Passed;
-use super::scalar::{ElementBuilder, Scalar, Stage, TIME};
+use super::scalar::{ElementBuilder, PROVISIONAL, Scalar, Stage, TIME};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
-use crate::ir::{ClassBody, Node, Op};
+use crate::ir::{ClassBody, Node, Op, dependencies};
 use crate::program::DefinitionId;
 use eng_grammar::ast::{self, BindingKind, ExprKind, ItemKind};
 use eng_grammar::{Diagnostic, Span};
@@ -145,6 +145,47 @@ impl<'a> Elaborator<'a, '_> {
             Value::Table(table) => Ok(Value::Scalar(self.bench.table(table.handle, &[time]))),
             other => self.checked(None, span, &format!("{} gives an input", other.kind())),
         }
+    }
+
+    /// The path of an input that values depend on: those of the bind stage, or those of the present element.
+    pub fn input_in(&self, values: &[Scalar]) -> Option<&str> {
+        if self.draft.inputs.is_empty() {
+            return None;
+        }
+        let mut waiting: Vec<Node> = Vec::new();
+        let mut motion: Vec<Node> = Vec::new();
+        for value in values {
+            match value.stage {
+                Stage::Bind => waiting.push(value.node),
+                Stage::Motion => motion.push(value.node),
+            }
+        }
+        if let Some(element) = &self.bench.element {
+            let needed = dependencies(&element.graph, &motion);
+            let used = element.graph.nodes().iter().zip(&needed);
+            for (op, _) in used.filter(|(_, needed)| **needed) {
+                if let Op::Input(input) = op
+                    && let Some(constant) = input.checked_sub(PROVISIONAL.constant(0))
+                {
+                    waiting.extend(element.constants.get(constant as usize));
+                }
+            }
+        }
+        let graph = &self.bench.bind.graph;
+        let needed = dependencies(graph, &waiting);
+        let read = |parameter: u32| {
+            let nodes = graph.nodes().iter().zip(&needed);
+            nodes
+                .into_iter()
+                .any(|(op, needed)| *needed && *op == Op::Input(parameter))
+        };
+        let found = self
+            .draft
+            .inputs
+            .iter()
+            .find(|input| read(input.parameter))?;
+        let parameter = self.draft.parameters.get(found.parameter as usize)?;
+        Some(&parameter.origin.path)
     }
 
     /// The channels of an input.

@@ -23,4 +23,5 @@ pub use graph::{Function, Graph, Node, Op};
 pub use interpret::{InterpretedClass, Interpreter};
 pub use kinks::KinkPlace;
 pub use look_up::Orders;
+pub(crate) use optimise::dependencies;
 pub use optimise::{copy_into, optimise};
