@@ -172,20 +172,25 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         let graph = &self.bench.bind.graph;
-        let needed = dependencies(graph, &waiting);
-        let read = |parameter: u32| {
-            let nodes = graph.nodes().iter().zip(&needed);
-            nodes
-                .into_iter()
-                .any(|(op, needed)| *needed && *op == Op::Input(parameter))
-        };
-        let found = self
-            .draft
-            .inputs
-            .iter()
-            .find(|input| read(input.parameter))?;
-        let parameter = self.draft.parameters.get(found.parameter as usize)?;
-        Some(&parameter.origin.path)
+        let mut seen = vec![false; graph.nodes().len()];
+        while let Some(node) = waiting.pop() {
+            if std::mem::replace(&mut seen[node.0 as usize], true) {
+                continue;
+            }
+            match graph.op(node) {
+                Op::Input(index) => {
+                    let mut inputs = self.draft.inputs.iter();
+                    if inputs.any(|input| input.parameter == index) {
+                        let parameter = self.draft.parameters.get(index as usize)?;
+                        return Some(&parameter.origin.path);
+                    }
+                    // an argument of a class is a parameter of its own, whose default reads the input
+                    waiting.extend(self.draft.parameter_defaults.get(index as usize));
+                }
+                op => waiting.extend(op.operands()),
+            }
+        }
+        None
     }
 
     /// The channels of an input.

@@ -404,7 +404,8 @@ impl<'a> Reporter<'a, '_> {
                 | BinaryOp::Divide
                 | BinaryOp::Power
         );
-        if compared || a.is_state() != b.is_state() {
+        let signals = [&a, &b].map(|side| side.shape() == Shape::Signal);
+        if compared || (a.is_state() != b.is_state() && signals == [true; 2]) {
             (a, b) = (a.settled(), b.settled());
         }
         let ty = if matches!(op, BinaryOp::And | BinaryOp::Or) {
