@@ -82,12 +82,12 @@ impl<'a> Probe<'a> {
     }
 
     /// Accelerations, rates of states, and all channels (SI) at the state.
-    pub fn here(&mut self) -> Result<(Vec<f64>, Vec<f64>, Vec<f64>), RuntimeError> {
+    pub fn here(&mut self) -> Result<[Vec<f64>; 3], RuntimeError> {
         let mut state = self.state.clone();
         self.system
             .accelerations(self.model, &mut self.dynamics, &mut state, self.moment)?;
         self.outputs.evaluate(self.model, &self.dynamics, &state)?;
-        Ok((state.acceleration, state.rates, self.outputs.values.clone()))
+        Ok([state.acceleration, state.rates, self.outputs.values.clone()])
     }
 
     /// Derivatives of all channels (SI) per unit of the direction.

@@ -156,7 +156,7 @@ fn by_input(
         // inputs decide no geometry, and the ground markers have their places
         moved.markers.clone_from(&model.markers);
         let mut probe = Probe::new(&moved, state, moment)?;
-        let (acceleration, rates, outputs) = probe.here()?;
+        let [acceleration, rates, outputs] = probe.here()?;
         let acceleration = equations.in_ground_axes(DVector::from_vec(acceleration));
         let numbers = acceleration.iter().copied().chain(rates).chain(outputs);
         Ok(Answer {
