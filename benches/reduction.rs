@@ -9,9 +9,9 @@
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::invariants::{Full, invariants};
-use eng_flexible::markers::{MESH_AXES, MarkerRequest, Place, Selection, Spider, place};
+use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest, Selection, Spider, place};
 use eng_flexible::mesh::{Element, ElementKind, Material, Mesh, Node, Property, Section, Variant};
-use eng_flexible::modes::normal::normal_modes_from;
+use eng_flexible::modes::normal::normal_modes;
 use eng_flexible::modes::statics::attachment_modes_by;
 use eng_flexible::modes::{Boundary, Candidate, Load, ModeSet, Structure};
 use eng_flexible::read::Files;
@@ -52,7 +52,7 @@ impl Case {
     fn new(name: &str) -> Result<Case, Failure> {
         let marker = |name: String, nodes: Selection| MarkerRequest {
             name,
-            place: Place::Gathered {
+            place: MarkerPlace::Gathered {
                 nodes,
                 tie: Spider::Averaging,
                 center: None,
@@ -340,7 +340,7 @@ fn phases(name: &str) -> Result<(), Failure> {
     }
     let answers = attachment_modes_by(&mut factor, &structure, &loads)?;
     clock.tell(&format!("{} static modes", loads.len()))?;
-    let found = normal_modes_from(factor, &structure, Modes::Count(NORMAL), &Boundary::AsIs)?;
+    let found = normal_modes(factor, &structure, Modes::Count(NORMAL), &Boundary::AsIs)?;
     clock.tell(&format!("{NORMAL} normal modes and their count"))?;
     let size = structure.size();
     let vectors = answers

@@ -196,11 +196,6 @@ impl Report {
     pub fn texts(&self) -> &SourceMap {
         &self.texts
     }
-
-    /// The messages as JSON; see [`crate::render`].
-    pub fn to_json(&self) -> String {
-        crate::render::json(&self.diagnostics, &self.texts)
-    }
 }
 
 impl std::fmt::Display for Report {

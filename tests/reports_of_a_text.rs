@@ -299,7 +299,7 @@ fn places_cycles_and_sweeps() {
     let Figure::Waterfall(fall) = figure(&report, "fall") else {
         panic!("no waterfall");
     };
-    assert_eq!(fall.figure.map.speeds, [600.0, 1200.0, 1800.0]);
+    assert_eq!(fall.figure.map.speeds(), [600.0, 1200.0, 1800.0]);
     let Figure::Campbell(map) = figure(&report, "map") else {
         panic!("no Campbell diagram");
     };
@@ -835,7 +835,7 @@ fn reports_read_linear_analyses() {
     near(map.natural_frequencies[0].1, frequency, 1e-9);
     assert!(map.to_svg().contains("mode 1, 9 Hz"));
     let largest = |map: &eng_report::figure::Campbell| {
-        let all = map.figure.map.amplitudes.iter().flatten();
+        let all = map.figure.map.amplitudes().iter().flatten();
         all.fold(f64::NEG_INFINITY, |most, a| most.max(*a))
     };
     assert_eq!(map.figure.unit, "N");
@@ -850,7 +850,7 @@ fn reports_read_linear_analyses() {
         map.figure.unit
     );
     near(largest(&map), 20.0 * (wave / 1e-6).log10(), 1e-9);
-    let all = || map.figure.map.amplitudes.iter().flatten();
+    let all = || map.figure.map.amplitudes().iter().flatten();
     let least = all().fold(f64::INFINITY, |least, a| least.min(*a));
     near(largest(&map) - least, 80.0, 1e-9);
 }

@@ -2,7 +2,7 @@
 //! --example reduce -- DECK [static | constraint | held]`: static modes at the journals and free normal modes, constraint modes and
 //! fixed-interface modes, or static modes with the first journal held.
 
-use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::read::Files;
 use eng_flexible::reduce::{Interface, Request, Term, reduce};
 use eng_flexible::solve::Modes;
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .map(|j| MarkerRequest {
             axes: eng_flexible::markers::MESH_AXES,
             name: format!("main[{}]", j + 1),
-            place: Place::Gathered {
+            place: MarkerPlace::Gathered {
                 nodes: Selection::Ring {
                     center: [0.013 + 0.096 * f64::from(j), 0.0, 0.0],
                     axis: [1.0, 0.0, 0.0],

@@ -2,7 +2,7 @@
 
 use crate::error::{FlexibleError, Part};
 use crate::fe::NodalMatrix;
-use crate::mesh::{Mesh, Node};
+use crate::mesh::Mesh;
 use crate::read::Files;
 use crate::read::matrix::{
     ForeignFreedoms, ForeignMatrix, ForeignModes, MatrixFormat, MatrixKind, read_calculix_freedoms,
@@ -289,20 +289,5 @@ fn scale(matrix: &mut SymmetricMatrix, rows: &[(u64, u8)], unit: f64, length: f6
         if scale != 1.0 {
             *value *= scale;
         }
-    }
-}
-
-/// A mesh of nodes alone, for matrices whose file gives the places of nodes.
-pub fn mesh_of_nodes(nodes: &[(u64, [f64; 3])]) -> Mesh {
-    Mesh {
-        nodes: nodes
-            .iter()
-            .map(|(id, position)| Node {
-                id: *id,
-                position: *position,
-                frame: None,
-            })
-            .collect(),
-        ..Mesh::default()
     }
 }

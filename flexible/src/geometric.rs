@@ -131,7 +131,8 @@ fn reduced(
     let run = |vectors: &[f64]| -> Result<Vec<Block>, FlexibleError> {
         let full = model.reduction.expand(vectors.len() / size, vectors);
         let freedoms = &model.full.freedoms;
-        let matrices = GeometricStiffness::of_several(model.mesh, freedoms, model.rules, &full)?;
+        let matrices =
+            GeometricStiffness::of_displacements(model.mesh, freedoms, model.rules, &full)?;
         Ok(matrices
             .iter()
             .map(|matrix| in_modes(matrix, shapes, modes))

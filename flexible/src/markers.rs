@@ -1,66 +1,9 @@
 //! Markers on a mesh: one node, or several nodes tied to a centre.
 
 use crate::error::{FlexibleError, Part};
+use crate::fe::vector::dot;
 use crate::mesh::{Mesh, Node, Tie};
-
-/// The place of a marker.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Place {
-    /// The node of this id.
-    Node(u64),
-    /// Several nodes, tied to a centre.
-    Gathered {
-        /// The nodes.
-        nodes: Selection,
-        /// The kind of tie.
-        tie: Spider,
-        /// Position of the centre (m). `None`: the mean position of the nodes, or the middle of a ring.
-        center: Option<[f64; 3]>,
-    },
-}
-
-/// The kind of tie between nodes and a marker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Spider {
-    /// The marker follows the mean motion of the nodes (least squares) and adds no stiffness: RBE3.
-    #[default]
-    Averaging,
-    /// The nodes follow the marker as a rigid piece: RBE2.
-    Rigid,
-}
-
-/// A selection of nodes of a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Selection {
-    /// A named set of the file.
-    Set(String),
-    /// The nodes on a cylinder's surface.
-    Ring {
-        /// Middle of the axis (m).
-        center: [f64; 3],
-        /// Direction of the axis.
-        axis: [f64; 3],
-        /// Radius (m).
-        radius: f64,
-        /// Length along the axis (m).
-        width: f64,
-        /// Distance from the surface within which a node counts (m).
-        tolerance: f64,
-    },
-    /// The nodes in a plane within a distance of one of its points.
-    Patch {
-        /// The point (m).
-        center: [f64; 3],
-        /// Normal of the plane.
-        normal: [f64; 3],
-        /// Distance from the point (m); infinite for the whole plane.
-        radius: f64,
-        /// Distance from the plane within which a node counts (m).
-        tolerance: f64,
-    },
-    /// The nodes of the elements of a property.
-    Property(String),
-}
+pub use eng_system::flexible::{MarkerPlace, Selection, Spider};
 
 /// A marker to be made on a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +11,7 @@ pub struct MarkerRequest {
     /// Its name in the model: `main[2]`.
     pub name: String,
     /// Its place.
-    pub place: Place,
+    pub place: MarkerPlace,
     /// Rotation matrix marker → mesh, row-major. The columns are the directions of its freedoms.
     pub axes: [f64; 9],
 }
@@ -91,7 +34,7 @@ fn refuse(problem: String, advice: &str) -> FlexibleError {
 pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>, FlexibleError> {
     match selection {
         Selection::Set(set) => match mesh.sets.get(set) {
-            Some(found) if !found.nodes.is_empty() => Ok(found.nodes.clone()),
+            Some(found) if !found.nodes().is_empty() => Ok(found.nodes().to_vec()),
             _ => {
                 let known: Vec<&str> = mesh.sets.keys().map(String::as_str).take(20).collect();
                 Err(refuse(
@@ -175,7 +118,7 @@ fn around(
     axis: &[f64; 3],
     fits: impl Fn(f64, f64) -> bool,
 ) -> Option<Vec<u32>> {
-    let length = libm::sqrt(dot(axis, axis));
+    let length = libm::sqrt(dot(*axis, *axis));
     if length.is_nan() || length <= 0.0 {
         return None;
     }
@@ -183,8 +126,8 @@ fn around(
     let nodes = (0..).zip(&mesh.nodes).filter(|(_, node)| {
         let p = node.position;
         let from = [p[0] - point[0], p[1] - point[1], p[2] - point[2]];
-        let height = dot(&from, &along);
-        let square = dot(&from, &from) - height * height;
+        let height = dot(from, along);
+        let square = dot(from, from) - height * height;
         fits(height, libm::sqrt(square.max(0.0)))
     });
     Some(nodes.map(|(index, _)| index).collect())
@@ -202,10 +145,6 @@ fn at_least_three(
     }
 }
 
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 /// Adds the centres and ties of markers to a mesh (in SI), and returns the node of each marker.
 ///
 /// # Errors
@@ -218,7 +157,7 @@ pub fn place(mesh: &mut Mesh, markers: &[MarkerRequest]) -> Result<Vec<u32>, Fle
         let name = &marker.name;
         let of_marker = |error: FlexibleError| error.of(Part::Marker(position));
         match &marker.place {
-            Place::Node(id) => match index.get(id) {
+            MarkerPlace::Node(id) => match index.get(id) {
                 Some(node) => found.push(*node),
                 None => {
                     return Err(of_marker(refuse(
@@ -227,7 +166,7 @@ pub fn place(mesh: &mut Mesh, markers: &[MarkerRequest]) -> Result<Vec<u32>, Fle
                     )));
                 }
             },
-            Place::Gathered { nodes, tie, center } => {
+            MarkerPlace::Gathered { nodes, tie, center } => {
                 let gathered = select(mesh, name, nodes).map_err(of_marker)?;
                 let middle = match (center, nodes) {
                     (Some(center), _) => *center,

@@ -231,22 +231,39 @@ pub struct SupportCards {
     pub moved: Option<(String, u64)>,
 }
 
-/// A named set.
+/// A named set. Its indices are sorted, each member once.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Set {
-    /// Indices of nodes, sorted.
-    pub nodes: Vec<u32>,
-    /// Indices of elements, sorted.
-    pub elements: Vec<u32>,
+    nodes: Vec<u32>,
+    elements: Vec<u32>,
 }
 
 impl Set {
-    /// Sorts both lists, each member once.
-    pub(crate) fn sort(&mut self) {
-        for list in [&mut self.nodes, &mut self.elements] {
+    /// The set of these members, which may be in any order and may be repeated.
+    pub fn new(mut nodes: Vec<u32>, mut elements: Vec<u32>) -> Set {
+        for list in [&mut nodes, &mut elements] {
             list.sort_unstable();
             list.dedup();
         }
+        Set { nodes, elements }
+    }
+
+    /// Indices of its nodes, sorted.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Indices of its elements, sorted.
+    pub fn elements(&self) -> &[u32] {
+        &self.elements
+    }
+
+    /// This set with the members of another one.
+    pub(crate) fn joined(self, other: &Set) -> Set {
+        Set::new(
+            [self.nodes, other.nodes.clone()].concat(),
+            [self.elements, other.elements.clone()].concat(),
+        )
     }
 }
 
@@ -274,7 +291,8 @@ pub struct Unread {
     pub carries: Carries,
 }
 
-/// A mesh.
+/// A mesh, as its file states it. All fields are open: readers fill them, and indices may be wrong. Assembly,
+/// recovery and reduction check a mesh before they use it.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Mesh {
     /// The code for which it was written.

@@ -13,7 +13,7 @@
 
 use crate::fe::{FreedomMap, Rules};
 use crate::mesh::Mesh;
-use crate::reduce::{Reduced, Report, Request};
+use crate::reduce::{Reduced, Report};
 use crate::surface::Surface;
 use eng_system::reduced::ReducedBody;
 use serde::de::DeserializeOwned;
@@ -86,7 +86,7 @@ pub struct Key(pub [u8; 32]);
 
 impl Key {
     /// The key of a reduction: over the format's version, this crate's version, the contents' hashes of all
-    /// files read, in the order given, and the request as text ([`request_text`], with units, material and
+    /// files read, in the order given, and the request as text (with units, material and
     /// all other data that decide the result). Names and dates of files do not count.
     pub fn new(files: &[[u8; 32]], request: &str) -> Key {
         let mut hash = Sha256::new();
@@ -117,12 +117,6 @@ pub fn content_hash(bytes: &[u8]) -> [u8; 32] {
 /// Hexadecimal digits of a hash.
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
-}
-
-/// A request as canonical text: only equal requests have equal texts. Numbers have the shortest form that
-/// gives the same bits when it is read.
-pub fn request_text(request: &Request) -> String {
-    format!("{request:?}")
 }
 
 /// The bytes of a file with a value.

@@ -82,11 +82,11 @@ LOW, high
     assert_eq!(mesh.elements[1].kind, ElementKind::Hexahedron8);
     assert_eq!(set_ids(&mesh, "odd"), [1, 3, 5, 7, 9, 11]);
     assert_eq!(set_ids(&mesh, "some"), [1, 2, 3, 4, 5, 7, 9, 11, 100]);
-    assert_eq!(set(&mesh, "Both").elements, [0, 1]);
-    assert_eq!(set(&mesh, "Both").nodes.len(), 12);
+    assert_eq!(set(&mesh, "Both").elements(), [0, 1]);
+    assert_eq!(set(&mesh, "Both").nodes().len(), 12);
     assert_eq!(set_ids(&mesh, "of elements"), [5, 6, 7, 8, 9, 10, 11, 12]);
     assert_eq!(set_ids(&mesh, "All Nodes").len(), 12);
-    assert_eq!(set(&mesh, "Low").elements, [0]);
+    assert_eq!(set(&mesh, "Low").elements(), [0]);
     assert_eq!(
         unread(&mesh),
         [("set members that are missing", 1, Carries::Nothing)]
@@ -379,7 +379,7 @@ fn sections_and_materials() {
         ]
     );
     assert_eq!(ids(&mesh, mesh.nodes_of(&mesh.elements[4])), [4, 3]);
-    assert_eq!(set(&mesh, "bows").elements, [3, 4]);
+    assert_eq!(set(&mesh, "bows").elements(), [3, 4]);
     assert_eq!(set_ids(&mesh, "bows"), [1, 3, 4]);
     let property = |i: usize| &mesh.properties[mesh.elements[i].property as usize];
     let material = |i: usize| property(i).material.map(|m| &mesh.materials[m as usize]);
@@ -542,8 +542,8 @@ Left-1.Foot, 1, 3
     assert_eq!(set_ids(&mesh, "Mixed"), [1, 1001, 1002, 1003, 1004, 2001]);
     assert_eq!(set_ids(&mesh, "Left-1.Foot"), [1, 2, 3, 4]);
     assert!(!mesh.sets.contains_key("Foot"));
-    assert_eq!(set(&mesh, "Right-1").nodes.len(), 13);
-    assert_eq!(set(&mesh, "Right-1").elements, [2, 3]);
+    assert_eq!(set(&mesh, "Right-1").nodes().len(), 13);
+    assert_eq!(set(&mesh, "Right-1").elements(), [2, 3]);
     let Tie::Rigid { dependent, .. } = &mesh.ties[0] else {
         panic!("no rigid tie");
     };
@@ -639,7 +639,7 @@ fn included_files_and_files_of_nodes() {
         Err(error) => panic!("{error}"),
     };
     assert_eq!(element_ids(&mesh, 1), [1, 2, 3, 4]);
-    assert_eq!(set(&mesh, "E").elements, [0]);
+    assert_eq!(set(&mesh, "E").elements(), [0]);
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Matrices of another code that make no body: what is told of them.
 #![allow(clippy::unwrap_used)]
 
-use eng_flexible::foreign::{ForeignMatrices, RowOrder, mesh_of_nodes};
+mod foreign_files;
+
+use eng_flexible::foreign::{ForeignMatrices, RowOrder};
 use eng_flexible::mesh::Mesh;
 use eng_flexible::read::matrix::{ForeignFreedoms, ForeignMatrix, MatrixFormat, read_matrix};
 use eng_flexible::reduce::{Reduced, Request, Term, reduce};
@@ -9,6 +11,7 @@ use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
+use foreign_files::mesh_of_nodes;
 use std::io::{self, Read};
 
 struct Text(&'static str);

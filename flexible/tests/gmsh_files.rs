@@ -121,8 +121,8 @@ fn groups_and_order_of_nodes() {
     assert!(!mesh.sets.contains_key("physical:1"));
     assert_eq!(set_ids(&mesh, "physical:4"), [1, 2, 3, 5, 6, 7]);
     assert_eq!(set_ids(&mesh, "physical:5"), [1, 2, 5]);
-    assert_eq!(set(&mesh, "all").elements, [0]);
-    assert_eq!(set(&mesh, "all").nodes.len(), 10);
+    assert_eq!(set(&mesh, "all").elements(), [0]);
+    assert_eq!(set(&mesh, "all").nodes().len(), 10);
     let names = mesh
         .properties
         .iter()

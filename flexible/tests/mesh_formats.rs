@@ -50,7 +50,7 @@ fn listed(model: &str) -> BTreeMap<String, Vec<u64>> {
 fn set_ids(mesh: &Mesh, name: &str) -> Vec<u64> {
     let set = &mesh.sets[name];
     let mut ids = set
-        .nodes
+        .nodes()
         .iter()
         .map(|node| mesh.nodes[*node as usize].id)
         .collect::<Vec<_>>();
@@ -107,10 +107,10 @@ fn compare(model: &str, sets: usize) {
             .iter()
             .all(|unread| unread.carries == Carries::Nothing)
     );
-    assert_eq!(abaqus.sets["EALL"].elements.len(), nastran.elements.len());
-    assert_eq!(abaqus.sets["NALL"].nodes.len(), nastran.nodes.len());
-    assert_eq!(gmsh.sets["SOLID"].elements.len(), nastran.elements.len());
-    assert_eq!(gmsh.sets["SOLID"].nodes.len(), nastran.nodes.len());
+    assert_eq!(abaqus.sets["EALL"].elements().len(), nastran.elements.len());
+    assert_eq!(abaqus.sets["NALL"].nodes().len(), nastran.nodes.len());
+    assert_eq!(gmsh.sets["SOLID"].elements().len(), nastran.elements.len());
+    assert_eq!(gmsh.sets["SOLID"].nodes().len(), nastran.nodes.len());
     assert_eq!(gmsh.sets["physical:1"], gmsh.sets["SOLID"]);
 }
 

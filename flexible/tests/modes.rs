@@ -123,7 +123,7 @@ fn static_modes_make_static_answers_exact() {
     let structure = Structure::free(&k, &m, motions()).unwrap();
     let loads = interface();
     let statics = attachment_modes(&structure, &loads).unwrap();
-    let normal = normal_modes(&structure, Modes::Count(4), &Boundary::AsIs).unwrap();
+    let normal = normal_modes(None, &structure, Modes::Count(4), &Boundary::AsIs).unwrap();
     let mut all = candidates("static", size, &statics);
     all.extend(candidates("normal", size, &normal.vectors));
     let set = ModeSet::new(&structure, all).unwrap();
@@ -182,7 +182,7 @@ fn static_modes_make_static_answers_exact() {
 fn normal_modes_of_a_free_box_are_its_elastic_ones() {
     let (k, m) = systems::elastic_box(ELEMENTS);
     let structure = Structure::free(&k, &m, motions()).unwrap();
-    let found = normal_modes(&structure, Modes::Count(12), &Boundary::AsIs).unwrap();
+    let found = normal_modes(None, &structure, Modes::Count(12), &Boundary::AsIs).unwrap();
     let all = systems::dense_eigenvalues(&k, &m);
     for (found, exact) in found.eigenvalues.iter().zip(&all[6..]) {
         assert!((found / exact - 1.0).abs() < 1e-9, "{found} {exact}");
@@ -237,6 +237,7 @@ fn craig_bampton_sets_converge_from_above() {
         .into_iter()
         .map(|count| {
             let fixed = normal_modes(
+                None,
                 &structure,
                 Modes::Count(count),
                 &Boundary::Fixed(rows.clone()),
@@ -416,7 +417,8 @@ fn mean_motions_are_held_like_freedoms() {
     }
     let exact = systems::dense_eigenvalues(&space, &restricted(&m, &rows));
     for request in [Modes::Count(9), Modes::UpTo(0.5 * (exact[8] + exact[9]))] {
-        let found = normal_modes(&structure, request, &Boundary::Fixed(rows.clone())).unwrap();
+        let found =
+            normal_modes(None, &structure, request, &Boundary::Fixed(rows.clone())).unwrap();
         assert_eq!((found.eigenvalues.len(), found.sturm.count), (9, 9));
         for (value, exact) in found.eigenvalues.iter().zip(&exact) {
             assert!((value / exact - 1.0).abs() < 1e-9, "{value} {exact}");
@@ -452,7 +454,13 @@ fn what_collinear_journals_leave_is_no_mode() {
             assert!((row.displacement(mode) - expected).abs() < 1e-10);
         }
     }
-    let fixed = normal_modes(&structure, Modes::Count(5), &Boundary::Fixed(rows.clone())).unwrap();
+    let fixed = normal_modes(
+        None,
+        &structure,
+        Modes::Count(5),
+        &Boundary::Fixed(rows.clone()),
+    )
+    .unwrap();
     let exact = systems::dense_eigenvalues(&restricted(&k, &rows), &restricted(&m, &rows));
     assert!(exact[1].abs() < 1e-6 * exact[2]);
     for (value, exact) in fixed.eigenvalues.iter().zip(&exact[2..]) {
@@ -506,9 +514,10 @@ fn an_interface_that_repeats_itself_is_told() {
         "{error}"
     );
     // of freedoms that are held anyway a mean says nothing new
-    normal_modes(&structure, Modes::Count(2), &Boundary::Fixed(rows)).unwrap();
+    normal_modes(None, &structure, Modes::Count(2), &Boundary::Fixed(rows)).unwrap();
     let rows = vec![mean("one.x", &[a, b], 0), mean("two.x", &[b, a], 0)];
-    let error = normal_modes(&structure, Modes::Count(2), &Boundary::Fixed(rows)).unwrap_err();
+    let error =
+        normal_modes(None, &structure, Modes::Count(2), &Boundary::Fixed(rows)).unwrap_err();
     let error = error.to_string();
     assert!(
         error.ends_with("moves only with the other freedoms of the interface"),

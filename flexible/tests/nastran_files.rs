@@ -88,7 +88,7 @@ fn bar_of_20_node_hexahedra() {
     assert_eq!(mesh.materials[0].young, 2.06e11);
     assert_eq!(mesh.materials[0].poisson, 0.3);
     assert_eq!(mesh.materials[0].density, 7850.0);
-    assert_eq!(mesh.sets["pid:1"].nodes.len(), 849);
+    assert_eq!(mesh.sets["pid:1"].nodes().len(), 849);
     let end = mesh.nodes.iter().filter(|node| node.position[0] == 0.0);
     assert_eq!(end.count(), 29);
 }

@@ -251,7 +251,7 @@ CHEXA,8,3,{}
     assert_eq!(mesh.properties[0].section, Section::Solid);
     assert_eq!(mesh.materials[0].name, "8");
     assert_eq!(set_ids(&mesh, "pid:3"), (1..=20).collect::<Vec<_>>());
-    assert_eq!(set(&mesh, "pid:3").elements, (0..8).collect::<Vec<_>>());
+    assert_eq!(set(&mesh, "pid:3").elements(), (0..8).collect::<Vec<_>>());
 }
 
 #[test]
@@ -271,7 +271,7 @@ CHEXA,4,3,1,2,3,4,5,6\n,7,8,0,0,0,0,0,0
         [1, 2, 3, 4, 5, 6, 7, 8, 0, 0, 0, 0, 17, 0, 0, 0, 13, 0, 0, 0]
     );
     assert_eq!(mesh.elements[3].kind, ElementKind::Hexahedron8);
-    assert!(!set(&mesh, "pid:3").nodes.contains(&u32::MAX));
+    assert!(!set(&mesh, "pid:3").nodes().contains(&u32::MAX));
 }
 
 #[test]
@@ -319,7 +319,7 @@ CTRIA6,8,1,1,2,3
             ("CTRIA6", 1, Carries::Structure),
         ]
     );
-    assert_eq!(set(&mesh, "pid:1").elements, [0, 1, 2, 3, 4, 6, 7]);
+    assert_eq!(set(&mesh, "pid:1").elements(), [0, 1, 2, 3, 4, 6, 7]);
 }
 
 #[test]

@@ -459,10 +459,10 @@ SET1,7,1,98
     ));
     assert_eq!(set_ids(&mesh, "set:1"), [1, 3, 5]);
     assert_eq!(set_ids(&mesh, "set:2"), [2, 3, 4, 5, 6]);
-    assert_eq!(set(&mesh, "set:3").elements, [1, 2]);
+    assert_eq!(set(&mesh, "set:3").elements(), [1, 2]);
     assert_eq!(set_ids(&mesh, "set:3"), [2, 3, 4, 5, 6]);
-    assert_eq!(set(&mesh, "set:4").elements, [0, 2]);
-    assert_eq!(set(&mesh, "set:5").elements, [1, 2]);
+    assert_eq!(set(&mesh, "set:4").elements(), [0, 2]);
+    assert_eq!(set(&mesh, "set:5").elements(), [1, 2]);
     assert_eq!(set_ids(&mesh, "set:6"), [1, 3, 5]);
     assert_eq!(set_ids(&mesh, "set:7"), [1]);
     assert_eq!(set_ids(&mesh, "pid:1"), [1, 2, 3, 6]);

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use eng_flexible::fe::Rules;
-use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::read::{Files, nastran::read_bulk};
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
@@ -25,7 +25,7 @@ fn request(rules: Rules, terms: Vec<Term>) -> Request {
         .map(|j| MarkerRequest {
             axes: eng_flexible::markers::MESH_AXES,
             name: format!("main[{}]", j + 1),
-            place: Place::Gathered {
+            place: MarkerPlace::Gathered {
                 nodes: Selection::Ring {
                     center: [0.013 + 0.096 * f64::from(j), 0.0, 0.0],
                     axis: [1.0, 0.0, 0.0],
@@ -205,10 +205,10 @@ fn static_modes_make_loads_at_the_journals_exact() {
 fn markers_that_are_not_there_are_told() {
     let mesh = read_bulk(&Data, "crank_m.bdf.gz").unwrap();
     let mut wrong = request(Rules::default(), vec![Term::Static(mains())]);
-    wrong.markers[2].place = Place::Node(99_999_999);
+    wrong.markers[2].place = MarkerPlace::Node(99_999_999);
     let error = reduce(mesh.clone(), &wrong).unwrap_err();
     assert_eq!(error.to_string(), "main[3]: the mesh has no node 99999999");
-    wrong.markers[2].place = Place::Gathered {
+    wrong.markers[2].place = MarkerPlace::Gathered {
         nodes: Selection::Set("JOURNAL".into()),
         tie: Spider::Averaging,
         center: None,
@@ -221,7 +221,7 @@ fn markers_that_are_not_there_are_told() {
     );
     // a bare node of a solid does not turn
     let id = mesh.nodes[0].id;
-    wrong.markers[2].place = Place::Node(id);
+    wrong.markers[2].place = MarkerPlace::Node(id);
     wrong.terms = vec![Term::Static(vec![Interface {
         marker: 2,
         components: 0b1000,

@@ -10,7 +10,7 @@ use std::io::{self, Read};
 
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::foreign::{ForeignMatrices, MatrixFile, RowOrder};
-use eng_flexible::markers::{MarkerRequest, Place};
+use eng_flexible::markers::{MarkerPlace, MarkerRequest};
 use eng_flexible::mesh::{Code, ElementKind, Mesh, Property, Section};
 use eng_flexible::read::matrix::{
     ForeignFreedoms, ForeignMatrix, MatrixFormat, read_op2_matrix, read_op4,
@@ -138,7 +138,7 @@ fn meshes() {
         markers: vec![MarkerRequest {
             axes: eng_flexible::markers::MESH_AXES,
             name: "end".into(),
-            place: Place::Node(1),
+            place: MarkerPlace::Node(1),
         }],
         terms: vec![Term::Static(vec![Interface {
             marker: 0,

@@ -8,8 +8,8 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 
 use eng_flexible::fe::{Rules, assemble};
-use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile, RowOrder, mesh_of_nodes};
-use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile, RowOrder};
+use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::mesh::{Code, Frame, Mesh};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::read::matrix::{
@@ -22,7 +22,7 @@ use eng_flexible::sparse::SymmetricMatrix;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
-use foreign_files::{Dense, Layout, Op2, dmig, format_of, op4_binary, op4_text};
+use foreign_files::{Dense, Layout, Op2, dmig, format_of, mesh_of_nodes, op4_binary, op4_text};
 
 struct Data;
 
@@ -70,7 +70,7 @@ fn request(terms: Vec<Term>) -> Request {
     let end = |name: &str, set: &str, tie: Spider| MarkerRequest {
         axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
-        place: Place::Gathered {
+        place: MarkerPlace::Gathered {
             nodes: Selection::Set(set.into()),
             tie,
             center: None,
@@ -83,7 +83,7 @@ fn request(terms: Vec<Term>) -> Request {
             MarkerRequest {
                 axes: eng_flexible::markers::MESH_AXES,
                 name: "middle".into(),
-                place: Place::Node(64),
+                place: MarkerPlace::Node(64),
             },
         ],
         terms,
@@ -530,7 +530,7 @@ fn a_body_of_nodes_alone() {
         .map(|id| MarkerRequest {
             axes: eng_flexible::markers::MESH_AXES,
             name: format!("node {id}"),
-            place: Place::Node(id),
+            place: MarkerPlace::Node(id),
         })
         .to_vec();
     let with = done(reduce(

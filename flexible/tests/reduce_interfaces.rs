@@ -3,7 +3,7 @@
 
 mod fe_meshes;
 
-use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::mesh::Mesh;
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
@@ -14,7 +14,7 @@ fn markers() -> Vec<MarkerRequest> {
     let gathered = |name: &str, nodes: Selection, tie: Spider| MarkerRequest {
         axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
-        place: Place::Gathered {
+        place: MarkerPlace::Gathered {
             nodes,
             tie,
             center: None,
@@ -44,13 +44,8 @@ fn bar() -> Mesh {
     ] {
         let nodes = fe_meshes::nodes_where(&mesh, |p| (p[0] - x).abs() < 1e-6);
         assert!(nodes.len() > 8, "{name}: {}", nodes.len());
-        mesh.sets.insert(
-            name.into(),
-            eng_flexible::mesh::Set {
-                nodes,
-                elements: vec![],
-            },
-        );
+        mesh.sets
+            .insert(name.into(), eng_flexible::mesh::Set::new(nodes, vec![]));
     }
     mesh
 }

@@ -4,7 +4,7 @@
 
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
-use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::mesh::{Code, Mesh};
 use eng_flexible::modes::normal::normal_modes;
 use eng_flexible::modes::statics::constraint_modes;
@@ -56,7 +56,7 @@ fn gathered(name: &str, tie: Spider) -> MarkerRequest {
     MarkerRequest {
         axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
-        place: Place::Gathered {
+        place: MarkerPlace::Gathered {
             nodes: Selection::Set(name.into()),
             tie,
             center: None,
@@ -263,6 +263,7 @@ fn check_craig_bampton(model: &str) {
         assert!(worst < tolerance, "{name}: {worst:e}");
     }
     let fixed = done(normal_modes(
+        None,
         &structure,
         Modes::Count(20),
         &Boundary::Fixed(rows),

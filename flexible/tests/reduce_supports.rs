@@ -3,7 +3,7 @@
 
 use eng_flexible::Files;
 use eng_flexible::fe::Rules;
-use eng_flexible::markers::{MESH_AXES, MarkerRequest, Place, Selection, Spider};
+use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::mesh::{Code, Mesh};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
@@ -41,7 +41,7 @@ fn request() -> Request {
 fn root(tie: Spider) -> MarkerRequest {
     MarkerRequest {
         name: "root".into(),
-        place: Place::Gathered {
+        place: MarkerPlace::Gathered {
             nodes: Selection::Set("ROOT".into()),
             tie,
             center: None,

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use eng_flexible::fe::Rules;
-use eng_flexible::markers::{MarkerRequest, Place};
+use eng_flexible::markers::{MarkerPlace, MarkerRequest};
 use eng_flexible::mesh::{BeamAxes, BeamSection, Mesh, PointMass, Section};
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::rotary::split_offsets;
@@ -68,7 +68,7 @@ fn reduced(offset: [f64; 3]) -> Reduced {
     let marker = |name: &str, id| MarkerRequest {
         axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
-        place: Place::Node(id),
+        place: MarkerPlace::Node(id),
     };
     let request = Request {
         rules: Rules::default(),

@@ -4,24 +4,27 @@
 use std::sync::OnceLock;
 
 use eng_flexible::fe::Rules;
-use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::mesh::{ElementKind, Set};
 use eng_flexible::reduce::{Interface, Request, Term, reduce};
 use eng_flexible::solve::Modes;
-use eng_flexible::store::{
-    FORMAT_VERSION, Key, StoreError, StoredBody, content_hash, request_text,
-};
+use eng_flexible::store::{FORMAT_VERSION, Key, StoreError, StoredBody, content_hash};
 use proptest::prelude::*;
 use sha2::{Digest, Sha256};
 
 mod fe_meshes;
 use fe_meshes::bar;
 
+/// A request as text: only equal requests have equal texts.
+fn text_of(request: &Request) -> String {
+    format!("{request:?}")
+}
+
 fn request(spider: Spider) -> Request {
     let marker = |name: &str, tie| MarkerRequest {
         axes: eng_flexible::markers::MESH_AXES,
         name: name.into(),
-        place: Place::Gathered {
+        place: MarkerPlace::Gathered {
             nodes: Selection::Set(name.into()),
             tie,
             center: None,
@@ -55,15 +58,12 @@ fn stored() -> StoredBody {
     let mut mesh = bar(ElementKind::Hexahedron8, [3, 1, 1], [0.3, 0.05, 0.04]);
     for (name, x) in [("root", 0.0), ("tip", 0.3)] {
         let nodes = fe_meshes::nodes_where(&mesh, |p| (p[0] - x).abs() < 1e-9);
-        let set = Set {
-            nodes,
-            elements: vec![],
-        };
+        let set = Set::new(nodes, vec![]);
         mesh.sets.insert(name.into(), set);
     }
     let request = request(Spider::Averaging);
     let files = [content_hash(b"a mesh")];
-    let key = Key::new(&files, &request_text(&request));
+    let key = Key::new(&files, &text_of(&request));
     let reduced = reduce(mesh, &request).unwrap();
     let provenance = vec![("mesh bar.inp".into(), "units m_kg_s".into())];
     StoredBody::new(reduced, request.rules, key, provenance)
@@ -112,7 +112,7 @@ fn what_is_written_is_read() {
 
 #[test]
 fn another_input_has_another_key() {
-    let text = request_text(&request(Spider::Averaging));
+    let text = text_of(&request(Spider::Averaging));
     let files = [content_hash(b"one"), content_hash(b"two")];
     let key = Key::new(&files, &text);
     assert_eq!(key, Key::new(&files, &text));
@@ -120,8 +120,8 @@ fn another_input_has_another_key() {
     let mut changed = request(Spider::Averaging);
     changed.damping_ratio = 0.02_f64.next_up();
     let others = [
-        Key::new(&files, &request_text(&request(Spider::Rigid))),
-        Key::new(&files, &request_text(&changed)),
+        Key::new(&files, &text_of(&request(Spider::Rigid))),
+        Key::new(&files, &text_of(&changed)),
         Key::new(&[files[1], files[0]], &text),
         Key::new(&files[..1], &text),
         Key::new(&[content_hash(b"one"), content_hash(b"twO")], &text),
@@ -231,12 +231,9 @@ proptest! {
             let recovery = eng_flexible::recover::Recovery::of_stored(&body).unwrap();
             let a = vec![0.1; recovery.modes()];
             let nodes: Vec<u32> = (0..body.mesh.nodes.len() as u32).collect();
-            let elements: Vec<u32> = (0..body.mesh.elements.len() as u32).collect();
             // a mesh that was altered may be refused, in words
             let _ = recovery.stress_at_nodes(&nodes);
-            let _ = recovery.stress_at_points(&elements);
-            let _ = recovery.element_energies(&a);
-            prop_assert!(recovery.strain_energy(&a).is_ok());
+            prop_assert!(recovery.displacements(&a).is_ok());
         }
     }
 }

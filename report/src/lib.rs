@@ -56,7 +56,14 @@
 //!     fields: Vec::new(),
 //! };
 //! let displacements = bar.displacements(1);
-//! let frame = VtkFrame { time: 0.01, pose: bar.poses[1], displacements: &displacements, stress: &[], fields: &[] };
+//! let frame = VtkFrame {
+//!     time: 0.01,
+//!     pose: bar.poses[1],
+//!     displacements: &displacements,
+//!     stress: &[],
+//!     von_mises: &[],
+//!     fields: &[],
+//! };
 //! let file = vtu(&bar.vtk(), &frame, VtkEncoding::Base64)?;
 //! assert!(file.contains("Name=\"displacement\""));
 //!

@@ -180,7 +180,9 @@ fn rms_amplitudes_and_removed_means() {
     assert!((found.amplitudes[20] - 2f64.sqrt()).abs() < 1e-10);
     assert!(found.amplitudes[0] < 1e-12);
     // Hann spreads a wave over three lines; the noise bandwidth puts them together again
-    assert!((found.rms_within(30.0, 70.0) - 2f64.sqrt()).abs() < 1e-10);
+    let squares: f64 = found.amplitudes[12..=28].iter().map(|a| a * a).sum();
+    let wave = (squares * found.step / found.noise_bandwidth()).sqrt();
+    assert!((wave - 2f64.sqrt()).abs() < 1e-10);
 }
 
 #[test]
@@ -212,7 +214,12 @@ proptest! {
     fn parseval(values in proptest::collection::vec(-100.0f64..100.0, 2..600)) {
         let found = spectrum(timed(&values, 1e-3), options(Window::Rectangular)).unwrap();
         let expected = rms(&values).unwrap();
-        let all = found.rms_within(0.0, f64::INFINITY);
+        // the lines at 0 and, of an even number of samples, at the Nyquist frequency stand for one wave, all others for two
+        let last = values.len() / 2;
+        let alone = |k: usize| k == 0 || 2 * k == values.len();
+        let square = |(k, a): (usize, &f64)| if alone(k) { a * a } else { a * a / 2.0 };
+        prop_assert_eq!(found.amplitudes.len(), last + 1);
+        let all = found.amplitudes.iter().enumerate().map(square).sum::<f64>().sqrt();
         prop_assert!((all - expected).abs() <= 1e-11 * (1.0 + expected));
     }
 }

@@ -6,7 +6,7 @@ use crate::machine::at;
 use eng_system::code::{Bound, Compiled};
 use eng_system::lint;
 use eng_system::system::{
-    BodyInertia, BodyRef, Element, FiringInfo, Location, Origin, Slot, System,
+    BodyInertia, BodyRef, Cycle, Element, FiringInfo, Location, Origin, Slot, System,
 };
 
 /// Gravity on earth (m/s²), with the usual rounded values.
@@ -428,19 +428,24 @@ fn whole_turns(system: &System, bound: &Bound) -> Option<Finding> {
     if whole >= 1.0 && (halves - whole).abs() < 1e-6 * whole {
         return None;
     }
-    Some(Finding {
+    let message = format!(
+        "the cycle repeats every {}, which are no whole turns: is its unit right?",
+        degrees(period, 5)
+    );
+    Some(wrong_period(cycle, message, Vec::new()))
+}
+
+fn wrong_period(cycle: &Cycle, message: String, decided_by: Vec<Origin>) -> Finding {
+    Finding {
         code: codes::PERIOD,
         name: lint::PERIOD.to_owned(),
         origin: cycle.origin.clone(),
-        message: format!(
-            "the cycle repeats every {}, which are no whole turns: is its unit right?",
-            degrees(period, 5)
-        ),
+        message,
         label: "its period".to_owned(),
         help: "720 deg are the cycle of a four-stroke engine, 360 deg that of a two-stroke"
             .to_owned(),
-        decided_by: Vec::new(),
-    })
+        decided_by,
+    }
 }
 
 /// Periodic tables over angles whose period does not divide the cycle.
@@ -460,25 +465,18 @@ fn periods(system: &System, bound: &Bound) -> Vec<Finding> {
             if whole >= 1.0 && (times - whole).abs() < 1e-6 * whole {
                 return None;
             }
-            Some(Finding {
-                code: codes::PERIOD,
-                name: lint::PERIOD.to_owned(),
-                origin: cycle.origin.clone(),
-                message: format!(
-                    "the cycle repeats every {}, the table `{}` every {}",
-                    deg(period),
-                    table.name(),
-                    deg(of_table)
-                ),
-                label: "its period".to_owned(),
-                help: "720 deg are the cycle of a four-stroke engine, 360 deg that of a two-stroke"
-                    .to_owned(),
-                decided_by: vec![Origin {
-                    path: table.name().to_owned(),
-                    used_at: table.stated_at(),
-                    defined_at: None,
-                }],
-            })
+            let message = format!(
+                "the cycle repeats every {}, the table `{}` every {}",
+                deg(period),
+                table.name(),
+                deg(of_table)
+            );
+            let table = Origin {
+                path: table.name().to_owned(),
+                used_at: table.stated_at(),
+                defined_at: None,
+            };
+            Some(wrong_period(cycle, message, vec![table]))
         })
         .collect()
 }

@@ -4,6 +4,7 @@ use super::PostError;
 use super::reach::limit_text;
 use super::sampling::{FEWEST, Sampled, sampled};
 use super::track::Track;
+use crate::tables::mean;
 use eng_report::signal::{
     Axis, Band, Ends, Filter, Interpolation, Sampling, Signal, Slope, Window, component,
     maximum_at, minimum, resample,
@@ -251,21 +252,4 @@ pub(super) fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostEr
                 .map_err(|e| track.refused(e))
         }
     }
-}
-
-/// Mean over time (s) by the trapezoidal rule; the value itself for a single sample.
-fn mean(time: &[f64], values: &[f64]) -> f64 {
-    let pairs = || {
-        time.iter()
-            .zip(time.iter().skip(1))
-            .zip(values.iter().zip(values.iter().skip(1)))
-    };
-    let duration: f64 = pairs().map(|((from, to), _)| to - from).sum();
-    if duration <= 0.0 {
-        return values.first().copied().unwrap_or(f64::NAN);
-    }
-    let area: f64 = pairs()
-        .map(|((from, to), (a, b))| 0.5 * (a + b) * (to - from))
-        .sum();
-    area / duration
 }

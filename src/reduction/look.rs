@@ -4,7 +4,7 @@ use super::cache::{self, Kept, Recorded};
 use super::{failed, mesh_of, reduction_failed, request, sense};
 use crate::{Sources, codes};
 use eng_flexible::FlexibleError;
-use eng_flexible::markers::{Place, select};
+use eng_flexible::markers::select;
 use eng_flexible::mesh::{Material, Mesh, SupportCards, Unread};
 use eng_flexible::reduce::{Outline, outline};
 use eng_flexible::store::Key;
@@ -178,10 +178,7 @@ fn wrong_markers(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
                 problem: format!("{}: the mesh has no node {id}", marker.name),
                 advice: "check the number; or gather nodes by a ring or a set".into(),
             },
-            _ => match request::marker(marker).place {
-                Place::Gathered { nodes, .. } => select(mesh, &marker.name, &nodes).err()?,
-                Place::Node(_) => return None,
-            },
+            MarkerPlace::Gathered { nodes, .. } => select(mesh, &marker.name, nodes).err()?,
         };
         Some(*failed(
             codes::MESH_MARKER,

@@ -2,7 +2,7 @@
 
 use eng_flexible::fe::Rules;
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
-use eng_flexible::markers::{MarkerRequest, Place, Selection, Spider};
+use eng_flexible::markers::MarkerRequest;
 use eng_flexible::read::matrix::read_modes;
 use eng_flexible::reduce::{Interface, Request, Term};
 use eng_flexible::solve::Modes;
@@ -40,7 +40,7 @@ pub(super) fn request(
             .map(|marker| *marker as usize)
             .filter(|marker| {
                 let source = source.markers.get(*marker);
-                source.is_some_and(|marker| marker.tie.is_none())
+                source.is_some_and(|marker| !marker.tied)
             })
             .collect(),
         support_of_deck: source.support_of_deck,
@@ -60,7 +60,7 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
     let markers: Vec<_> = source
         .markers
         .iter()
-        .map(|m| (&m.name, &m.place, m.tie, m.center, m.axes))
+        .map(|m| (&m.name, &m.place, m.tied, m.axes))
         .collect();
     let matrix = |m: &Option<text::MatrixSource>| {
         m.as_ref()
@@ -143,46 +143,9 @@ pub(super) fn rules(stated: Option<ElementRules>) -> Rules {
 }
 
 pub(super) fn marker(source: &text::MarkerSource) -> MarkerRequest {
-    let gathered = |nodes| Place::Gathered {
-        nodes,
-        tie: match source.tie {
-            Some(text::MarkerTie::Rigid) => Spider::Rigid,
-            _ => Spider::Averaging,
-        },
-        center: source.center,
-    };
-    let place = match &source.place {
-        text::MarkerPlace::Node(id) => Place::Node(*id),
-        text::MarkerPlace::Set(name) => gathered(Selection::Set(name.clone())),
-        text::MarkerPlace::Property(name) => gathered(Selection::Property(name.clone())),
-        text::MarkerPlace::Ring {
-            center,
-            axis,
-            radius,
-            width,
-            tolerance,
-        } => gathered(Selection::Ring {
-            center: *center,
-            axis: *axis,
-            radius: *radius,
-            width: *width,
-            tolerance: *tolerance,
-        }),
-        text::MarkerPlace::Patch {
-            center,
-            normal,
-            radius,
-            tolerance,
-        } => gathered(Selection::Patch {
-            center: *center,
-            normal: *normal,
-            radius: *radius,
-            tolerance: *tolerance,
-        }),
-    };
     MarkerRequest {
         name: source.name.clone(),
-        place,
+        place: source.place.clone(),
         axes: source.axes,
     }
 }

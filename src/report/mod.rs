@@ -4,7 +4,6 @@
 //! animations (`eng_report`), the recovery of stresses (`eng_flexible::recover`), arguments of the command.
 
 mod analyses;
-mod collapse;
 mod describe;
 mod drawn;
 mod last_cycle;

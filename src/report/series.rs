@@ -6,7 +6,8 @@ use super::stress::{self, Peak};
 use super::{Entry, ReportError, describe::Matter};
 use crate::motion::{BodyMotion, moments};
 use crate::results::{file_stem, replace_file};
-use eng_flexible::recover::{Location, Recovery};
+use eng_flexible::fe::stress::von_mises;
+use eng_flexible::recover::Recovery;
 use eng_report::animation::{
     FlexibleBody, ModeShape, NodeField, Surface, VtkEncoding, VtkFrame, VtkPart, pvd, vtu,
 };
@@ -67,14 +68,6 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
         let modal = recovery.stress_at_nodes(&nodes)?;
         let envelope = stress::peaks(stored, &nodes, &times, &own.amplitudes)?;
         let fields = envelope_of(&envelope, nodes.len());
-        let at: Vec<Option<usize>> = modal
-            .locations
-            .iter()
-            .map(|location| match location {
-                Location::Node(node) => nodes.binary_search(node).ok(),
-                Location::Point { .. } => None,
-            })
-            .collect();
         let triangles = stored
             .surface
             .triangles
@@ -103,18 +96,13 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
         for (index, time) in times.iter().enumerate().step_by(every) {
             let amplitudes = body.amplitudes.get(index).map_or(&[][..], Vec::as_slice);
             modal.stress(amplitudes, &mut found)?;
-            let mut stress = vec![[0.0; 6]; nodes.len()];
-            for (at, value) in at.iter().zip(&found) {
-                if let Some(place) = at.and_then(|at| stress.get_mut(at)) {
-                    *place = *value;
-                }
-            }
             // nodes that belong to no solid would show a stress of zero
-            let stress = if modal.locations.len() == nodes.len() {
-                stress
+            let stress = if modal.nodes.len() == nodes.len() {
+                &found[..]
             } else {
-                Vec::new()
+                &[]
             };
+            let equivalent: Vec<f64> = stress.iter().map(von_mises).collect();
             let displacements = body.displacements(index);
             let Some(pose) = body.poses.get(index) else {
                 continue;
@@ -123,7 +111,8 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
                 time: *time,
                 pose: *pose,
                 displacements: &displacements,
-                stress: &stress,
+                stress,
+                von_mises: &equivalent,
                 fields: &fields,
             };
             let name = format!(

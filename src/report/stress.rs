@@ -2,7 +2,7 @@
 //! places of its maxima.
 
 use super::ReportError;
-use eng_flexible::recover::{Envelope, Location, Recovery};
+use eng_flexible::recover::{Envelope, Recovery};
 use eng_flexible::store::StoredBody;
 use eng_report::page::{Cell, Column, Table};
 use std::collections::BTreeMap;
@@ -32,23 +32,20 @@ pub(super) fn peaks(
 ) -> Result<Vec<Peak>, ReportError> {
     let recovery = Recovery::of_stored(stored)?;
     let modal = recovery.stress_at_nodes(nodes)?;
-    let mut envelope = Envelope::new(modal.locations.len());
+    let mut envelope = Envelope::new(modal.nodes.len());
     let mut stresses = Vec::new();
     for (time, amplitudes) in times.iter().zip(amplitudes) {
         modal.stress(amplitudes, &mut stresses)?;
         envelope.update(*time, &stresses)?;
     }
     Ok(modal
-        .locations
+        .nodes
         .iter()
         .zip(envelope.von_mises.iter().zip(&envelope.time))
-        .filter_map(|(location, (stress, time))| match location {
-            Location::Node(node) => Some(Peak {
-                node: *node,
-                stress: *stress,
-                time: *time,
-            }),
-            Location::Point { .. } => None,
+        .map(|(node, (stress, time))| Peak {
+            node: *node,
+            stress: *stress,
+            time: *time,
         })
         .collect())
 }

@@ -1,7 +1,7 @@
 //! Surfaces with fewer nodes, all of them nodes of the mesh, so that places and shapes stay those of the
 //! mesh.
 
-use super::collapse::collapsed;
+use eng_report::animation::collapsed;
 use std::collections::BTreeMap;
 
 /// A surface of some nodes of a mesh.

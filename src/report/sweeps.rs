@@ -183,7 +183,7 @@ fn maps(section: Section, modes: &[Entry], family: &[&RunOutcome]) -> Section {
         };
         let largest = match wanted.draw(&runs) {
             Ok(Figure::Waterfall(drawn)) => {
-                let amplitudes = drawn.figure.map.amplitudes.iter().flatten();
+                let amplitudes = drawn.figure.map.amplitudes().iter().flatten();
                 amplitudes.copied().fold(0.0, f64::max)
             }
             // the drawing refuses it again, with the reason

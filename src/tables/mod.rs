@@ -8,7 +8,7 @@ pub(crate) mod sweep;
 
 pub(crate) use cycle::{last_cycle, shifted};
 pub use summary::{Summarised, SummaryTable};
-pub(crate) use summary::{in_words, readable};
+pub(crate) use summary::{in_words, mean, readable};
 
 use crate::significant::without_sign_of_zero;
 

@@ -54,7 +54,7 @@ impl<'m> SummaryTable<'m> {
                 Taken::Least => extreme(values, first, |a, b| a < b),
                 Taken::Largest => extreme(values, first, |a, b| a > b),
                 Taken::Mean => {
-                    let value = mean(time?.get(first..)?, values.get(first..)?)?;
+                    let value = mean(time?.get(first..)?, values.get(first..)?);
                     return value
                         .is_finite()
                         .then_some(Summarised { value, angle: None });
@@ -228,18 +228,21 @@ fn extreme(
         .reduce(|best, next| if better(next.1, best.1) { next } else { best })
 }
 
-/// Mean over time by the trapezoidal rule.
-fn mean(time: &[f64], values: &[f64]) -> Option<f64> {
-    let duration = time.last()? - time.first()?;
+/// Mean over time (s) by the trapezoidal rule; the value itself for a single sample, NaN for none.
+pub(crate) fn mean(time: &[f64], values: &[f64]) -> f64 {
+    let pairs = || {
+        time.iter()
+            .zip(time.iter().skip(1))
+            .zip(values.iter().zip(values.iter().skip(1)))
+    };
+    let duration: f64 = pairs().map(|((from, to), _)| to - from).sum();
     if duration <= 0.0 {
-        return values.first().copied();
+        return values.first().copied().unwrap_or(f64::NAN);
     }
-    let area: f64 = time
-        .windows(2)
-        .zip(values.windows(2))
-        .map(|(t, v)| 0.5 * (v[0] + v[1]) * (t[1] - t[0]))
+    let area: f64 = pairs()
+        .map(|((from, to), (a, b))| 0.5 * (a + b) * (to - from))
         .sum();
-    Some(area / duration)
+    area / duration
 }
 
 #[cfg(test)]

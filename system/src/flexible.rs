@@ -111,33 +111,47 @@ pub struct MarkerSource {
     pub name: String,
     /// Place in the text.
     pub at: Location,
-    /// Its nodes on the mesh.
+    /// Its place on the mesh.
     pub place: MarkerPlace,
-    /// The stated tie of several nodes to the marker.
-    pub tie: Option<MarkerTie>,
-    /// Stated position (m, axes of the mesh); `None`: the middle of the nodes.
-    pub center: Option<[f64; 3]>,
+    /// Whether the text states the tie of its nodes.
+    pub tied: bool,
     /// Rotation matrix marker → mesh, row-major. The columns are the directions of its freedoms.
     pub axes: [f64; 9],
 }
 
+/// The place of a marker on a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MarkerPlace {
+    /// The node of this id.
+    Node(u64),
+    /// Several nodes, tied to a centre.
+    Gathered {
+        /// The nodes.
+        nodes: Selection,
+        /// The kind of tie.
+        tie: Spider,
+        /// Position of the centre (m, axes of the mesh). `None`: the mean position of the nodes, or the middle of
+        /// a ring.
+        center: Option<[f64; 3]>,
+    },
+}
+
 /// The kind of tie between nodes and a marker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MarkerTie {
-    /// The marker follows their mean motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Spider {
+    /// The marker follows the mean motion of the nodes (least squares) and adds no stiffness: RBE3.
+    #[default]
     Averaging,
-    /// They follow the marker as a rigid piece.
+    /// The nodes follow the marker as a rigid piece: RBE2.
     Rigid,
 }
 
-/// The nodes of a marker.
+/// A selection of nodes of a mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub enum MarkerPlace {
-    /// One node.
-    Node(u64),
-    /// Nodes of a set of the file.
+pub enum Selection {
+    /// A named set of the file.
     Set(String),
-    /// Nodes on a cylinder's surface.
+    /// The nodes on a cylinder's surface.
     Ring {
         /// Middle of the axis (m).
         center: [f64; 3],
@@ -150,18 +164,18 @@ pub enum MarkerPlace {
         /// Distance from the surface within which a node counts (m).
         tolerance: f64,
     },
-    /// Nodes in a plane, within a distance of a point of it.
+    /// The nodes in a plane within a distance of one of its points.
     Patch {
-        /// A point of the plane (m).
+        /// The point (m).
         center: [f64; 3],
-        /// Its normal.
+        /// Normal of the plane.
         normal: [f64; 3],
         /// Distance from the point (m); infinite for the whole plane.
         radius: f64,
         /// Distance from the plane within which a node counts (m).
         tolerance: f64,
     },
-    /// Nodes of the elements of a property of the file.
+    /// The nodes of the elements of a property of the file.
     Property(String),
 }
 

@@ -27,6 +27,7 @@ pub mod figure;
 pub mod flexible;
 pub mod host;
 pub mod input;
+mod kinds;
 pub mod layout;
 pub mod lint;
 pub mod mesh_files;

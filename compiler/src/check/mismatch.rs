@@ -428,27 +428,16 @@ impl<'p> Checker<'p> {
         wanted: &Quantity,
         due: &Due,
     ) -> Diagnostic {
-        let found_name = self.quantity_name(found);
-        let label = if found.dim.is_one() {
-            "this is a plain number".to_owned()
-        } else {
-            format!("this is {}", with_article(&found_name))
+        let named = |quantity: &Quantity| match quantity.dim.is_one() {
+            true => "a plain number".to_owned(),
+            false => with_article(&self.quantity_name(quantity)),
         };
-        let wanted_text = if wanted.dim.is_one() {
-            "a plain number".to_owned()
-        } else {
-            with_article(&self.quantity_name(wanted))
-        };
-        let found_text = if found.dim.is_one() {
-            "a plain number".to_owned()
-        } else {
-            with_article(&found_name)
-        };
+        let (wanted_text, found_text) = (named(wanted), named(found));
         let mut message = Diagnostic::error(
             codes::DIMENSION,
             format!("{} is {wanted_text}, not {found_text}", due.what),
         )
-        .at(expr.span, label)
+        .at(expr.span, format!("this is {found_text}"))
         .with_note(format!(
             "expected {}, found {}",
             self.quantity_in_full(wanted),

@@ -32,28 +32,12 @@ use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 pub struct GeometricStiffness(Mass);
 
 impl GeometricStiffness {
-    /// Of the stresses that full displacements (m, rad; linear) make in a mesh in SI.
+    /// Of the stresses that full displacements (m, rad; linear) make in a mesh in SI, for each of several
+    /// vectors, one after the other.
     ///
     /// # Errors
     /// Displacements of another mesh, a mesh that is not sound, and one without elements that have stresses.
     pub fn of_displacements(
-        mesh: &Mesh,
-        freedoms: &FreedomMap,
-        rules: &Rules,
-        full: &[f64],
-    ) -> Result<Self, FlexibleError> {
-        let mut found = Self::of_several(mesh, freedoms, rules, full)?;
-        match (found.pop(), found.is_empty()) {
-            (Some(one), true) => Ok(one),
-            _ => Err(another_mesh()),
-        }
-    }
-
-    /// As [`GeometricStiffness::of_displacements`] for each of several full vectors, one after the other.
-    ///
-    /// # Errors
-    /// As [`GeometricStiffness::of_displacements`].
-    pub fn of_several(
         mesh: &Mesh,
         freedoms: &FreedomMap,
         rules: &Rules,

@@ -1,4 +1,4 @@
-//! Strain, stress and strain energy of solids from the displacements of their nodes.
+//! Strain and stress of solids from the displacements of their nodes.
 //!
 //! Components are in the order xx, yy, zz, xy, yz, zx, in basic axes; shear strains are engineering ones (γ =
 //! 2 ε).
@@ -224,19 +224,6 @@ impl ElementRecovery {
             })
             .collect()
     }
-
-    /// Strain energy ½ ∫ σ:ε dV (J).
-    pub fn energy(&self, displacements: &[[f64; 3]]) -> f64 {
-        self.points
-            .iter()
-            .map(|point| {
-                let strain = point.strain(displacements);
-                let stress = stress(&self.material, &strain);
-                let work: f64 = strain.iter().zip(stress).map(|(x, y)| x * y).sum();
-                0.5 * point.volume * work
-            })
-            .sum()
-    }
 }
 
 fn strain_points(
@@ -309,37 +296,16 @@ fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Stress (Pa) at each node from a full vector of displacements: integration points carried to the nodes, the
-/// mean of the elements of one material that meet there; where materials meet, those of the first element's
-/// material. `None` for nodes of no solid.
+/// Stresses (Pa) from several full vectors of displacements, one after the other, at the nodes that are
+/// `wanted`. Integration points are carried to the nodes. A node has the mean of the elements of one material
+/// that meet there; where materials meet, of the first element's material.
+///
+/// Returns whether each node of the mesh has a stress, and 6 × vectors numbers for each node (node by node,
+/// vector by vector; zero where there is none). Nodes of no solid have no stress.
 ///
 /// # Errors
 /// As [`ElementRecovery::new`]; a vector of another length.
-pub fn nodal_stress(
-    mesh: &Mesh,
-    freedoms: &FreedomMap,
-    rules: &Rules,
-    full: &[f64],
-) -> Result<Vec<Option<Components>>, FlexibleError> {
-    let all = vec![true; mesh.nodes.len()];
-    let (found, values) = nodal_stresses(mesh, freedoms, rules, full, &all)?;
-    let components = |node: usize| {
-        let mut own = [0.0; 6];
-        own.copy_from_slice(&values[6 * node..6 * node + 6]);
-        own
-    };
-    Ok((0..mesh.nodes.len())
-        .map(|node| found[node].then(|| components(node)))
-        .collect())
-}
-
-/// As [`nodal_stress`] for several full vectors, one after the other, at the nodes that are `wanted`: whether
-/// there is a stress at each node of the mesh, and 6 × vectors numbers each (node by node, vector by vector;
-/// zero where there is none).
-///
-/// # Errors
-/// As [`nodal_stress`].
-pub(crate) fn nodal_stresses(
+pub fn nodal_stresses(
     mesh: &Mesh,
     freedoms: &FreedomMap,
     rules: &Rules,

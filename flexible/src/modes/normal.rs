@@ -32,23 +32,12 @@ pub struct NormalModes {
     pub sturm: SturmCount,
 }
 
-/// Computes the lowest normal modes. `request` counts elastic modes only.
+/// Computes the lowest normal modes. `request` counts elastic modes only. `start` is an existing factor of the
+/// structure, which saves a factorisation.
 ///
 /// # Errors
 /// Those of [`lowest_modes`].
 pub fn normal_modes(
-    structure: &Structure,
-    request: Modes,
-    boundary: &Boundary,
-) -> Result<NormalModes, FlexibleError> {
-    normal_modes_from(None, structure, request, boundary)
-}
-
-/// Like [`normal_modes`], with an existing factor of the structure.
-///
-/// # Errors
-/// Those of [`lowest_modes`].
-pub fn normal_modes_from(
     start: Option<Shifted>,
     structure: &Structure,
     request: Modes,

@@ -1,7 +1,7 @@
-//! From amplitudes back to nodes: motion of nodes, stresses, strain energy, and the surface for pictures.
+//! From amplitudes back to nodes: motion of nodes, stresses, and the surface for pictures.
 //!
 //! ```text
-//! u = Φ a      σ = Σ a_k σ_k      U = ½ aᵀ k a
+//! u = Φ a      σ = Σ a_k σ_k
 //! ```
 //!
 //! σ_k is the stress of shape k, computed once. Under loads that have a static mode the stress equals that of
@@ -11,13 +11,11 @@ pub mod motion;
 pub mod stress;
 
 pub use motion::{Amplitudes, Both, FrameMotion, NodeMotion, NodeShapes};
-pub use stress::{Envelope, Location, ModalStress, principal};
+pub use stress::{Envelope, ModalStress, principal};
 
 use crate::error::FlexibleError;
-use crate::fe::stress::ElementRecovery;
 use crate::fe::{FreedomMap, Rules};
 use crate::mesh::Mesh;
-use crate::reduce::Reduced;
 use crate::store::StoredBody;
 pub use crate::surface::Surface;
 use eng_system::reduced::ReducedBody;
@@ -51,21 +49,6 @@ impl<'a> Recovery<'a> {
             shapes: &stored.shapes,
             rules: stored.rules,
             body: &stored.body,
-        }
-        .checked()
-    }
-
-    /// Recovery of a newly reduced body, with the rules of its request.
-    ///
-    /// # Errors
-    /// As [`Recovery::of_stored`].
-    pub fn of_reduced(reduced: &'a Reduced, rules: Rules) -> Result<Self, FlexibleError> {
-        Recovery {
-            mesh: &reduced.mesh,
-            freedoms: &reduced.freedoms,
-            shapes: &reduced.shapes,
-            rules,
-            body: &reduced.body,
         }
         .checked()
     }
@@ -110,33 +93,6 @@ impl<'a> Recovery<'a> {
             }
         }
         Ok(full)
-    }
-
-    /// Strain energy ½ aᵀ k a (J).
-    ///
-    /// # Errors
-    /// Another number of amplitudes than modes.
-    pub fn strain_energy(&self, a: &[f64]) -> Result<f64, FlexibleError> {
-        self.check_amplitudes(a)?;
-        let stiffness = &self.body.invariants.stiffness;
-        let rows = stiffness.chunks_exact(self.modes().max(1));
-        Ok(rows
-            .zip(a)
-            .map(|(row, x)| 0.5 * x * row.iter().zip(a).map(|(k, y)| k * y).sum::<f64>())
-            .sum())
-    }
-
-    /// Strain energy of each element (J), `None` if it is not a solid.
-    ///
-    /// # Errors
-    /// Another number of amplitudes than modes; an unsound mesh.
-    pub fn element_energies(&self, a: &[f64]) -> Result<Vec<Option<f64>>, FlexibleError> {
-        let full = self.displacements(a)?;
-        let energy = |element| {
-            let recovery = ElementRecovery::new(self.mesh, element, &self.rules)?;
-            Ok(recovery.map(|r| r.energy(&r.displacements(self.freedoms, &full))))
-        };
-        self.mesh.elements.iter().map(energy).collect()
     }
 }
 

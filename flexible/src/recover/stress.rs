@@ -3,30 +3,15 @@
 
 use super::{Recovery, check_length, wrong};
 use crate::error::FlexibleError;
-use crate::fe::stress::{Components, ElementRecovery, nodal_stresses, von_mises};
+use crate::fe::stress::{Components, nodal_stresses, von_mises};
 
-/// Where a stress is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Location {
-    /// A node, by index: integration points carried to it, the mean of the elements of one material that meet
-    /// there.
-    Node(u32),
-    /// An integration point of an element, both by index.
-    Point {
-        /// The element.
-        element: u32,
-        /// Its point.
-        point: u32,
-    },
-}
-
-/// Stresses of every mode at some places.
+/// Stresses of every mode at some nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModalStress {
-    /// Where.
-    pub locations: Vec<Location>,
+    /// The nodes, by index.
+    pub nodes: Vec<u32>,
     modes: usize,
-    /// Six components (Pa per unit of amplitude; xx, yy, zz, xy, yz, zx in body axes) by place and mode.
+    /// Six components (Pa per unit of amplitude; xx, yy, zz, xy, yz, zx in body axes) by node and mode.
     values: Vec<f64>,
 }
 
@@ -46,64 +31,25 @@ impl Recovery<'_> {
         let (found, all) =
             nodal_stresses(self.mesh, self.freedoms, &self.rules, self.shapes, &wanted)?;
         let width = 6 * self.modes();
-        let mut stress = self.no_stress();
+        let mut stress = ModalStress {
+            nodes: Vec::new(),
+            modes: self.modes(),
+            values: Vec::new(),
+        };
         for &node in nodes {
             let at = node as usize;
             if found.get(at) == Some(&true) {
-                stress.locations.push(Location::Node(node));
+                stress.nodes.push(node);
                 let own = all.get(at * width..(at + 1) * width);
                 stress.values.extend_from_slice(own.unwrap_or(&[]));
             }
         }
         Ok(stress)
     }
-
-    /// Stresses of the modes at the integration points of elements, by index. Elements that are no solids
-    /// have none.
-    ///
-    /// # Errors
-    /// An index that the mesh does not have; a mesh that is not sound.
-    pub fn stress_at_points(&self, elements: &[u32]) -> Result<ModalStress, FlexibleError> {
-        let size = self.freedoms.size().max(1);
-        let mut stress = self.no_stress();
-        for &index in elements {
-            let Some(element) = self.mesh.elements.get(index as usize) else {
-                return Err(wrong(format!("the mesh has no element of index {index}")));
-            };
-            let Some(recovery) = ElementRecovery::new(self.mesh, element, &self.rules)? else {
-                continue;
-            };
-            let by_mode: Vec<Vec<Components>> = self
-                .shapes
-                .chunks_exact(size)
-                .map(|shape| recovery.stresses(&recovery.displacements(self.freedoms, shape)))
-                .collect();
-            for point in 0..recovery.points.len() {
-                stress.locations.push(Location::Point {
-                    element: index,
-                    point: point as u32,
-                });
-                for values in &by_mode {
-                    stress
-                        .values
-                        .extend(values.get(point).copied().unwrap_or([0.0; 6]));
-                }
-            }
-        }
-        Ok(stress)
-    }
-
-    fn no_stress(&self) -> ModalStress {
-        ModalStress {
-            locations: Vec::new(),
-            modes: self.modes(),
-            values: Vec::new(),
-        }
-    }
 }
 
 impl ModalStress {
-    /// σ = Σ a_k σ_k at each place (Pa; xx, yy, zz, xy, yz, zx in body axes), written over what `out` holds.
+    /// σ = Σ a_k σ_k at each node (Pa; xx, yy, zz, xy, yz, zx in body axes), written over what `out` holds.
     ///
     /// # Errors
     /// Another number of amplitudes than modes.
@@ -111,7 +57,7 @@ impl ModalStress {
         check_length(self.modes, a)?;
         out.clear();
         if self.modes == 0 {
-            out.resize(self.locations.len(), [0.0; 6]);
+            out.resize(self.nodes.len(), [0.0; 6]);
             return Ok(());
         }
         for own in self.values.chunks_exact(6 * self.modes) {

@@ -7,7 +7,7 @@ use crate::error::FlexibleError;
 use crate::fe::Reduction;
 use crate::mesh::Mesh;
 use crate::modes::interface::Interface as Hold;
-use crate::modes::normal::normal_modes_from;
+use crate::modes::normal::normal_modes;
 use crate::modes::statics::{attachment_modes_by, constraint_modes};
 use crate::modes::{Boundary, Candidate, Load, ModeSet, Structure, given};
 use crate::solve::Shifted;
@@ -176,7 +176,7 @@ impl Candidates<'_> {
                 } else {
                     (Boundary::Fixed(rows), "fixed normal")
                 };
-                let found = normal_modes_from(factor.take(), self.structure, *modes, &boundary)
+                let found = normal_modes(factor.take(), self.structure, *modes, &boundary)
                     .map_err(|error| at_marker(error, &freedoms))?;
                 self.report.sturm.push(found.sturm);
                 let labels = (1..=found.eigenvalues.len()).map(|i| format!("{kind} {i}"));

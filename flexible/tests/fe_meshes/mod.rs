@@ -7,7 +7,8 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use eng_flexible::fe::{Reduction, Structure};
+use eng_flexible::fe::stress::{Components, ElementRecovery, nodal_stresses, stress};
+use eng_flexible::fe::{FreedomMap, Reduction, Rules, Structure};
 use eng_flexible::mesh::{
     BeamAxes, Element, ElementKind, Material, Mesh, Node, Property, Section, Support, Variant,
 };
@@ -15,6 +16,7 @@ use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::solve::{Analysis, Definiteness, Factorization};
 use eng_flexible::sparse::{SymmetricMatrix, SymmetricOperator};
 use eng_flexible::{Files, FlexibleError};
+use eng_system::reduced::ReducedBody;
 
 pub const SOLIDS: [ElementKind; 8] = [
     ElementKind::Tetrahedron4,
@@ -307,4 +309,43 @@ pub fn problem<T>(result: Result<T, FlexibleError>) -> String {
         }
         Err(other) => panic!("another error: {other}"),
     }
+}
+
+/// Stress (Pa) at each node from a full vector of displacements; `None` for nodes of no solid.
+pub fn nodal_stress(
+    mesh: &Mesh,
+    freedoms: &FreedomMap,
+    rules: &Rules,
+    full: &[f64],
+) -> Vec<Option<Components>> {
+    let all = vec![true; mesh.nodes.len()];
+    let (found, values) = nodal_stresses(mesh, freedoms, rules, full, &all).unwrap();
+    let (values, rest) = values.as_chunks::<6>();
+    assert!(rest.is_empty());
+    found
+        .iter()
+        .zip(values)
+        .map(|(found, value)| found.then_some(*value))
+        .collect()
+}
+
+/// Strain energy ½ ∫ σ:ε dV (J) of the solids, from the strains at their integration points.
+pub fn energy_of_solids(mesh: &Mesh, freedoms: &FreedomMap, rules: &Rules, full: &[f64]) -> f64 {
+    let mut energy = 0.0;
+    for element in &mesh.elements {
+        let Some(recovery) = ElementRecovery::new(mesh, element, rules).unwrap() else {
+            continue;
+        };
+        let displacements = recovery.displacements(freedoms, full);
+        for (point, strain) in recovery.points.iter().zip(recovery.strains(&displacements)) {
+            energy += 0.5 * point.volume * dot(&stress(&recovery.material, &strain), &strain);
+        }
+    }
+    energy
+}
+
+/// Strain energy ½ aᵀ k a (J) of a reduced body.
+pub fn modal_energy(body: &ReducedBody, a: &[f64]) -> f64 {
+    let rows = body.invariants.stiffness.chunks_exact(a.len());
+    rows.zip(a).map(|(row, x)| 0.5 * x * dot(row, a)).sum()
 }

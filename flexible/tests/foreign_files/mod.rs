@@ -3,8 +3,24 @@
 
 use std::io::{self, Read};
 
+use eng_flexible::mesh::{Mesh, Node};
 use eng_flexible::read::matrix::{ForeignMatrix, MatrixFormat, read_matrix};
 use eng_flexible::{FileProblem, Files, FlexibleError};
+
+/// A mesh of nodes alone, for matrices whose file gives no mesh.
+pub fn mesh_of_nodes(nodes: &[(u64, [f64; 3])]) -> Mesh {
+    Mesh {
+        nodes: nodes
+            .iter()
+            .map(|&(id, position)| Node {
+                id,
+                position,
+                frame: None,
+            })
+            .collect(),
+        ..Mesh::default()
+    }
+}
 
 /// The format that the end of a file's name stands for.
 pub fn format_of(file: &str) -> MatrixFormat {

@@ -88,7 +88,7 @@ pub fn element_ids(mesh: &Mesh, id: u64) -> Vec<u64> {
 
 /// Numbers of a set's nodes.
 pub fn set_ids(mesh: &Mesh, name: &str) -> Vec<u64> {
-    ids(mesh, &set(mesh, name).nodes)
+    ids(mesh, set(mesh, name).nodes())
 }
 
 /// A set.
@@ -153,9 +153,9 @@ pub fn is_consistent(mesh: &Mesh) {
         assert!(node.frame.is_none_or(|f| (f as usize) < mesh.frames.len()));
     }
     for set in mesh.sets.values() {
-        assert!(set.nodes.is_sorted() && set.nodes.iter().all(|n| (*n as usize) < count));
-        assert!(set.elements.is_sorted());
+        assert!(set.nodes().is_sorted() && set.nodes().iter().all(|n| (*n as usize) < count));
+        assert!(set.elements().is_sorted());
         let elements = mesh.elements.len();
-        assert!(set.elements.iter().all(|e| (*e as usize) < elements));
+        assert!(set.elements().iter().all(|e| (*e as usize) < elements));
     }
 }

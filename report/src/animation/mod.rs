@@ -3,6 +3,7 @@
 //! One set of plain data becomes a glTF file, a viewer inside a page, and files for ParaView. Lengths are
 //! metres, times seconds.
 
+mod collapse;
 mod gltf;
 mod image;
 mod packed;
@@ -12,6 +13,7 @@ mod solid;
 mod viewer;
 mod vtk;
 
+pub use collapse::collapsed;
 pub(crate) use viewer::SCRIPT;
 pub use vtk::{CellKind, VtkBody, VtkEncoding, VtkFrame, VtkPart, pvd, vtu};
 

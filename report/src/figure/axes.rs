@@ -1,11 +1,19 @@
 //! A pair of axes: the map from values to pixels, the grid, the numbers, and the data for the script of the
 //! page.
 
+use super::font::text_width;
 use super::palette::Color;
 use super::svg::{Anchor, Stroke, Svg, TextStyle, coordinate};
 use super::ticks::{self, Ticks};
 
-const NUMBER: f64 = 15.0;
+/// Width of a figure with one column of panels.
+pub(super) const WIDTH: f64 = 1200.0;
+/// Room right of the panels, wide enough for half of the last number.
+pub(super) const RIGHT: f64 = 36.0;
+/// Sizes of the names of axes, of their numbers, and of small notes.
+pub(super) const LABEL: f64 = 16.0;
+pub(super) const NUMBER: f64 = 15.0;
+pub(super) const SMALL: f64 = 13.0;
 
 /// The map from values to lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -67,6 +75,29 @@ impl Scaled {
             unit: unit.to_owned(),
             kind: "plain",
         }
+    }
+
+    /// An axis whose numbers are divided by a power of ten, and the exponent of this power for its label.
+    pub fn divided(ticks: Ticks, name: &str, unit: &str) -> (Self, i32) {
+        let exponent = ticks::exponent(ticks.range);
+        let factor = libm::pow(10.0, f64::from(exponent));
+        let numbers = ticks
+            .values
+            .iter()
+            .map(|v| ticks::number(v / factor, ticks.step / factor))
+            .collect();
+        let scaled = Scaled {
+            numbers,
+            factor,
+            ..Scaled::plain(ticks, name, unit)
+        };
+        (scaled, exponent)
+    }
+
+    /// The left edge of a panel with this vertical axis: its label and its widest number are left of it.
+    pub fn left(&self) -> f64 {
+        let widths = self.numbers.iter().map(|n| text_width(n, NUMBER, false));
+        24.0 + LABEL + 18.0 + widths.fold(0.0, f64::max) + 12.0
     }
 
     /// An axis of powers of ten, over the last `decades` below the largest value at most.
@@ -132,6 +163,14 @@ impl Area {
 
     pub fn bottom(&self) -> f64 {
         self.top + self.height
+    }
+
+    /// The names of the axes, below and left of the panel.
+    pub fn label(&self, svg: &mut Svg<'_>, below: &str, left: &str) {
+        let style = TextStyle::new(LABEL, Anchor::Middle);
+        let middle = (self.left + self.width / 2.0, self.top + self.height / 2.0);
+        svg.text(middle.0, self.bottom() + 56.0, below, style);
+        svg.text(24.0 + LABEL, middle.1, left, style.upwards());
     }
 
     /// Begins a group with the data for the script of the page. [`Svg::end_group`] ends it.

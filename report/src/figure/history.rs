@@ -1,21 +1,11 @@
 //! Curves against crank angle, time, frequency, order or speed, one panel or several above each other.
 
 use super::abscissa::{Abscissa, Second};
-use super::axes::{Area, Scale, Scaled};
-
-use super::font::text_width;
+use super::axes::{Area, LABEL, RIGHT, SMALL, Scale, Scaled, WIDTH};
 use super::legend::{curve_stroke, draw_legend, legend_rows, mark_stroke};
 use super::palette::Color;
 use super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::{decimate, ticks};
-
-const WIDTH: f64 = 1200.0;
-const TITLE: f64 = 22.0;
-const LABEL: f64 = 16.0;
-const NUMBER: f64 = 15.0;
-const SMALL: f64 = 13.0;
-/// Room right of the panels, wide enough for half of the last number.
-const RIGHT: f64 = 36.0;
 
 /// A place on the horizontal axis with a name, such as a firing dead centre: a thin line down the panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,15 +121,11 @@ impl History {
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let horizontal = self.horizontal();
         let (vertical, exponent) = self.vertical();
-        let widest = vertical
-            .numbers
-            .iter()
-            .map(|n| text_width(n, NUMBER, false))
-            .fold(0.0, f64::max);
-        let left = 24.0 + LABEL + 18.0 + widest + 12.0;
+        let left = vertical.left();
+        let width = WIDTH - left - RIGHT;
         let names = self.names();
         let meanings = self.meanings();
-        let legend = legend_rows(&names, &meanings, WIDTH - left - RIGHT);
+        let legend = legend_rows(&names, &meanings, width);
         let top = 92.0 + 26.0 * legend.len() as f64;
         let titled = self.panels.iter().any(|p| !p.title.is_empty());
         let count = self.panels.len().max(1) as f64;
@@ -151,26 +137,13 @@ impl History {
         let first = top + head + room + if titled { 30.0 } else { 0.0 };
         let bottom = first + count * panel_height + (count - 1.0) * gap;
         let mut svg = Svg::new(WIDTH, bottom + 78.0, &self.title, target);
-        svg.text_within(
-            left,
-            42.0,
-            WIDTH - left - RIGHT,
-            &self.title,
-            TextStyle::new(TITLE, Anchor::Start).bold(),
-        );
-        svg.text_within(
-            left,
-            68.0,
-            WIDTH - left - RIGHT,
-            &self.subtitle,
-            TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
-        );
+        svg.head(left, width, &self.title, &self.subtitle);
         draw_legend(&mut svg, &legend, left);
         for (index, panel) in self.panels.iter().enumerate() {
             let area = Area {
                 left,
                 top: first + index as f64 * (panel_height + gap),
-                width: WIDTH - left - RIGHT,
+                width,
                 height: panel_height,
             };
             let last = index + 1 == self.panels.len();
@@ -198,22 +171,18 @@ impl History {
             svg.end_group();
         }
         let (name, unit) = self.abscissa.name_and_unit();
-        svg.text(
-            left + (WIDTH - left - RIGHT) / 2.0,
-            bottom + 56.0,
-            &if unit.is_empty() {
-                name.to_owned()
-            } else {
-                format!("{name} ({unit})")
-            },
-            TextStyle::new(LABEL, Anchor::Middle),
-        );
-        svg.text(
-            24.0 + LABEL,
-            (first + bottom) / 2.0,
-            &self.ordinate.label(exponent),
-            TextStyle::new(LABEL, Anchor::Middle).upwards(),
-        );
+        let below = if unit.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{name} ({unit})")
+        };
+        let all = Area {
+            left,
+            top: first,
+            width,
+            height: bottom - first,
+        };
+        all.label(&mut svg, &below, &self.ordinate.label(exponent));
         svg.finish()
     }
 
@@ -243,20 +212,7 @@ impl History {
             return (Scaled::decades(low, high, 6, name, unit), 0);
         }
         let (low, high) = ticks::extent(values());
-        let ticks = ticks::rounded(low, high, 7);
-        let exponent = ticks::exponent(ticks.range);
-        let factor = libm::pow(10.0, f64::from(exponent));
-        let numbers = ticks
-            .values
-            .iter()
-            .map(|v| ticks::number(v / factor, ticks.step / factor))
-            .collect();
-        let scaled = Scaled {
-            numbers,
-            factor,
-            ..Scaled::plain(ticks, name, unit)
-        };
-        (scaled, exponent)
+        Scaled::divided(ticks::rounded(low, high, 7), name, unit)
     }
 
     /// Names of all curves in order of appearance.

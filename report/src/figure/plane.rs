@@ -6,7 +6,6 @@ use super::palette::Color;
 use super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::{decimate, ticks};
 
-const TITLE: f64 = 22.0;
 const LABEL: f64 = 15.0;
 const NUMBER: f64 = 14.0;
 const SMALL: f64 = 13.0;
@@ -94,20 +93,7 @@ impl Sheet<'_> {
         let top = 92.0 + 26.0 * key_rows as f64;
         let height = top + rows as f64 * CELL.1 + 16.0;
         let mut svg = Svg::new(width, height, self.title, target);
-        svg.text_within(
-            40.0,
-            42.0,
-            width - 80.0,
-            self.title,
-            TextStyle::new(TITLE, Anchor::Start).bold(),
-        );
-        svg.text_within(
-            40.0,
-            68.0,
-            width - 80.0,
-            self.subtitle,
-            TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
-        );
+        svg.head(40.0, width - 80.0, self.title, self.subtitle);
         for entry in &key {
             entry.draw(&mut svg);
         }

@@ -117,6 +117,9 @@ pub(crate) struct CurveTag<'a> {
     pub base: Option<f64>,
 }
 
+/// Sizes of the title of a figure and of the text below it.
+const TITLE: f64 = 22.0;
+const SUBTITLE: f64 = 14.0;
 /// Smallest size to which a text shrinks to fit.
 const SMALLEST: f64 = 9.0;
 
@@ -391,8 +394,16 @@ impl<'a> Svg<'a> {
         self.put(format_args!(">{}</text>\n", escaped(text)));
     }
 
+    /// The title of a figure and the text below it, from `left` on, each at most `width` wide.
+    pub fn head(&mut self, left: f64, width: f64, title: &str, subtitle: &str) {
+        let bold = TextStyle::new(TITLE, Anchor::Start).bold();
+        self.text_within(left, 42.0, width, title, bold);
+        let soft = TextStyle::new(SUBTITLE, Anchor::Start).soft();
+        self.text_within(left, 68.0, width, subtitle, soft);
+    }
+
     /// A text that shrinks to `width` if it is wider, down to a size that is readable.
-    pub fn text_within(&mut self, x: f64, y: f64, width: f64, text: &str, mut style: TextStyle) {
+    fn text_within(&mut self, x: f64, y: f64, width: f64, text: &str, mut style: TextStyle) {
         let wide = font::text_width(text, style.size, style.bold);
         if wide > width && wide > 0.0 {
             style.size = (style.size * width / wide).max(SMALLEST);

@@ -1,19 +1,12 @@
 //! Curves of one quantity over another one, such as pressure over volume.
 
-use super::axes::{Area, Scaled};
+use super::axes::{Area, RIGHT, Scaled, WIDTH};
 use super::history::Ordinate;
 use super::legend::{curve_stroke, draw_legend, legend_rows};
-use super::svg::{Anchor, CurveTag, Svg, Target, TextStyle};
-use super::{decimate, font::text_width, ticks};
+use super::svg::{CurveTag, Svg, Target};
+use super::{decimate, ticks};
 
-const WIDTH: f64 = 1200.0;
 const HEIGHT: f64 = 640.0;
-const TITLE: f64 = 22.0;
-const LABEL: f64 = 16.0;
-const NUMBER: f64 = 15.0;
-const SMALL: f64 = 13.0;
-/// Room right of the axes, wide enough for half of the last number.
-const RIGHT: f64 = 36.0;
 /// Points that are nearer to each other (pixels) are drawn as one.
 const NEAR: f64 = 0.3;
 
@@ -45,25 +38,6 @@ pub struct Xy {
     pub curves: Vec<XyCurve>,
 }
 
-/// The vertical axis, and the power of ten in its label.
-fn vertical(of: &Ordinate, values: impl Iterator<Item = f64>) -> (Scaled, i32) {
-    let (low, high) = ticks::extent(values);
-    let ticks = ticks::rounded(low, high, 8);
-    let exponent = ticks::exponent(ticks.range);
-    let factor = libm::pow(10.0, f64::from(exponent));
-    let numbers = ticks
-        .values
-        .iter()
-        .map(|v| ticks::number(v / factor, ticks.step / factor))
-        .collect();
-    let scaled = Scaled {
-        numbers,
-        factor,
-        ..Scaled::plain(ticks, &of.quantity, &of.unit)
-    };
-    (scaled, exponent)
-}
-
 impl Xy {
     /// The figure as SVG, 1200 pixels wide, a file of its own.
     pub fn to_svg(&self) -> String {
@@ -79,13 +53,10 @@ impl Xy {
         let (low, high) = ticks::extent(all(|curve| &curve.x));
         let ticks = ticks::rounded(low, high, 10);
         let horizontal = Scaled::plain(ticks, &self.x.quantity, &self.x.unit);
-        let (vertical, exponent) = vertical(&self.y, all(|curve| &curve.y));
-        let widest = vertical
-            .numbers
-            .iter()
-            .map(|n| text_width(n, NUMBER, false))
-            .fold(0.0, f64::max);
-        let left = 24.0 + LABEL + 18.0 + widest + 12.0;
+        let (low, high) = ticks::extent(all(|curve| &curve.y));
+        let ticks = ticks::rounded(low, high, 8);
+        let (vertical, exponent) = Scaled::divided(ticks, &self.y.quantity, &self.y.unit);
+        let left = vertical.left();
         let names: Vec<&str> = self
             .curves
             .iter()
@@ -99,10 +70,7 @@ impl Xy {
             height: HEIGHT,
         };
         let mut svg = Svg::new(WIDTH, area.bottom() + 78.0, &self.title, target);
-        let bold = TextStyle::new(TITLE, Anchor::Start).bold();
-        svg.text_within(left, 42.0, area.width, &self.title, bold);
-        let soft = TextStyle::new(SMALL + 1.0, Anchor::Start).soft();
-        svg.text_within(left, 68.0, area.width, &self.subtitle, soft);
+        svg.head(left, area.width, &self.title, &self.subtitle);
         draw_legend(&mut svg, &legend, left);
         area.begin_panel(&mut svg, &horizontal, &vertical, &[]);
         area.draw(&mut svg, &horizontal, &vertical, true);
@@ -112,18 +80,7 @@ impl Xy {
         }
         svg.end_clip();
         svg.end_group();
-        svg.text(
-            area.left + area.width / 2.0,
-            area.bottom() + 56.0,
-            &self.x.label(0),
-            TextStyle::new(LABEL, Anchor::Middle),
-        );
-        svg.text(
-            24.0 + LABEL,
-            area.top + area.height / 2.0,
-            &self.y.label(exponent),
-            TextStyle::new(LABEL, Anchor::Middle).upwards(),
-        );
+        area.label(&mut svg, &self.x.label(0), &self.y.label(exponent));
         svg.finish()
     }
 }

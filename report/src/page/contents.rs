@@ -2,46 +2,6 @@
 
 use super::table::{Cell, Column, Table};
 
-/// An input of the model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Input {
-    /// `crank.flywheel.mass`.
-    pub path: String,
-    /// Value in `unit`, or text.
-    pub value: Cell,
-    /// `kg`.
-    pub unit: String,
-    /// Its default value; empty without a default.
-    pub default: Cell,
-    /// Whether the value is the default.
-    pub is_default: bool,
-    /// Its meaning or its source.
-    pub about: String,
-}
-
-/// Inputs with their units. Values that the text does not state are marked as defaults.
-pub fn inputs_table(caption: &str, inputs: &[Input]) -> Table {
-    Table {
-        caption: caption.to_owned(),
-        columns: ["Input", "Value", "Unit", "Default", "Set by", "Meaning"]
-            .map(Column::new)
-            .to_vec(),
-        rows: inputs
-            .iter()
-            .map(|input| {
-                vec![
-                    Cell::Code(input.path.clone()),
-                    input.value.clone(),
-                    input.unit.as_str().into(),
-                    input.default.clone(),
-                    if input.is_default { "default" } else { "model" }.into(),
-                    input.about.as_str().into(),
-                ]
-            })
-            .collect(),
-    }
-}
-
 /// A mode of a flexible body, or of the system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {

@@ -7,7 +7,7 @@
 mod contents;
 mod table;
 
-pub use contents::{EnergyAudit, Input, Mode, Provenance, inputs_table, modes_table};
+pub use contents::{EnergyAudit, Mode, Provenance, modes_table};
 pub use table::{Cell, Column, Table};
 
 use crate::animation::{Animation, AnimationError, SCRIPT as VIEWER};

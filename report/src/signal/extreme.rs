@@ -26,25 +26,6 @@ pub fn rms(values: &[f64]) -> Result<f64, SignalError> {
     Ok((sum / values.len() as f64).sqrt())
 }
 
-/// Root mean square over an abscissa with any steps. It is exact for straight lines between the samples:
-/// ∫y²dx of a step h from a to b is h·(a² + ab + b²)/3.
-///
-/// # Errors
-/// Fewer than two samples, different lengths, values that are not finite, an abscissa that does not increase.
-pub fn rms_over(x: &[f64], y: &[f64]) -> Result<f64, SignalError> {
-    check_pair(x, y, 2)?;
-    let pairs = || x.windows(2).zip(y.windows(2));
-    let mut width = 0.0;
-    let mut sum = 0.0;
-    for (x, y) in pairs() {
-        if let ([x0, x1], [y0, y1]) = (x, y) {
-            width += x1 - x0;
-            sum += (x1 - x0) * (y0 * y0 + y0 * y1 + y1 * y1) / 3.0;
-        }
-    }
-    Ok((sum / width).sqrt())
-}
-
 /// The largest value and its abscissa: the top of the parabola through the first of the largest samples and
 /// its neighbours (any spacing). For a smooth signal of step h the error of the abscissa is O(h²), and that
 /// of the value O(h⁴).
@@ -63,15 +44,11 @@ pub fn minimum(x: &[f64], y: &[f64]) -> Result<Extreme, SignalError> {
     extreme(x, y, |value, best| value < best)
 }
 
-fn check_pair(x: &[f64], y: &[f64], needed: usize) -> Result<(), SignalError> {
-    check_same_length("abscissa and signal", x, y)?;
-    check_length("a signal", needed, y.len())?;
-    check_increasing("the abscissa", x)?;
-    check_finite("the signal", y)
-}
-
 fn extreme(x: &[f64], y: &[f64], better: fn(f64, f64) -> bool) -> Result<Extreme, SignalError> {
-    check_pair(x, y, 1)?;
+    check_same_length("abscissa and signal", x, y)?;
+    check_length("a signal", 1, y.len())?;
+    check_increasing("the abscissa", x)?;
+    check_finite("the signal", y)?;
     let mut sample = 0;
     let mut best = f64::NAN;
     for (index, value) in y.iter().enumerate() {
@@ -146,9 +123,6 @@ mod tests {
     #[test]
     fn root_mean_squares() {
         assert_eq!(rms(&[3.0, -4.0]).unwrap(), 12.5f64.sqrt());
-        // a ramp from 0 to 1, whatever the grid
-        let x = [0.0, 0.1, 0.7, 1.0];
-        assert!((rms_over(&x, &x).unwrap() - (1.0f64 / 3.0).sqrt()).abs() < 1e-15);
     }
 
     #[test]

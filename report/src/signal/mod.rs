@@ -17,12 +17,12 @@ mod sweep;
 mod window;
 
 pub use difference::{Difference, difference};
-pub use extreme::{Extreme, maximum_at, minimum, rms, rms_over};
+pub use extreme::{Extreme, maximum_at, minimum, rms};
 pub use filter::{Band, Ends, Filter, Slope};
 pub use harmonics::{Harmonic, harmonics};
 pub use level::Level;
 pub use order::{Component, OrderTrack, Run, RunUp, component, order_track, order_track_of_run_up};
-pub use resample::{Interpolation, resample, resample_by_angle};
+pub use resample::{Interpolation, resample};
 pub use spectrum::{
     Amplitude, Averaging, Axis, Peak, Sampling, Signal, Spectrum, SpectrumOptions, spectrum,
 };

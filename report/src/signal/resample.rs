@@ -1,8 +1,6 @@
 //! Values between the samples.
 
-use super::{
-    SignalError, check_finite, check_increasing, check_length, check_positive, check_same_length,
-};
+use super::{SignalError, check_finite, check_increasing, check_length, check_same_length};
 
 /// The interpolation between samples; its name is printed with results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,38 +115,6 @@ fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// A signal sampled by time or anything else, at uniform shaft angles: first angle (°) and values every
-/// `step` degrees. The angle must increase; it is not wrapped at 360° or 720°.
-///
-/// # Errors
-/// As [`resample`], and for a step that is not a finite number above 0 or asks for more than 10⁷ values.
-pub fn resample_by_angle(
-    angle: &[f64],
-    values: &[f64],
-    step: f64,
-    interpolation: Interpolation,
-) -> Result<(f64, Vec<f64>), SignalError> {
-    check_positive("the angle between samples", step)?;
-    check_length("resampling", 2, angle.len())?;
-    let (Some(from), Some(to)) = (angle.first(), angle.last()) else {
-        return Ok((0.0, Vec::new()));
-    };
-    // starts at a multiple of the step, so that runs share their grid
-    let first = (from / step - 1e-9).ceil();
-    let count = (to / step + 1e-9).floor() - first;
-    if count > 1e7 {
-        return Err(SignalError::Setting {
-            what: "the angle between samples",
-            range: "large enough for at most 10⁷ values",
-            value: step,
-        });
-    }
-    let grid: Vec<f64> = (0..=count.max(0.0) as usize)
-        .map(|i| (first + i as f64) * step)
-        .collect();
-    Ok((first * step, resample(angle, values, &grid, interpolation)?))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,16 +139,6 @@ mod tests {
         {
             assert!((v - parabola(*g)).abs() < 1e-14, "{g}");
         }
-    }
-
-    #[test]
-    fn angles_start_at_a_multiple_of_the_step() {
-        let angle = [0.7, 1.4, 2.6, 4.0];
-        let (first, values) =
-            resample_by_angle(&angle, &angle, 0.5, Interpolation::Linear).unwrap();
-        assert_eq!(first, 1.0);
-        assert_eq!(values.len(), 7);
-        assert!((values[6] - 4.0).abs() < 1e-12);
     }
 
     #[test]

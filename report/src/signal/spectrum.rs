@@ -264,32 +264,6 @@ impl Spectrum {
         Ok(self)
     }
 
-    /// Root mean square of the part from `from` to `to` (Hz, or orders), both ends included: the root of the
-    /// sum of the lines' mean squares over the window's noise bandwidth in bins. With a rectangular window,
-    /// the whole axis and one block it equals the signal's root mean square (Parseval).
-    pub fn rms_within(&self, from: f64, to: f64) -> f64 {
-        let last = self.amplitudes.len().saturating_sub(1);
-        let bandwidth = self.options.window.noise_bandwidth(self.block_length);
-        let slack = 1e-9 * self.step;
-        let sum: f64 = self
-            .amplitudes
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| {
-                let position = *k as f64 * self.step;
-                position >= from - slack && position <= to + slack
-            })
-            .map(|(k, amplitude)| {
-                let alone = k == 0 || (k == last && self.block_length.is_multiple_of(2));
-                match (alone, self.options.amplitude) {
-                    (false, Amplitude::ZeroToPeak) => amplitude * amplitude / 2.0,
-                    _ => amplitude * amplitude,
-                }
-            })
-            .sum();
-        (sum / bandwidth).sqrt()
-    }
-
     /// The `count` largest lines that are larger than both neighbours, the largest first; the line at 0 is
     /// none.
     pub fn peaks(&self, count: usize) -> Vec<Peak> {

@@ -1,18 +1,76 @@
 //! Spectra over speed: the numbers of waterfalls and Campbell diagrams.
 
-use super::{Axis, SignalError, Spectrum, check_finite, check_increasing, check_length};
+use super::{
+    Axis, SignalError, Spectrum, check_finite, check_increasing, check_length, check_positive,
+};
 
 /// Amplitudes over speed and frequency or order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepMap {
-    /// The axis of `positions`.
-    pub axis: Axis,
+    axis: Axis,
+    speeds: Vec<f64>,
+    positions: Vec<f64>,
+    amplitudes: Vec<Vec<f64>>,
+}
+
+impl SweepMap {
+    /// A map with a row of amplitudes for each speed (rpm), at frequencies (Hz) or orders from 0 in equal steps.
+    /// An amplitude beyond the Nyquist frequency of a run is NaN.
+    ///
+    /// # Errors
+    /// Speeds that are not finite or do not increase, a step that is not above 0, another number of rows than
+    /// speeds, rows of different lengths.
+    pub fn new(
+        axis: Axis,
+        speeds: Vec<f64>,
+        step: f64,
+        amplitudes: Vec<Vec<f64>>,
+    ) -> Result<SweepMap, SignalError> {
+        check_increasing("the speed of the runs, put in order,", &speeds)?;
+        check_positive("the step of a map", step)?;
+        let lengths = |what, left, right| match left == right {
+            true => Ok(()),
+            false => Err(SignalError::Lengths { what, left, right }),
+        };
+        lengths("speeds and rows of a map", speeds.len(), amplitudes.len())?;
+        let columns = amplitudes.first().map_or(0, Vec::len);
+        for row in &amplitudes {
+            lengths("rows of a map", columns, row.len())?;
+        }
+        Ok(SweepMap {
+            axis,
+            speeds,
+            positions: (0..columns).map(|k| k as f64 * step).collect(),
+            amplitudes,
+        })
+    }
+
+    /// The axis of the positions.
+    pub fn axis(&self) -> Axis {
+        self.axis
+    }
+
     /// Speed of each row (rpm), increasing.
-    pub speeds: Vec<f64>,
+    pub fn speeds(&self) -> &[f64] {
+        &self.speeds
+    }
+
     /// Frequency (Hz) or order of each column, from 0 in equal steps.
-    pub positions: Vec<f64>,
+    pub fn positions(&self) -> &[f64] {
+        &self.positions
+    }
+
     /// One row for each speed, one column for each position; NaN beyond a run's Nyquist frequency.
-    pub amplitudes: Vec<Vec<f64>>,
+    pub fn amplitudes(&self) -> &[Vec<f64>] {
+        &self.amplitudes
+    }
+
+    /// Replaces each amplitude by a function of it.
+    pub fn replace(&mut self, by: impl Fn(f64) -> f64) {
+        for amplitude in self.amplitudes.iter_mut().flatten() {
+            *amplitude = by(*amplitude);
+        }
+    }
 }
 
 /// Spectra as rows on one axis, whose step is the largest step of the spectra. A cell holds the largest line
@@ -28,7 +86,6 @@ pub fn sweep_map(runs: &[(f64, Spectrum)]) -> Result<SweepMap, SignalError> {
     check_finite("the speeds", &speeds)?;
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let speeds: Vec<f64> = order.iter().map(|(speed, _)| *speed).collect();
-    check_increasing("the speed of the runs, put in order,", &speeds)?;
     let axis = runs.first().map_or(Axis::Frequency, |(_, s)| s.axis);
     if let Some((index, (_, other))) = runs.iter().enumerate().find(|(_, (_, s))| s.axis != axis) {
         return Err(SignalError::Axes {
@@ -58,12 +115,7 @@ pub fn sweep_map(runs: &[(f64, Spectrum)]) -> Result<SweepMap, SignalError> {
             row
         })
         .collect();
-    Ok(SweepMap {
-        axis,
-        speeds,
-        positions: (0..columns).map(|k| k as f64 * step).collect(),
-        amplitudes,
-    })
+    SweepMap::new(axis, speeds, step, amplitudes)
 }
 
 #[cfg(test)]
@@ -85,12 +137,12 @@ mod tests {
     #[test]
     fn rows_share_the_coarsest_axis_and_keep_peaks() {
         let map = sweep_map(&[(3000.0, of(1000, 101.0)), (2000.0, of(500, 25.0))]).unwrap();
-        assert_eq!(map.speeds, [2000.0, 3000.0]);
-        assert_eq!(map.positions[1], 2.0);
-        assert_eq!(map.positions.len(), 251);
-        assert!((map.amplitudes[0][25] - 1.0).abs() < 1e-10);
+        assert_eq!(map.speeds(), [2000.0, 3000.0]);
+        assert_eq!(map.positions()[1], 2.0);
+        assert_eq!(map.positions().len(), 251);
+        assert!((map.amplitudes()[0][25] - 1.0).abs() < 1e-10);
         // 101 Hz lies between the columns of 100 and 102 Hz
-        assert!((map.amplitudes[1][51] - 1.0).abs() < 1e-10);
+        assert!((map.amplitudes()[1][51] - 1.0).abs() < 1e-10);
     }
 
     #[test]
@@ -101,5 +153,18 @@ mod tests {
             Err(SignalError::Axes { index: 1, .. })
         ));
         assert!(sweep_map(&[]).is_err());
+    }
+
+    #[test]
+    fn rows_that_fit_no_map_are_refused() {
+        let map = |speeds: &[f64], step, rows: &[&[f64]]| {
+            let rows = rows.iter().map(|row| row.to_vec()).collect();
+            SweepMap::new(Axis::Order, speeds.to_vec(), step, rows)
+        };
+        assert!(map(&[1.0, 2.0], 0.5, &[&[1.0, 2.0], &[3.0, f64::NAN]]).is_ok());
+        assert!(map(&[2.0, 1.0], 0.5, &[&[1.0], &[3.0]]).is_err());
+        assert!(map(&[1.0, 2.0], 0.0, &[&[1.0], &[3.0]]).is_err());
+        assert!(map(&[1.0, 2.0], 0.5, &[&[1.0]]).is_err());
+        assert!(map(&[1.0, 2.0], 0.5, &[&[1.0], &[3.0, 4.0]]).is_err());
     }
 }

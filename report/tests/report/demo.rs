@@ -8,8 +8,7 @@ use eng_report::figure::{
     PolarCurve, Scale, SweepFigure, Upright, Waterfall, journal_letter, spectra,
 };
 use eng_report::page::{
-    Cell, Column, EnergyAudit, Input, Mode, Page, Provenance, Section, Table, inputs_table,
-    modes_table,
+    Cell, Column, EnergyAudit, Mode, Page, Provenance, Section, Table, modes_table,
 };
 use eng_report::signal::{Level, Sampling, Signal, SpectrumOptions, Window, spectrum, sweep_map};
 
@@ -209,9 +208,7 @@ pub fn sweep(levels: bool) -> SweepFigure {
     let mut map = sweep_map(&runs).unwrap();
     let level = Level::new(1e-3, "m/s²").unwrap();
     if levels {
-        for value in map.amplitudes.iter_mut().flatten() {
-            *value = level.of(*value).max(0.0);
-        }
+        map.replace(|value| level.of(value).max(0.0));
     }
     SweepFigure {
         title: "Acceleration of journal 5 over speed".to_owned(),
@@ -430,18 +427,6 @@ fn journals() -> Table {
 }
 
 pub fn page() -> Page {
-    let input = |path: &str, value: f64, unit: &str, is_default: bool| Input {
-        path: path.to_owned(),
-        value: value.into(),
-        unit: unit.to_owned(),
-        default: if is_default {
-            value.into()
-        } else {
-            Cell::Empty
-        },
-        is_default,
-        about: "made up".to_owned(),
-    };
     let mode = |number, kind: &str, frequency| Mode {
         number,
         kind: kind.to_owned(),
@@ -482,14 +467,6 @@ pub fn page() -> Page {
                 ])
                 .warning("main[3]: smallest oil film 1.1 µm at 391 °CA, below the 1.5 µm asked for."),
         )
-        .section(Section::new("Inputs").table(inputs_table(
-            "Inputs of the model",
-            &[
-                input("crank.mass", 14.2, "kg", false),
-                input("oil.viscosity", 0.012, "Pa·s", true),
-                input("block.young", 2.1e11, "Pa", true),
-            ],
-        )))
         .section(Section::new("Modes").table(modes_table(
             "Modes of the block",
             &[

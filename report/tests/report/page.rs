@@ -10,7 +10,7 @@ fn a_whole_page_stands_alone() {
     assert_eq!(text.matches("<figure class=\"plot\"").count(), 7);
     assert_eq!(text.matches("<figure class=\"animation\"").count(), 1);
     assert_eq!(text.matches("<h1>").count(), 1);
-    assert_eq!(text.matches("<h2 ").count(), 8);
+    assert_eq!(text.matches("<h2 ").count(), 7);
     // the only addresses are names of namespaces
     let addresses = text.matches("http").count();
     let namespaces = text.matches("xmlns=\"http://www.w3.org/2000/svg\"").count();

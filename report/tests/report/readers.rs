@@ -122,6 +122,10 @@ fn meshio_and_vtk_read_the_series() {
             .iter()
             .map(|p| [p[2] * 1e9, 0.0, 0.0, 3e6, 0.0, 0.0])
             .collect();
+        let equivalent: Vec<f64> = stress
+            .iter()
+            .map(|s| (s[0] * s[0] + 3.0 * s[3] * s[3]).sqrt())
+            .collect();
         let text = vtu(
             &mesh,
             &VtkFrame {
@@ -129,6 +133,7 @@ fn meshio_and_vtk_read_the_series() {
                 pose: body.poses[frame],
                 displacements: &displacements,
                 stress: &stress,
+                von_mises: &equivalent,
                 fields: &body.fields,
             },
             encoding,

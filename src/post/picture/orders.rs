@@ -115,7 +115,7 @@ impl Drawer<'_> {
         if settings.reference.is_some() {
             with_floor(&mut figure);
         }
-        let highest = ORDERS * figure.map.speeds.last().copied().unwrap_or(0.0) / 60.0;
+        let highest = ORDERS * figure.map.speeds().last().copied().unwrap_or(0.0) / 60.0;
         let limit = match settings.axis {
             plan::Axis::Frequency => highest,
             plan::Axis::Order => ORDERS,
@@ -148,8 +148,10 @@ impl Drawer<'_> {
         let mut subtitle = vec![self.short_subtitle(&all)?, description];
         // a row is empty beyond the frequencies that its run resolves
         let filled = |row: &Vec<f64>| row.iter().take_while(|a| !a.is_nan()).count();
-        let held = map.amplitudes.iter().map(filled).min().unwrap_or(0);
-        let reach = held.checked_sub(1).and_then(|last| map.positions.get(last));
+        let held = map.amplitudes().iter().map(filled).min().unwrap_or(0);
+        let reach = held
+            .checked_sub(1)
+            .and_then(|last| map.positions().get(last));
         subtitle.extend(not_held(settings, reach.copied().unwrap_or_default()));
         Ok(SweepFigure {
             title: self.title.to_owned(),
@@ -263,7 +265,7 @@ fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Natural) -> C
 /// Raises levels (dB) to 80 dB below the largest, and the unit says so. A value that is not a number stays a
 /// gap.
 fn with_floor(figure: &mut SweepFigure) {
-    let levels = || figure.map.amplitudes.iter().flatten().copied();
+    let levels = || figure.map.amplitudes().iter().flatten().copied();
     let largest = levels()
         .filter(|l| l.is_finite())
         .fold(f64::NEG_INFINITY, f64::max);
@@ -271,11 +273,9 @@ fn with_floor(figure: &mut SweepFigure) {
         return;
     }
     let lowest = largest - DYNAMIC;
-    for level in figure.map.amplitudes.iter_mut().flatten() {
-        if *level < lowest {
-            *level = lowest;
-        }
-    }
+    // a comparison with NaN is false
+    let raised = |level| if level < lowest { lowest } else { level };
+    figure.map.replace(raised);
     figure.unit.push_str(&format!(", at least {lowest:.0}"));
 }
 

@@ -20,6 +20,7 @@ pub use periodic::Periodic;
 pub use transient::Transient;
 
 use crate::dimension::{Dimension, DisplayUnit};
+use crate::kinds::dereferences;
 use crate::place::{Location, Origin};
 
 /// The kinds that a text can name, in the order in which messages list them.
@@ -110,31 +111,7 @@ pub enum AnalysisKind {
     Static(Static),
 }
 
-impl std::ops::Deref for AnalysisKind {
-    type Target = dyn Kind;
-
-    fn deref(&self) -> &Self::Target {
-        match self {
-            AnalysisKind::Assemble(kind) => kind,
-            AnalysisKind::Transient(kind) => kind,
-            AnalysisKind::Periodic(kind) => kind,
-            AnalysisKind::Linear(kind) => kind,
-            AnalysisKind::Static(kind) => kind,
-        }
-    }
-}
-
-impl std::ops::DerefMut for AnalysisKind {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        match self {
-            AnalysisKind::Assemble(kind) => kind,
-            AnalysisKind::Transient(kind) => kind,
-            AnalysisKind::Periodic(kind) => kind,
-            AnalysisKind::Linear(kind) => kind,
-            AnalysisKind::Static(kind) => kind,
-        }
-    }
-}
+dereferences!(AnalysisKind to Kind: Assemble Transient Periodic Linear Static);
 
 /// A time or an angle of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]

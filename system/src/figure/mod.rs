@@ -26,6 +26,7 @@ pub use xy::Xy;
 
 use crate::dimension::DisplayUnit;
 use crate::expression::Expression;
+use crate::kinds::dereferences;
 
 /// The kinds that a text can name, in the order in which messages list them.
 pub const KINDS: &[FigureRow] = &[
@@ -100,19 +101,4 @@ pub enum Picture {
     Xy(Xy),
 }
 
-impl std::ops::Deref for Picture {
-    type Target = dyn Kind;
-
-    fn deref(&self) -> &Self::Target {
-        match self {
-            Picture::History(kind) => kind,
-            Picture::Spectrum(kind) => kind,
-            Picture::Orbit(kind) => kind,
-            Picture::Polar(kind) => kind,
-            Picture::OrderTrack(kind) => kind,
-            Picture::Waterfall(kind) => kind,
-            Picture::Campbell(kind) => kind,
-            Picture::Xy(kind) => kind,
-        }
-    }
-}
+dereferences!(Picture to Kind: History Spectrum Orbit Polar OrderTrack Waterfall Campbell Xy);

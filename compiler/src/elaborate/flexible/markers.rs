@@ -7,7 +7,7 @@ use super::bare_word;
 use crate::codes;
 use crate::words::{Place, argument};
 use eng_grammar::{Diagnostic, ast};
-use eng_system::flexible::{MarkerPlace, MarkerSource, MarkerTie};
+use eng_system::flexible::{MarkerPlace, MarkerSource, Selection, Spider};
 use eng_system::system::BodyRef;
 
 impl<'a> Elaborator<'a, '_> {
@@ -25,7 +25,7 @@ impl<'a> Elaborator<'a, '_> {
         let name = &declaration.name.text;
         self.instances_of(declaration, scope, &mut |e, inner, position| {
             let text = format!("{name}{}", index_text(position));
-            let (place, tie, center, axes) = e.place_on_mesh(value, inner)?;
+            let (place, tied, axes) = e.place_on_mesh(value, inner)?;
             let shape = markers.len() as u32;
             let marker = e.marker_of_mesh(
                 body,
@@ -39,8 +39,7 @@ impl<'a> Elaborator<'a, '_> {
                     name: text,
                     at: location(declaration.name.span),
                     place,
-                    tie,
-                    center,
+                    tied,
                     axes,
                 },
                 marker,
@@ -50,12 +49,12 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    #[allow(clippy::type_complexity)]
+    /// The place of a marker, whether the text states its tie, and its axes.
     pub(super) fn place_on_mesh(
         &mut self,
         value: &'a ast::Expr,
         scope: ScopeId,
-    ) -> Eval<(MarkerPlace, Option<MarkerTie>, Option<[f64; 3]>, [f64; 9])> {
+    ) -> Eval<(MarkerPlace, bool, [f64; 9])> {
         let (word, arguments) = self.worded(Place::Marker, value)?;
         let get = |name: &str| argument(word, arguments, name);
         let vector = |e: &mut Self, name: &str| -> Eval<Option<[f64; 3]>> {
@@ -86,10 +85,12 @@ impl<'a> Elaborator<'a, '_> {
             e.text_of(get(name), scope)?.ok_or(Reported)
         };
         let center = vector(self, "center")?;
-        let tie = get("tie").map(|tie| match bare_word(tie) {
-            "rigid" => MarkerTie::Rigid,
-            _ => MarkerTie::Averaging,
-        });
+        let tie = match get("tie").map(bare_word) {
+            Some("rigid") => Spider::Rigid,
+            _ => Spider::Averaging,
+        };
+        // a ring or a patch states its middle; that of a set is the mean of its nodes unless stated
+        let gathered = |nodes| MarkerPlace::Gathered { nodes, tie, center };
         let place = match word.word {
             "node" => {
                 let id = self.checked(get("id"), value.span, "a node without its number")?;
@@ -107,11 +108,11 @@ impl<'a> Elaborator<'a, '_> {
                     }
                 }
             }
-            "set" => MarkerPlace::Set(text(self, "name")?),
-            "property" => MarkerPlace::Property(text(self, "name")?),
+            "set" => gathered(Selection::Set(text(self, "name")?)),
+            "property" => gathered(Selection::Property(text(self, "name")?)),
             "ring" => {
                 let radius = positive(self, "radius")?;
-                MarkerPlace::Ring {
+                gathered(Selection::Ring {
                     center: center.unwrap_or_default(),
                     axis: axis(self, "axis")?,
                     radius,
@@ -119,29 +120,24 @@ impl<'a> Elaborator<'a, '_> {
                     // only chords of coarse facets are inside the surface by some per cent; nodes are on the
                     // surface itself
                     tolerance: length(self, "tolerance")?.unwrap_or(1e-3 * radius),
-                }
+                })
             }
             "patch" => {
                 let radius = positive(self, "radius")?;
-                MarkerPlace::Patch {
+                gathered(Selection::Patch {
                     center: center.unwrap_or_default(),
                     normal: axis(self, "normal")?,
                     radius,
                     tolerance: length(self, "tolerance")?.unwrap_or(1e-3 * radius),
-                }
+                })
             }
-            "plane" => MarkerPlace::Patch {
+            "plane" => gathered(Selection::Patch {
                 center: vector(self, "point")?.unwrap_or_default(),
                 normal: axis(self, "normal")?,
                 radius: f64::INFINITY,
                 tolerance: length(self, "tolerance")?.unwrap_or(1e-6),
-            },
+            }),
             _ => return self.checked(None, value.span, "no place on a mesh"),
-        };
-        // a ring or a patch states its middle; that of a set is the mean of its nodes unless stated
-        let center = match word.word {
-            "set" | "property" | "plane" | "ring" | "patch" => center,
-            _ => None,
         };
         let x = get("x").map(|x| self.direction(x, scope)).transpose()?;
         let z = get("z").map(|z| self.direction(z, scope)).transpose()?;
@@ -163,6 +159,6 @@ impl<'a> Elaborator<'a, '_> {
                 }
             };
         }
-        Ok((place, tie, center, axes))
+        Ok((place, get("tie").is_some(), axes))
     }
 }

@@ -103,26 +103,18 @@ pub(super) fn sets(model: &Model) -> BTreeMap<String, Set> {
     for placed in &model.places {
         let mut own: BTreeMap<String, (String, Set)> = BTreeMap::new();
         for (name, (written, rows)) in &placed.element_sets {
-            let set = Set {
-                nodes: model.nodes_of_rows(rows),
-                elements: elements(model, rows),
-            };
+            let set = Set::new(model.nodes_of_rows(rows), elements(model, rows));
             own.insert(name.clone(), (written.clone(), set));
         }
         for (name, (written, nodes)) in &placed.node_sets {
             let entry = own
                 .entry(name.clone())
                 .or_insert_with(|| (written.clone(), Set::default()));
-            entry.1.nodes.clone_from(nodes);
+            entry.1 = Set::new(nodes.clone(), entry.1.elements().to_vec());
         }
         for (name, (written, surface)) in &placed.surfaces {
-            let mut nodes = surface.iter().map(|(node, _)| *node).collect::<Vec<_>>();
-            nodes.sort_unstable();
-            nodes.dedup();
-            let set = Set {
-                nodes,
-                elements: Vec::new(),
-            };
+            let nodes = surface.iter().map(|(node, _)| *node).collect();
+            let set = Set::new(nodes, Vec::new());
             if !own.contains_key(name) {
                 own.insert(name.clone(), (written.clone(), set.clone()));
             }
@@ -160,23 +152,14 @@ pub(super) fn sets(model: &Model) -> BTreeMap<String, Set> {
 }
 
 fn whole(model: &Model, placed: &Placed) -> Set {
-    let mut nodes = placed.nodes.indices().collect::<Vec<_>>();
-    nodes.sort_unstable();
-    let mut rows = placed.elements.indices().collect::<Vec<_>>();
-    rows.sort_unstable();
-    Set {
-        nodes,
-        elements: elements(model, &rows),
-    }
+    let rows: Vec<u32> = placed.elements.indices().collect();
+    Set::new(placed.nodes.indices().collect(), elements(model, &rows))
 }
 
-/// Elements of the mesh made from rows, sorted.
+/// Elements of the mesh made from rows.
 fn elements(model: &Model, rows: &[u32]) -> Vec<u32> {
-    let mut elements = rows
-        .iter()
+    rows.iter()
         .filter_map(|row| model.rows.get(*row as usize))
         .flat_map(|row| row.elements.0..row.elements.0 + row.elements.1)
-        .collect::<Vec<_>>();
-    elements.sort_unstable();
-    elements
+        .collect()
 }

@@ -22,7 +22,8 @@ pub(super) struct Content {
     /// The mesh so far.
     pub mesh: Mesh,
     labels: Option<Labels>,
-    sets: BTreeMap<Group, Set>,
+    /// Nodes and elements of the groups.
+    sets: BTreeMap<Group, (Vec<u32>, Vec<u32>)>,
     /// Properties by the first group.
     properties: Once<Option<i64>, Property>,
     /// Volumes by their nodes, for files that repeat an element for each of its groups.
@@ -94,7 +95,7 @@ impl Content {
         if kind.dimension < 3 {
             for group in groups {
                 let set = self.sets.entry((kind.dimension, *group)).or_default();
-                set.nodes.extend(&nodes);
+                set.0.extend(&nodes);
             }
             self.lower
                 .get_or_insert_with(|| Unread {
@@ -123,11 +124,7 @@ impl Content {
             _ => self.volume(stream, tag, kind, groups, nodes, repeated)?,
         };
         for group in groups {
-            self.sets
-                .entry((3, *group))
-                .or_default()
-                .elements
-                .push(index);
+            self.sets.entry((3, *group)).or_default().1.push(index);
         }
         Ok(())
     }
@@ -193,8 +190,9 @@ impl Content {
         let mut sets: BTreeMap<String, Set> = BTreeMap::new();
         let mut used = self.sets.keys().copied().collect::<Vec<_>>();
         used.extend(self.names.keys());
-        for ((dimension, tag), mut set) in std::mem::take(&mut self.sets) {
-            set.nodes.extend(self.mesh.nodes_of_all(&set.elements));
+        for ((dimension, tag), (mut nodes, elements)) in std::mem::take(&mut self.sets) {
+            nodes.extend(self.mesh.nodes_of_all(&elements));
+            let set = Set::new(nodes, elements);
             let shared = used
                 .iter()
                 .any(|(other, same)| *same == tag && *other != dimension);
@@ -206,12 +204,8 @@ impl Content {
             let name = self.names.get(&(dimension, tag)).cloned();
             for name in name.into_iter().chain([number]) {
                 let into = sets.entry(name).or_default();
-                into.nodes.extend(&set.nodes);
-                into.elements.extend(&set.elements);
+                *into = std::mem::take(into).joined(&set);
             }
-        }
-        for set in sets.values_mut() {
-            set.sort();
         }
         self.mesh.sets = sets;
         self.mesh.properties = self.properties.all;

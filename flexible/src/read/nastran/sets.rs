@@ -62,26 +62,24 @@ impl Sets {
         }
         let numbers = Labels::new(numbers);
         for (property, members) in &of_property {
-            let mut set = Set::default();
-            set.elements.clone_from(members);
-            set.nodes = mesh.nodes_of_all(members);
+            let set = Set::new(mesh.nodes_of_all(members), members.clone());
             sets.insert(format!("pid:{property}"), set);
         }
         for (id, kind, ids, at) in &self.cards {
-            let mut set = Set::default();
+            let (mut nodes, mut elements) = (Vec::new(), Vec::new());
             let (grids, no_grids) = lookup.existing(ids);
             let (members, no_elements) = existing(&numbers, ids);
             let lacking = match kind {
                 Kind::Either if grids.is_empty() => {
-                    set.elements = members;
+                    elements = members;
                     no_elements
                 }
                 Kind::Either | Kind::Grids => {
-                    set.nodes = grids;
+                    nodes = grids;
                     no_grids
                 }
                 Kind::Elements => {
-                    set.elements = members;
+                    elements = members;
                     no_elements
                 }
                 Kind::Properties => {
@@ -94,7 +92,7 @@ impl Sets {
                     let found = found.into_iter().collect::<BTreeSet<u32>>();
                     for (i, members) in of_property.values().enumerate() {
                         if found.contains(&(i as u32)) {
-                            set.elements.extend(members);
+                            elements.extend(members);
                         }
                     }
                     lacking
@@ -103,13 +101,11 @@ impl Sets {
             if lacking > 0 {
                 unread.note("SET members that are missing", at, Carries::Nothing);
             }
-            if !set.elements.is_empty() {
-                set.nodes = mesh.nodes_of_all(&set.elements);
+            if !elements.is_empty() {
+                nodes = mesh.nodes_of_all(&elements);
             }
             let into = sets.entry(format!("set:{id}")).or_default();
-            into.nodes.extend(set.nodes);
-            into.elements.extend(set.elements);
-            into.sort();
+            *into = std::mem::take(into).joined(&Set::new(nodes, elements));
         }
         sets
     }

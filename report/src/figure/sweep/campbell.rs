@@ -1,12 +1,12 @@
 //! Colours over speed and frequency, with the lines of orders and of natural frequencies.
 
-use super::super::axes::{Area, Scaled};
+use super::super::axes::{Area, LABEL, SMALL, Scaled, WIDTH};
 use super::super::font::text_width;
 use super::super::palette::{Color, LEVEL_COUNT};
 use super::super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::super::ticks;
+use super::SweepFigure;
 use super::cells::{Cells, draw_cells, edges};
-use super::{LABEL, SMALL, SweepFigure, WIDTH};
 use crate::signal::Axis;
 
 /// Colours over speed and frequency, with the lines of orders and of natural frequencies.
@@ -43,7 +43,7 @@ impl Campbell {
         };
         let mut svg = Svg::new(WIDTH, area.bottom() + 78.0, &figure.title, target);
         figure.head(&mut svg, area.left);
-        let edges = edges(&map.speeds);
+        let edges = edges(map.speeds());
         let (from, to) = match (edges.first(), edges.last()) {
             (Some(from), Some(to)) => (*from, *to),
             _ => (0.0, 1.0),
@@ -66,18 +66,7 @@ impl Campbell {
         self.draw_modes(&mut svg, &area, (&x, &y));
         svg.end_group();
         draw_levels(&mut svg, &area, &levels, &figure.value_label());
-        svg.text(
-            area.left + area.width / 2.0,
-            area.bottom() + 56.0,
-            "Speed (rpm)",
-            TextStyle::new(LABEL, Anchor::Middle),
-        );
-        svg.text(
-            40.0,
-            area.top + area.height / 2.0,
-            &format!("{name} ({unit})"),
-            TextStyle::new(LABEL, Anchor::Middle).upwards(),
-        );
+        area.label(&mut svg, "Speed (rpm)", &format!("{name} ({unit})"));
         svg.finish()
     }
 
@@ -90,7 +79,7 @@ impl Campbell {
         let (from, to) = x.ticks.range;
         let top = y.ticks.range.1;
         for order in &self.orders {
-            let at = |speed: f64| match self.figure.map.axis {
+            let at = |speed: f64| match self.figure.map.axis() {
                 Axis::Frequency => order * speed / 60.0,
                 Axis::Order => *order,
             };
@@ -134,7 +123,7 @@ impl Campbell {
     }
 
     fn draw_natural_frequencies(&self, svg: &mut Svg<'_>, area: &Area, y: &Scaled) {
-        if self.figure.map.axis != Axis::Frequency {
+        if self.figure.map.axis() != Axis::Frequency {
             return;
         }
         let mut named = f64::INFINITY;
@@ -169,7 +158,7 @@ impl Campbell {
 
     fn draw_modes(&self, svg: &mut Svg<'_>, area: &Area, (x, y): (&Scaled, &Scaled)) {
         for (speed, frequency) in &self.modes {
-            let place = match self.figure.map.axis {
+            let place = match self.figure.map.axis() {
                 Axis::Frequency => *frequency,
                 Axis::Order => frequency * 60.0 / speed,
             };

@@ -21,21 +21,21 @@ pub(super) struct Cells {
 
 impl Cells {
     pub fn new(map: &SweepMap, reach: f64) -> Cells {
-        let step = match map.positions.as_slice() {
+        let step = match map.positions() {
             [first, second, ..] => second - first,
             _ => 1.0,
         };
         let count = map
-            .positions
+            .positions()
             .iter()
             .take_while(|p| **p <= reach * (1.0 + 1e-9))
             .count();
         let merged = count.div_ceil(ROWS).max(1);
         let values = map
-            .amplitudes
+            .amplitudes()
             .iter()
             .map(|row| {
-                row.get(..count.min(row.len()))
+                row.get(..count)
                     .unwrap_or_default()
                     .chunks(merged)
                     .map(|chunk| {
@@ -66,7 +66,7 @@ impl Cells {
             .flat_map(|v| (*v as f32).to_le_bytes())
             .collect();
         let edges: Vec<String> = edges.iter().map(|e| format!("{e}")).collect();
-        let speeds: Vec<String> = figure.map.speeds.iter().map(|s| format!("{s}")).collect();
+        let speeds: Vec<String> = figure.map.speeds().iter().map(|s| format!("{s}")).collect();
         vec![
             ("data-map", base64(&bytes)),
             ("data-map-rows", rows.to_string()),

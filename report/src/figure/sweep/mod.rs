@@ -7,13 +7,9 @@ mod waterfall;
 pub use campbell::Campbell;
 pub use waterfall::Waterfall;
 
-use super::svg::{Anchor, Svg, TextStyle};
+use super::axes::{RIGHT, WIDTH};
+use super::svg::Svg;
 use crate::signal::{Axis, SweepMap};
-
-const WIDTH: f64 = 1200.0;
-const TITLE: f64 = 22.0;
-const LABEL: f64 = 16.0;
-const SMALL: f64 = 13.0;
 
 /// The data that both diagrams have.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +32,7 @@ pub struct SweepFigure {
 
 impl SweepFigure {
     pub(super) fn axis_name(&self) -> (&'static str, &'static str) {
-        match self.map.axis {
+        match self.map.axis() {
             Axis::Frequency => ("Frequency", "Hz"),
             Axis::Order => ("Order", "cycles a revolution"),
         }
@@ -52,25 +48,12 @@ impl SweepFigure {
     }
 
     pub(super) fn reach(&self) -> f64 {
-        let end = self.map.positions.last().copied().unwrap_or(1.0);
+        let end = self.map.positions().last().copied().unwrap_or(1.0);
         self.limit.map_or(end, |limit| limit.min(end))
     }
 
     pub(super) fn head(&self, svg: &mut Svg<'_>, left: f64) {
-        svg.text_within(
-            left,
-            42.0,
-            WIDTH - left - 36.0,
-            &self.title,
-            TextStyle::new(TITLE, Anchor::Start).bold(),
-        );
-        svg.text_within(
-            left,
-            68.0,
-            WIDTH - left - 36.0,
-            &self.subtitle,
-            TextStyle::new(SMALL + 1.0, Anchor::Start).soft(),
-        );
+        svg.head(left, WIDTH - left - RIGHT, &self.title, &self.subtitle);
     }
 }
 
@@ -78,35 +61,25 @@ impl SweepFigure {
 mod tests {
     use super::*;
 
+    /// Half an order is large, all other lines are small; 1 Hz from line to line.
+    fn map(speeds: &[f64], lines: u32) -> SweepMap {
+        let line = |speed: f64, at: u32| match (f64::from(at) - speed / 30.0).abs() < 0.5 {
+            true => 7.0,
+            false => 0.1,
+        };
+        let row = |speed: &f64| (0..lines).map(|at| line(*speed, at)).collect();
+        let rows = speeds.iter().map(row).collect();
+        SweepMap::new(Axis::Frequency, speeds.to_vec(), 1.0, rows).unwrap()
+    }
+
     pub(super) fn figure() -> SweepFigure {
-        let positions: Vec<f64> = (0..2000).map(f64::from).collect();
-        let speeds = vec![1000.0, 1500.0, 2500.0];
         SweepFigure {
             title: "Run-up <1>".to_owned(),
             subtitle: String::new(),
             quantity: "Acceleration x".to_owned(),
             unit: "m/s²".to_owned(),
             frame: "block".to_owned(),
-            map: SweepMap {
-                axis: Axis::Frequency,
-                amplitudes: speeds
-                    .iter()
-                    .map(|speed| {
-                        positions
-                            .iter()
-                            .map(|p| {
-                                if (p - speed / 30.0).abs() < 0.5 {
-                                    7.0
-                                } else {
-                                    0.1
-                                }
-                            })
-                            .collect()
-                    })
-                    .collect(),
-                positions,
-                speeds,
-            },
+            map: map(&[1000.0, 1500.0, 2500.0], 2000),
             limit: None,
         }
     }
@@ -128,11 +101,9 @@ mod tests {
         assert!(svg.contains("Acceleration x (m/s²), axes of block"));
         let waterfall = |figure| Waterfall { figure }.to_svg();
         assert_eq!(waterfall(figure.clone()).matches("<polyline").count(), 3);
-        figure.map.amplitudes[0][3] = f64::NAN;
+        figure.map.replace(|x| if x > 1.0 { f64::NAN } else { x });
         assert!(!waterfall(figure.clone()).contains("NaN"));
-        figure.map.speeds.clear();
-        figure.map.amplitudes.clear();
-        figure.map.positions.clear();
+        figure.map = map(&[], 0);
         let empty = Campbell {
             figure: figure.clone(),
             ..campbell

@@ -1,10 +1,10 @@
 //! Spectra one behind the other.
 
-use super::super::axes::{Area, Scaled};
+use super::super::axes::{Area, SMALL, Scaled, WIDTH};
 use super::super::palette::Color;
 use super::super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::super::{decimate, ticks};
-use super::{LABEL, SMALL, SweepFigure, WIDTH};
+use super::SweepFigure;
 
 /// Spectra one behind the other, the highest speed at the back.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,19 +27,19 @@ impl Waterfall {
         let figure = &self.figure;
         let map = &figure.map;
         let left = 116.0;
-        let spacing = (460.0 / map.speeds.len().max(1) as f64).clamp(6.0, 46.0);
+        let spacing = (460.0 / map.speeds().len().max(1) as f64).clamp(6.0, 46.0);
         let rise = (spacing * 6.0).clamp(90.0, 220.0);
         let area = Area {
             left,
             top: 116.0,
             width: WIDTH - left - 96.0,
-            height: rise + spacing * map.speeds.len().max(1) as f64,
+            height: rise + spacing * map.speeds().len().max(1) as f64,
         };
         let mut svg = Svg::new(WIDTH, area.bottom() + 78.0, &figure.title, target);
         figure.head(&mut svg, left);
         let (name, unit) = figure.axis_name();
         let x = Scaled::plain(ticks::inside(0.0, figure.reach(), 10), name, unit);
-        let (low, high) = ticks::extent(map.amplitudes.iter().flatten().copied());
+        let (low, high) = ticks::extent(map.amplitudes().iter().flatten().copied());
         // levels count from the lowest, amplitudes from 0
         let low = if low < 0.0 { low } else { 0.0 };
         let ticks = ticks::rounded(low, high, 2);
@@ -72,16 +72,21 @@ impl Waterfall {
         );
         area.draw(&mut svg, &x, &y, true);
         svg.begin_clip(area.left, area.top, area.width, area.height);
-        let rows: Vec<_> = map.speeds.iter().zip(&map.amplitudes).enumerate().collect();
+        let rows: Vec<_> = map
+            .speeds()
+            .iter()
+            .zip(map.amplitudes())
+            .enumerate()
+            .collect();
         for (row, (speed, amplitudes)) in rows.iter().rev() {
             let base = front - *row as f64 * spacing;
             let inside = map
-                .positions
+                .positions()
                 .iter()
                 .take_while(|p| **p <= x.ticks.range.1 * (1.0 + 1e-9))
                 .count();
             let (positions, amplitudes) = (
-                map.positions.get(..inside).unwrap_or_default(),
+                map.positions().get(..inside).unwrap_or_default(),
                 amplitudes.get(..inside).unwrap_or_default(),
             );
             for run in decimate::runs(positions, amplitudes, x.ticks.range, area.width as usize) {
@@ -140,18 +145,7 @@ fn draw_labels(svg: &mut Svg<'_>, area: &Area, (name, unit): (&str, &str), value
         &format!("upwards from each line: {}", value),
         TextStyle::new(SMALL + 1.0, Anchor::End),
     );
-    svg.text(
-        area.left + area.width / 2.0,
-        area.bottom() + 56.0,
-        &format!("{name} ({unit})"),
-        TextStyle::new(LABEL, Anchor::Middle),
-    );
-    svg.text(
-        40.0,
-        area.top + area.height / 2.0,
-        "Speed (rpm)",
-        TextStyle::new(LABEL, Anchor::Middle).upwards(),
-    );
+    area.label(svg, &format!("{name} ({unit})"), "Speed (rpm)");
 }
 
 /// A bar as long as one step of the amplitudes.

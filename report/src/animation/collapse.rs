@@ -5,6 +5,7 @@
 //! it, weighted by their areas (m⁴): M. Garland, P. Heckbert, "Surface simplification using quadric error
 //! metrics", SIGGRAPH 1997. The end that stays does not move, so that it is still a node of the mesh.
 
+use super::quaternion::{cross, dot, minus};
 use std::cmp::Ordering;
 use std::collections::{BTreeSet, BinaryHeap};
 
@@ -17,22 +18,6 @@ const RIM: f64 = 10.0;
 const TURN: f64 = 0.3;
 
 type Vector = [f64; 3];
-
-fn minus(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
 
 /// Sum of w (n·x + d)² over planes: the six of n nᵀ, three of n d, d².
 #[derive(Clone, Copy, Default)]
@@ -214,7 +199,7 @@ impl Surface<'_> {
 /// For each of `places` the place that represents it, which is the place itself if it remains. At most `most`
 /// places remain, or as few as the surface allows. Triangles hold indices of `places`. Triangles with other
 /// indices, or with one index twice, are left out.
-pub(super) fn collapsed(places: &[Vector], triangles: &[[usize; 3]], most: usize) -> Vec<usize> {
+pub fn collapsed(places: &[Vector], triangles: &[[usize; 3]], most: usize) -> Vec<usize> {
     let mut surface = Surface {
         places,
         triangles: triangles
