@@ -40,7 +40,7 @@ eng_grammar::codes! {
     NO_STEP = "E0709", "a step has no solution, however small",
         "The equations jump or are very stiff at this moment: a force with `if` that jumps, a mechanism at the end of its reach. Make the force continuous, or look at the outputs just before that moment.",
         "", "";
-    STEP_TOO_SMALL = "E0710", "the step falls below what numbers resolve",
+    STEP_TOO_SMALL = "E0710", "the step falls below the resolution of numbers",
         "The motion is not smooth at this moment: a force or the rate of a state jumps or grows without bound. Make the force or rate continuous. The message names the body or the state whose error needs the small step.",
         "", "";
     REQUIRED = "E0711", "a `require` fails during the run",

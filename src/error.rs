@@ -92,7 +92,7 @@ pub enum Error {
     OtherModel,
     /// A parameter that the analysis itself varies.
     #[error(
-        "{path} is what {analysis} varies from point to point: it can't be set to one value; leave it, or run another analysis"
+        "{analysis} varies {path} from point to point, so it can't be set to one value; leave it, or run another analysis"
     )]
     Swept {
         /// The parameter.

@@ -1,4 +1,4 @@
-//! The parts of a model in words: what a path is, where its text is, and the numbers that it has.
+//! The parts of a model in words: the kind of a path, the place of its text, and its numbers.
 
 use crate::counted::counted;
 use crate::machine::at;

@@ -39,7 +39,7 @@ pub(crate) fn damped(damped: &Damped, analysis: &Origin) -> Diagnostic {
         None => message,
     };
     message
-        .with_note("the amplitude of this vibration and the forces of the stiffness behind it are wrong; motions that the steps follow are not")
+        .with_note("the amplitude of this vibration and the forces of the stiffness behind it are wrong; motions that are slow beside the steps are right")
         .with_help("take a smaller `step` or `tolerance`, give that stiffness damping, or begin where its forces are in balance: `start: quasi_static`")
 }
 
@@ -132,9 +132,9 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help(UNJUMPED),
         R::Stopped(slow) => paced(d(codes::STOPPED), &slow.pace),
         R::TurnsTooFar { origin, step, degrees, .. } => place(d(codes::OPTIONS), origin, "turns this fast")
-            .with_help(format!("state a `step` below {} s, or none: then the error decides", significant(step * 90.0 / degrees, 2))),
+            .with_help(format!("state a `step` below {} s, or none: then error control chooses the steps", significant(step * 90.0 / degrees, 2))),
         R::Astray { origin, .. } => place(d(codes::ASTRAY), origin, "moves away ever faster")
-            .with_help("a force drives it on: look at the signs of the forces on this body and at the units of what they read"),
+            .with_help("a force accelerates it: check the signs of the forces on this body and the units of their arguments"),
         R::Require { origin, value, dimension, .. } => {
             condition(d(codes::REQUIRED), origin, "this must hold at every step")
                 .with_note(format!("it is missed by {}", eng_runtime::error::gap(-value, *dimension)))
@@ -157,7 +157,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             };
             message.with_help(match why {
                 NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and loads that depend on time; begin nearer to the steady motion with `after:`, a longer one or with a finer tolerance",
-                NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let what rings at the start die out with `after:`; a shorter `step` follows faster swings",
+                NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let the ringing of the start die out with `after:`; a shorter `step` follows faster swings",
             })
         }
         R::NoEquilibrium { origin, carried, turning, films, .. } => {
@@ -172,7 +172,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
                 place(message, &group.redundant.origin, "repeats others at this position")
             });
-            message.with_help("the mechanism is stretched, locks or can go on in two ways there: start a few degrees away, or keep it from getting there")
+            message.with_help("the mechanism is stretched, locks or can continue in two ways there: start a few degrees away, or keep it away from there")
         }
         R::Singular { massless, .. } => {
             let message = massless.iter().take(3).fold(d(codes::SINGULAR), |message, body| {
@@ -204,7 +204,7 @@ fn no_equilibrium(message: Diagnostic, carried: f64, turning: bool, films: bool)
             .with_note("at rest the film of a journal carries nothing")
             .with_help("`turning: true` takes the motion that the text states, in which films carry; else let a joint or a spring hold the pins"),
         (false, false) => message.with_help(
-            "let a joint, a spring or a drive hold what is free; `at:` with an angle holds the cycle; a `guess` nearer to the equilibrium helps the search",
+            "hold the free motion by a joint, a spring or a drive; `at:` with an angle holds the cycle; a `guess` nearer to the equilibrium helps the search",
         ),
         (true, _) => message.with_help(
             "state the speeds by `start` or by drives, and load the model less; a `guess` nearer to the equilibrium helps the search",
@@ -268,7 +268,7 @@ pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Di
 /// Adds the cause of the short steps and the remedy.
 fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
     match pace {
-        Pace::Stated => message.with_help("take a longer `step`, or none: then the error decides"),
+        Pace::Stated => message.with_help("take a longer `step`, or none: then error control chooses the steps"),
         Pace::Longest => message.with_help("no step is longer than the distance of samples: take a longer `sample`"),
         Pace::Jump(jump) => place(message, &jump.origin, "jumps").with_help(UNJUMPED),
         Pace::Error { origin, .. } => place(message, origin, "its motion asks for these steps")
@@ -285,9 +285,9 @@ fn outside_table(message: Diagnostic, outside: &Outside) -> Diagnostic {
         None => message,
     };
     message.with_help(match &outside.of {
-        None => "state points further, or `periodic:`, or what holds outside: `extrapolation: hold` or `linear`".to_owned(),
+        None => "state points farther out, or `periodic:`, or a rule for values outside: `extrapolation: hold` or `linear`".to_owned(),
         Some(of) => format!(
-            "state points further, or what follows beyond them: `{of}: hold`, `linear`, `even`, `odd` or `periodic(…)`"
+            "state points farther out, or the continuation: `{of}: hold`, `linear`, `even`, `odd` or `periodic(…)`"
         ),
     })
 }
@@ -333,7 +333,7 @@ fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
         ));
         if !places.contains(&joint.used_at) {
             places.push(joint.used_at);
-            message = place(message, joint, "repeats what other joints hold");
+            message = place(message, joint, "repeats equations of other joints");
         }
     }
     message.with_help(

@@ -231,7 +231,7 @@ fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
     let error = |mode: &Mode| mode.repeating.as_ref().map_or(0.0, |r| r.error);
     let worst = modes.modes.iter().map(error).fold(0.0, f64::max);
     let mut told = format!(
-        "modes of a period of {:.6} ms in {} steps: exponents change by at most {worst:.1e} 1/s with steps of double length; the state comes back within {:.1e} of what is allowed",
+        "modes of a period of {:.6} ms in {} steps: exponents change by at most {worst:.1e} 1/s with steps of double length; the state comes back within {:.1e} of the allowed distance",
         1e3 * orbit.period,
         orbit.steps,
         orbit.gap

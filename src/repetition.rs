@@ -146,7 +146,7 @@ impl Repetition {
                 place(message, analysis, "the motion repeats to within the tolerance")
                     .with_note("a small difference of large values, or a derivative of a small motion, shows the errors of the steps enlarged")
                     .with_help(format!(
-                        "`{remedy}` brings the errors of the steps below `change`; where it is rounding of the large values, no tolerance does: leave such an output out"
+                        "`{remedy}` brings the errors of the steps below `change`; if rounding of the large values is the cause, no tolerance helps: leave such an output out"
                     )),
             );
         }

@@ -167,8 +167,8 @@ fn a_parameter_that_a_sweep_varies_cannot_be_set() {
         assert_eq!(output.status.code(), Some(2), "{analysis}");
         let told = errors(&output);
         assert!(
-            told.contains("--set length: length is what")
-                && told.contains("varies from point to point"),
+            told.contains("--set length: ")
+                && told.contains(" varies length from point to point, so it can't be set"),
             "{told}"
         );
     }
@@ -178,7 +178,7 @@ fn a_parameter_that_a_sweep_varies_cannot_be_set() {
         "{}",
         text(&output)
     );
-    // what an analysis states by itself is told where it is set otherwise; so is what no point of the sweep varies
+    // `--set` of a parameter that an analysis states gives a note, also if no point of the sweep varies it
     for (analysis, stated) in [("heavy", "3 kg"), ("sweep", "2 kg")] {
         let output = run(analysis, "load=5kg");
         assert!(output.status.success(), "{}", errors(&output));

@@ -195,7 +195,7 @@ fn a_word_of_a_choice_replaces_that_of_the_text() {
     );
     assert!(failed(slides(), "sens", "forward").contains("no parameter"));
     let each = program.analysis("each[1]").expect("an analysis");
-    assert!(failed(each, "sense", "forward").contains("varies from point to point"));
+    assert!(failed(each, "sense", "forward").contains("varies sense from point to point"));
 }
 
 #[test]

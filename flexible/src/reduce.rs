@@ -558,7 +558,7 @@ fn refuse_grounded_springs(mesh: &Mesh) -> Result<(), FlexibleError> {
 
 /// Warns if the matrices of another code have few digits, with the effect on the first frequency.
 fn warn_of_rounding(request: &Request, structure: &Structure, set: &ModeSet, report: &mut Report) {
-    // the stiffness of a mesh is added up here: what resists rigid motion are springs to the ground
+    // this crate adds up the stiffness of a mesh, so only springs to the ground resist its rigid motion
     if request.matrices.is_none() || report.rigid_residual <= FEW_DIGITS {
         return;
     }

@@ -44,7 +44,7 @@ macro_rules! codes {
 codes! {
     CODES:
 
-    UNEXPECTED = "E0101", "the text is not what the language expects here",
+    UNEXPECTED = "E0101", "unexpected text",
         "Something is missing, misplaced or not of this language. The message lists what is possible at this place.",
         "let area = pi/4*",
         "let area = pi/4*bore^2";

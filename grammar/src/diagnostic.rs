@@ -133,7 +133,7 @@ impl Diagnostic {
         match name {
             "" => self,
             name => self.with_note(format!(
-                "if it is meant: `accept {name}` in its block, or in the model for all"
+                "if you intend it: `accept {name}` in its block, or in the model for all"
             )),
         }
     }

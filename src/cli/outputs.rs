@@ -4,7 +4,7 @@
 use crate::results::may_be_folder;
 use std::path::{Path, PathBuf};
 
-/// Endings of models, and of what runs write and read back.
+/// Endings of models, and of the files that runs write and read again.
 const OURS: [&str; 4] = ["eng", "parquet", "arrows", "checkpoint"];
 
 /// A file that an option of the command line names.

@@ -122,7 +122,7 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
         if read.results.are_modes() {
             writeln!(
                 console.errors,
-                "note: {name} holds modes: the page shows what reports of the text make of them, and natural frequencies in Campbell diagrams; `eng results {}` lists them",
+                "note: {name} holds modes: the page shows them in reports of the text, and their frequencies in Campbell diagrams; `eng results {}` lists them",
                 path.display()
             )?;
             found.of_modes.push(read);

@@ -25,7 +25,7 @@ pub(crate) fn hanging(found: &Hanging) -> Diagnostic {
                 more => format!(" and {more} more"),
             };
             message.with_note(format!(
-                "they hang on it and on nothing else: {}{more}",
+                "they are connected to it and to nothing else: {}{more}",
                 shown.join(", ")
             ))
         }
@@ -79,7 +79,7 @@ pub(super) fn wrong_branch(
     let message = with_guesses(message, chain, system);
     with_angle(message, chain, system)
         .with_help(PLACING)
-        .with_help("or ask for another `branch` at the use")
+        .with_help("or state another `branch` at the use")
 }
 
 /// Velocities of the start that contradict each other.
@@ -99,7 +99,7 @@ pub(super) fn start_velocity(
     }
     let message = match chain {
         Some(chain) => with_axes(message, chain).with_help(format!(
-            "see whether the joints of {chain} let them follow: an axis that is across, a bore along the crank"
+            "check whether the joints of {chain} allow this motion: perhaps an axis is across, or a bore is along the crank"
         )),
         None => message,
     };

@@ -314,7 +314,7 @@ impl Start<'_> {
             return None;
         }
         let message = format!(
-            "under the weight of what it carries it gives way by {} mm: is its stiffness in the right unit?",
+            "under the weight that it carries it gives way by {} mm: is its stiffness in the right unit?",
             mm(way)
         );
         let mut finding = self.finding(codes::SINKS, lint::SAG, element, message);

@@ -31,7 +31,7 @@ pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) ->
         ),
         label: "its step".to_owned(),
         help: format!(
-            "a degree takes {} s; without `step` the error decides",
+            "a degree takes {} s; without `step` error control chooses the steps",
             short(1f64.to_radians() / speed, 2)
         ),
         decided_by: Vec::new(),

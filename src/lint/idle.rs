@@ -45,7 +45,9 @@ impl Start<'_> {
             rpm(speeds[1])
         );
         let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
-        finding.help = "is each of its markers on the body that is meant, and is that body joined to the shaft?".to_owned();
+        finding.help =
+            "is each of its markers on the intended body, and is that body joined to the shaft?"
+                .to_owned();
         let slower = markers[usize::from(speeds[1].abs() < speeds[0].abs())];
         super::decide(&mut finding, self.what_turns(markers[0], slower));
         Some(finding)
@@ -157,7 +159,8 @@ impl Start<'_> {
                 let message = "it is held on the ground, and nothing else touches it".to_owned();
                 let mut finding = self.finding(codes::IDLE, lint::IDLE, only, message);
                 finding.origin.path.clone_from(&body.origin.path);
-                finding.help = "join it to what it should move with, or leave it out".to_owned();
+                finding.help =
+                    "join it to the part that it should move with, or leave it out".to_owned();
                 Some(finding)
             })
             .collect()

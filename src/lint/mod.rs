@@ -225,7 +225,7 @@ fn diagnostic(group: &[&Finding]) -> Diagnostic {
     message.acceptable(&first.name)
 }
 
-/// An angle (rad) with its unit: degrees, unless a number of them is beyond what numbers hold.
+/// An angle (rad) with its unit: degrees, unless the number of degrees is too large for a float.
 fn degrees(angle: f64, digits: usize) -> String {
     match angle.to_degrees() {
         degrees if degrees.is_finite() => format!("{} deg", short(degrees, digits)),

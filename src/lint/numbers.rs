@@ -442,7 +442,7 @@ fn wrong_period(cycle: &Cycle, message: String, decided_by: Vec<Origin>) -> Find
         origin: cycle.origin.clone(),
         message,
         label: "its period".to_owned(),
-        help: "720 deg are the cycle of a four-stroke engine, 360 deg that of a two-stroke"
+        help: "the cycle of a four-stroke engine has 720 deg, that of a two-stroke engine 360 deg"
             .to_owned(),
         decided_by,
     }

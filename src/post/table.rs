@@ -2,7 +2,7 @@
 
 use super::{EvaluatedReport, Outcome};
 
-/// Values, conditions that do not hold, and what could not be made, with the reason.
+/// Values, conditions that do not hold, and the entries that could not be made, with the reason.
 pub fn text(report: &EvaluatedReport) -> String {
     let mut text = format!("report {}: {}\n", report.name, report.title);
     for (analysis, reason) in &report.partial {

@@ -314,7 +314,7 @@ mod tests {
         assert_eq!(pairs(&made), ["v[1]", "v[2]"]);
         let other = [("a", "v (a - b)"), ("a", "v (c - b)")];
         assert_eq!(pairs(&other), ["a", "c"]);
-        // what is not alike stands as it is
+        // labels of different forms do not change
         let unlike = [("a", "v (a - b)"), ("a", "v - w - z")];
         assert_eq!(pairs(&unlike), ["v (a - b)", "v - w - z"]);
     }

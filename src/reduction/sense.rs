@@ -130,7 +130,7 @@ fn supports_left_out(mesh: &Facts, source: &FlexibleSource) -> Option<Diagnostic
         )
         .at(span(source.mesh.at), "of this mesh")
         .with_help(format!(
-            "write `support = deck` to hold what the deck holds, or `ignore: [\"{}\"]` in the mesh to leave it out",
+            "write `support = deck` to hold the supports of the deck, or `ignore: [\"{}\"]` in the mesh to leave it out",
             first.name
         )),
     )
@@ -193,7 +193,7 @@ pub(super) fn unread(unread: &[Unread], source: &FlexibleSource) -> Option<Box<D
     let mut message = Diagnostic::error(
         codes::UNREAD,
         format!(
-            "{}: the mesh holds what is not read and may carry stiffness, mass or constraints",
+            "{}: the mesh has contents that Eng does not read and that may carry stiffness, mass or constraints",
             source.origin.path
         ),
     )
@@ -240,7 +240,7 @@ pub(super) fn bare_markers(
                         "{}: an element uses the axes of this marker or turns it, but the node of a solid does not turn",
                         marker.name
                     ),
-                    advice: "gather nodes by `ring`, `patch` or `set`: the middle of what they tie turns".into(),
+                    advice: "gather nodes by `ring`, `patch` or `set`: the reference point of several nodes turns".into(),
                 },
                 marker.at,
                 "this marker",

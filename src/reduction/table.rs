@@ -194,7 +194,7 @@ impl Unit {
     }
 }
 
-/// Zero for what rounding leaves of something that vanishes beside `whole`.
+/// Zero for a value that is only rounding beside `whole`.
 fn without_rounding(value: f64, whole: f64) -> f64 {
     if value.abs() < 1e-9 * whole.abs() {
         0.0

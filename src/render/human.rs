@@ -165,7 +165,7 @@ fn fix_text(fix: &Fix, diagnostic: &Diagnostic, sources: &SourceMap) -> String {
     } else if fix.title.contains(&code(&fix.replacement))
         && diagnostic.labels.iter().any(|label| label.span == fix.span)
     {
-        // the place is marked, and the title names what to write there
+        // the place is marked, and the title states the text to write there
         fix.title.clone()
     } else {
         format!("{}: {change}", fix.title)
@@ -215,7 +215,7 @@ mod tests {
                 .at(at("54 m"), "54 m here")
                 .also(at("Length"), "declared here")
                 .with_note("throws of engines are 10 mm to 400 mm")
-                .with_help("state the unit that was meant")
+                .with_help("state the intended unit")
                 .with_fix("perhaps", at("54 m"), "54 mm"),
         );
         diagnostics.push(

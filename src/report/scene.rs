@@ -365,7 +365,7 @@ fn deforming(
     }
     if moving.len() < modes {
         notes.push(format!(
-            "{path}: {} of {modes} modes are shown; the others move no node by more than {MOVES} of what the largest does.",
+            "{path}: {} of {modes} modes are shown; the others move no node by more than {MOVES} of the largest motion.",
             moving.len()
         ));
     }
@@ -520,7 +520,7 @@ mod tests {
         let json = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
         let document: serde_json::Value = serde_json::from_slice(&glb[20..20 + json]).unwrap();
 
-        // what the file holds
+        // the contents of the file
         let mesh = &document["meshes"][0];
         let primitive = &mesh["primitives"][0];
         let base = numbers(&glb, &document, &primitive["attributes"]["POSITION"]);
@@ -555,7 +555,7 @@ mod tests {
             .unwrap();
         assert!(scale >= 2.0 && modes.len() >= 5, "{scale} {modes:?}");
 
-        // what recovery finds
+        // the results of recovery
         let own = BodyMotion::of(&motion, "bar").unwrap();
         let stored = &reduction.stored;
         let nodes: Vec<u32> = base

@@ -1,4 +1,4 @@
-//! Reads what [`Dimension`]'s `Display` prints: `kg*m/s^2`, `m^(1/2)`, `1/s`, `1`.
+//! Reads the text that `Display` of [`Dimension`] prints: `kg*m/s^2`, `m^(1/2)`, `1/s`, `1`.
 
 use eng_system::Dimension;
 use eng_system::dimension::{BASE_SYMBOLS, BASES};

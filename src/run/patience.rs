@@ -100,8 +100,8 @@ pub(crate) fn in_words(seconds: f64) -> String {
 mod tests {
     use super::*;
 
-    /// Looks every half second at a run whose done part is a function of time; when it is stopped, and what
-    /// is left.
+    /// Looks every half second at a run whose done part is a function of time; the time of the stop, and the
+    /// remaining time.
     fn stopped(done: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
         let mut patience = Patience::default();
         (1..200_000).find_map(|half| {
@@ -142,8 +142,8 @@ mod tests {
         assert_eq!(passed, 10.0);
         assert!((left - (1e9 - 10.0)).abs() < 1.0, "{left}");
         assert_eq!(stopped(|_| 0.0), Some((10.0, f64::INFINITY)));
-        // One that comes to stand after an hour. The look that follows may still see a part of the motion,
-        // the two after it see none, and each is a fifth later than the one before, at whole half seconds.
+        // This run stands still after an hour. The next check may still see a part of the motion, and the two
+        // checks after it see none. Each check is a fifth later than the one before, at whole half seconds.
         let (passed, left) = stopped(|t| t.min(3600.0) / 7200.0).unwrap();
         let latest = 3600.0 * 1.2_f64.powi(3) + 3.0;
         assert!((3600.0..latest).contains(&passed), "{passed}");

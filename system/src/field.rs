@@ -1,4 +1,4 @@
-//! Fields: what an element asks of a solver of its own, such as the oil film of a bearing on cells.
+//! Fields: numbers that an element gets from a separate solver, such as the oil film of a bearing on cells.
 //!
 //! The text says how the *drives* of a field follow from the motion (`field film: … = reynolds(rate: …)`). A
 //! [`FieldKernel`] turns them into *answers*, which loads may use, and into *readings*, which only outputs and
@@ -10,7 +10,7 @@ use crate::system::FieldSource;
 use std::fmt;
 use std::sync::Arc;
 
-/// What an argument of a kernel is.
+/// The role of an argument of a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Takes {
     /// A number of the motion.
@@ -36,7 +36,7 @@ pub struct KernelArgument {
     pub name: &'static str,
     /// Its dimension; one for words and whole numbers.
     pub dimension: Dimension,
-    /// What it is.
+    /// Its role.
     pub takes: Takes,
     /// Whether it may be left out: numbers are zero then, lists empty, words the first one.
     pub optional: bool,
@@ -60,7 +60,7 @@ pub struct KernelResult {
 pub struct Kernel {
     /// Its name in the text.
     pub name: &'static str,
-    /// What it solves.
+    /// The problem that it solves.
     pub help: &'static str,
     /// Its arguments.
     pub arguments: &'static [KernelArgument],
@@ -295,8 +295,8 @@ pub trait FieldKernel: Send + Sync + fmt::Debug {
     fn solver(&self) -> Box<dyn FieldSolver>;
 }
 
-/// A field at a moment. The solution depends on the drives alone; what a solver remembers is where its
-/// search began.
+/// A field at a moment. The solution depends on the drives alone; a solver keeps only the start of its
+/// next search.
 pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// Solves the field at drives and writes the answers.
     ///

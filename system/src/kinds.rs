@@ -1,4 +1,4 @@
-//! Enums of kinds: every variant holds a type of its own, and all these types have one trait.
+//! Enums of kinds: every variant holds another type, and all these types have one trait.
 
 /// Makes an enum dereference to the trait of its variants, so that the questions of the trait are methods of the
 /// enum.

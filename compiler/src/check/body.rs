@@ -203,11 +203,11 @@ impl<'p> Checker<'p> {
                 "put it into the model around, where the body sees it",
             ),
             ItemKind::Declaration(_) => {
-                ("this part", "it belongs into the model; a body has markers")
+                ("this part", "it belongs in the model; a body has markers")
             }
             _ => ("this", "a body has attributes, markers and start values"),
         };
-        self.misplaced(item.span, what, "into a body", help);
+        self.misplaced(item.span, what, "in a body", help);
     }
 
     fn rigid_attribute(&mut self, scope: &Scope<'p>, attribute: &'p Attribute) {

@@ -412,9 +412,12 @@ impl<'p> Checker<'p> {
             ) if ty.components().is_some() => ty.components().map(|(q, _)| q).unwrap_or_default(),
             ("local", Type::List { framed: true, .. }) => {
                 self.report(
-                    Diagnostic::error(codes::FRAME, "`local` of what are components already")
-                        .at(expr.span, "components along a marker's axes")
-                        .with_help("make a vector of them first: `local(vector(c, a), b)`"),
+                    Diagnostic::error(
+                        codes::FRAME,
+                        "the argument of `local` is a list of components already",
+                    )
+                    .at(expr.span, "components along a marker's axes")
+                    .with_help("make a vector of them first: `local(vector(c, a), b)`"),
                 );
                 return Type::Error;
             }
@@ -443,11 +446,9 @@ impl<'p> Checker<'p> {
             }
             ("vector", Type::Vector { .. }) => {
                 self.report(
-                    Diagnostic::error(codes::FRAME, "`vector` of what is a vector already")
+                    Diagnostic::error(codes::FRAME, "the argument of `vector` is a vector already")
                         .at(expr.span, "a vector, not components")
-                        .with_help(
-                            "leave `vector(…)` away, or take `local(v, m)` for its components",
-                        ),
+                        .with_help("omit `vector(…)`, or take `local(v, m)` for its components"),
                 );
                 return Type::Error;
             }
@@ -560,7 +561,7 @@ impl<'p> Checker<'p> {
                 }
                 other => {
                     let other = other.clone();
-                    self.not_a(expr, &other, "an element of what `sum` adds", "a number")
+                    self.not_a(expr, &other, "an element of the list of `sum`", "a number")
                 }
             },
             Type::Range(element) if **element == Type::Int => Type::Int,

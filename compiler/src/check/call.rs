@@ -616,7 +616,7 @@ impl<'p> Checker<'p> {
             )
             .also(place, "given here");
             self.report(message.with_help(format!(
-                "give a class of `{interface_name}` only what `{interface_name}` does not have"
+                "give a class of `{interface_name}` only arguments that `{interface_name}` does not have"
             )));
             return Type::Error;
         }

@@ -17,8 +17,8 @@ use eng_grammar::{Diagnostic, Span};
 struct Holder {
     /// A model or a component.
     parts: bool,
-    /// A class of elements, or an interface: it may have what a class has, and which kind of class can fill
-    /// it is checked there.
+    /// A class of elements, or an interface. An interface may have the items of a class; another check decides
+    /// which kind of class can fill it.
     class: bool,
     /// May restrict motions.
     constrains: bool,
@@ -54,14 +54,14 @@ pub(super) fn placing(kind: Kind, item: &ItemKind) -> Option<(&'static str, &'st
         ItemKind::Table(_) => (
             holder.parts || holder.class,
             "a table",
-            "it belongs into a model or a class, or at the top of the file",
+            "it belongs in a model or a class, or at the top of the file",
         ),
         ItemKind::Binding(binding) => placing_of_binding(holder, binding.kind),
         ItemKind::Report(_) => (false, "a report", AT_THE_TOP),
         ItemKind::Entry(_) => (
             false,
             "a figure or value of results",
-            "it belongs into a `report`; what a run records is an `output`",
+            "it belongs in a `report`; a recorded quantity is an `output`",
         ),
         ItemKind::Attribute(_) => (holder.parts, "an attribute", "a named value is a `let`"),
         ItemKind::Statement(statement) => placing_of_statement(holder, statement),
@@ -86,11 +86,11 @@ fn placing_of_binding(holder: Holder, kind: BindingKind) -> Placing {
         BindingKind::Input => (
             holder.parts,
             "an `input`",
-            "it belongs into a model or a component, which gives its value to classes as an argument",
+            "it belongs in a model or a component, which gives its value to classes as an argument",
         ),
         BindingKind::Let => ANYWHERE,
-        BindingKind::State => (holder.class, "a state", "it belongs into a class"),
-        BindingKind::Field => (holder.class, "a field", "it belongs into a class"),
+        BindingKind::State => (holder.class, "a state", "it belongs in a class"),
+        BindingKind::Field => (holder.class, "a field", "it belongs in a class"),
         BindingKind::Output => (!holder.record, "an output", OF_RECORDS),
     }
 }
@@ -99,7 +99,7 @@ fn placing_of_statement(holder: Holder, statement: &Statement) -> Placing {
     let of_joints = if holder.class {
         "only a joint or a drive constrains: define it as a `joint`"
     } else {
-        "it belongs into a joint; a branch also into the block of a use"
+        "it belongs in a joint; a branch also into the block of a use"
     };
     match statement {
         Statement::Constrain(_) => (holder.constrains, "a constraint", of_joints),
@@ -107,12 +107,12 @@ fn placing_of_statement(holder: Holder, statement: &Statement) -> Placing {
         Statement::Apply { .. } | Statement::Rate { .. } => (
             holder.class,
             "this statement",
-            "it belongs into a joint, force, journal or drive",
+            "it belongs in a joint, force, journal or drive",
         ),
         Statement::Resolve(_) => (
             holder.class,
             "a `resolve`",
-            "it belongs into a class: it says which length matters at the markers of the class",
+            "it belongs in a class: it says which length matters at the markers of the class",
         ),
         Statement::Change { .. } => (
             false,
@@ -122,22 +122,22 @@ fn placing_of_statement(holder: Holder, statement: &Statement) -> Placing {
         Statement::Place { .. } => (
             holder.class,
             "a `place`",
-            "it belongs into a class; a body is placed by `start` or `guess`",
+            "it belongs in a class; a body is placed by `start` or `guess`",
         ),
         Statement::Start { .. } | Statement::Guess { .. } => (
             holder.parts,
             "a start value",
-            "it belongs into a model or a body: `start joint.angle = 30 deg`",
+            "it belongs in a model or a body: `start joint.angle = 30 deg`",
         ),
         Statement::Require { .. } => (
             holder.parts || holder.class,
             "a requirement",
-            "it belongs into a model or a class",
+            "it belongs in a model or a class",
         ),
         Statement::Accept(_) => (
             holder.parts,
             "an `accept`",
-            "it belongs into a model, a component, a body, or the block of a use: `journal main = Impedance(…) { accept usual }`",
+            "it belongs in a model, a component, a body, or the block of a use: `journal main = Impedance(…) { accept usual }`",
         ),
     }
 }
@@ -165,7 +165,7 @@ fn placing_of_declaration(holder: Holder, declaration: &Declaration) -> Placing 
             _ => (
                 holder.parts,
                 "a part",
-                "bodies, markers and elements belong into a model or a component",
+                "bodies, markers and elements belong in a model or a component",
             ),
         },
     }
@@ -238,7 +238,7 @@ impl<'p> Checker<'p> {
         let mut attributes: Vec<&'p Name> = Vec::new();
         for item in &block.items {
             if let Some((what, help)) = placing(kind, &item.kind) {
-                let place = format!("into {}", with_article(kind_word(kind)));
+                let place = format!("in {}", with_article(kind_word(kind)));
                 self.misplaced(item_place(item), what, &place, help);
                 continue;
             }
@@ -554,7 +554,7 @@ impl<'p> Checker<'p> {
                 _ => self.misplaced(
                     item_place(item),
                     "this",
-                    "into the block of a use",
+                    "in the block of a use",
                     "it takes `branch`, `require`, `advise` and `accept`; start values belong to the model: `start joint.angle = 30 deg`",
                 ),
             }

@@ -174,7 +174,7 @@ impl<'p> Checker<'p> {
                     .at(unit.span, "a unit makes a quantity of a plain number")
                     .also(inside, format!("this is {found} already"))
                     .with_help(
-                        "leave the unit away; a product of values is written with spaces and a number: `x * 1 mm`",
+                        "omit the unit; a product of values is written with spaces and a number: `x * 1 mm`",
                     ),
                 );
                 Type::Error
@@ -211,7 +211,7 @@ impl<'p> Checker<'p> {
         if matches!(element, Type::Range(_)) {
             self.report(
                 Diagnostic::error(codes::RANGE, "a range is in a list")
-                    .at(span, "a range is a list itself: leave the brackets away"),
+                    .at(span, "a range is a list itself: omit the brackets"),
             );
             return Type::Error;
         }
@@ -276,7 +276,7 @@ impl<'p> Checker<'p> {
                 }
             }
             message = message
-                .with_help(format!("write `{mended}`, or the unit that is meant"))
+                .with_help(format!("write `{mended}`, or the intended unit"))
                 .with_fix(format!("add the unit `{unit}`"), span, mended);
         }
         self.report(message);

@@ -218,7 +218,7 @@ impl<'p> Checker<'p> {
             )
             .at(base.span, "an index is missing")
             .with_help(format!(
-                "`{shown}[1].{}` is of the first, `{shown}[*].{}` a list of all",
+                "`{shown}[1].{}` is the value of the first, `{shown}[*].{}` a list of all",
                 name.text, name.text
             )),
         );

@@ -25,7 +25,7 @@ impl<'p> Checker<'p> {
                     )
                     .at(function.name.span, "its value leads back to it")
                     .with_note(
-                        "functions are put in where they are called, so none can call itself",
+                        "the compiler inserts a function at each call, so none can call itself",
                     ),
                 );
                 return Arc::new(Signature {
@@ -119,7 +119,7 @@ impl<'p> Checker<'p> {
             } else {
                 "require"
             };
-            let what = format!("what follows `{word}`");
+            let what = format!("the expression after `{word}`");
             self.condition(scope, &requirement.condition, &what);
             self.message(scope, &requirement.message);
         }

@@ -43,7 +43,7 @@ impl<'p> Checker<'p> {
                     "give each component an input, and make the vector of them where it is used",
                 ),
                 _ => message.with_help(
-                    "a program sets numbers, or lists of numbers; what decides the structure is a `const`",
+                    "a program sets numbers, or lists of numbers; use a `const` for the structure",
                 ),
             });
         }

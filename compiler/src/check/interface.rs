@@ -108,7 +108,7 @@ impl<'p> Checker<'p> {
             match elders.as_slice() {
                 [own] if own.declaration.name.span == declaration.name.span => message
                     .at(name.span, "this is the interface itself")
-                    .with_help("leave the colon away"),
+                    .with_help("omit the colon"),
                 [.., eldest, parent] => message
                     .at(
                         name.span,
@@ -116,7 +116,7 @@ impl<'p> Checker<'p> {
                     )
                     .also(parent.declaration.name.span, "defined here")
                     .with_help(
-                        "an interface extends one that extends none: put what both need into it",
+                        "an interface extends one that extends none: put the common items into it",
                     ),
                 _ => return true,
             }
@@ -197,7 +197,7 @@ impl<'p> Checker<'p> {
         if held.home != level.definition {
             return self.as_promised(declaration, level.definition, asked, held);
         }
-        // a parameter need not be repeated, and an interface hands on what it asks for
+        // a parameter need not be repeated, and an interface leaves the items that it asks for to its classes
         if is_parameter(asked) || asked.value.is_some() || declaration.kind == Kind::Interface {
             return;
         }
@@ -235,7 +235,7 @@ impl<'p> Checker<'p> {
             .at(class.span, format!("no {word} `{}`", asked.text))
             .also(asked.span, "promised here")
             .with_help(format!(
-                "a class of `{interface}` gives its {word}s the interface's names: it is known by them"
+                "a class of `{interface}` gives its {word}s the names of the interface, because other texts read these names"
             )),
         );
     }
@@ -486,7 +486,7 @@ impl<'p> Checker<'p> {
             )
             .at(
                 *span,
-                "a journal gives what tables, orbits and the start read of a film",
+                "tables, orbits and the start read these items of every journal",
             )
         };
         let message = match self.program.interface_of(id) {
@@ -497,7 +497,7 @@ impl<'p> Checker<'p> {
             None => message,
         };
         self.report(message.with_help(format!(
-            "give parameters and outputs these names and write `: {name}` after the parameters, with `use {module}.{name}`; what is no film is a `force`"
+            "give parameters and outputs these names and write `: {name}` after the parameters, with `use {module}.{name}`; an element without a film is a `force`"
         )));
         false
     }

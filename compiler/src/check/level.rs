@@ -121,7 +121,7 @@ impl Abstract<'_> {
 #[derive(Clone)]
 struct Place<'p> {
     scope: Scope<'p>,
-    /// The class that gives what the surrounding interface asks for.
+    /// The class that gives the items for which the surrounding interface asks.
     class: Option<DefinitionId>,
     locals: Vec<(String, Abstract<'p>)>,
 }
@@ -280,7 +280,7 @@ impl<'p> Levels<'_, 'p> {
                 codes::ACCELERATION,
                 "accelerations are known in outputs only",
                 "an acceleration",
-                "a force of inertia is what the body's mass gives already; show an acceleration by an `output`",
+                "the mass of the body already gives its force of inertia; show an acceleration by an `output`",
             ),
             (_, Cause::Reaction) => (
                 codes::ACCELERATION,
@@ -292,7 +292,7 @@ impl<'p> Levels<'_, 'p> {
                 codes::DERIVATIVE,
                 "the rate of a state is known in outputs only",
                 "the rate of a state",
-                "write out the right side of its `der(…) = …`, as a `let` that both use",
+                "give the right side of its `der(…) = …` a name by `let`, and use that name in both places",
             ),
             (2.., _) => (
                 codes::DERIVATIVE,

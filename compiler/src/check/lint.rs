@@ -115,14 +115,14 @@ impl<'p> Checker<'p> {
         let message = Diagnostic::warning(codes::UNIT_NAME, format!("`{text}` is also a unit"))
             .at(name.span, "a value with the name of a unit")
             .with_note(format!(
-                "behind a unit it is the unit: `2 N*{text}` does not read this value"
+                "after a number it is the unit: `2 N*{text}` does not read this value"
             ))
             .with_help(format!(
                 "give it a longer name, or write blanks: `2 N * {text}`"
             ));
         self.report(match around {
             Some(_) => message.with_note(format!(
-                "if it is meant: `accept {}` in this model or component",
+                "if you intend it: `accept {}` in this model or component",
                 eng_system::lint::UNIT_NAME
             )),
             None => message,

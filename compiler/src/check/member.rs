@@ -202,14 +202,14 @@ impl<'p> Checker<'p> {
             message
                 .also(first, "used here as something else")
                 .with_help(format!(
-                    "give what `{interface}` asks for: {}",
+                    "give the item that `{interface}` asks for: {}",
                     kind_of(elder.member)
                 ))
         } else {
             message
                 .also(first, "it has its value here")
                 .with_help(format!(
-                    "a class adds to its interface and replaces nothing: give `{text}` another name, or take it away"
+                    "a class adds to its interface and replaces nothing: give `{text}` another name, or remove it"
                 ))
         };
         self.report(message);
@@ -275,7 +275,7 @@ pub(super) fn is_asked(member: Member<'_>) -> bool {
     }
 }
 
-/// Whether a member gives what an elder one of its interface asks for. Their types are compared later.
+/// Whether a member gives an item for which its interface asks. Their types are compared later.
 fn gives(own: Member<'_>, elder: Member<'_>) -> bool {
     let given_by_use = |member: Member<'_>| match member {
         Member::Parameter(_) => true,

@@ -90,7 +90,7 @@ impl<'p> Checker<'p> {
         expr: &Expr,
         expected: &Type,
     ) -> Type {
-        // only the list that is due says what an empty list could hold
+        // only the expected list states the elements that an empty list could have
         if let (ExprKind::List { items, unit: None }, Type::List { element, .. }) =
             (&expr.kind, expected)
             && items.is_empty()
@@ -415,7 +415,7 @@ impl<'p> Checker<'p> {
         if let Some(unit) = unit {
             let mended = format!("{} {unit}", self.sources.text(expr.span));
             message = message
-                .with_help(format!("write `{mended}`, or the unit that is meant"))
+                .with_help(format!("write `{mended}`, or the intended unit"))
                 .with_fix(format!("add the unit `{unit}`"), expr.span, mended);
         }
         message
@@ -445,7 +445,7 @@ impl<'p> Checker<'p> {
         ));
         if wanted.dim.variables.is_empty() && found.dim.variables.is_empty() {
             if wanted.dim.is_one() && unit_of(expr).is_some() {
-                message = message.with_help("leave the unit away");
+                message = message.with_help("omit the unit");
             } else if let Some(unit) = unit_of(expr)
                 && let Some(usual) = self.unit_for(due.unit.as_deref(), wanted)
             {
@@ -498,7 +498,7 @@ impl<'p> Checker<'p> {
                     && unit_text(unit) == "Hz" =>
             {
                 message = message.with_help(
-                    "turns a second are `rev/s`, turns a minute `rpm`; `rad/s` is the SI unit",
+                    "turns per second are `rev/s`, turns per minute `rpm`; `rad/s` is the SI unit",
                 );
                 for replacement in ["rev/s", "rpm", "rad/s"] {
                     if self.known_units(replacement) {
@@ -520,7 +520,7 @@ impl<'p> Checker<'p> {
                 }
             }
             None => {
-                message = message.with_help("multiply or divide by `1 rad` where that is meant");
+                message = message.with_help("multiply or divide by `1 rad` if you intend that");
             }
         }
         message

@@ -213,7 +213,7 @@ impl<'p> Checker<'p> {
                         binding.name.span,
                         "a state, an input or an output",
                         "at the top of a file",
-                        "it belongs into a class or a model",
+                        "it belongs in a class or a model",
                     );
                 }
             }
@@ -227,7 +227,7 @@ impl<'p> Checker<'p> {
                 item.span,
                 "this statement",
                 "at the top of a file",
-                "it belongs into a class or a model",
+                "it belongs in a class or a model",
             ),
             ItemKind::Attribute(attribute) => self.misplaced(
                 attribute.name.span,
@@ -242,7 +242,7 @@ impl<'p> Checker<'p> {
                 entry.word.to(entry.name.span),
                 "a figure or value of results",
                 "at the top of a file",
-                "it belongs into a block: `report name { … }`",
+                "it belongs in a block: `report name { … }`",
             ),
             ItemKind::Declaration(declaration) => match (&declaration.form, declaration.kind) {
                 (_, Kind::Default) => self.not_built(declaration.kind_span, "`default` blocks"),
@@ -264,7 +264,7 @@ impl<'p> Checker<'p> {
                         )
                         .at(name.span, "a class has one")
                         .with_help(format!(
-                            "write `{word} {}(a: Marker, b: Marker) {{ … }}`; an element of a class belongs into a model or a component",
+                            "write `{word} {}(a: Marker, b: Marker) {{ … }}`; an element of a class belongs in a model or a component",
                             name.text
                         )),
                     );

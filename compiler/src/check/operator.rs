@@ -377,7 +377,7 @@ impl<'p> Checker<'p> {
         self.report(
             Diagnostic::error(
                 codes::POINT_ARITHMETIC,
-                format!("a {name} cannot be {how}: its zero is one of choice"),
+                format!("a {name} cannot be {how}: its zero is arbitrary"),
             )
             .at(span, format!("this is a {name}"))
             .with_note("2 * 20 degC is 40 degC or 313 degC, depending on the zero")

@@ -390,7 +390,7 @@ impl<'p> Checker<'p> {
                 self.report(
                     Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
                         .at(span, "this leads back to where it came from")
-                        .with_help("order does not matter, but each value must follow from others"),
+                        .with_help("the order of items does not matter, but no value may follow from itself"),
                 );
                 self.values.insert(key, Progress::Done(Type::Error));
                 return Type::Error;

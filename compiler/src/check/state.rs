@@ -120,7 +120,7 @@ impl<'p> Checker<'p> {
             .at(start.span, "has no size")
             .with_note("errors of a state are held to 1e-5 of its scale or its largest value so far; a start that is not zero is its own scale")
             .with_help(format!(
-                "state the size from which on it matters: `{written}{one}`"
+                "state the size from which it matters: `{written}{one}`"
             ))
             .with_fix("state a scale", end, one),
         );

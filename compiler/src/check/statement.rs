@@ -33,7 +33,7 @@ impl<'p> Checker<'p> {
                 } else {
                     ("force", Dimension::FORCE)
                 };
-                let due = Due::new(format!("what `apply {word}` applies"));
+                let due = Due::new(format!("the value of `apply {word}`"));
                 self.expect(scope, value, &Type::vector(Quantity::hard(dimension)), &due);
                 self.expect(scope, on, &Type::Marker, &Due::new("the value after `on`"));
                 if let Some(against) = against {
@@ -67,7 +67,7 @@ impl<'p> Checker<'p> {
             } => {
                 let word = if *advise { "advise" } else { "require" };
                 let scope = &self.binders(scope, index);
-                self.condition(scope, condition, &format!("what follows `{word}`"));
+                self.condition(scope, condition, &format!("the expression after `{word}`"));
                 self.message(scope, message);
             }
             Statement::Rate { state, value } => {
@@ -168,9 +168,12 @@ impl<'p> Checker<'p> {
             other => {
                 let found = self.describe(other);
                 self.report(
-                    Diagnostic::error(codes::START, "only what moves can be set at the start")
-                        .at(target.span, format!("this is {found}"))
-                        .with_help("for instance `start rotation(crank.main, ground) = 30 deg`"),
+                    Diagnostic::error(
+                        codes::START,
+                        "only quantities of the motion can be set at the start",
+                    )
+                    .at(target.span, format!("this is {found}"))
+                    .with_help("for instance `start rotation(crank.main, ground) = 30 deg`"),
                 );
                 self.infer(scope, value);
             }
@@ -287,7 +290,7 @@ impl<'p> Checker<'p> {
                 _ => self.misplaced(
                     item.span,
                     "this",
-                    "into a cycle",
+                    "in a cycle",
                     "a cycle has the attribute `period`",
                 ),
             }

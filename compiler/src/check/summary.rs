@@ -1,4 +1,4 @@
-//! Summaries of outputs: which number the tables of results take of an output.
+//! Summaries of outputs: the number that tables of results take from an output.
 
 use super::Checker;
 use super::describe::kind_word;
@@ -62,7 +62,7 @@ impl<'p> Checker<'p> {
                     )
                     .at(word.span, "again here")
                     .also(first.span, "first here")
-                    .with_help("take this one away"),
+                    .with_help("remove this one"),
                 );
             }
         }
@@ -102,13 +102,13 @@ impl<'p> Checker<'p> {
                 let interface = &level.declaration.name.text;
                 let message = Diagnostic::error(
                     codes::SUMMARY,
-                    format!("the summary of `{name}` belongs into its interface `{interface}`"),
+                    format!("the summary of `{name}` belongs in its interface `{interface}`"),
                 )
                 .at(word.span, "here it would hold for one class only")
                 .also(asked.name.span, "the output of the interface");
                 match (level.definition.module == self.program.root(), &asked.summary) {
                     (_, Some(stated)) => message.with_help(format!(
-                        "take it away: the tables show the {} value of every class of `{interface}`",
+                        "remove it: the tables show the {} value of every class of `{interface}`",
                         stated.text
                     )),
                     (true, None) => message.with_help(format!(
@@ -116,13 +116,13 @@ impl<'p> Checker<'p> {
                         word.text
                     )),
                     (false, None) => message.with_help(
-                        "take it away; a table of your own needs an interface of your own",
+                        "remove it; a table of your own needs an interface of your own",
                     ),
                 }
             }
             None if matches!(own.declaration.kind, Kind::Model | Kind::Component) => message
                 .with_help(format!(
-                    "take it away; a `report` shows such a number: `value {name} = {}`",
+                    "remove it; a `report` shows such a number: `value {name} = {}`",
                     match Taken::of(&word.text) {
                         Some(Taken::Least) => format!("minimum(run.{name})"),
                         Some(Taken::Mean) => format!("mean(run.{name})"),

@@ -168,7 +168,7 @@ impl<'p> Checker<'p> {
                 if !seen.iter().any(|name| name.text == "columns") {
                     self.bad_table(
                         table.source.span,
-                        "`csv` must say which columns it reads",
+                        "`csv` must name the columns that it reads",
                         "`columns:` is missing",
                         "for instance `columns: [\"theta [deg]\", \"p [bar]\"]`, as in the file's header: the columns of the arguments, then that of the value",
                     );

@@ -213,7 +213,7 @@ impl<'p> Checker<'p> {
             let what = self.describe(ty);
             self.report(
                 Diagnostic::error(codes::DISPLAY, format!("{what} has no unit"))
-                    .at(display.span, "a unit for what is no number"),
+                    .at(display.span, "only a number has a unit"),
             );
             return;
         };

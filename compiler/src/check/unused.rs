@@ -36,7 +36,7 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                                     format!("`{}` is not used", binding.name.text),
                                 )
                                 .at(binding.name.span, "named, but never read")
-                                .with_help("take it away, or show it by an `output`"),
+                                .with_help("remove it, or show it by an `output`"),
                             );
                         }
                     }
@@ -76,7 +76,7 @@ fn unused_use(
                 checker.report(
                     Diagnostic::warning(codes::UNUSED_USE, format!("nothing of `{path}` is used"))
                         .at(span, "taken, but never read")
-                        .with_help("take the line away"),
+                        .with_help("remove the line"),
                 );
             }
         }
@@ -95,7 +95,7 @@ fn unused_use(
                             format!("`{}` is not used", name.text),
                         )
                         .at(name.span, format!("taken from `{path}`, but never read"))
-                        .with_help("take the name away"),
+                        .with_help("remove the name"),
                     );
                 }
             }

@@ -24,10 +24,10 @@ eng_grammar::codes! {
         "let y = sin(3 deg, 4 deg)",
         "let y = sin(3 deg)";
     MISPLACED = "E0406", "an item does not belong here",
-        "Bodies belong into models and components, constraints and loads into classes, parameters of a class into its parentheses.",
+        "Bodies belong in models and components, constraints and loads into classes, parameters of a class into its parentheses.",
         "force Push(a: Marker) { param load: Force = 3 N }",
         "force Push(a: Marker, load: Force = 3 N) { apply force load*a.x on a }";
-    INTERFACE = "E0407", "a class does not give what its interface promises",
+    INTERFACE = "E0407", "a class does not fill its interface",
         "The name after the colon is an interface. The class gives each output and function that the interface requires, with the same types. A class may repeat a parameter or output with its type. An interface may extend an interface that extends none.",
         "interface Law { param a: Marker; output load: Force }\nforce Push() : Law { apply force [0, 0, 3] N on a }",
         "interface Law { param a: Marker; output load: Force }\nforce Push() : Law { apply force [0, 0, 3] N on a; output load: Force = 3 N }";

@@ -148,7 +148,7 @@ eng_grammar::codes! {
         "A body, marker, joint, force, journal, drive or part with `if` after its name exists only where the condition holds. A part that uses it needs the same condition; an output takes an index over a range that may be empty.",
         "const damped = false\nforce damper if damped = Damper(a, b, damping: 1 N*s/m)\noutput load = damper.load",
         "const damped = true\nforce damper if damped = Damper(a, b, damping: 1 N*s/m)\noutput load = damper.load";
-    INPUT_DECIDES = "E0538", "an input decides what cannot change during a run",
+    INPUT_DECIDES = "E0538", "an input decides a quantity that cannot change during a run",
         "Loads, rates of states, outputs and conditions may read an input. Structure, geometry, masses, scales, starts and constraints may not: a constraint needs accelerations, and the others are fixed at the start. A torque that follows a speed, for instance a `force` of your own, replaces a drive whose speed is an input; a number that stays during a run is a `param`.",
         "model Line {\n    input weight: Mass = 1 kg\n    body bob { mass = weight }\n}",
         "model Line {\n    param weight: Mass = 1 kg\n    body bob { mass = weight }\n}";

@@ -310,23 +310,19 @@ impl BindCode for BindProgram {
         let parameter = |k: u32| parameters.get(k as usize).copied().unwrap_or(f64::NAN);
         let advice = self.conditions(self.checks.iter(), &values, parameter, tables)?;
         let slots: Vec<f64> = self.function.outputs.iter().map(at).collect();
+        let owner = |slot| {
+            let owner: Option<&String> = self.slot_owners.get(slot);
+            owner.unwrap_or(&self.function.name).clone()
+        };
         if let Some(i) = slots.iter().position(|v| !v.is_finite()) {
             return Err(BindError::NotFinite {
-                path: self
-                    .slot_owners
-                    .get(i)
-                    .unwrap_or(&self.function.name)
-                    .clone(),
+                path: owner(i),
                 outside: self.outside(&values, tables),
             });
         }
         if let Some(i) = slots.iter().position(|v| v.abs() > LARGEST) {
             return Err(BindError::TooLarge {
-                path: self
-                    .slot_owners
-                    .get(i)
-                    .unwrap_or(&self.function.name)
-                    .clone(),
+                path: owner(i),
                 value: slots[i],
             });
         }

@@ -374,7 +374,7 @@ impl<'a> Elaborator<'a, '_> {
             Diagnostic::error(codes::EMPTY_LIST, format!("`{name}` of an empty list"))
                 .at(span, "an empty list has no value and no dimension")
                 .with_help(format!(
-                    "state its value for an empty list: `if length(list) > 0 then {name}(list) else 0 mm`, with the unit that is meant"
+                    "state its value for an empty list: `if length(list) > 0 then {name}(list) else 0 mm`, with the intended unit"
                 )),
         )
     }

@@ -230,7 +230,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             Some(span) => message.also(span, "one of this"),
             None => message.with_note("it is a column of every run"),
         };
-        Err(self.report(message.with_help("give the output, or what it belongs to, another name")))
+        Err(self.report(message.with_help("give the output or its element another name")))
     }
 
     fn block_with(

@@ -13,7 +13,7 @@ use eng_system::table::{Argument, End, Ends, GridError, Table};
 /// allows for numbers that were rounded in different ways.
 const SAME_POINT: f64 = 1e-9;
 
-/// What rows of a file leave open or say twice.
+/// A combination of arguments that the rows of a file lack or repeat.
 enum Incomplete {
     /// These two rows have the same arguments.
     Twice(usize, usize),

@@ -232,7 +232,7 @@ impl<'a> Elaborator<'a, '_> {
         found.map(|parameter| parameter.display.clone())
     }
 
-    /// Marks everything that changes with the inputs, and refuses inputs that decide what cannot change.
+    /// Marks everything that changes with the inputs, and refuses inputs that decide constant quantities.
     pub fn follow_inputs(
         &mut self,
         system: &mut System,

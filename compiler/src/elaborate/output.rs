@@ -448,7 +448,9 @@ impl<'a> Elaborator<'a, '_> {
                 format!("`{path}.{}` is known in outputs only", name.text),
             )
             .at(name.span, "a reaction or state of another element")
-            .with_help("elements see markers and parameters: measure what is needed from markers")
+            .with_help(
+                "elements see markers and parameters only: compute the quantity from markers",
+            )
         })
     }
 
@@ -469,21 +471,7 @@ impl<'a> Elaborator<'a, '_> {
             used_at: Some(location(span)),
             defined_at: None,
         };
-        self.finish_element(
-            origin,
-            span,
-            role,
-            "start".into(),
-            None,
-            Draft {
-                conditions: Vec::new(),
-                outputs: Vec::new(),
-                infos: Vec::new(),
-                shapes: Vec::new(),
-                frames: Vec::new(),
-                copied: Vec::new(),
-            },
-        )?;
+        self.finish_element(origin, span, role, "start".into(), None, Draft::default())?;
         Ok(())
     }
 
@@ -494,14 +482,7 @@ impl<'a> Elaborator<'a, '_> {
         values: Vec<(String, Value<'a>, Columns)>,
         span: Span,
     ) -> Eval<u32> {
-        let mut draft = Draft {
-            conditions: Vec::new(),
-            outputs: Vec::new(),
-            infos: Vec::new(),
-            shapes: Vec::new(),
-            frames: Vec::new(),
-            copied: Vec::new(),
-        };
+        let mut draft = Draft::default();
         let plain = |(_, _, shown): &(String, Value<'a>, Columns)| {
             shown.display.is_none() && !shown.declared
         };

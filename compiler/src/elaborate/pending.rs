@@ -199,11 +199,12 @@ impl<'a> Elaborator<'a, '_> {
         )?;
         if a.iter().all(|part| part.stage == Stage::Bind) {
             return Err(self.report(
-                Diagnostic::error(codes::START, "only what moves can be set at the start")
-                    .at(target.span, "this follows from parameters alone")
-                    .with_help(
-                        "a parameter has its value in the text; `--set` changes it for a run",
-                    ),
+                Diagnostic::error(
+                    codes::START,
+                    "only quantities of the motion can be set at the start",
+                )
+                .at(target.span, "this follows from parameters alone")
+                .with_help("a parameter has its value in the text; `--set` changes it for a run"),
             ));
         }
         let b = self.as_components(

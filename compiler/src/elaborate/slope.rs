@@ -81,8 +81,8 @@ impl<'a> Elaborator<'a, '_> {
             Stage::Bind => x.node,
             Stage::Motion => self.bench.lift(x.stage, x.node),
         };
-        // The derivative is taken at an input that nothing else uses: what x is made of may reach the function
-        // by its other names, too.
+        // The derivative is taken at an input that nothing else uses, because the parts of x may also reach the
+        // function by other names.
         self.context.unknowns += 1;
         let input = u32::MAX - self.context.unknowns;
         let unknown = self.bench.unknown(stage, input);

@@ -51,7 +51,7 @@ impl Source<'_> {
     }
 }
 
-/// What a table of one argument states besides its points.
+/// The statements of a table of one argument besides its points.
 struct Options {
     interpolation: Interpolation,
     extrapolation: Option<Extrapolation>,

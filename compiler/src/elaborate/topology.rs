@@ -242,8 +242,8 @@ impl Elaborator<'_, '_> {
                 found.push(
                     Diagnostic::warning(codes::ADRIFT, format!("{path} has no path to the ground"))
                         .at(span_of(place), "it will fall or drift")
-                        .with_note(format!("it hangs together with: {}", members.join(", ")))
-                        .with_help("tie one of these to `ground` by a joint or a force, if that is not meant")
+                        .with_note(format!("it is connected to: {}", members.join(", ")))
+                        .with_help("tie one of these to `ground` by a joint or a force, if you do not intend that")
                         .acceptable(lint::LOOSE),
                 );
             }
@@ -267,7 +267,7 @@ impl Elaborator<'_, '_> {
                 Diagnostic::note(codes::NO_GRAVITY, "no gravity is stated: it is zero")
                     .at(model, "in this model")
                     .with_help(
-                        "write `gravity = [0, 0, -9.81] m/s^2`, or zeros to say that it is meant",
+                        "write `gravity = [0, 0, -9.81] m/s^2`, or zeros if you intend this",
                     ),
             );
         }

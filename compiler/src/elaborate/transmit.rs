@@ -319,7 +319,7 @@ impl Elaborator<'_, '_> {
                         "the body is stiffer there than its mesh",
                     )
                     .with_note(format!("loads without a mode: {}", unserved.join(", ")))
-                    .with_help("add `static(at: …)` with these markers; forces and torques that hardly bend the body may be left"),
+                    .with_help("add `static(at: …)` with these markers; forces and torques that hardly bend the body may be left out out"),
                 );
             }
             sources.push(source);

@@ -33,8 +33,8 @@ pub struct ClassBody {
     pub conditions: Vec<Node>,
     /// Unwrapped angles.
     pub rotations: Vec<Node>,
-    /// Operations whose comparisons count turns. What follows from the count has no kink, because it repeats with
-    /// the turn.
+    /// Operations whose comparisons count turns. Values that follow from the count have no kink, because they repeat
+    /// with the turn.
     pub turns: Vec<Node>,
 }
 

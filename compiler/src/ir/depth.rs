@@ -1,4 +1,4 @@
-//! How deep outputs reach into the equations.
+//! The deepest quantities that an output needs: positions, velocities or accelerations.
 
 use super::differentiate::{Place, inputs_of};
 use super::graph::{Graph, Node};

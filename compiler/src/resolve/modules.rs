@@ -172,8 +172,9 @@ impl Loader<'_> {
             if let Some(span) = used_at {
                 message = message.at(span, "this closes the circle");
             }
-            self.diagnostics
-                .push(message.with_help("put what both need into a third file that uses neither"));
+            self.diagnostics.push(
+                message.with_help("put the common definitions into a third file that uses neither"),
+            );
             return;
         }
         if self.open.len() > DEEPEST {

@@ -260,7 +260,7 @@ impl Units<'_> {
             Diagnostic::error(codes::BAD_UNIT, text.into())
                 .at(span, "cannot be a unit's size")
                 .with_help(
-                    "a unit is a number of another, `unit mm = 1e-3 m`, or the first of its dimension, `unit m: Length`",
+                    "a unit is defined by another one, `unit mm = 1e-3 m`, or is the first of its dimension, `unit m: Length`",
                 ),
         );
     }

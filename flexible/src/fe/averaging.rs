@@ -11,7 +11,7 @@
 //!
 //! with L the mean distance of the nodes from the reference (MSC Nastran, Quick Reference Guide, RBE3:
 //! rotations count by a length, so that weights are comparable). By duality a force at the reference spreads
-//! over the nodes by their weights, with what balances its moment. Motions that no node shows (the spin of
+//! over the nodes by their weights, with forces that balance its moment. Motions that no node shows (the spin of
 //! nodes on a line) are left out of the fit.
 
 use super::check::wrong;
@@ -21,7 +21,7 @@ use crate::error::FlexibleError;
 use crate::mesh::Mesh;
 
 /// A freedom of the nodes that lead: freedom in local axes, its line in the fit over (u, L θ), its weight,
-/// and what its value is multiplied with (1 or L).
+/// and the factor of its value (1 or L).
 struct Term {
     freedom: u32,
     line: [f64; 6],

@@ -1,4 +1,4 @@
-//! Whether a structure hangs together.
+//! Whether a structure is one piece.
 
 use super::check::{Role, list, role, wrong};
 use super::freedoms::FreedomMap;

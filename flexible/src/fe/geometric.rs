@@ -1,4 +1,4 @@
-//! Geometric stiffness: what stresses that are there add to the resistance against a displacement.
+//! Geometric stiffness: the part of the resistance against a displacement that comes from existing stresses.
 //!
 //! The virtual work of a stress σ on the second-order part of Green's strain, `½ ∂_i u_k ∂_j u_k`, is `δuᵀ
 //! K_σ u` with
@@ -75,7 +75,7 @@ impl GeometricStiffness {
             return Err(wrong(
                 "geometric stiffness needs the stresses of solids or beams, and the mesh has none"
                     .into(),
-                "leave it out: matrices of another code don't say what their stresses are",
+                "leave it out: matrices of another code don't state their stresses",
             ));
         }
         solids

@@ -126,7 +126,7 @@ impl ElementRecovery {
         Ok(Some(recovery))
     }
 
-    /// As [`ElementRecovery::new`] for a checked element, without what carries values to the nodes.
+    /// As [`ElementRecovery::new`] for a checked element, without the extrapolation to the nodes.
     pub(super) fn at_points(
         mesh: &Mesh,
         element: &Element,

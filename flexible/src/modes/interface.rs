@@ -139,8 +139,7 @@ impl<'a> Interface<'a> {
         let resistance = products(count, &self.seen, &forces);
         let inverse =
             positive_inverse(held, &resistance, 1e-14)?.map_err(|_| FlexibleError::Numerical {
-                problem: "what the interface holds of the rigid motions cannot be determined"
-                    .into(),
+                problem: "the rigid motions that the interface holds cannot be determined".into(),
                 advice: "spread the interface over the body".into(),
             })?;
         // α = inverse · forcesᵀ (held × count), by columns

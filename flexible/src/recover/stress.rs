@@ -49,7 +49,7 @@ impl Recovery<'_> {
 }
 
 impl ModalStress {
-    /// σ = Σ a_k σ_k at each node (Pa; xx, yy, zz, xy, yz, zx in body axes), written over what `out` holds.
+    /// σ = Σ a_k σ_k at each node (Pa; xx, yy, zz, xy, yz, zx in body axes), written over the contents of `out`.
     ///
     /// # Errors
     /// Another number of amplitudes than modes.

@@ -141,7 +141,7 @@ impl<'t> Builder<'t, '_> {
                 let module = last.map_or_else(|| "module".to_string(), |name| name.text);
                 let end = self.span_end(span);
                 self.report(
-                    Diagnostic::error(codes::UNEXPECTED, "`use` must say which names it takes")
+                    Diagnostic::error(codes::UNEXPECTED, "`use` must list the names that it takes")
                         .at(span, "names a module only")
                         .with_help(format!(
                             "`use {module}.*` takes all names, `use {module}.{{A, B}}` some"
@@ -306,7 +306,7 @@ impl<'t> Builder<'t, '_> {
                 Rule::error_scale => self.report(
                     Diagnostic::error(codes::UNEXPECTED, "only a `state` has a `scale`")
                         .at(place, "not of a `state`")
-                        .with_help("it says from which size on errors of a state matter"),
+                        .with_help("the scale is the size from which errors of a state matter"),
                 ),
                 Rule::summary if binding.kind == BindingKind::Output => {
                     binding.summary = self.names(part).pop();

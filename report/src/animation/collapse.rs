@@ -312,7 +312,7 @@ mod tests {
             volume(&places, &triangles, &stands),
         );
         assert!(small > 0.96 * whole && small < whole, "{small} {whole}");
-        // closed as before: each edge of what is left has two triangles
+        // closed as before: each edge that is left has two triangles
         let mut edges = std::collections::BTreeMap::new();
         for t in &triangles {
             let [a, b, c] = t.map(|node| stands[node]);

@@ -1,7 +1,7 @@
-//! Bytes of a page's models, small: the four bytes of each number in planes of their own, deflated (RFC
-//! 1950), in base64.
+//! Compresses the bytes of a page's models: the first bytes of all numbers come first, then the second ones,
+//! and so on; deflated (RFC 1950), in base64.
 //!
-//! Neighbouring floats share signs and exponents, which are together in a plane. Nothing is rounded.
+//! Neighbouring floats share signs and exponents, so their first bytes are alike. Nothing is rounded.
 
 use crate::escape::base64;
 use flate2::Compression;

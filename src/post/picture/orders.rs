@@ -102,8 +102,8 @@ impl Drawer<'_> {
         Ok(ordinate)
     }
 
-    /// Spectra over speed, with the natural frequencies of linear analyses: of one speed lines across, of
-    /// several a mark each. What is not stated is that of the maps of a page.
+    /// Spectra over speed, with the natural frequencies of linear analyses: lines across for one speed,
+    /// a mark each for several. Settings that the text does not state are those of the maps of a page.
     pub(super) fn campbell(&self, campbell: &plan::Campbell) -> Result<Figure, PostError> {
         let plan::Campbell {
             members,

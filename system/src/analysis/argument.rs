@@ -202,7 +202,7 @@ pub(super) const STEP: Argument = argument(
     Takes::Time,
     "us",
     POSITIVE,
-    "a fixed step; without it the error decides",
+    "a fixed step; without it error control chooses the steps",
 );
 
 pub(super) const TOLERANCE: Argument = argument(

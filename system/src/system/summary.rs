@@ -1,4 +1,4 @@
-//! Tables of results by interface: the text of an interface states which number a table takes of an output.
+//! Tables of results by interface: the text of an interface states the number that a table takes from an output.
 
 use super::Slot;
 use crate::dimension::{Dimension, DisplayUnit};

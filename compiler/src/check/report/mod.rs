@@ -148,7 +148,7 @@ impl<'a> Reporter<'a, '_> {
                     self.checker.misplaced(
                         super::class::item_place(item),
                         "this",
-                        "into a report",
+                        "in a report",
                         "it takes `figure`, `value`, `let`, `require` and `advise`",
                     );
                     continue;
@@ -276,7 +276,7 @@ impl<'a> Reporter<'a, '_> {
                     Diagnostic::error(codes::DISPLAY, "a level is shown in dB")
                         .at(stated.span, "another unit")
                         .also(value.span, "this is a level")
-                        .with_help("leave `as` away"),
+                        .with_help("omit `as`"),
                 );
                 return None;
             }
@@ -332,7 +332,7 @@ impl<'a> Reporter<'a, '_> {
             condition,
             &found,
             Shape::Truth,
-            &format!("what follows `{word}`"),
+            &format!("the expression after `{word}`"),
         )?;
         let mut told = Vec::new();
         let mut of_message = Diagnostics::new();
@@ -401,7 +401,7 @@ impl<'a> Reporter<'a, '_> {
                 self.tell(
                     Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
                         .at(span, "this leads back to where it came from")
-                        .with_help("order does not matter, but each value must follow from others"),
+                        .with_help("the order of items does not matter, but no value may follow from itself"),
                 );
                 self.names.insert(known.0, (known.1, Named::Done(None)));
                 None

@@ -198,7 +198,12 @@ impl<'a> Reporter<'a, '_> {
     ) -> Option<(Typed, Signals)> {
         let name = row.name;
         let panel = self.expression(expr)?;
-        self.shaped(expr, &panel, Shape::Signal, &format!("what `{name}` shows"))?;
+        self.shaped(
+            expr,
+            &panel,
+            Shape::Signal,
+            &format!("an argument of `{name}`"),
+        )?;
         self.checker.of_samples(expr, &panel.ty, name)?;
         if let Some((first, _)) = first
             && panel.quantity().fits(&first.quantity()).is_err()
@@ -229,7 +234,12 @@ impl<'a> Reporter<'a, '_> {
         display: Option<&UnitExpr>,
     ) -> Option<(Typed, Signals)> {
         let mut of = self.expression(expr)?;
-        self.shaped(expr, &of, Shape::Signal, &format!("what `{name}` shows"))?;
+        self.shaped(
+            expr,
+            &of,
+            Shape::Signal,
+            &format!("an argument of `{name}`"),
+        )?;
         self.checker.of_samples(expr, &of.ty, name)?;
         if let Type::Signal { quantity, .. } = &mut of.ty {
             *quantity = quantity.difference();
@@ -277,7 +287,7 @@ impl<'a> Reporter<'a, '_> {
                         .with_note(if place.path.is_empty() {
                             format!("`{name}` gives samples")
                         } else {
-                            "the analysis alone, none of its columns".to_owned()
+                            "this is the analysis alone, and none of its columns".to_owned()
                         }),
                 );
                 return None;
@@ -335,7 +345,7 @@ impl<'a> Reporter<'a, '_> {
             self.tell(
                 Diagnostic::error(codes::DISPLAY, format!("{name}s are drawn in µm"))
                     .at(unit.span, "another unit")
-                    .with_help("leave `as` away"),
+                    .with_help("omit `as`"),
             );
             return None;
         }

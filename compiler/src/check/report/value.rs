@@ -99,11 +99,11 @@ impl<'a> Reporter<'a, '_> {
                 self.tell(
                     Diagnostic::error(
                         codes::UNIT_TWICE,
-                        "what is made of results has its unit already",
+                        "a value made of results already has its unit",
                     )
                     .at(unit.span, "a second one")
                     .also(inner.span, "of this")
-                    .with_help("to convert what is shown, use `as`"),
+                    .with_help("to convert the shown value, use `as`"),
                 );
                 None
             }

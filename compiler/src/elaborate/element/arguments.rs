@@ -196,7 +196,7 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         for (elder, (items, scope)) in texts.iter().enumerate() {
-            // an interface also reads what the one that it extends asks for
+            // an interface also reads the items for which its own interface asks
             let asked = texts
                 .iter()
                 .take(elder + 1)

@@ -93,7 +93,7 @@ impl<'a> Elaborator<'a, '_> {
             None => {
                 let span = state.value.as_ref().map_or(state.name.span, |v| v.span);
                 let told = format!(
-                    "the state `{name}` starts at zero and has no scale; state the size from which on it matters after its start: `… scale …`"
+                    "the state `{name}` starts at zero and has no scale; state the size from which it matters after its start: `… scale …`"
                 );
                 (self.bench.bind.graph.abs(start), span, told)
             }
@@ -406,7 +406,7 @@ impl<'a> Elaborator<'a, '_> {
                     "this constraint does not depend on the motion",
                 )
                 .at(span, "nothing can move to fulfil it")
-                .with_help("what parameters must fulfil is a `require`"),
+                .with_help("write a condition on parameters as `require`"),
             ));
         }
         let Some(element) = self.bench.element.as_mut() else {

@@ -89,15 +89,12 @@ impl<'a> Elaborator<'a, '_> {
         let answers = element.fields.iter().flat_map(|field| field.kernel.answers);
         let names = listing(answers.map(|row| row.name), 12);
         Err(self.report(
-            Diagnostic::error(
-                codes::FIELD,
-                "a load follows from the answers of a field alone",
-            )
-            .at(span, "depends on a reading")
-            .with_note(format!(
-                "its answers are {names}; no derivative is known of the others"
-            ))
-            .with_help("show it by an `output`, or use it in a `require`"),
+            Diagnostic::error(codes::FIELD, "a load can use only the answers of a field")
+                .at(span, "depends on a reading")
+                .with_note(format!(
+                    "its answers are {names}; the other results have no derivatives"
+                ))
+                .with_help("show it by an `output`, or use it in a `require`"),
         ))
     }
 

@@ -349,7 +349,7 @@ impl<'a> Elaborator<'a, '_> {
                 format!("`{path}.{name}` depends on the motion"),
             )
             .at(class_name.span, format!("its interface asks for `{name}`, which the results read once"))
-            .with_help("give it a number that follows from parameters; what moves enters the law by its markers"),
+            .with_help("give it a number that follows from parameters; motion enters the law by its markers"),
         ))
     }
 

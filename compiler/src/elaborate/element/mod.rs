@@ -40,6 +40,7 @@ pub(crate) struct ClassScope<'a> {
 }
 
 /// The data of an element while it is lowered.
+#[derive(Default)]
 pub(crate) struct Draft {
     pub conditions: Vec<(Node, Condition)>,
     pub outputs: Vec<Node>,
@@ -254,14 +255,7 @@ impl<'a> Elaborator<'a, '_> {
             self.link(texts);
         }
         let at_use = block.map(|b| (b, self.use_scope(own, scope)));
-        let mut draft = Draft {
-            conditions: Vec::new(),
-            outputs: Vec::new(),
-            infos: Vec::new(),
-            shapes: Vec::new(),
-            frames: Vec::new(),
-            copied: Vec::new(),
-        };
+        let mut draft = Draft::default();
         for (items, scope) in texts {
             self.equations(items, *scope, &path, used_at, &mut draft)?;
         }

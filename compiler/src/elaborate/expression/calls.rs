@@ -288,7 +288,7 @@ impl<'a> Elaborator<'a, '_> {
                     "a value of the motion is where only parameters are allowed",
                 )
                 .at(span, "depends on positions, velocities or time")
-                .with_help("what moves is known in classes and outputs"),
+                .with_help("quantities of the motion are known in classes and outputs"),
             )),
         }
     }

@@ -83,7 +83,7 @@ impl<'a> Elaborator<'a, '_> {
                 codes::NOT_COUNTABLE,
                 "a whole number is too large to count with",
             )
-            .at(span, "beyond what a count or an index can be"),
+            .at(span, "too large for a count or an index"),
         )
     }
 

@@ -95,7 +95,7 @@ impl<'a> Elaborator<'a, '_> {
                 "their rows are the same freedoms: state one of them, or the same number twice",
             ))),
             (Some(_), _) | (_, Some(_)) if listed => Err(self.report(wrong(
-                "`freedoms` and `per_node` both say which freedom each row is",
+                "`freedoms` and `per_node` both state the freedoms of the rows",
                 "leave one out",
             ))),
             _ => Ok(()),

@@ -110,7 +110,7 @@ impl Materials {
             known if entry.is_some() && HARMLESS.contains(&known) => {
                 unread.note(&format!("*{}", keyword.name), &keyword.at, Carries::Nothing);
             }
-            // what else describes the material is listed with the rest
+            // other data of the material are listed with the other unread keywords
             _ => return Ok(false),
         }
         Ok(true)

@@ -1,11 +1,11 @@
 //! Input files of Abaqus and CalculiX (`.inp`): nodes, elements, sections, materials, masses, springs, ties,
 //! supports and sets become a [`Mesh`].
 //!
-//! Keywords and names count without case; `*INCLUDE` is followed. Parts are placed as their instances say:
-//! numbers of nodes and elements stay those of the file unless those of two instances meet; then the k-th
+//! The reader ignores the case of keywords and names, and follows `*INCLUDE`. It places parts as their instances
+//! state. Nodes and elements keep the numbers of the file, unless two instances share numbers. Then the k-th
 //! instance (from 0; the part outside all instances is last) adds k times the power of ten above all numbers.
-//! Sets of an instance are called `Instance.SET`, and `SET` where that is clear; a surface is the set of its
-//! nodes, `surface:NAME`, and `NAME` if no set has this name.
+//! Sets of an instance are called `Instance.SET`, and also `SET` if no other instance has this name. A surface
+//! is the set of its nodes, `surface:NAME`, and also `NAME` if no set has this name.
 //!
 //! The two codes differ in the dimensions of beam sections and in the rules of elements, whose variants (`R`,
 //! `I`, …) the mesh keeps. After `*STEP` only `*BOUNDARY` is read: that of the first step counts together

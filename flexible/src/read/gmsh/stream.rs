@@ -163,7 +163,7 @@ impl Stream {
         let found = found.chars().take(40).collect::<String>();
         Err(self.problem(
             format!("\"{found}\" is where {end} should be"),
-            "the counts at its head don't fit what follows; write the file again",
+            "the counts at its head don't fit the lines below; write the file again",
         ))
     }
 

@@ -45,7 +45,7 @@ impl Repeated {
             let (Some(count), false) = (count, self.added.is_empty()) else {
                 return Err(problem(
                     line,
-                    "repeats the card before a number of times, but what is added to its fields is not said",
+                    "repeats the card before a number of times, but does not state the increments of its fields",
                 ));
             };
             let mut made = Vec::new();

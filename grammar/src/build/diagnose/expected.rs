@@ -452,7 +452,7 @@ impl<'b> Failure<'b> {
             return Some(
                 if matches!(first, "require" | "advise") && self.inside().is_none() {
                     self.say("`else \"…\"`")
-                        .with_help("say what to do when the condition does not hold")
+                        .with_help("write the message that is shown if the condition does not hold")
                 } else {
                     self.say("`else`")
                         .with_help("`if` is a value, so it needs both sides")
@@ -640,7 +640,7 @@ impl<'b> Failure<'b> {
                 .at(self.span(), "cannot be here");
                 if matches!(sign, "(" | "[") {
                     diagnostic.with_help(format!(
-                        "the `{sign}` of a call or an index touches what it follows, on the same line"
+                        "the `{sign}` of a call or an index follows its name on the same line, without a space"
                     ))
                 } else if after_name && token.kind == TokenKind::Word && !self.new_line() {
                     diagnostic.with_help(
