@@ -167,6 +167,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::NoPeriod { .. } => d(codes::NO_PERIOD).with_help("give the period as a time, such as `over: 20 ms`"),
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::OverTime { elements, .. } => over_time(d(codes::TURNING), elements),
+        R::Remembers { origin } => place(d(codes::TURNING), origin, "a film with memory")
+            .with_help("`cavitation: reynolds` has no memory; `transient` and `periodic` follow the oil"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {

@@ -1,8 +1,13 @@
 //! Kernels of the fields that a text can name: oil films by `eng-film`.
 
-use eng_film::inputs::{ECCENTRICITY, FORCE, RATE};
-use eng_film::{Cavitation, Ends, Feed, Film, FilmSource, Lines, Opening, Profile, Work};
-use eng_system::field::{FieldError, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, KERNELS};
+use eng_film::inputs::{ECCENTRICITY, FORCE, RATE, SHAPE_FORCE};
+use eng_film::{
+    Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Profile,
+    Roughness, Shape, Thinning,
+};
+use eng_system::field::{
+    FieldError, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, KERNELS, Past,
+};
 use std::sync::Arc;
 
 /// Gap, as a share of the radial clearance, below which a film continues for the iterates of a solver. The laws
@@ -28,16 +33,33 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
     let clearance = numbers.number("radial_clearance");
     let cavitation = match numbers.word("cavitation") {
         "half" => Cavitation::Half,
+        "mass_conserving" => Cavitation::MassConserving,
         _ => Cavitation::Reynolds,
     };
     let edges = ["opening_from", "opening_to", "opening_low", "opening_high"];
     let edges = edges.map(|name| numbers.list(name));
+    for content in numbers.list("opening_content") {
+        if *content > 1.0 {
+            return Err(FieldError(format!(
+                "an opening has a content of {content}: it is a share of the gap, 1 at most"
+            )));
+        }
+        if *content < 1.0 && cavitation != Cavitation::MassConserving {
+            return Err(FieldError(
+                "an opening whose content is below 1 needs the rule `mass_conserving`: the other rules have no content"
+                    .into(),
+            ));
+        }
+    }
     let openings = (0..numbers.source.openings as usize).map(|at| {
         let edge = |side: usize| edges[side].get(at).copied().unwrap_or(f64::NAN);
         Opening {
             around: [edge(0), edge(1)],
             across: [edge(2), edge(3)],
-            feed: Feed::Pressure,
+            feed: match numbers.list("opening_content").get(at) {
+                Some(content) if *content < 1.0 => Feed::Content(*content),
+                _ => Feed::Pressure,
+            },
         }
     });
     let source = FilmSource {
@@ -49,15 +71,79 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
         openings: openings.collect(),
         profile: profile(numbers),
         pin_profile: Vec::new(),
-        shapes: Vec::new(),
+        shapes: waves(numbers.whole("ring_waves")),
         floor: FLOOR * clearance,
         piezo: numbers.number("piezo"),
+        rough: rough(numbers),
+        thinning: thinning(numbers),
         around: Lines::Equal(numbers.whole("around") as usize),
         across: Lines::Equal(numbers.whole("across") as usize),
         half_width: false,
     };
     let film = Film::new(source).map_err(|error| FieldError(error.to_string()))?;
-    Ok(Arc::new(Bearing(Arc::new(film))))
+    let compliance = ring(&film, numbers)?;
+    let elastic = Elastic::new(film, compliance).map_err(|error| FieldError(error.to_string()))?;
+    Ok(Arc::new(Bearing(Arc::new(elastic))))
+}
+
+/// The waves of a ring, without a change across: one of all around, and from two waves on a cosine and a sine each.
+fn waves(most: i64) -> Vec<Shape> {
+    let shape = |around, sine| Shape {
+        around,
+        sine,
+        across: 0,
+    };
+    let most = u32::try_from(most).unwrap_or(0);
+    if most == 0 {
+        return Vec::new();
+    }
+    let pairs = (2..=most).flat_map(|k| [shape(k, false), shape(k, true)]);
+    std::iter::once(shape(0, false)).chain(pairs).collect()
+}
+
+/// Compliance of the ring around the film.
+fn ring(film: &Film, numbers: &FieldNumbers<'_>) -> Result<Vec<f64>, FieldError> {
+    let number = |name: &str| numbers.number(name);
+    let [thickness, width, modulus] = ["ring_thickness", "ring_width", "ring_modulus"].map(number);
+    if film.source().shapes.is_empty() {
+        return Ok(Vec::new());
+    }
+    for (name, value) in [
+        ("thickness", thickness),
+        ("width", width),
+        ("modulus", modulus),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(FieldError(format!(
+                "the {name} of the elastic ring is {value}: a ring with waves needs a positive one"
+            )));
+        }
+    }
+    let radius = film.source().radius + thickness / 2.0;
+    let (area, inertia) = (thickness * width, width * thickness.powi(3) / 12.0);
+    Ok(Elastic::ring(film, radius, modulus, area, inertia))
+}
+
+/// The roughness, if the surfaces have one.
+fn rough(numbers: &FieldNumbers<'_>) -> Option<Roughness> {
+    let deviation = numbers.number("roughness");
+    (deviation != 0.0).then(|| Roughness {
+        deviation,
+        direction: numbers.number("rough_direction"),
+        asperity: numbers.number("asperity"),
+        modulus: numbers.number("asperity_modulus"),
+        friction: numbers.number("boundary_friction"),
+    })
+}
+
+/// The thinning of the oil. Without a shear rate the viscosity does not depend on it.
+fn thinning(numbers: &FieldNumbers<'_>) -> Option<Thinning> {
+    let rate = numbers.number("thin_rate");
+    (rate != 0.0).then(|| Thinning {
+        second: numbers.number("thin_second"),
+        rate,
+        exponent: numbers.number("thin_exponent"),
+    })
 }
 
 /// The stated changes of the gap. Those of depth zero are left out.
@@ -96,41 +182,83 @@ fn profile(numbers: &FieldNumbers<'_>) -> Vec<Profile> {
     all.into_iter().filter(|part| depth(part) != 0.0).collect()
 }
 
-/// A film without memory.
+/// Numbers of a field's memory behind those of its film: the volume of oil (m³).
+const VOLUME: usize = 1;
+
+/// A film as a field.
 #[derive(Debug)]
-struct Bearing(Arc<Film>);
+struct Bearing(Arc<Elastic>);
 
 impl FieldKernel for Bearing {
     fn solver(&self) -> Box<dyn FieldSolver> {
         let film = &self.0;
         Box::new(Solver {
             work: film.work(),
-            slopes: vec![0.0; film.outputs() * film.inputs()],
+            slopes: vec![0.0; SHAPE_FORCE * film.inputs()],
+            past: None,
             film: Arc::clone(film),
         })
+    }
+
+    fn memory(&self) -> usize {
+        match self.0.memory() {
+            0 => 0,
+            own => own + VOLUME,
+        }
     }
 }
 
 #[derive(Clone, Debug)]
 struct Solver {
-    film: Arc<Film>,
-    work: Work,
+    film: Arc<Elastic>,
+    work: ElasticWork,
     slopes: Vec<f64>,
+    /// Volume of oil at the past (m³), and the time since then (s); none for a film in balance.
+    past: Option<(f64, f64)>,
+}
+
+impl Solver {
+    /// Rate at which the volume of oil changes beside all flows (m³/s), by the error of the step.
+    fn unexplained_flow(&self) -> f64 {
+        let (film, work) = (self.film.film(), &self.work.film);
+        self.past.map_or(0.0, |(before, step)| {
+            (film.volume(work) - before) / step - film.gathering(work)
+        })
+    }
 }
 
 impl FieldSolver for Solver {
-    fn solve(&mut self, drives: &[f64], answers: &mut [f64]) -> Result<(), FieldError> {
+    fn solve(
+        &mut self,
+        drives: &[f64],
+        past: Option<Past<'_>>,
+        answers: &mut [f64],
+    ) -> Result<(), FieldError> {
+        let own = self.film.memory();
+        self.past = past.and_then(|past| Some((*past.memory.get(own)?, past.step)));
         let Solver { film, work, .. } = self;
-        let solved = film.solve(drives, None, &[], work, answers);
+        let (step, memory) = match past {
+            Some(past) => (Some(past.step), &past.memory[..own]),
+            None => (None, &[][..]),
+        };
+        let solved = film.solve(drives, step, memory, work, answers);
         solved.map_err(|error| FieldError(error.to_string()))
     }
 
+    fn accept(&self, memory: &mut [f64]) {
+        let (own, volume) = memory.split_at_mut(self.film.memory());
+        self.film.accept(&self.work, own);
+        volume.fill(self.film.film().volume(&self.work.film));
+    }
+
     fn tangent(&mut self, slopes: &mut [f64]) {
-        self.film.tangent(&mut self.work, slopes);
+        if self.film.tangent(&mut self.work, slopes).is_err() {
+            slopes.fill(f64::NAN);
+        }
     }
 
     fn read(&mut self, readings: &mut [f64], slopes: bool) {
-        let summary = self.film.summary(&self.work);
+        let summary = self.film.film().summary(&self.work.film);
         let (thin, high) = (summary.minimum_gap_at, summary.maximum_pressure_at);
         let numbers = [
             summary.minimum_gap,
@@ -140,10 +268,18 @@ impl FieldSolver for Solver {
             high.angle,
             high.across,
             summary.outflow,
+            summary.inflow,
             summary.supply_flow.iter().sum(),
             summary.shear_power,
             summary.pressure_power,
+            summary.asperity_share,
+            summary.asperity_pressure,
+            summary.boundary_power,
+            self.film.deflection(&self.work),
+            self.film.last_waves(&self.work),
             summary.cavitated,
+            summary.content,
+            self.unexplained_flow(),
         ];
         for (place, number) in readings.iter_mut().zip(numbers) {
             *place = number;
@@ -151,7 +287,9 @@ impl FieldSolver for Solver {
         if !slopes {
             return;
         }
-        self.film.tangent(&mut self.work, &mut self.slopes);
+        if self.film.tangent(&mut self.work, &mut self.slopes).is_err() {
+            self.slopes.fill(f64::NAN);
+        }
         let inputs = self.film.inputs();
         // a force that falls with the displacement is a stiffness
         let slope = |force: usize, input: usize| -self.slopes[(FORCE + force) * inputs + input];
@@ -211,7 +349,7 @@ mod tests {
         assert_eq!(x.len(), count as usize);
         let mut solver = Fields.make(&numbers).unwrap().solver();
         let mut answers = vec![0.0; kernel.answer_count() as usize];
-        solver.solve(&x, &mut answers).unwrap();
+        solver.solve(&x, None, &mut answers).unwrap();
         let mut readings = vec![f64::NAN; kernel.reading_count() as usize];
         solver.read(&mut readings, true);
         assert!(readings.iter().all(|number| number.is_finite()));
@@ -229,7 +367,7 @@ mod tests {
                 let mut moved_inputs = x.clone();
                 moved_inputs[input] += moved;
                 let mut after = answers.clone();
-                solver.solve(&moved_inputs, &mut after).unwrap();
+                solver.solve(&moved_inputs, None, &mut after).unwrap();
                 after
             };
             let (up, down) = (at_end(step), at_end(-step));

@@ -1,6 +1,8 @@
 //! Time of a solution and of its tangent: `cargo bench -p eng-film`. Least of many, µs, on one thread.
 
-use eng_film::{Cavitation, Feed, Film, FilmSource, Inputs, Opening};
+use eng_film::{
+    Cavitation, Elastic, Feed, Film, FilmSource, Inputs, Opening, Roughness, Shape, Thinning,
+};
 use std::time::Instant;
 
 /// Steps of the orbit.
@@ -116,5 +118,74 @@ fn main() {
                 format!("{rule:?}")
             );
         }
+    }
+    surfaces();
+}
+
+/// Rough surfaces with thinning oil, and an elastic ring of waves up to 8, on 72 × 13 cells: the same gap again.
+fn surfaces() {
+    println!(
+        "\n{:>10} {:>16} {:>10} {:>10}",
+        "cells", "surface", "again", "tangent"
+    );
+    let source = |rough: bool, waves: u32| {
+        let mut source = film(Cavitation::Reynolds, [72, 13], false).source().clone();
+        if rough {
+            source.rough = Some(Roughness {
+                deviation: 0.02,
+                direction: 1.0,
+                asperity: 1.0,
+                modulus: 10.0,
+                friction: 0.1,
+            });
+            source.thinning = Some(Thinning {
+                second: 0.5,
+                rate: 5.0,
+                exponent: 0.8,
+            });
+        }
+        let shape = |around, sine| Shape {
+            around,
+            sine,
+            across: 0,
+        };
+        source.shapes = (2..=waves)
+            .flat_map(|k| [shape(k, false), shape(k, true)])
+            .collect();
+        source
+    };
+    for (name, rough, waves) in [
+        ("plain", false, 0),
+        ("rough", true, 0),
+        ("elastic", false, 8),
+    ] {
+        let film = Film::new(source(rough, waves)).expect("a film");
+        // the numbers make a ring whose ovality yields by a tenth of the clearance
+        let compliance = Elastic::ring(&film, 1.0, 10.0, 1.0, 0.05);
+        let elastic = Elastic::new(film, compliance).expect("a surface");
+        let (mut work, mut y) = (elastic.work(), [0.0; 5]);
+        let near = [0.0, 1e-6].map(|moved| {
+            Inputs {
+                eccentricity: [0.8 + moved, 0.1],
+                rate: [-0.16, 0.1],
+                tilt: [0.1, -0.1],
+                spin: 1.0,
+                end_pressure: 0.02,
+                supply: &[0.2],
+                ..Inputs::still(1.0)
+            }
+            .write()
+        });
+        let mut call = 0;
+        let memory = vec![0.0; elastic.memory()];
+        let again = least(|| {
+            call += 1;
+            elastic
+                .solve(&near[call % 2], Some(0.1), &memory, &mut work, &mut y)
+                .expect("a film");
+        });
+        let mut tangent = vec![0.0; 5 * elastic.inputs()];
+        let slopes = least(|| elastic.tangent(&mut work, &mut tangent).expect("a tangent"));
+        println!("{:>10} {name:>16} {again:10.0} {slopes:10.0}", "72 x 13");
     }
 }

@@ -149,6 +149,14 @@ pub enum FilmError {
         /// A cell that still changes sides.
         place: Place,
     },
+    /// An elastic surface without a place in balance with the film.
+    #[error(
+        "the elastic surface finds no place within {rounds} rounds: it may be too soft for the load, or the step too long"
+    )]
+    NoSurface {
+        /// Rounds of Newton's method.
+        rounds: usize,
+    },
     /// Numbers beyond the range of floating point.
     #[error("the pressure of a film overflows")]
     Overflow,

@@ -5,6 +5,7 @@ use crate::grid::Grid;
 use crate::inputs::{END_PRESSURE, SHAPE_FORCE, SUPPLY, TILT, TILT_RATE, VISCOSITY};
 use crate::ring::RingMatrix;
 use crate::source::{Cavitation, Feed, FilmSource, Lines};
+use crate::surfaces::{OfGap, Surfaces};
 
 /// Least numbers of cells of a coarse grid. It serves a first guess of the cavity's edge alone.
 const COARSEST: [usize; 2] = [12, 3];
@@ -19,6 +20,7 @@ pub struct Film {
     pub(crate) source: FilmSource,
     /// The finest first; each coarser one has about half of the cells in each direction.
     pub(crate) levels: Vec<Level>,
+    pub(crate) surfaces: Surfaces,
 }
 
 /// A grid, and how the next coarser one lies below it.
@@ -66,14 +68,25 @@ pub(crate) struct Side {
 /// What a solution needs on one grid.
 #[derive(Clone, Debug)]
 pub(crate) struct LevelWork {
+    /// Gaps h at links and in cells.
+    pub gaps: [Vec<f64>; 2],
+    /// Gap that carries oil.
     pub link_gap: Vec<f64>,
     /// Change of the gap at a link with the pin's turn, m/rad.
     pub link_turn: Vec<f64>,
-    /// Weight times `h³/12μ`.
+    /// Weight times `h³/12μ`, and the slopes of its logarithm by h and ω.
     pub conductance: Vec<f64>,
+    pub conductance_slope: Vec<[f64; 2]>,
+    /// Gap that carries oil.
     pub cell_gap: Vec<f64>,
-    /// Slopes of the gaps at links and in cells by the true gap; 1 above the floor.
-    pub continued: [Vec<f64>; 2],
+    /// Slopes of both carrying gaps by h.
+    pub carried_slope: [Vec<f64>; 2],
+    /// `1/h` of the shear.
+    pub shear: Vec<OfGap>,
+    /// Slopes of the rate of the carrying gap by that of h, and by h.
+    pub rate_slope: Vec<[f64; 2]>,
+    /// Pressure of the asperities and its slope by h.
+    pub touching: Vec<[f64; 2]>,
     /// Change of the gap in the middle of a cell with the pin's turn, m/rad.
     pub cell_turn: Vec<f64>,
     pub cell_rate: Vec<f64>,
@@ -100,11 +113,16 @@ impl LevelWork {
     fn new(level: &Level, fixed: usize) -> Self {
         let (cells, links) = (level.grid.cells.len(), level.grid.links.len());
         LevelWork {
+            gaps: [vec![0.0; links], vec![0.0; cells]],
             link_gap: vec![0.0; links],
             link_turn: vec![0.0; links],
             conductance: vec![0.0; links],
+            conductance_slope: vec![[0.0; 2]; links],
             cell_gap: vec![0.0; cells],
-            continued: [vec![1.0; links], vec![1.0; cells]],
+            carried_slope: [vec![1.0; links], vec![1.0; cells]],
+            shear: vec![OfGap::default(); cells],
+            rate_slope: vec![[1.0, 0.0]; cells],
+            touching: vec![[0.0; 2]; cells],
             cell_turn: vec![0.0; cells],
             cell_rate: vec![0.0; cells],
             pin_slope: vec![[0.0; 2]; cells],
@@ -174,7 +192,17 @@ impl Film {
                 shapes,
             });
         }
-        Ok(Film { source, levels })
+        let surfaces = Surfaces::new(
+            source.rough.as_ref(),
+            source.thinning,
+            source.floor,
+            source.radius,
+        );
+        Ok(Film {
+            source,
+            levels,
+            surfaces,
+        })
     }
 
     /// The data of the film.
@@ -308,6 +336,36 @@ impl Film {
     pub fn accept(&self, work: &Work, memory: &mut [f64]) {
         let count = memory.len();
         memory.copy_from_slice(&work.levels[0].content[..count]);
+    }
+
+    /// Volume of oil in the film, `∫ ϑ h dA`, m³.
+    #[must_use]
+    pub fn volume(&self, work: &Work) -> f64 {
+        let state = &work.levels[0];
+        let volumes = self.levels[0].grid.cells.iter().enumerate();
+        let sum: f64 = volumes
+            .map(|(at, cell)| cell.area * state.content[at] * state.cell_gap[at])
+            .sum();
+        self.halves() * sum
+    }
+
+    /// Flow that the solution gathers in the film, `∫ (ϑ̇ h + ϑ ḣ) dA`, m³/s. It equals the flow into the film by
+    /// openings and ends. Over a step the volume changes by it but for an error of second order in the step,
+    /// because ϑ̇ and ḣ are those of the step's end.
+    #[must_use]
+    pub fn gathering(&self, work: &Work) -> f64 {
+        let state = &work.levels[0];
+        let mut sum = 0.0;
+        for (at, cell) in self.levels[0].grid.cells.iter().enumerate() {
+            let filling = match (work.step, cell.held) {
+                (Some(step), None) => {
+                    (state.content[at] - work.before[at]) / step * state.cell_gap[at]
+                }
+                _ => 0.0,
+            };
+            sum += cell.area * (filling + state.content[at] * state.cell_rate[at]);
+        }
+        self.halves() * sum
     }
 
     fn check_inputs(&self, work: &Work) -> Result<(), FilmError> {

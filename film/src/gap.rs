@@ -21,10 +21,10 @@ impl Film {
         let eccentric =
             |normal: [f64; 2], z: f64| (ex + z * tx) * normal[0] + (ey + z * ty) * normal[1];
         let grid = &level.grid;
-        for (gap, site) in state.link_gap.iter_mut().zip(&grid.sites) {
+        for (gap, site) in state.gaps[0].iter_mut().zip(&grid.sites) {
             *gap = site.base - eccentric(site.normal, site.z);
         }
-        for (gap, cell) in state.cell_gap.iter_mut().zip(&grid.cells) {
+        for (gap, cell) in state.gaps[1].iter_mut().zip(&grid.cells) {
             *gap = cell.base - eccentric(cell.normal, cell.z);
         }
         for (rate, cell) in state.cell_rate.iter_mut().zip(&grid.cells) {
@@ -45,22 +45,39 @@ impl Film {
                     *sum += factor * value;
                 }
             };
-            add(&mut state.link_gap, amplitude, &level.shapes[0]);
-            add(&mut state.cell_gap, amplitude, &level.shapes[1]);
+            add(&mut state.gaps[0], amplitude, &level.shapes[0]);
+            add(&mut state.gaps[1], amplitude, &level.shapes[1]);
             add(&mut state.cell_rate, rate, &level.shapes[2]);
         }
-        // without a floor the slopes keep their 1
-        if self.source.floor > 0.0 {
-            let [at_links, in_cells] = &mut state.continued;
-            let gaps = state.link_gap.iter_mut().zip(at_links);
-            for (gap, slope) in gaps.chain(state.cell_gap.iter_mut().zip(in_cells)) {
-                (*gap, *slope) = self.source.continued(*gap);
-            }
-        }
+        self.set_flow(level, state, x);
+    }
+
+    /// What the surfaces and the oil make of the gaps h and their rates.
+    fn set_flow(&self, level: &Level, state: &mut LevelWork, x: &[f64]) {
+        let (surfaces, grid, spin) = (&self.surfaces, &level.grid, x[SPIN]);
         let factor = 1.0 / (12.0 * x[VISCOSITY]);
-        let conductances = state.conductance.iter_mut().zip(&state.link_gap);
-        for ((conductance, gap), link) in conductances.zip(&grid.links) {
-            *conductance = link.weight * factor * gap * gap * gap;
+        for (at, link) in grid.links.iter().enumerate() {
+            let gap = state.gaps[0][at];
+            let carried = surfaces.carried(gap);
+            state.link_gap[at] = carried[0];
+            state.carried_slope[0][at] = carried[1];
+            let conducted = surfaces.conducted(gap, carried, spin, link.carry == 0.0);
+            state.conductance[at] = link.weight * factor * conducted.value;
+            state.conductance_slope[at] = [conducted.by_gap, conducted.by_spin];
+        }
+        for (at, cell) in grid.cells.iter().enumerate() {
+            let gap = state.gaps[1][at];
+            let carried = surfaces.carried(gap);
+            state.cell_gap[at] = carried[0];
+            state.carried_slope[1][at] = carried[1];
+            state.shear[at] = surfaces.sheared(carried, spin);
+            let [by_rate, by_gap] = surfaces.squeezed(carried);
+            state.rate_slope[at] = [by_rate, by_gap * state.cell_rate[at]];
+            state.cell_rate[at] *= by_rate;
+            // an opening is deep: its surfaces do not touch
+            if cell.held.is_none() {
+                state.touching[at] = surfaces.touching(gap);
+            }
         }
     }
 
@@ -71,13 +88,13 @@ impl Film {
         let (grid, half, turn) = (&level.grid, self.source.width / 2.0, x[TURN]);
         for (at, site) in grid.sites.iter().enumerate() {
             let (value, slope) = self.source.pin_profile(site.angle - turn, site.z / half);
-            state.link_gap[at] += value;
+            state.gaps[0][at] += value;
             state.link_turn[at] = -slope;
         }
         for (at, cell) in grid.cells.iter().enumerate() {
             let zeta = cell.z / half;
             let (value, slope) = self.source.pin_profile(cell.angle - turn, zeta);
-            state.cell_gap[at] += value;
+            state.gaps[1][at] += value;
             state.cell_turn[at] = -slope;
             let west = self
                 .source
@@ -131,13 +148,17 @@ impl Film {
 
     /// Refuses surfaces that touch at a face or in the middle of a cell.
     pub(crate) fn check_gap(&self, state: &LevelWork) -> Result<(), FilmError> {
+        // iterates of a smooth film with a floor, and rough surfaces at any distance, have a film
+        if self.source.floor > 0.0 || self.surfaces.is_rough() {
+            return Ok(());
+        }
         let grid = &self.levels[0].grid;
         let refuse = |gap: f64, angle: f64, z: f64| {
             let place = place(angle, z);
             Err(FilmError::NoGap { gap, place })
         };
-        let (link, at_link) = thinnest(&state.link_gap);
-        let (cell, in_cell) = thinnest(&state.cell_gap);
+        let (link, at_link) = thinnest(&state.gaps[0]);
+        let (cell, in_cell) = thinnest(&state.gaps[1]);
         if at_link <= 0.0 && at_link <= in_cell {
             return refuse(at_link, grid.sites[link].angle, grid.sites[link].z);
         }

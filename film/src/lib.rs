@@ -38,6 +38,7 @@
 
 mod active;
 mod block;
+mod elastic;
 mod error;
 mod film;
 mod gap;
@@ -47,10 +48,13 @@ pub mod inputs;
 mod results;
 mod ring;
 mod source;
+mod surfaces;
 mod tangent;
 
+pub use elastic::{Elastic, ElasticWork};
 pub use error::{FilmError, Place, SourceError};
 pub use film::{Film, Work};
 pub use inputs::Inputs;
 pub use results::{Quantity, Summary};
 pub use source::{Cavitation, Ends, Feed, FilmSource, Lines, Opening, Profile, Shape};
+pub use surfaces::{Roughness, Thinning};

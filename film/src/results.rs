@@ -41,6 +41,14 @@ pub struct Summary {
     pub pressure_power: f64,
     /// Power of the supply and of flooded ends, `Σ p_s Q_s − p_end Q_end`, W.
     pub pumping_power: f64,
+    /// `∫ p_a dA` of the asperities, N.
+    pub asperity_load: f64,
+    /// Its share of `∫ (p + p_a) dA`.
+    pub asperity_share: f64,
+    /// Highest pressure of the asperities over a cell's middle, Pa.
+    pub asperity_pressure: f64,
+    /// Power of the friction where asperities touch, W.
+    pub boundary_power: f64,
     /// Share of the area in the cavity.
     pub cavitated: f64,
     /// Mean content.
@@ -60,6 +68,8 @@ pub enum Quantity {
     Content,
     /// Gap, m.
     Gap,
+    /// Pressure of the asperities, Pa.
+    Asperities,
 }
 
 impl Film {
@@ -100,27 +110,43 @@ impl Film {
         state.content[cell] * state.pressure[cell][1].max(1.0)
     }
 
-    /// Writes the outputs:
+    /// Torque of the asperities' friction over their load, `μ_b R sgn ω` (m) with `sgn ω = ω/√(ω² + (1 rad/s)²)`, and
+    /// its slope by ω.
+    pub(crate) fn boundary(&self, spin: f64) -> [f64; 2] {
+        let Some(rough) = &self.source.rough else {
+            return [0.0; 2];
+        };
+        let arm = rough.friction * self.source.radius;
+        let size = libm::sqrt(spin * spin + 1.0);
+        [arm * spin / size, arm / (size * size * size)]
+    }
+
+    /// Writes the outputs, with p the pressure of the film and p_a that of the asperities:
     ///
     /// ```text
-    /// F = −∫ p n dA     M_x = ∫ p z sin θ dA     M_y = −∫ p z cos θ dA
-    /// T = μ₀ R² ω ∫ ϑ e^(α p)/h dA − ½ ∫ p ∂h/∂θ dA + ∫ p ∂s_p/∂θ dA
+    /// F = −∫ (p + p_a) n dA     M_x = ∫ (p + p_a) z sin θ dA     M_y = −∫ (p + p_a) z cos θ dA
+    /// T = μ₀ R² ω ∫ ϑ e^(α p)/h dA − ½ ∫ p ∂h/∂θ dA + ∫ (p + p_a) ∂s_p/∂θ dA + μ_b R sgn ω ∫ p_a dA
     /// ```
+    ///
+    /// The part `−½ ∫ p_a ∂h/∂θ dA` is left out: p_a is a function of h alone, so it vanishes around a closed ring.
     pub(crate) fn integrate(&self, work: &Work, outputs: &mut [f64]) {
         let (level, state, x) = (&self.levels[0], &work.levels[0], &work.inputs);
         outputs.fill(0.0);
         let shear = x[VISCOSITY] * self.source.radius * self.source.radius * x[SPIN];
+        let boundary = self.boundary(x[SPIN])[0];
         let [mut fx, mut fy, mut mx, mut my, mut torque] = [0.0; 5];
         for (at, cell) in level.grid.cells.iter().enumerate() {
-            let load = cell.area * state.pressure[at][0];
+            let touch = state.touching[at][0];
+            let load = cell.area * (state.pressure[at][0] + touch);
             let [cos, sin] = cell.mean_normal;
             let (along_x, along_y) = (load * cos, load * sin);
             fx -= along_x;
             fy -= along_y;
             mx += along_y * cell.z;
             my -= along_x * cell.z;
-            torque += shear * self.shear_factor(state, at) * cell.area / state.cell_gap[at]
-                + load * state.pin_slope[at][0];
+            torque += shear * self.shear_factor(state, at) * cell.area * state.shear[at].value
+                + load * state.pin_slope[at][0]
+                + boundary * cell.area * touch;
         }
         // −½ ∫ p ∂h/∂θ dA, summed by parts: the flow that the surfaces carry through a face against the pressure
         for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
@@ -135,7 +161,8 @@ impl Film {
         let count = level.grid.cells.len();
         for (shape, force) in outputs[SHAPE_FORCE..].iter_mut().enumerate() {
             for (at, cell) in level.grid.cells.iter().enumerate() {
-                *force += cell.area * state.pressure[at][0] * level.shapes[2][shape * count + at];
+                let pressure = state.pressure[at][0] + state.touching[at][0];
+                *force += cell.area * pressure * level.shapes[2][shape * count + at];
             }
         }
         for output in outputs.iter_mut() {
@@ -153,7 +180,8 @@ impl Film {
             *out = match which {
                 Quantity::Pressure => state.pressure[at][0],
                 Quantity::Content => state.content[at],
-                Quantity::Gap => state.cell_gap[at],
+                Quantity::Gap => state.gaps[1][at],
+                Quantity::Asperities => state.touching[at][0],
             };
         }
     }
@@ -177,20 +205,27 @@ impl Film {
             shear_power: 0.0,
             pressure_power: 0.0,
             pumping_power: 0.0,
+            asperity_load: 0.0,
+            asperity_share: 0.0,
+            asperity_pressure: 0.0,
+            boundary_power: 0.0,
             cavitated: 0.0,
             content: 0.0,
-            volume: 0.0,
+            volume: self.volume(work),
             rounds: work.rounds,
         };
         self.add_flows(&mut summary, level, state, x);
         let shear = x[VISCOSITY] * self.source.radius * self.source.radius * x[SPIN];
-        let mut area = 0.0;
+        let (mut area, mut load) = (0.0, 0.0);
         for (at, cell) in level.grid.cells.iter().enumerate() {
             area += cell.area;
             summary.shear_torque +=
-                shear * self.shear_factor(state, at) * cell.area / state.cell_gap[at];
+                shear * self.shear_factor(state, at) * cell.area * state.shear[at].value;
+            let touch = state.touching[at][0];
+            summary.asperity_load += cell.area * touch;
+            load += cell.area * (touch + state.pressure[at][0]);
+            summary.asperity_pressure = summary.asperity_pressure.max(touch);
             summary.content += cell.area * state.content[at];
-            summary.volume += cell.area * state.content[at] * state.cell_gap[at];
             if !state.full[at] || (self.source.cavitation == Cavitation::Half && state.q[at] <= 0.0)
             {
                 summary.cavitated += cell.area;
@@ -199,7 +234,11 @@ impl Film {
         summary.cavitated /= area;
         summary.content /= area;
         let halves = self.halves();
-        summary.volume *= halves;
+        summary.asperity_load *= halves;
+        if load > 0.0 {
+            summary.asperity_share = summary.asperity_load / (halves * load);
+        }
+        summary.boundary_power = self.boundary(x[SPIN])[0] * summary.asperity_load * x[SPIN];
         summary.shear_torque *= halves;
         summary.shear_power = summary.shear_torque * x[SPIN];
         summary
@@ -328,11 +367,11 @@ impl Film {
                 least = (gap, place(angle, z));
             }
         };
-        for (site, gap) in grid.sites.iter().zip(&state.link_gap) {
-            look(self.source.true_gap(*gap), site.angle, site.z);
+        for (site, gap) in grid.sites.iter().zip(&state.gaps[0]) {
+            look(*gap, site.angle, site.z);
         }
-        for (cell, gap) in grid.cells.iter().zip(&state.cell_gap) {
-            look(self.source.true_gap(*gap), cell.angle, cell.z);
+        for (cell, gap) in grid.cells.iter().zip(&state.gaps[1]) {
+            look(*gap, cell.angle, cell.z);
         }
         // sealed ends and lines at ends are no links
         for z in [-half, half] {
@@ -346,6 +385,22 @@ impl Film {
             }
         }
         least
+    }
+
+    /// Largest magnitude of the deflection by the shapes in the middle of a cell, m.
+    pub(crate) fn deflection(&self, work: &Work) -> f64 {
+        let level = &self.levels[0];
+        let (count, shapes) = (level.grid.cells.len(), self.source.shapes.len());
+        let amplitudes = &work.inputs[SUPPLY + self.source.openings.len()..][..shapes];
+        let mut most = 0.0_f64;
+        for cell in 0..count {
+            let values = amplitudes.iter().enumerate();
+            let sum: f64 = values
+                .map(|(shape, amplitude)| amplitude * level.shapes[1][shape * count + cell])
+                .sum();
+            most = most.max(sum.abs());
+        }
+        most
     }
 
     /// The gap at any place, m.

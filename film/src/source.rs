@@ -1,6 +1,7 @@
 //! Plain data of a film: geometry, rule, openings, profiles and cells. All numbers are SI.
 
 use crate::error::SourceError;
+use crate::surfaces::{Roughness, Thinning};
 
 /// The rule of the film where it would pull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -222,11 +223,16 @@ pub struct FilmSource {
     pub pin_profile: Vec<Profile>,
     /// Deflections that are inputs.
     pub shapes: Vec<Shape>,
-    /// Gap f (m) below which the equation has `f²/(2f − h)` instead of the gap h, which stays positive for every h. With 0,
-    /// surfaces that touch are an error.
+    /// Gap f (m) below which the equation of smooth surfaces has `f²/(2f − h)` instead of the gap h, which stays positive
+    /// for every h. Only solutions above the floor mean anything. With 0, surfaces that touch are an error. Rough surfaces
+    /// have no floor.
     pub floor: f64,
     /// α of Barus' law `μ exp(α p)`, 1/Pa; 0 for oil whose viscosity does not depend on pressure.
     pub piezo: f64,
+    /// Roughness of both surfaces; none for smooth ones.
+    pub rough: Option<Roughness>,
+    /// Thinning of the oil in shear; none for oil whose viscosity does not depend on it.
+    pub thinning: Option<Thinning>,
     /// Cells around.
     pub around: Lines,
     /// Cells across; of a half bearing from mid width to its end.
@@ -257,30 +263,12 @@ impl FilmSource {
             shapes: Vec::new(),
             floor: 0.0,
             piezo: 0.0,
+            rough: None,
+            thinning: None,
             around: Lines::Equal(cells[0]),
             across: Lines::Equal(cells[1]),
             half_width: false,
         }
-    }
-
-    /// The gap in the equation and its slope by the true gap h: `f²/(2f − h)` below the floor f, where it has the
-    /// value and slope of h and stays positive for every h. So the iterates of a solver have a film wherever the
-    /// pin is. Only solutions above the floor mean anything.
-    pub(crate) fn continued(&self, gap: f64) -> (f64, f64) {
-        // without a floor nothing continues: the caller refuses surfaces that touch
-        if gap >= self.floor || self.floor == 0.0 {
-            return (gap, 1.0);
-        }
-        let share = self.floor / (2.0 * self.floor - gap);
-        (self.floor * share, share * share)
-    }
-
-    /// The true gap of one that [`FilmSource::continued`] gives.
-    pub(crate) fn true_gap(&self, continued: f64) -> f64 {
-        if continued >= self.floor {
-            return continued;
-        }
-        2.0 * self.floor - self.floor * self.floor / continued
     }
 
     /// Sum of the shell's profile.
@@ -329,6 +317,12 @@ impl FilmSource {
                 value: self.piezo,
                 range: "0 or a positive number",
             });
+        }
+        if let Some(rough) = &self.rough {
+            rough.check()?;
+        }
+        if let Some(thinning) = &self.thinning {
+            thinning.check()?;
         }
         for (number, opening) in self.openings.iter().enumerate() {
             self.check_opening(number + 1, opening)?;

@@ -100,17 +100,8 @@ impl Film {
         let count = level.grid.cells.len();
         for (lane, output) in group.outputs.iter().enumerate() {
             let Some(output) = *output else { continue };
-            for (at, cell) in level.grid.cells.iter().enumerate() {
-                let [cos, sin] = cell.mean_normal;
-                adjoint[at][lane] = cell.area
-                    * match output {
-                        FORCE => -cos,
-                        1 => -sin,
-                        MOMENT => cell.z * sin,
-                        3 => -cell.z * cos,
-                        TORQUE => state.pin_slope[at][0],
-                        _ => level.shapes[2][(output - SHAPE_FORCE) * count + at],
-                    };
+            for (at, adjoint) in adjoint[..count].iter_mut().enumerate() {
+                adjoint[lane] = self.weight(solution, output, at);
             }
             if output == TORQUE {
                 for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
@@ -121,13 +112,29 @@ impl Film {
         }
     }
 
+    /// Derivative of an output by the pressure of a cell, as part of its load, m².
+    fn weight(&self, solution: &Solution, output: usize, at: usize) -> f64 {
+        let Solution { level, state, .. } = *solution;
+        let cell = &level.grid.cells[at];
+        let [cos, sin] = cell.mean_normal;
+        let part = match output {
+            FORCE => -cos,
+            1 => -sin,
+            MOMENT => cell.z * sin,
+            3 => -cell.z * cos,
+            TORQUE => state.pin_slope[at][0],
+            _ => level.shapes[2][(output - SHAPE_FORCE) * level.grid.cells.len() + at],
+        };
+        cell.area * part
+    }
+
     /// Torque of the shear in a cell for `ϑ e^(α p) = 1`, N m.
     fn shear(&self, solution: &Solution, cell: usize) -> f64 {
         let Solution {
             level, state, x, ..
         } = *solution;
         let speed = self.source.radius * self.source.radius * x[SPIN];
-        x[VISCOSITY] * speed * level.grid.cells[cell].area / state.cell_gap[cell]
+        x[VISCOSITY] * speed * level.grid.cells[cell].area * state.shear[cell].value
     }
 
     /// Adds the derivatives by the pressures of openings and ends at fixed pressure in the film.
@@ -238,16 +245,16 @@ impl Film {
             let carried = link.carry * state.content[upwind];
             let pressed = state.conductance[at] * (state.q[link.a] - state.q[link.b]);
             let p_drop = state.pressure[link.a][0] - state.pressure[link.b][0];
-            let continued = state.continued[0][at];
-            // dk/dh = 3 k/h
-            let flow = x[SPIN] * carried + 3.0 * pressed / gap;
+            let slope = state.carried_slope[0][at];
+            let [opens, thins] = state.conductance_slope[at];
+            let flow = slope * x[SPIN] * carried + opens * pressed;
             let mut by_gap = group
                 .torque
-                .map(|torque| -continued * link.carry * p_drop * torque);
-            add(&mut by_gap, -continued * flow, &drop);
+                .map(|torque| -slope * link.carry * p_drop * torque);
+            add(&mut by_gap, -flow, &drop);
             add(&mut run[0], 1.0, &by_gap);
             add(&mut run[1], site.z, &by_gap);
-            add(&mut by_spin, -carried * gap, &drop);
+            add(&mut by_spin, -carried * gap - thins * pressed, &drop);
             add(&mut by_viscosity, pressed, &drop);
             if turning {
                 add(&mut slopes[TURN], state.link_turn[at], &by_gap);
@@ -297,30 +304,57 @@ impl Film {
         let speed = self.source.radius * self.source.radius;
         let turning = !self.source.pin_profile.is_empty();
         // of the torque alone: shear of μ = ω = 1
-        let mut sheared = 0.0;
+        let mut sheared = [0.0; 2];
+        let (rough, boundary) = (self.surfaces.is_rough(), self.boundary(x[SPIN]));
         for (column, cells) in level.grid.cells.chunks(level.grid.across).enumerate() {
             // sums by the gap, by the rate, and by both times z
             let (mut gaps, mut rates) = ([[0.0; N]; 2], [[0.0; N]; 2]);
             for (row, cell) in cells.iter().enumerate() {
                 let at = column * level.grid.across + row;
                 let content = state.content[at];
-                let by_rate = adjoint[at].map(|number| -number * cell.area * content);
-                let over = speed * self.shear_factor(state, at) * cell.area / state.cell_gap[at];
-                sheared += over;
-                let thinner = x[VISCOSITY] * x[SPIN] * over / state.cell_gap[at];
-                let mut by_gap = group.torque.map(|torque| -thinner * torque);
+                let [by_own_rate, rate_by_gap] = state.rate_slope[at];
+                let by_rate = adjoint[at].map(|number| -number * cell.area * content * by_own_rate);
+                let (shear, area) = (&state.shear[at], self.shear_factor(state, at) * cell.area);
+                let over = speed * area * shear.value;
+                sheared[0] += over;
+                sheared[1] += over + x[SPIN] * speed * area * shear.by_spin;
+                let thinner = x[VISCOSITY] * x[SPIN] * speed * area * shear.by_gap;
+                let mut by_gap = group.torque.map(|torque| thinner * torque);
+                add(
+                    &mut by_gap,
+                    -rate_by_gap * cell.area * content,
+                    &adjoint[at],
+                );
                 if let Some((step, before)) = past {
                     let filled = cell.area * (content - before[at]) / step;
-                    add(&mut by_gap, -filled, &adjoint[at]);
+                    add(
+                        &mut by_gap,
+                        -filled * state.carried_slope[1][at],
+                        &adjoint[at],
+                    );
                 }
-                let by_gap = by_gap.map(|number| number * state.continued[1][at]);
+                if rough {
+                    let [touch, slope] = state.touching[at];
+                    for (lane, output) in group.outputs.iter().enumerate() {
+                        if let Some(output) = *output {
+                            by_gap[lane] += slope * self.weight(solution, output, at);
+                        }
+                    }
+                    add(&mut by_gap, boundary[0] * slope * cell.area, &group.torque);
+                    add(
+                        &mut slopes[SPIN],
+                        boundary[1] * touch * cell.area,
+                        &group.torque,
+                    );
+                }
                 add(&mut gaps[0], 1.0, &by_gap);
                 add(&mut gaps[1], cell.z, &by_gap);
                 add(&mut rates[0], 1.0, &by_rate);
                 add(&mut rates[1], cell.z, &by_rate);
                 if turning {
                     let [slope, turned_slope] = state.pin_slope[at];
-                    let turned = cell.area * state.pressure[at][0] * turned_slope;
+                    let pressure = state.pressure[at][0] + state.touching[at][0];
+                    let turned = cell.area * pressure * turned_slope;
                     add(&mut slopes[SPIN], -slope, &by_rate);
                     add(&mut slopes[TURN], turned, &group.torque);
                     add(&mut slopes[TURN], state.cell_turn[at], &by_gap);
@@ -337,8 +371,8 @@ impl Film {
             add_run(slopes, [ECCENTRICITY, TILT], angle.normal, &mut gaps);
             add_run(slopes, [RATE, TILT_RATE], angle.mean_normal, &mut rates);
         }
-        add(&mut slopes[SPIN], x[VISCOSITY] * sheared, &group.torque);
-        add(&mut slopes[VISCOSITY], x[SPIN] * sheared, &group.torque);
+        add(&mut slopes[SPIN], x[VISCOSITY] * sheared[1], &group.torque);
+        add(&mut slopes[VISCOSITY], x[SPIN] * sheared[0], &group.torque);
     }
 }
 

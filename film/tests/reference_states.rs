@@ -3,7 +3,7 @@
 
 mod states;
 
-use eng_film::{Cavitation, FilmError, Inputs};
+use eng_film::{Cavitation, Film, FilmError, FilmSource, Inputs, Roughness};
 use serde_json::Value;
 use states::{Solved, inputs, number, pair, reference, solved, source};
 
@@ -229,4 +229,67 @@ fn mass_conservation_needs_oil() {
         ..Inputs::still(1.0)
     };
     assert_eq!(solved(source, inputs.write()).err(), Some(FilmError::NoOil));
+}
+
+/// Rough surfaces that touch. The reference carries oil in the gap h, this film in the mean gap of surfaces that do not
+/// penetrate: at h/σ = 2 it is 0.4 % larger, at 1 already 8 %, so the state that reaches 1 is not compared.
+#[test]
+fn rough_surfaces_of_the_reference() {
+    let mut compared = 0;
+    for row in reference()["mixed"]["rows"].as_array().expect("rows") {
+        let eccentricity = pair(row, "eps");
+        let sigma = number(row, "sigma_over_c");
+        // the other direction has one factor in both directions there
+        if row["peklenik"] != 1 || (1.0 - eccentricity[0]) / sigma < 1.5 {
+            continue;
+        }
+        compared += 1;
+        let on = |cells: [usize; 2]| {
+            let mut source = FilmSource::plain(
+                1.0,
+                2.0 * number(row, "width_over_diameter"),
+                1.0,
+                Cavitation::Reynolds,
+                cells,
+            );
+            source.half_width = true;
+            source.rough = Some(Roughness {
+                deviation: sigma,
+                direction: 1.0,
+                asperity: 1.0,
+                modulus: number(row, "asperity_scale"),
+                friction: 0.0,
+            });
+            let film = Film::new(source).expect("a film");
+            let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
+            let inputs = Inputs {
+                eccentricity,
+                spin: 1.0,
+                ..Inputs::still(1.0)
+            };
+            film.solve(&inputs.write(), None, &[], &mut work, &mut y)
+                .expect("a film");
+            let summary = film.summary(&work);
+            [y[0], y[1], summary.outflow, summary.asperity_load]
+        };
+        let (coarse, fine) = (on([288, 24]), on([576, 48]));
+        let found: Vec<f64> = (coarse.iter().zip(&fine))
+            .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
+            .collect();
+        let load = number(row, "hydro_fx") + number(row, "asperity_fx");
+        let exact = [
+            load,
+            number(row, "hydro_fy"),
+            number(row, "q_out"),
+            number(row, "asperity_normal_sum"),
+        ];
+        // the flow does not know the mean gap of the reference, whose minimum differs by 0.4 % at h/σ = 2
+        let thin = (1.0 - eccentricity[0]) / sigma < 2.5;
+        let limit = if thin { 5e-3 } else { 1e-3 };
+        for ((found, exact), size) in found.iter().zip(exact).zip([load, load, exact[2], load]) {
+            let error = ((found - exact) / size).abs();
+            assert!(error < limit, "{found} {exact} at {eccentricity:?}");
+        }
+    }
+    assert_eq!(compared, 4);
 }

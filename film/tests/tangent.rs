@@ -3,7 +3,8 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Feed, Film, FilmSource, Inputs, Opening, Profile, Quantity, Shape, inputs,
+    Cavitation, Feed, Film, FilmSource, Inputs, Opening, Profile, Quantity, Roughness, Shape,
+    Thinning, inputs,
 };
 use states::{number, pair, reference};
 
@@ -151,6 +152,25 @@ fn moving() -> Inputs<'static> {
     }
 }
 
+/// The film with rough surfaces that touch, and oil that thins.
+fn rough(source: FilmSource) -> FilmSource {
+    FilmSource {
+        rough: Some(Roughness {
+            deviation: 0.15,
+            direction: 3.0,
+            asperity: 0.1,
+            modulus: 20.0,
+            friction: 0.1,
+        }),
+        thinning: Some(Thinning {
+            second: 0.4,
+            rate: 2.0,
+            exponent: 1.3,
+        }),
+        ..source
+    }
+}
+
 #[test]
 fn tangent_is_the_derivative() {
     for rule in [
@@ -167,6 +187,12 @@ fn tangent_is_the_derivative() {
         let mut piezo = everything(rule);
         piezo.piezo = 0.3;
         check(&format!("{rule:?}, Barus"), piezo, &moving().write(), None);
+        check(
+            &format!("{rule:?}, rough"),
+            rough(everything(rule)),
+            &moving().write(),
+            None,
+        );
         let backwards = Inputs {
             spin: -0.7,
             ..moving()
@@ -191,7 +217,14 @@ fn tangent_within_a_step_is_the_derivative() {
     };
     film.start(&before.write(), &mut film.work(), &mut memory)
         .expect("a film");
-    check("a step", source, &moving().write(), Some((0.05, memory)));
+    let past = Some((0.05, memory));
+    check(
+        "a rough step",
+        rough(source.clone()),
+        &moving().write(),
+        past.clone(),
+    );
+    check("a step", source, &moving().write(), past);
 }
 
 #[test]

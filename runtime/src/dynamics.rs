@@ -19,6 +19,7 @@ use crate::elements::{self, Batch, Inputs, Readings, Scratch, undefined};
 use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::inputs::Signals;
+use crate::memory::Memory;
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use crate::state::State;
@@ -77,6 +78,8 @@ pub struct Dynamics {
     signals: Signals,
     /// Inputs of the dynamic elements.
     batches: Vec<Batch>,
+    /// Numbers that their fields remember.
+    memory: Memory,
     /// Constraint values (m, rad).
     constraints: Vec<f64>,
     /// Φ̇ at the given velocities.
@@ -167,6 +170,7 @@ impl Dynamics {
             },
             signals: Signals::new(model),
             batches: elements::batches(model, &dynamic, false),
+            memory: Memory::new(model),
             constraints: vec![0.0; model.rows],
             constraint_rates: vec![0.0; model.rows],
             constraint_accelerations: vec![0.0; model.rows],
@@ -206,6 +210,28 @@ impl Dynamics {
     /// Pose numbers of the placement.
     pub fn pose(&self) -> &[f64] {
         &self.at.pose
+    }
+
+    /// Numbers that fields remember.
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// Numbers that fields remember, for setting them. Gather again afterwards.
+    pub fn memory_mut(&mut self) -> &mut Memory {
+        &mut self.memory
+    }
+
+    /// Writes the memory of all fields at the gathered state, which is accepted. Their solutions are known there
+    /// after an evaluation.
+    pub fn keep_memory(&mut self, model: &Model) -> Result<(), RuntimeError> {
+        let time = self.at.time;
+        let numbers = self.memory.accept(time);
+        for batch in &mut self.batches {
+            batch.solve_fields(model, time, Readings::None, &mut self.work.elements)?;
+            batch.keep_memory(numbers);
+        }
+        Ok(())
     }
 
     /// Poses and twists of the markers.
@@ -370,6 +396,7 @@ impl Dynamics {
             multipliers,
             rotations,
             moving: self.signals.values(),
+            memory: Some(&self.memory),
         };
         for batch in &mut self.batches {
             elements::gather(model, batch, &from);

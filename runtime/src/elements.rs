@@ -3,9 +3,10 @@
 
 use crate::chain::MarkerKinematics;
 use crate::error::{Moment, RuntimeError, Undefined};
+use crate::memory::Memory;
 use crate::model::Model;
 use eng_system::code::{ElementCode, Function, Pair};
-use eng_system::field::{FieldSolver, KERNELS, drives};
+use eng_system::field::{FieldSolver, KERNELS, Past, drives};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
 
 /// The sources of the inputs of all elements.
@@ -23,6 +24,8 @@ pub struct Inputs<'a> {
     pub rotations: &'a [f64],
     /// Slots that follow the inputs; empty for those at the start of a run.
     pub moving: &'a [f64],
+    /// Numbers that fields remember; without them fields are in balance.
+    pub memory: Option<&'a Memory>,
 }
 
 /// Instances of one class, two by two.
@@ -36,9 +39,10 @@ pub struct Batch {
     inputs: Vec<Pair>,
     /// Constants that follow the inputs.
     moving: Vec<Moving>,
-    /// Fields of both lanes, pair after pair; empty for a class without fields.
+    /// Fields of both lanes, pair after pair; empty for a class without fields. The second lane has none if it
+    /// repeats the first.
     fields: Vec<Vec<LaneField>>,
-    /// Whether the inputs hold the answers at the gathered state, and the readings too.
+    /// The part of the fields' solution that is known at the gathered state.
     solved: Solved,
 }
 
@@ -62,7 +66,7 @@ pub enum Readings {
     All,
 }
 
-/// How much of the fields is known at the gathered state.
+/// The known part of the solution of fields at the gathered state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Solved {
     Nothing,
@@ -79,6 +83,11 @@ struct LaneField {
     readings: Vec<f64>,
     /// Derivatives of the answers by the drives, answer by answer.
     slopes: Vec<f64>,
+    /// First of the numbers that it remembers.
+    memory: usize,
+    /// These numbers at the begin of the step, and the time since then (s); without a time it is in balance.
+    before: Vec<f64>,
+    since: Option<f64>,
 }
 
 impl Batch {
@@ -138,10 +147,14 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
                 }
             }
         }
-        let lanes = pairs.iter().flatten();
         let fields = match layout.answers {
             0 => Vec::new(),
-            _ => lanes.map(|element| lane_fields(model, *element)).collect(),
+            _ => (pairs.iter())
+                .flat_map(|[a, b]| {
+                    let second = (a != b).then(|| lane_fields(model, *b));
+                    [lane_fields(model, *a), second.unwrap_or_default()]
+                })
+                .collect(),
         };
         made.push(Batch {
             class: index,
@@ -160,6 +173,7 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
 fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
     let sources = &model.compiled.system.elements[element].fields;
     let kernels = &model.kernels[element];
+    let mut memory = model.elements[element].memory;
     (sources.iter().zip(kernels))
         .filter_map(|(source, made)| {
             let kernel = KERNELS.get(source.kernel as usize)?;
@@ -167,7 +181,12 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
                 .map(|(_, count)| count)
                 .sum();
             let (drives, answers) = (drives as usize, kernel.answer_count() as usize);
+            let first = memory;
+            memory += made.memory();
             Some(LaneField {
+                memory: first,
+                before: vec![0.0; made.memory()],
+                since: None,
                 solver: made.solver(),
                 drives: vec![0.0; drives],
                 answers: vec![0.0; answers],
@@ -200,35 +219,27 @@ impl Batch {
             let out = &mut scratch.outputs[..length];
             let inputs = &mut self.inputs[pair * self.stride..][..common];
             call(model, self.class, Function::Residual, inputs, out)?;
-            for lane in 0..2 {
-                let element = self.pairs[pair][lane];
-                let again = lane == 1 && self.pairs[pair][0] == element;
+            let [first, second] = self.pairs[pair];
+            let repeated = first == second;
+            for (lane, element) in [first, second].into_iter().enumerate() {
                 let mut drive = first_drive;
                 let mut answer = layout.answer(0) as usize;
                 let mut reading = layout.reading(0) as usize;
-                for at in 0..self.fields[2 * pair].len() {
-                    if again {
-                        let (first, second) = self.fields.split_at_mut(2 * pair + 1);
-                        second[0][at]
-                            .answers
-                            .clone_from(&first[2 * pair][at].answers);
-                        second[0][at]
-                            .readings
-                            .clone_from(&first[2 * pair][at].readings);
-                    }
-                    let field = &mut self.fields[2 * pair + lane][at];
+                for field in &mut self.fields[2 * pair + lane] {
                     for (x, number) in field.drives.iter_mut().zip(&out[drive..]) {
                         *x = number[lane];
                     }
-                    if !again {
-                        field.solve(model, element, time, readings)?;
-                    }
-                    for (place, x) in inputs[answer..].iter_mut().zip(&field.answers) {
-                        place[lane] = *x;
-                    }
-                    for (place, x) in inputs[reading..].iter_mut().zip(&field.readings) {
-                        place[lane] = *x;
-                    }
+                    field.solve(model, element, time, readings)?;
+                    let mut put = |at: usize, numbers: &[f64]| {
+                        for (place, x) in inputs[at..].iter_mut().zip(numbers) {
+                            place[lane] = *x;
+                            if repeated {
+                                place[1] = *x;
+                            }
+                        }
+                    };
+                    put(answer, &field.answers);
+                    put(reading, &field.readings);
                     drive += field.drives.len();
                     answer += field.answers.len();
                     reading += field.readings.len();
@@ -237,6 +248,16 @@ impl Batch {
         }
         self.solved = Solved::Answers;
         Ok(())
+    }
+
+    /// Writes what the fields remember of their last solution to their places.
+    pub fn keep_memory(&self, numbers: &mut [f64]) {
+        for field in self.fields.iter().flatten() {
+            let place = field.memory..field.memory + field.before.len();
+            if let Some(place) = numbers.get_mut(place).filter(|place| !place.is_empty()) {
+                field.solver.accept(place);
+            }
+        }
     }
 
     /// The derivatives of the fields' answers at the gathered state.
@@ -297,7 +318,11 @@ impl LaneField {
         if self.drives.iter().any(|x| !x.is_finite()) {
             return Err(not_finite(model, element, time));
         }
-        if let Err(cause) = self.solver.solve(&self.drives, &mut self.answers) {
+        let past = self.since.map(|step| Past {
+            step,
+            memory: &self.before,
+        });
+        if let Err(cause) = self.solver.solve(&self.drives, past, &mut self.answers) {
             let mut error = not_finite(model, element, time);
             if let RuntimeError::NotFinite { because, .. } = &mut error {
                 *because = Some(Box::new(Undefined::Field(cause)));
@@ -328,6 +353,14 @@ fn write_marker(inputs: &mut [Pair], at: usize, lane: usize, m: &MarkerKinematic
 pub fn gather(model: &Model, batch: &mut Batch, from: &Inputs) {
     batch.solved = Solved::Nothing;
     let layout = model.compiled.system.classes[batch.class].layout;
+    for field in batch.fields.iter_mut().flatten() {
+        let past = from.memory.filter(|_| !field.before.is_empty());
+        let past = past.and_then(|all| all.past(from.time, field.memory, field.before.len()));
+        field.since = past.map(|past| past.step);
+        if let Some(past) = past {
+            field.before.copy_from_slice(past.memory);
+        }
+    }
     debug_assert_eq!(MARKER_WIDTH, 18);
     for moving in &batch.moving {
         if let Some(value) = from.moving.get(moving.slot) {

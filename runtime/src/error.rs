@@ -530,6 +530,12 @@ pub enum RuntimeError {
         /// Bound on the effect on each eigenvalue, as a share of its size; infinite without a bound.
         change: f64,
     },
+    /// A field of an element remembers what passed, which linearised equations have no unknowns for.
+    #[error("{}: a linearised motion has no unknowns for the oil that this film remembers", origin.path)]
+    Remembers {
+        /// The element.
+        origin: Box<Origin>,
+    },
     /// The state is neither at rest nor in a steady motion.
     #[error("the motion at {moment} is neither rest nor steady: {} {}", body.origin.path, body.reason())]
     Unsteady {

@@ -182,6 +182,7 @@ impl Kinks {
                     multipliers: &[],
                     rotations: &state.rotations,
                     moving: dynamics.moving(),
+                    memory: None,
                 };
                 elements::gather(model, own, &from);
                 add_accelerations(model, dynamics, state, own);

@@ -60,6 +60,7 @@ pub mod kinks;
 pub mod linear;
 pub mod linearised;
 pub mod loose;
+pub mod memory;
 pub mod model;
 pub mod outputs;
 pub mod periodic;

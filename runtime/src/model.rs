@@ -33,6 +33,8 @@ pub struct ElementModel {
     pub wrench: usize,
     /// First of its entries among the constraint gradients, rows × 6 markers.
     pub gradient: usize,
+    /// First of the numbers that its fields remember.
+    pub memory: usize,
     /// Whether it takes part in the motion.
     pub dynamic: bool,
 }
@@ -60,6 +62,8 @@ pub struct Model {
     pub elements: Vec<ElementModel>,
     /// Kernels of the fields of each element.
     pub kernels: Vec<Vec<Arc<dyn FieldKernel>>>,
+    /// Count of numbers that the fields remember.
+    pub memory: usize,
     /// Gravity (m/s²).
     pub gravity: V3,
     /// Pose numbers.

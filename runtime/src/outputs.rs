@@ -151,6 +151,7 @@ impl Outputs {
             multipliers: &state.multipliers,
             rotations: &state.rotations,
             moving: dynamics.moving(),
+            memory: Some(dynamics.memory()),
         };
         for batches in &mut self.levels {
             for batch in batches {

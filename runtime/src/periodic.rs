@@ -223,7 +223,8 @@ fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>,
         Err(
             RuntimeError::Turning { .. }
             | RuntimeError::Unsteady { .. }
-            | RuntimeError::OverTime { .. },
+            | RuntimeError::OverTime { .. }
+            | RuntimeError::Remembers { .. },
         ) => return Ok(None),
         modes => modes?,
     };

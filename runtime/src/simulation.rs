@@ -434,25 +434,15 @@ impl Simulation {
         unknowns: &[f64],
         out: &mut [f64],
     ) -> Result<(), RuntimeError> {
-        self.room(unknowns.len())?;
         self.room(out.len())?;
-        self.integrator.predict(&self.model, step, true);
-        self.integrator.set_trial(unknowns);
-        self.integrator
-            .evaluate(&self.model, &mut self.dynamics, step)?;
+        self.try_unknowns(step, unknowns, false)?;
         out.copy_from_slice(self.integrator.last_residual());
         Ok(())
     }
 
     /// Derivative of [`Simulation::residual`] with respect to the scaled unknowns.
     pub fn jacobian(&mut self, step: f64, unknowns: &[f64]) -> Result<CscView<'_>, RuntimeError> {
-        self.room(unknowns.len())?;
-        self.integrator.predict(&self.model, step, true);
-        self.integrator.set_trial(unknowns);
-        self.integrator
-            .evaluate(&self.model, &mut self.dynamics, step)?;
-        self.integrator
-            .fill(&self.model, &mut self.dynamics, step)?;
+        self.try_unknowns(step, unknowns, true)?;
         let Pattern {
             size,
             columns,
@@ -464,6 +454,28 @@ impl Simulation {
             rows,
             values: self.integrator.values(),
         })
+    }
+
+    /// Evaluates the residual of a step h (s) at scaled unknowns, and the matrix if it is `filled`.
+    fn try_unknowns(
+        &mut self,
+        step: f64,
+        unknowns: &[f64],
+        filled: bool,
+    ) -> Result<(), RuntimeError> {
+        self.room(unknowns.len())?;
+        // samples of the last step still need the memory at its begin
+        let kept = self.dynamics.memory().clone();
+        self.dynamics.memory_mut().begin_step();
+        self.integrator.predict(&self.model, step, true);
+        self.integrator.set_trial(unknowns);
+        let (model, dynamics) = (&self.model, &mut self.dynamics);
+        let mut tried = self.integrator.evaluate(model, dynamics, step);
+        if filled && tried.is_ok() {
+            tried = self.integrator.fill(model, dynamics, step);
+        }
+        *self.dynamics.memory_mut() = kept;
+        tried
     }
 
     fn room(&self, length: usize) -> Result<(), RuntimeError> {

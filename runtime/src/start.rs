@@ -271,6 +271,7 @@ fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeEr
         multipliers: &state.multipliers,
         rotations: &state.rotations,
         moving: dynamics.moving(),
+        memory: None,
     };
     let mut found = None;
     watch.violations(

@@ -165,6 +165,7 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         argument("opening_to", ANGLE, Takes::Settings, true),
         argument("opening_low", LENGTH, Takes::Settings, true),
         argument("opening_high", LENGTH, Takes::Settings, true),
+        argument("opening_content", ONE, Takes::Settings, true),
         argument("lemon", LENGTH, Takes::Setting, true),
         argument("lemon_at", ANGLE, Takes::Setting, true),
         argument("offset", LENGTH, Takes::Setting, true),
@@ -174,9 +175,26 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         argument("relief", LENGTH, Takes::Setting, true),
         argument("relief_reach", ANGLE, Takes::Setting, true),
         argument("relief_at", ANGLE, Takes::Setting, true),
+        argument("roughness", LENGTH, Takes::Setting, true),
+        argument("rough_direction", ONE, Takes::Setting, true),
+        argument("asperity", ONE, Takes::Setting, true),
+        argument("asperity_modulus", PRESSURE, Takes::Setting, true),
+        argument("boundary_friction", ONE, Takes::Setting, true),
+        argument("thin_second", ONE, Takes::Setting, true),
+        argument("thin_rate", of(0, 0, -1, 0), Takes::Setting, true),
+        argument("thin_exponent", ONE, Takes::Setting, true),
+        argument("ring_waves", ONE, Takes::Whole(0, 60), true),
+        argument("ring_thickness", LENGTH, Takes::Setting, true),
+        argument("ring_width", LENGTH, Takes::Setting, true),
+        argument("ring_modulus", PRESSURE, Takes::Setting, true),
         argument("around", ONE, Takes::Whole(12, 2000), false),
         argument("across", ONE, Takes::Whole(1, 500), false),
-        argument("cavitation", ONE, Takes::Word(&["reynolds", "half"]), true),
+        argument(
+            "cavitation",
+            ONE,
+            Takes::Word(&["reynolds", "half", "mass_conserving"]),
+            true,
+        ),
     ],
     answers: &[
         result("force", Dimension::FORCE, 2, 1.0),
@@ -191,10 +209,18 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("maximum_pressure_angle", ANGLE, 1, 1.0),
         result("maximum_pressure_across", LENGTH, 1, 1e-3),
         result("side_flow", FLOW, 1, 1e-6),
+        result("inflow", FLOW, 1, 1e-6),
         result("supply_flow", FLOW, 1, 1e-6),
         result("shear_power", POWER, 1, 1.0),
         result("pressure_power", POWER, 1, 1.0),
+        result("asperity_share", ONE, 1, 1.0),
+        result("asperity_pressure", PRESSURE, 1, 1e6),
+        result("boundary_power", POWER, 1, 1.0),
+        result("deflection", LENGTH, 1, 1e-6),
+        result("last_wave_share", ONE, 1, 1.0),
         result("cavitated", ONE, 1, 1.0),
+        result("content", ONE, 1, 1.0),
+        result("unexplained_flow", FLOW, 1, 1e-6),
         result("stiffness", of(0, 1, -2, 0), 4, 1.0),
         result("damping", of(0, 1, -1, 0), 4, 1.0),
     ],
@@ -291,19 +317,40 @@ impl FieldMaker for NoFields {
 
 /// The equations of one field. It holds no state.
 pub trait FieldKernel: Send + Sync + fmt::Debug {
-    /// Memory to solve in.
+    /// A solver with room to work in.
     fn solver(&self) -> Box<dyn FieldSolver>;
+    /// Count of numbers that the field remembers from one moment to the next, such as the oil in the cells of a
+    /// film.
+    fn memory(&self) -> usize;
 }
 
-/// A field at a moment. The solution depends on the drives alone; a solver keeps only the start of its
-/// next search.
+/// The memory of a field at an earlier moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Past<'a> {
+    /// Time since then (s), positive.
+    pub step: f64,
+    /// The numbers that the field remembers.
+    pub memory: &'a [f64],
+}
+
+/// A field at a moment. The solution depends on the drives and the past alone; a solver keeps only the start of
+/// its next search.
 pub trait FieldSolver: Send + Sync + fmt::Debug {
-    /// Solves the field at drives and writes the answers.
+    /// Solves the field at drives and writes the answers. Without a past the memory is in balance: it does not
+    /// change.
     ///
     /// # Errors
     /// If the field has no solution there.
-    fn solve(&mut self, drives: &[f64], answers: &mut [f64]) -> Result<(), FieldError>;
-    /// Derivatives of the answers by the drives at the last solution, answer by answer.
+    fn solve(
+        &mut self,
+        drives: &[f64],
+        past: Option<Past<'_>>,
+        answers: &mut [f64],
+    ) -> Result<(), FieldError>;
+    /// Writes the memory at the last solution.
+    fn accept(&self, memory: &mut [f64]);
+    /// Derivatives of the answers by the drives at the last solution, answer by answer; not finite where there
+    /// are none.
     fn tangent(&mut self, slopes: &mut [f64]);
     /// Readings of the last solution. Without `slopes` those that need derivatives of the answers may keep older
     /// numbers.

@@ -15,7 +15,9 @@ use crate::linear::Pattern;
 use crate::model::Model;
 use crate::state::State;
 use crate::topology::undetermined;
+use eng_system::field::FieldKernel;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Weight of velocities (rad/s) for separating the blocks of Newton's matrix. It is about the fastest mode of
 /// a static set, so that neither stiffness nor damping is lost in rounding. A power of two causes no rounding
@@ -298,6 +300,14 @@ impl Equations {
     /// # Errors
     /// When an element's numbers are not finite there, or the constraints depend on each other.
     pub fn new(model: &Model, state: &State, moment: Moment) -> Result<Equations, RuntimeError> {
+        let remembers =
+            |kernels: &Vec<Arc<dyn FieldKernel>>| kernels.iter().any(|k| k.memory() > 0);
+        if let Some(element) = model.kernels.iter().position(remembers) {
+            let origin = &model.compiled.system.elements[element].origin;
+            return Err(RuntimeError::Remembers {
+                origin: Box::new(origin.clone()),
+            });
+        }
         let mut dynamics = Dynamics::new(model);
         dynamics.place(model, state.time, &state.pose, &state.velocity);
         dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);

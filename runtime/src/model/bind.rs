@@ -104,6 +104,7 @@ impl Model {
             markers: Vec::with_capacity(system.markers.len()),
             elements: Vec::with_capacity(system.elements.len()),
             kernels: Vec::with_capacity(system.elements.len()),
+            memory: 0,
             poses: 0,
             velocities: 0,
             states: 0,
@@ -127,6 +128,14 @@ impl Model {
         for element in &system.elements {
             model.add_element(element, &slots)?;
             let kernels = kernels(compiled, element, &slots)?;
+            let memory = kernels.iter().map(|kernel| kernel.memory()).sum::<usize>();
+            if memory > 0 && element.role != Role::Dynamic {
+                return Err(RuntimeError::Field {
+                    origin: Box::new(element.origin.clone()),
+                    message: "a field with memory must be part of the motion: apply a load that uses its answers".into(),
+                });
+            }
+            model.memory += memory;
             model.kernels.push(kernels);
         }
         check_readers(system, &slots)?;
@@ -252,6 +261,7 @@ impl Model {
             rotation: self.rotations,
             wrench: self.wrenches,
             gradient: self.gradients,
+            memory: self.memory,
             dynamic,
         });
         self.rotations += layout.rotations as usize;

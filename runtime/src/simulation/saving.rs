@@ -105,6 +105,7 @@ impl Simulation {
         w.numbers(&self.dynamics.signals().numbers());
         w.integer(self.at_kink.map_or(0, |kink| kink as u64 + 1));
         w.numbers(&self.kinks.numbers());
+        w.numbers(&self.dynamics.memory().numbers());
         for vibration in &self.integrator.vibrations {
             w.numbers(&vibration.numbers());
         }
@@ -234,7 +235,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Reads the parts of a checkpoint about inputs and kinks.
+    /// Reads the parts of a checkpoint about inputs, kinks and the memory of fields.
     fn resume_inputs_and_kinks(&mut self, r: &mut Reader<'_>) -> Result<(), RuntimeError> {
         let mut segments = self.dynamics.signals().numbers();
         r.numbers(&mut segments)?;
@@ -243,6 +244,9 @@ impl Simulation {
         let mut kinks = self.kinks.numbers();
         r.numbers(&mut kinks)?;
         self.kinks.set_numbers(&kinks);
+        let mut memory = self.dynamics.memory().numbers();
+        r.numbers(&mut memory)?;
+        self.dynamics.memory_mut().set_numbers(&memory);
         Ok(())
     }
 }

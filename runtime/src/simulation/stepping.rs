@@ -68,6 +68,7 @@ impl Simulation {
         }
         self.grid = FixedGrid::new(self.integrator.current.time);
         self.stand()?;
+        self.dynamics.keep_memory(&self.model)?;
         self.kinks
             .evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
         self.kinks.accept(None);
@@ -265,6 +266,7 @@ impl Simulation {
             multipliers: &state.multipliers,
             rotations: &self.completed.rotations,
             moving: self.dynamics.moving(),
+            memory: Some(self.dynamics.memory()),
         };
         self.watch
             .unwrap(&self.model, &from, &mut state.rotations)?;
@@ -282,6 +284,7 @@ impl Simulation {
             multipliers: &state.multipliers,
             rotations: &state.rotations,
             moving: self.dynamics.moving(),
+            memory: Some(self.dynamics.memory()),
         };
         let (model, advised, warnings) = (&self.model, &mut self.advised, &mut self.warnings);
         let mut touch = None;
@@ -384,6 +387,7 @@ impl Simulation {
             });
         }
         self.after_jumps()?;
+        self.dynamics.memory_mut().begin_step();
         // behind a kink the powers before it say nothing about the power within the step
         let earlier_step = if self.at_kink.take().is_some() {
             0.0
@@ -401,6 +405,7 @@ impl Simulation {
         self.integrator
             .look_at_vibrations(&self.model, &mut self.dynamics, h, tolerance);
         self.integrator.accept(&self.model, h, time);
+        self.dynamics.keep_memory(&self.model)?;
         self.kinks.accept(self.at_kink);
         self.evaluated = None;
         self.cycle_at_ends = None;

@@ -428,6 +428,7 @@ impl<'a> Turning<'a> {
             multipliers: &[],
             rotations: &from.rotations,
             moving: self.dynamics.moving(),
+            memory: None,
         };
         let mut rotations = from.rotations.clone();
         self.watch.unwrap(model, &inputs, &mut rotations)?;

@@ -255,6 +255,7 @@ impl Balance<'_> {
             multipliers: &state.multipliers,
             rotations: &state.rotations,
             moving: self.dynamics.moving(),
+            memory: None,
         };
         let mut rotations = state.rotations.clone();
         self.watch.unwrap(self.model, &from, &mut rotations)?;

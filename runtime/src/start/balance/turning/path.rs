@@ -167,6 +167,7 @@ pub(super) fn unwrap(
         multipliers: &state.multipliers,
         rotations: &references,
         moving: dynamics.moving(),
+        memory: None,
     };
     watch.unwrap(model, &from, &mut state.rotations)
 }
