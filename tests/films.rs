@@ -322,3 +322,45 @@ fn asperities_carry_and_brake() {
     let load = mean(&run.last_turn("main.force.y"));
     assert!((load / (600.0 * 9.81) - 1.0).abs() < 1e-3, "{load}");
 }
+
+/// The example of the elastic big end on a coarse grid. Under the same load an eye that gives way has less pressure and a thicker film, and
+/// the pin goes beyond the circle of the clearance.
+#[test]
+fn an_elastic_eye_spreads_the_load() {
+    let text = include_str!("../examples/big_end/big_end.eng");
+    let coarse = text.replace("around: 72, across: 9", "around: 36, across: 5");
+    assert_ne!(text, coarse);
+    let pressure = include_str!("../examples/big_end/pressure.csv");
+    let texts = [("big_end.eng", coarse.as_str()), ("pressure.csv", pressure)];
+    let sources = Sources::from_texts(texts.map(|(name, text)| (name.to_owned(), text.to_owned())));
+    let program = eng::check(&sources, "big_end.eng").into_program();
+    let program = program.unwrap_or_else(|report| panic!("{report}"));
+    let [rigid, elastic] = ["rigid", "elastic"].map(|name| {
+        let analysis = program.analysis(name).expect("an analysis");
+        let outcome = analysis.run(&mut |_| {});
+        let results = outcome
+            .unwrap_or_else(|failed| panic!("{}", failed.error))
+            .results;
+        // the first eighth of the run is the start
+        move |path: &str| {
+            let values = &results.column(path).expect("a column").values;
+            values[values.len() / 9..].to_vec()
+        }
+    });
+    let most = |values: Vec<f64>| values.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let least = |values: Vec<f64>| values.into_iter().fold(f64::INFINITY, f64::min);
+    let ratio = |path: &str| most(elastic(path)) / most(rigid(path));
+    let (load, pressure) = (
+        ratio("big_end.radial_load"),
+        ratio("big_end.maximum_pressure"),
+    );
+    let film = least(elastic("big_end.minimum_film")) / least(rigid("big_end.minimum_film"));
+    let reach = most(elastic("big_end.film_ratio"));
+    println!("load {load:.4}, pressure {pressure:.3}, film {film:.3}, ratio {reach:.3}");
+    assert!((load - 1.0).abs() < 1e-2, "{load}");
+    assert!(pressure < 0.75, "{pressure}");
+    assert!(film > 1.05 && film < 2.0, "{film}");
+    assert!(reach > 1.0 && reach < 1.2, "{reach}");
+    assert!(most(rigid("big_end.film_ratio")) < 1.0);
+    assert!(most(elastic("big_end.deflection")) > 5e-6);
+}
