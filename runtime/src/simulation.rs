@@ -41,7 +41,7 @@ pub struct Options {
     pub rho_infinity: f64,
     /// Largest correction that ends Newton's iteration, in scaled unknowns. `None` means 1e-4 of the position
     /// tolerance over the model's length, times the factor on the tolerances if that is below 1, and at most
-    /// 1e-10. The correction must also be below [`GOAL`] or [`CONTROLLED_GOAL`] of the accelerations' share of a step.
+    /// 1e-10. The correction must also be below [`GOAL`] of the accelerations' share of a step.
     pub newton_tolerance: Option<f64>,
     /// Largest step under error control (s), so that a step cannot skip a short load that depends on time.
     pub max_step: f64,
@@ -149,7 +149,6 @@ pub struct Simulation {
     evaluated: Option<u64>,
     work: Vec<f64>,
     rest: Vec<f64>,
-    pose: Vec<f64>,
     rows: Vec<f64>,
     size: StepSize,
     grid: FixedGrid,
@@ -281,7 +280,6 @@ impl Simulation {
             watch: Watch::new(&model, |e| matches!(roles[e], Role::Dynamic | Role::Output)),
             work: vec![0.0; model.velocities],
             rest: vec![0.0; model.velocities],
-            pose: vec![0.0; model.poses],
             rows: vec![0.0; model.rows],
             size: StepSize::default(),
             grid: FixedGrid::default(),
@@ -506,9 +504,6 @@ pub(crate) fn assembled(
 /// Share of the accelerations' contribution to a step that Newton's iteration may leave at the usual
 /// tolerance. Ten times this value is visible in small reactions (in inline4 1.6e-3 of their swing).
 pub const GOAL: f64 = 1e-9;
-/// The same under error control. Secants make the error after the last correction far smaller than with the kept matrix
-/// alone: in inline4 and the paper's engine the largest errors of the classes of channels are those of [`GOAL`].
-pub const CONTROLLED_GOAL: f64 = 1e-8;
 /// Least such share above rounding.
 const LEAST_GOAL: f64 = 1e-15;
 /// Least error of a step, as a share of the model's length, that is distinguishable from rounding.
@@ -522,10 +517,7 @@ fn goal(model: &Model, options: &Options) -> Goal {
         absolute: options
             .newton_tolerance
             .unwrap_or((1e-4 * model.tolerance / model.length * factor).min(1e-10)),
-        relative: match options.step {
-            StepControl::Tolerance(_) => CONTROLLED_GOAL,
-            StepControl::Fixed(_) | StepControl::FixedTo { .. } => GOAL,
-        } * factor,
+        relative: GOAL * factor,
     }
 }
 

@@ -455,7 +455,7 @@ impl Simulation {
         let (model, dynamics) = (&self.model, &mut self.dynamics);
         dynamics.place(model, state.time, &state.pose, &state.velocity);
         dynamics.gather(model, &state.states, &[], &state.rotations);
-        dynamics.rate_level(model)?;
+        dynamics.velocity_level(model, &state.velocity)?;
         let rates = dynamics.constraint_rates();
         if !self.integrator.nearest_change(model, rates, &mut self.work) {
             return Ok(false);

@@ -29,7 +29,7 @@ use crate::dynamics::Dynamics;
 use crate::dynamics::MatrixPlan;
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::outputs::{Outputs, Watch};
+use crate::outputs::Watch;
 use crate::state::{State, move_pose};
 use eng_system::system::{Origin, Role};
 pub use holding::Terms;
@@ -105,8 +105,6 @@ pub struct Balance<'a> {
     dynamics: Dynamics,
     /// Angles, which a search at rest may turn by whole turns.
     watch: Watch,
-    /// The element of the cycle, its angle and rate.
-    cycle: Option<(usize, Outputs)>,
     plan: MatrixPlan,
     values: Vec<f64>,
     /// `start` rows on positions.
@@ -162,14 +160,11 @@ impl<'a> Balance<'a> {
         let pace = motion.pace(&velocity);
         let pace = if pace > 0.0 { pace } else { 1.0 };
         let plan = MatrixPlan::new(model);
-        let element = system.cycle.as_ref().map(|cycle| cycle.element as usize);
-        let cycle = element.map(|e| Outputs::watching(model, e).map(|outputs| (e, outputs)));
         let mut balance = Balance {
             model,
             terms,
             dynamics: Dynamics::new(model),
             watch: Watch::new(model, |_| true),
-            cycle: cycle.transpose()?,
             values: vec![0.0; plan.pattern.rows.len()],
             plan,
             stated,

@@ -7,7 +7,7 @@ use crate::assembly::rows::{Along, Rows};
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
 use crate::error::RuntimeError;
-use crate::model::Model;
+use crate::outputs::Outputs;
 use crate::start::picking::unit_rows;
 use crate::state::State;
 use eng_system::system::{Origin, Role};
@@ -65,8 +65,8 @@ impl Balance<'_> {
         }
         if let Some(cycle) = &system.cycle
             && self.terms.cycle
-            && let Some(row) = self.cycle_rate(state)?
         {
+            let row = self.cycle_rate(cycle.element as usize, state)?;
             rows.push((row, cycle.origin.clone(), false));
         }
         for (i, (element, row)) in starts.owners.iter().enumerate() {
@@ -84,12 +84,10 @@ impl Balance<'_> {
         Ok((fixed, rows.into_iter().map(|(_, o, l)| (o, l)).collect()))
     }
 
-    /// Coefficients of the cycle's rate in scaled velocities. The rate is affine in them. `None` without a cycle.
-    pub(super) fn cycle_rate(&mut self, state: &State) -> Result<Option<Vec<f64>>, Stop> {
+    /// Coefficients of the cycle's rate in scaled velocities. The rate is affine in them.
+    pub(super) fn cycle_rate(&mut self, element: usize, state: &State) -> Result<Vec<f64>, Stop> {
         let model = self.model;
-        let Some((element, watch)) = &mut self.cycle else {
-            return Ok(None);
-        };
+        let mut watch = Outputs::watching(model, element)?;
         let mut moving = state.clone();
         moving.velocity.fill(0.0);
         moving.acceleration.fill(0.0);
@@ -98,31 +96,48 @@ impl Balance<'_> {
         let mut rate = |dynamics: &mut Dynamics, moving: &State| -> Result<f64, RuntimeError> {
             // only velocities differ from the state before
             for i in 0..watch.markers().len() {
-                dynamics.place_velocity(model, watch.markers()[i], &moving.velocity);
+                dynamics.place_marker(model, watch.markers()[i], &moving.velocity);
             }
             watch.evaluate(model, dynamics, moving)?;
             Ok(watch.watched_values[1])
         };
         let still = rate(&mut self.dynamics, &moving)?;
         let mut row = vec![0.0; model.velocities];
-        for i in velocities_of(model, *element) {
+        for i in self.velocities_of(element) {
             let scale = self.motion.scales()[i];
             moving.velocity[i] = scale;
             row[i] = rate(&mut self.dynamics, &moving)? - still;
             moving.velocity[i] = 0.0;
         }
-        Ok(Some(row))
+        Ok(row)
     }
 
-    /// The cycle's angle at a position (rad), unwrapped with the angles of the state. `None` without a cycle.
-    pub(super) fn cycle_angle(&mut self, state: &State) -> Result<Option<f64>, Stop> {
-        let Some((_, watch)) = &mut self.cycle else {
-            return Ok(None);
-        };
+    /// The cycle's angle at a position (rad), unwrapped with the angles of the state.
+    pub(super) fn cycle_angle(&mut self, element: usize, state: &State) -> Result<f64, Stop> {
+        let mut watch = Outputs::watching(self.model, element)?;
         self.dynamics
             .place(self.model, state.time, &state.pose, &state.velocity);
         watch.evaluate(self.model, &self.dynamics, state)?;
-        Ok(Some(watch.watched_values[0]))
+        Ok(watch.watched_values[0])
+    }
+
+    /// Velocities on which an element's outputs can depend. If it reads other elements' outputs, these are
+    /// all velocities.
+    fn velocities_of(&self, element: usize) -> Vec<usize> {
+        let model = self.model;
+        if !model.compiled.system.elements[element].signals.is_empty() {
+            return (0..model.velocities).collect();
+        }
+        let bodies: BTreeSet<usize> = model.elements[element]
+            .markers
+            .iter()
+            .filter_map(|m| model.markers[*m].body)
+            .collect();
+        bodies
+            .iter()
+            .map(|b| &model.bodies[*b])
+            .flat_map(|b| b.velocity..b.velocity + b.width())
+            .collect()
     }
 
     /// Values and rows (scaled velocities) of all directions that may be held.
@@ -262,22 +277,4 @@ impl Balance<'_> {
         place.state.rotations = rotations;
         Ok(())
     }
-}
-
-/// Velocities on which an element's outputs can depend. If it reads other elements' outputs, these are all
-/// velocities.
-fn velocities_of(model: &Model, element: usize) -> Vec<usize> {
-    if !model.compiled.system.elements[element].signals.is_empty() {
-        return (0..model.velocities).collect();
-    }
-    let bodies: BTreeSet<usize> = model.elements[element]
-        .markers
-        .iter()
-        .filter_map(|m| model.markers[*m].body)
-        .collect();
-    bodies
-        .iter()
-        .map(|b| &model.bodies[*b])
-        .flat_map(|b| b.velocity..b.velocity + b.width())
-        .collect()
 }

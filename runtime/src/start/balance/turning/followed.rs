@@ -23,7 +23,7 @@ use super::path::{period_of, turn_between, unwrap};
 use super::{NoOrbit, singular};
 use crate::assembly::rows::pins;
 use crate::dynamics::Dynamics;
-use crate::integrator::{Goal, Integrator, Secants};
+use crate::integrator::{Goal, Integrator};
 use crate::linear::{BlockLu, LinearSolver, Pattern};
 use crate::model::Model;
 use crate::outputs::Watch;
@@ -51,10 +51,8 @@ const REPEATS: f64 = 2e-4;
 const NEARLY: f64 = 5e-3;
 /// Most iterations of a step.
 const ITERATIONS: usize = 20;
-/// Iterations of a step with one matrix.
-const MATRIX: usize = 8;
-/// Contraction above which the next iteration or step makes a new matrix, which costs as much as ten iterations.
-const SLOW: f64 = 0.4;
+/// Iterations with the first matrix.
+const MATRIX: usize = 4;
 /// Scaled correction at which a step is solved, as a share of the position tolerance.
 const GOAL: f64 = 1e-3;
 /// Weight of eccentricities and shapes relative to all others, in the projection to stated values.
@@ -77,9 +75,6 @@ struct Follower {
     dynamics: Dynamics,
     watch: Watch,
     solver: BlockLu,
-    /// Whether the factors of an earlier iteration serve.
-    factored: bool,
-    secants: Secants,
     kept: Kept,
     step: f64,
     /// The last positions.
@@ -131,12 +126,10 @@ impl Follower {
         let solver = BlockLu::new(integrator.pattern());
         Ok(Follower {
             kept: Kept::new(balance, state, period)?,
-            secants: Secants::new(integrator.pattern().size),
             integrator,
             dynamics: Dynamics::new(model),
             watch: Watch::new(model, |_| true),
             solver,
-            factored: false,
             step,
             behind: VecDeque::new(),
         })
@@ -161,10 +154,7 @@ impl Follower {
         self.integrator.set_trial(&trial);
         let mut pose = here.pose.clone();
         let mut last = f64::INFINITY;
-        let (mut fresh, mut count) = (false, 0);
-        // the last move, and the correction of the kept matrix before it
-        let (mut moved, mut before): (Vec<f64>, Option<Vec<f64>>) = (Vec::new(), None);
-        for _ in 0..ITERATIONS {
+        for iteration in 0..ITERATIONS {
             self.integrator.evaluate(model, &mut self.dynamics, h)?;
             let mut correction: Vec<f64> =
                 self.integrator.last_residual().iter().map(|r| -r).collect();
@@ -172,21 +162,13 @@ impl Follower {
             for (r, p) in correction.iter_mut().zip(pulled.iter()) {
                 *r += p;
             }
-            if !self.factored {
+            if iteration == 0 || iteration >= MATRIX {
                 self.integrator.fill(model, &mut self.dynamics, h)?;
                 let mut values = self.integrator.values().to_vec();
                 still_states(self.integrator.pattern(), n..n + s, &mut values);
                 self.solver.factor(&values).map_err(|_| no_step())?;
-                self.secants.clear();
-                (self.factored, fresh, count, last) = (true, true, 0, f64::INFINITY);
-                before = None;
             }
             self.solver.solve(&mut correction);
-            if let Some(before) = &before {
-                self.secants.take(&moved, before, &correction);
-            }
-            before = Some(correction.clone());
-            self.secants.improve(&mut correction);
             let size = correction[..n].iter().fold(0.0_f64, |w, x| w.max(x.abs()));
             if correction.iter().any(|x| !x.is_finite()) {
                 return Err(no_step());
@@ -200,15 +182,11 @@ impl Follower {
             );
             let step = unscaled(&correction, &scales);
             let factor = balance.allowed(&pose.clone(), &step, size, &mut pose);
-            moved = correction.iter().map(|d| factor * d).collect();
-            for (x, d) in trial.iter_mut().zip(&moved) {
-                *x += d;
+            for (x, d) in trial.iter_mut().zip(&correction) {
+                *x += factor * d;
             }
             self.integrator.set_trial(&trial);
-            count += 1;
-            let stagnates = fresh && size <= 1e3 * goal && size >= 0.5 * last;
-            self.factored = size <= SLOW * last && count < MATRIX;
-            if factor == 1.0 && (size <= goal || stagnates) {
+            if factor == 1.0 && (size <= goal || (size <= 1e3 * goal && size >= 0.5 * last)) {
                 return self.accept(balance);
             }
             last = size;

@@ -114,17 +114,13 @@ impl Kept {
         here: &State,
     ) -> Result<(), Stop> {
         // the cycle's row is the first moving row
-        if self.moving.first() != Some(&0) {
-            return Ok(());
-        }
-        let (Some(end), Some(begin)) = (balance.cycle_angle(here)?, balance.cycle_angle(from)?)
+        let cycle = balance.model.compiled.system.cycle.as_ref();
+        let (Some(element), Some(0)) = (cycle.map(|c| c.element as usize), self.moving.first())
         else {
             return Ok(());
         };
-        let Some(row) = balance.cycle_rate(here)? else {
-            return Ok(());
-        };
-        let (turned, row) = (end - begin, DVector::from_vec(row));
+        let turned = balance.cycle_angle(element, here)? - balance.cycle_angle(element, from)?;
+        let row = DVector::from_vec(balance.cycle_rate(element, here)?);
         self.ahead[0] = (turned - TAU * libm::round(turned / TAU)) / row.norm();
         Ok(())
     }
