@@ -168,7 +168,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::OverTime { elements, .. } => over_time(d(codes::TURNING), elements),
         R::Remembers { origin } => place(d(codes::TURNING), origin, "a film with memory")
-            .with_help("`cavitation: reynolds` has no memory; `transient` and `periodic` follow the oil"),
+            .with_help("the rule `reynolds` has no memory; `transient` and `periodic` follow the oil"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {

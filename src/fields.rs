@@ -120,7 +120,10 @@ fn ring(film: &Film, numbers: &FieldNumbers<'_>) -> Result<Vec<f64>, FieldError>
         }
     }
     let radius = film.source().radius + thickness / 2.0;
-    let (area, inertia) = (thickness * width, width * thickness.powi(3) / 12.0);
+    let (area, inertia) = (
+        thickness * width,
+        width * thickness * thickness * thickness / 12.0,
+    );
     Ok(Elastic::ring(film, radius, modulus, area, inertia))
 }
 

@@ -257,7 +257,7 @@ fn fed_rotor() -> String {
 /// A run that continues from a checkpoint has the oil of the run that was never stopped, to the last bit.
 #[test]
 fn a_checkpoint_holds_the_oil() {
-    let sources = Sources::from_text("m.eng", &fed_rotor());
+    let sources = Sources::from_text("m.eng", fed_rotor());
     let program = eng::check(&sources, "m.eng").into_program();
     let program = program.unwrap_or_else(|report| panic!("{report}"));
     let model = program.model("Rotor").expect("a model");

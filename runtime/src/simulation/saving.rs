@@ -189,32 +189,7 @@ impl Simulation {
         ] {
             *count = r.integer()?;
         }
-        let mut size = [0.0; 2];
-        r.numbers(&mut size)?;
-        simulation.size = StepSize::from_numbers(size);
-        let origin = r.number()?;
-        let counts = [r.integer()?, r.integer()?, r.integer()?];
-        simulation.grid = FixedGrid::from_parts(origin, counts);
-        let mut energy = [0.0; 7];
-        r.numbers(&mut energy)?;
-        let [kinetic, gravity, strain, damping, loads, constraints, start] = energy;
-        simulation.energy = Energy {
-            kinetic,
-            gravity,
-            strain,
-            damping,
-            loads,
-            constraints,
-            start,
-        };
-        r.numbers(&mut simulation.powers)?;
-        r.numbers(&mut simulation.earlier_powers)?;
-        let mut rest = [0.0; 3];
-        r.numbers(&mut rest)?;
-        let [earlier_step, cycle_start, astray] = rest;
-        simulation.earlier_step = earlier_step;
-        simulation.cycle_start = cycle_start;
-        simulation.astray = Astray::from_number(astray);
+        simulation.resume_pace_and_energy(&mut r)?;
         let has_cycle = r.integer()? == 1;
         let mut cycle = [0.0; 2];
         r.numbers(&mut cycle)?;
@@ -230,6 +205,37 @@ impl Simulation {
         }
         r.finish()?;
         Ok(simulation)
+    }
+
+    /// Reads the parts of a checkpoint about the length of steps, and energy and work.
+    fn resume_pace_and_energy(&mut self, r: &mut Reader<'_>) -> Result<(), RuntimeError> {
+        let mut size = [0.0; 2];
+        r.numbers(&mut size)?;
+        self.size = StepSize::from_numbers(size);
+        let origin = r.number()?;
+        let counts = [r.integer()?, r.integer()?, r.integer()?];
+        self.grid = FixedGrid::from_parts(origin, counts);
+        let mut energy = [0.0; 7];
+        r.numbers(&mut energy)?;
+        let [kinetic, gravity, strain, damping, loads, constraints, start] = energy;
+        self.energy = Energy {
+            kinetic,
+            gravity,
+            strain,
+            damping,
+            loads,
+            constraints,
+            start,
+        };
+        r.numbers(&mut self.powers)?;
+        r.numbers(&mut self.earlier_powers)?;
+        let mut rest = [0.0; 3];
+        r.numbers(&mut rest)?;
+        let [earlier_step, cycle_start, astray] = rest;
+        self.earlier_step = earlier_step;
+        self.cycle_start = cycle_start;
+        self.astray = Astray::from_number(astray);
+        Ok(())
     }
 
     /// Reads the parts of a checkpoint about inputs, kinks and the memory of fields.
