@@ -13,11 +13,10 @@ use crate::chain;
 use crate::elements::{self, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::rotation::{M3, V3};
+use crate::rotation::V3;
 use crate::state::{State, move_pose};
 use eng_system::code::Pair;
 use nalgebra::{DMatrix, DVector};
-use std::collections::BTreeMap;
 
 /// Share of the largest singular value below which one counts as zero.
 const NONE: f64 = 1e-7;
@@ -63,14 +62,20 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
         .flat_map(|body| body.velocity..body.velocity + 6)
         .collect();
     let basis = free_motions(model, &rest, &rigid)?;
+    let [stiffness, damping] = answers(model, &rest)?;
+    let of_rigid = |matrix: &DMatrix<f64>| {
+        DMatrix::from_fn(rigid.len(), rigid.len(), |i, j| {
+            matrix[(rigid[i], rigid[j])] * scales[rigid[i]] * scales[rigid[j]]
+        })
+    };
     let mut held = DMatrix::zeros(0, basis.ncols());
-    for answers in answers(model, &rest)? {
-        let scaled = answers.scaled(model, &scales);
-        let reduced = basis.tr_mul(&scaled.times(&basis));
+    for matrix in [&stiffness, &damping] {
+        let scaled = of_rigid(matrix);
+        let reduced = basis.transpose() * &scaled * &basis;
         let largest = reduced.amax();
         // if no load responds to any free motion, the remaining stiffness is rounding of that of held
         // directions
-        if largest > ROUNDING * scaled.largest() && largest.is_finite() {
+        if largest > ROUNDING * scaled.amax() && largest.is_finite() {
             held = stacked(&held, &(reduced / largest));
         }
     }
@@ -85,11 +90,9 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
     let mut motions = &basis * null_space(&held);
     // some loads respond only after a distance: a contact with play, a spring that is slack at first
     let mut answered = Vec::new();
-    let loads =
-        (0..model.elements.len()).any(|e| model.elements[e].dynamic && model.class(e).applies_load);
-    for column in (0..motions.ncols()).filter(|_| loads) {
-        let along = motions.columns(column, 1).into_owned();
-        if is_answered(model, &rest, &rigid, &along)? {
+    for column in 0..motions.ncols() {
+        let along = motions.column(column).into_owned();
+        if is_answered(model, &rest, &rigid, &along, &of_rigid)? {
             answered.push(column);
         }
     }
@@ -102,7 +105,8 @@ fn is_answered(
     model: &Model,
     rest: &State,
     rigid: &[usize],
-    along: &DMatrix<f64>,
+    along: &DVector<f64>,
+    of_rigid: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
 ) -> Result<bool, RuntimeError> {
     let scales = model.velocity_scales();
     let mut increment = vec![0.0; model.velocities];
@@ -112,10 +116,11 @@ fn is_answered(
     for way in WAYS {
         let mut moved = rest.clone();
         move_pose(model, &rest.pose, &increment, way, &mut moved.pose);
-        for answers in answers(model, &moved)? {
-            let scaled = answers.scaled(model, &scales);
-            let answer = along.dot(&scaled.times(along)).abs();
-            if answer.is_finite() && answer > NONE * scaled.largest() {
+        for matrix in answers(model, &moved)? {
+            let matrix = of_rigid(&matrix);
+            let largest = matrix.amax();
+            let answer = along.dot(&(&matrix * along)).abs();
+            if answer.is_finite() && answer > NONE * largest {
                 return Ok(true);
             }
         }
@@ -181,7 +186,7 @@ pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, Run
     let mut rest = state.clone();
     rest.velocity.fill(0.0);
     let [stiffness, _] = answers_of(model, &rest, element..element + 1)?;
-    Ok(stiffness.largest() > 0.0)
+    Ok(stiffness.amax() > 0.0)
 }
 
 /// Share of the largest stiffness below which a stiffness is rounding.
@@ -220,8 +225,10 @@ pub fn sag(
     let basis = free_motions(model, &rest, &all)?;
     let [stiffness, _] = answers(model, &rest)?;
     // the loads of a displacement x are −K x
-    let reduced = basis.tr_mul(&stiffness.scaled(model, &scales).times(&basis));
-    let reduced = (&reduced + reduced.transpose()) * -0.5;
+    let scaled = DMatrix::from_fn(all.len(), all.len(), |i, j| {
+        -0.5 * (stiffness[(i, j)] + stiffness[(j, i)]) * scales[i] * scales[j]
+    });
+    let reduced = basis.transpose() * scaled * &basis;
     if reduced.ncols() == 0 || reduced.iter().any(|x| !x.is_finite()) {
         return Ok(None);
     }
@@ -306,13 +313,11 @@ fn gives_way(
     down: &V3,
 ) -> Result<f64, RuntimeError> {
     let [stiffness, _] = answers_of(model, rest, element..element + 1)?;
-    let moves = DMatrix::from_column_slice(moves.len(), 1, moves.as_slice());
-    let change = stiffness.times(&moves);
+    let change = &stiffness * moves;
     let of_body = |marker: &usize| {
-        let body = model.markers[*marker].body?;
-        let force = V3::from_column_slice(&change.as_slice()[6 * body..6 * body + 3]);
-        let own = stiffness.0.get(&(body, body))?;
-        let own = M3::from_fn(|i, j| own[6 * i + j]);
+        let first = model.bodies[model.markers[*marker].body?].velocity;
+        let force = V3::from_column_slice(&change.as_slice()[first..first + 3]);
+        let own = stiffness.fixed_view::<3, 3>(first, first).into_owned();
         let greatest = own.singular_values().max();
         (greatest > 0.0).then(|| force.dot(down).abs() / greatest)
     };
@@ -320,52 +325,8 @@ fn gives_way(
     Ok(ways.fold(0.0, f64::max))
 }
 
-/// Derivatives of loads by motions of rigid bodies: a block of 6 × 6 numbers, row-major, for each loaded body and
-/// each body whose motion changes its loads. Few bodies of a large model touch each other.
-#[derive(Clone, Debug, Default)]
-struct Answers(BTreeMap<(usize, usize), [f64; 36]>);
-
-impl Answers {
-    /// The same by scaled velocities on both sides.
-    fn scaled(mut self, model: &Model, scales: &[f64]) -> Answers {
-        for ((loaded, mover), block) in &mut self.0 {
-            let (rows, columns) = (
-                model.bodies[*loaded].velocity,
-                model.bodies[*mover].velocity,
-            );
-            for (at, x) in block.iter_mut().enumerate() {
-                *x *= scales[rows + at / 6] * scales[columns + at % 6];
-            }
-        }
-        self
-    }
-
-    /// The largest magnitude.
-    fn largest(&self) -> f64 {
-        let all = self.0.values().flatten();
-        all.fold(
-            0.0,
-            |w, x| if x.is_nan() { f64::NAN } else { x.abs().max(w) },
-        )
-    }
-
-    /// `A x` for columns with six numbers a body.
-    fn times(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut out = DMatrix::zeros(x.nrows(), x.ncols());
-        for (mut to, from) in out.column_iter_mut().zip(x.column_iter()) {
-            for ((loaded, mover), block) in &self.0 {
-                for (i, row) in block.as_chunks::<6>().0.iter().enumerate() {
-                    let along = row.iter().enumerate();
-                    to[6 * loaded + i] += along.map(|(j, a)| a * from[6 * mover + j]).sum::<f64>();
-                }
-            }
-        }
-        out
-    }
-}
-
-/// `Jᵀ ∂W/∂x J` of all loads, with respect to pose and to twist.
-fn answers(model: &Model, rest: &State) -> Result<[Answers; 2], RuntimeError> {
+/// `Jᵀ ∂W/∂x J` of all loads, with respect to pose and to twist: velocities × velocities.
+fn answers(model: &Model, rest: &State) -> Result<[DMatrix<f64>; 2], RuntimeError> {
     answers_of(model, rest, 0..model.elements.len())
 }
 
@@ -374,8 +335,9 @@ fn answers_of(
     model: &Model,
     rest: &State,
     elements: std::ops::Range<usize>,
-) -> Result<[Answers; 2], RuntimeError> {
-    let mut found = [Answers::default(), Answers::default()];
+) -> Result<[DMatrix<f64>; 2], RuntimeError> {
+    let size = model.velocities;
+    let mut found = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
     for index in elements {
         let element = &model.elements[index];
         let class = model.class(index);
@@ -399,23 +361,23 @@ fn answers_of(
             .collect();
         for (k, moved) in jacobians.iter().enumerate() {
             let Some((mover, by)) = moved else { continue };
+            let mover = &model.bodies[*mover];
             let bases = [
                 layout.pose_direction(k as u32),
                 layout.twist_direction(k as u32),
             ];
-            for (Answers(blocks), base) in found.iter_mut().zip(bases) {
-                for (l, loaded) in jacobians.iter().enumerate() {
-                    let Some((body, on)) = loaded else { continue };
-                    let block = blocks.entry((*body, *mover)).or_insert([0.0; 36]);
-                    let (height, width) =
-                        (model.bodies[*body].width(), model.bodies[*mover].width());
-                    for d in 0..6 {
-                        let out = &tangents[(base as usize + d) * length..][..length];
-                        for (at, x) in block.iter_mut().enumerate() {
+            for (matrix, base) in found.iter_mut().zip(bases) {
+                for d in 0..6 {
+                    let out = &tangents[(base as usize + d) * length..][..length];
+                    for (l, loaded) in jacobians.iter().enumerate() {
+                        let Some((body, on)) = loaded else { continue };
+                        let body = &model.bodies[*body];
+                        for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
                             let force: f64 = (0..6)
-                                .map(|c| out[rows + 6 * l + c][0] * on[c * height + at / 6])
+                                .map(|c| out[rows + 6 * l + c][0] * on[c * body.width() + i])
                                 .sum();
-                            *x += force * by[d * width + at % 6];
+                            matrix[(body.velocity + i, mover.velocity + j)] +=
+                                force * by[d * mover.width() + j];
                         }
                     }
                 }

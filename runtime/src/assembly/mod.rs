@@ -13,7 +13,6 @@
 
 pub mod chains;
 pub mod closing;
-pub mod independent;
 pub mod lock;
 pub mod placement;
 pub mod rows;

@@ -513,9 +513,6 @@ pub fn smallest_solution(matrix: &DMatrix<f64>, rhs: &DVector<f64>) -> Option<DV
     if rhs.iter().any(|x| !x.is_finite()) {
         return None;
     }
-    if let Some(solution) = super::independent::solution(matrix, rhs) {
-        return Some(solution);
-    }
     let svd = crate::singular::decompose(matrix.clone())?;
     let threshold = 1e-9 * svd.singular_values.amax();
     svd.solve(rhs, threshold.max(f64::MIN_POSITIVE)).ok()

@@ -38,7 +38,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     let (all_values, all_matrix) = stack(&[(&values, &matrix), (&guess_values, &guess_matrix)]);
     let from_energy = inverse_roots(model, state);
     let solve = |matrix: &DMatrix<f64>, rhs: &DVector<f64>| -> Result<DVector<f64>, RuntimeError> {
-        let mut reduced = from_energy.after(matrix);
+        let mut reduced = matrix * &from_energy;
         let mut rhs = rhs.clone();
         for i in 0..reduced.nrows() {
             let size = reduced.row(i).norm();
@@ -50,7 +50,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         let x = smallest_solution(&reduced, &rhs).ok_or_else(|| RuntimeError::Malformed {
             what: "the start velocities are not finite".to_string(),
         })?;
-        Ok(from_energy.of(&x))
+        Ok(&from_energy * x)
     };
     let mut v = DVector::zeros(model.velocities);
     if !guessed.is_empty() {
@@ -129,36 +129,10 @@ fn stack(parts: &[(&DVector<f64>, &DMatrix<f64>)]) -> (DVector<f64>, DMatrix<f64
 /// Weight of modal rates against rigid motion.
 const VIBRATION: f64 = 1e8;
 
-/// `L⁻ᵀ` of `M = L Lᵀ`, body by body: the first velocity of each body and its block.
-struct InverseRoots(Vec<(usize, DMatrix<f64>)>);
-
-impl InverseRoots {
-    /// `A L⁻ᵀ`.
-    fn after(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut out = DMatrix::zeros(matrix.nrows(), matrix.ncols());
-        for (first, block) in &self.0 {
-            let own = matrix.columns(*first, block.nrows());
-            out.columns_mut(*first, block.ncols())
-                .copy_from(&(own * block));
-        }
-        out
-    }
-
-    /// `L⁻ᵀ x`.
-    fn of(&self, x: &DVector<f64>) -> DVector<f64> {
-        let mut out = DVector::zeros(x.len());
-        for (first, block) in &self.0 {
-            let own = block * x.rows(*first, block.ncols());
-            out.rows_mut(*first, block.nrows()).copy_from(&own);
-        }
-        out
-    }
-}
-
-/// The inverse roots of the masses. A body whose mass matrix is not positive definite (a point mass) gets a small
-/// inertia for this purpose alone.
-fn inverse_roots(model: &Model, state: &State) -> InverseRoots {
-    let mut out = Vec::with_capacity(model.bodies.len());
+/// `L⁻ᵀ` of `M = L Lᵀ`, block by block. A body whose mass matrix is not positive definite (a point mass) gets
+/// a small inertia for this purpose alone.
+fn inverse_roots(model: &Model, state: &State) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(model.velocities, model.velocities);
     for body in &model.bodies {
         let width = body.width();
         let mut mass = vec![0.0; width * width];
@@ -183,7 +157,11 @@ fn inverse_roots(model: &Model, state: &State) -> InverseRoots {
             .cholesky()
             .and_then(|c| c.l().transpose().try_inverse())
             .unwrap_or_else(|| DMatrix::identity(width, width));
-        out.push((body.velocity, inverse));
+        for i in 0..width {
+            for j in 0..width {
+                out[(body.velocity + i, body.velocity + j)] = inverse[(i, j)];
+            }
+        }
     }
-    InverseRoots(out)
+    out
 }
