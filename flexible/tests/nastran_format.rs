@@ -244,7 +244,7 @@ fn files_that_are_no_decks() {
             "=,*(1),=,*(.1),==\n",
             "repeats a card of several lines, or none",
         ),
-        ("GRID,1,,0.,0.,0.\n=(3)\n", "is not said"),
+        ("GRID,1,,0.,0.,0.\n=(3)\n", "does not state the increments"),
         ("GRID,1,,0.,0.,0.\n=,*(1),*(1),==\n", "adds to \"\""),
     ] {
         let found = problem(deck);
