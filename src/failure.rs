@@ -168,7 +168,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::OverTime { elements, .. } => over_time(d(codes::TURNING), elements),
         R::Remembers { origin } => place(d(codes::TURNING), origin, "a film with memory")
-            .with_help("the rule `reynolds` has no memory; `transient` and `periodic` follow the oil"),
+            .with_help("a rigid film with the rule `reynolds` remembers nothing; `transient` and `periodic` follow the others"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {

@@ -81,9 +81,28 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
         half_width: false,
     };
     let film = Film::new(source).map_err(|error| FieldError(error.to_string()))?;
+    nothing_ignored(numbers)?;
     let compliance = ring(&film, numbers)?;
     let elastic = Elastic::new(film, compliance).map_err(|error| FieldError(error.to_string()))?;
     Ok(Arc::new(Bearing(Arc::new(elastic))))
+}
+
+/// Refuses numbers of rough surfaces and of thinning oil that have no effect, because the number that begins the effect is
+/// missing.
+fn nothing_ignored(numbers: &FieldNumbers<'_>) -> Result<(), FieldError> {
+    let number = |name: &str| numbers.number(name);
+    let rough = ["asperity", "asperity_modulus", "boundary_friction"];
+    if number("roughness") == 0.0 && rough.iter().any(|name| number(name) != 0.0) {
+        return Err(FieldError(
+            "asperities of surfaces without roughness carry nothing: state the `sigma` of the roughness".into(),
+        ));
+    }
+    if number("thin_rate") == 0.0 && ![0.0, 1.0].contains(&number("thin_second")) {
+        return Err(FieldError(
+            "oil without a shear `rate` does not thin: state the rate at which half of the loss has happened".into(),
+        ));
+    }
+    Ok(())
 }
 
 /// The waves of a ring, without a change across: one of all around, and from two waves on a cosine and a sine each.

@@ -531,7 +531,7 @@ pub enum RuntimeError {
         change: f64,
     },
     /// A field of an element remembers what passed, which linearised equations have no unknowns for.
-    #[error("{}: a linearised motion has no unknowns for the oil that this film remembers", origin.path)]
+    #[error("{}: a linearised motion has no unknowns for what this film remembers, its oil or the shape of its elastic surface", origin.path)]
     Remembers {
         /// The element.
         origin: Box<Origin>,
