@@ -19,14 +19,14 @@ use crate::inputs::SPIN;
 use crate::ring::OWN;
 use crate::source::Cavitation;
 
-/// Rounds after which only half of the cells that want to change do so, in case a set came back.
+/// Rounds after which only half of the cells that break an inequality change. This ends a cycle of sets.
 const DAMPED: usize = 40;
 
 /// Most rounds.
 const ROUNDS: usize = 200;
 
-/// Numbers that a round may break an inequality by: rounding of a solution, relative to its largest number or
-/// to the parts of a sum.
+/// Amount by which a round may break an inequality: the rounding of a solution, relative to its largest
+/// number or to the terms of a sum.
 const ROUNDING: f64 = 1e-12;
 
 /// Share of its outflow that a steady cell of the cavity loses. A ring of cells without oil has no unique
@@ -34,8 +34,8 @@ const ROUNDING: f64 = 1e-12;
 const DRYING: f64 = 1e-12;
 
 impl Film {
-    /// Finds the cavity of one grid from the guess in `full`; the number of rounds. `past` is the step and
-    /// the content before it.
+    /// Finds the cavity on one grid from the guess in `full`, and returns the number of rounds. `past` has
+    /// the step and the content before it.
     ///
     /// # Errors
     /// If the cavity is not found.
@@ -182,8 +182,8 @@ fn set_sides(grid: &Grid, state: &mut LevelWork, conserving: bool) {
     }
 }
 
-/// The column that is cheapest as the border: with the fewest unknowns, and then with the fewest full cells
-/// in and behind it, which alone a flow of the cavity depends on.
+/// The cheapest column for the border. It has the fewest unknowns, and of equal ones the fewest full cells
+/// in it and in the column behind it: only full cells couple in both directions.
 fn border(grid: &Grid, sides: &[Side], eastwards: bool) -> usize {
     let count = |column: usize| {
         let cells = &sides[column * grid.across..(column + 1) * grid.across];
@@ -213,7 +213,7 @@ fn slack(grid: &Grid, state: &mut LevelWork, spin: f64) {
         *slack = [squeezed, squeezed.abs()];
     }
     for (at, link) in grid.links.iter().enumerate() {
-        // only cells of the cavity are asked
+        // the outflow is needed for cells of the cavity alone
         if state.sides[link.a].pressed + state.sides[link.b].pressed == 2.0 {
             continue;
         }
@@ -229,7 +229,7 @@ fn slack(grid: &Grid, state: &mut LevelWork, spin: f64) {
     }
 }
 
-/// Moves cells that break an inequality to the other set; the last of them.
+/// Moves cells that break an inequality to the other set, and returns the last of them.
 ///
 /// A cell whose gap closes faster than its content leaves within the step has no positive diagonal: it fills.
 fn change(grid: &Grid, state: &mut LevelWork, rule: Cavitation, round: usize) -> Option<usize> {
@@ -253,7 +253,7 @@ fn change(grid: &Grid, state: &mut LevelWork, rule: Cavitation, round: usize) ->
             continue;
         }
         changed = Some(cell);
-        // from here on some pattern of cells repeats itself: another half of them changes each round
+        // the sets may repeat in a cycle from here on: each round changes another half of the cells
         let hash = (cell.wrapping_add(round).wrapping_mul(0x9E37_79B9) >> 7) % 2;
         if round <= DAMPED || hash == 0 {
             state.full[cell] = !state.full[cell];

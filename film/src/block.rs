@@ -88,8 +88,7 @@ pub(crate) fn invert(block: &mut [f64], width: usize, lines: &mut [Vec<f64>; 2])
         add_two(other, [c, d], [&*upper, &*lower]);
         upper.copy_from_slice(one);
         lower.copy_from_slice(other);
-        // these columns are written after the rest: a processor waits for pairs of which it has just
-        // written one number
+        // these columns are written last: reading a pair takes longer if one of its numbers was just written
         [upper[first], upper[first + 1]] = [a, b];
         [lower[first], lower[first + 1]] = [c, d];
         // the next pivot's rows are first, so that its division begins early

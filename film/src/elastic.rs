@@ -1,8 +1,9 @@
 //! Elastic surfaces: a film whose surface yields to its pressure.
 //!
-//! The radial deflection is a sum of the film's shapes. Their amplitudes follow the generalised forces of the pressure at
-//! once, `b = C f` with a compliance C, which is symmetric and positive semi-definite. Within a step of length Δ the rates of
-//! the amplitudes are `(b − b_n)/Δ`, with b_n at its begin; a steady film has none. Newton's method solves
+//! The radial deflection is a sum of the film's shapes. Their amplitudes follow the generalised forces of the
+//! pressure at once, `b = C f` with a compliance C, which is symmetric and positive semi-definite. Within a step of
+//! length Δ the rates of the amplitudes are `(b − b_n)/Δ`, with b_n at its beginning; in a steady film they are
+//! zero. Newton's method solves
 //!
 //! ```text
 //! g(b) = b − C f(b, ḃ) = 0        G = I − C J        J = ∂f/∂b + (1/Δ) ∂f/∂ḃ
@@ -21,7 +22,7 @@ const ROUNDS: usize = 60;
 const GOAL: f64 = 1e-13;
 /// Largest ratio of two residuals that keeps G.
 const CONTRACTION: f64 = 0.1;
-/// Largest change of an amplitude in a round, as a share of the clearance: a longer way could close the gap.
+/// Largest change of an amplitude in a round, as a share of the clearance: a larger one could close the gap.
 const LONGEST: f64 = 0.5;
 
 /// A film with a compliance of its shapes.
@@ -32,19 +33,19 @@ pub struct Elastic {
     compliance: Vec<f64>,
 }
 
-/// Room for solutions of an elastic film.
+/// Memory for solutions of an elastic film.
 #[derive(Clone, Debug)]
 pub struct ElasticWork {
-    /// That of the film. It holds the film's last solution.
+    /// Memory of the film, with its last solution.
     pub film: Work,
     inputs: Vec<f64>,
     outputs: Vec<f64>,
     slopes: Vec<f64>,
-    /// G, factored, and the rows that it was exchanged with.
+    /// Factors of G, and the order of its rows.
     matrix: Vec<f64>,
     order: Vec<usize>,
     factored: bool,
-    /// Amplitudes of the last solution, and at the begin of its step.
+    /// Amplitudes of the last solution, and at the beginning of its step.
     amplitudes: Vec<f64>,
     before: Vec<f64>,
     step: Option<f64>,
@@ -139,7 +140,7 @@ impl Elastic {
         self.film.memory() + self.shapes()
     }
 
-    /// Room for solutions.
+    /// Memory for solutions.
     #[must_use]
     pub fn work(&self) -> ElasticWork {
         let count = self.shapes();
@@ -164,7 +165,7 @@ impl Elastic {
     /// [`Film::solve`], with the amplitudes behind the content.
     ///
     /// # Errors
-    /// As [`Film::solve`], or if the surface finds no place.
+    /// As [`Film::solve`], or if the surface finds no balance with the film.
     pub fn solve(
         &self,
         inputs: &[f64],
@@ -178,7 +179,8 @@ impl Elastic {
         work.inputs[..own].copy_from_slice(inputs);
         work.step = step;
         if step.is_some() && work.before != before {
-            // the search depends on the begin of the step alone, so a run that continues from a checkpoint has the same bits
+            // the search depends on the beginning of the step alone, so a run that continues from a checkpoint has
+            // the same bits
             work.before.copy_from_slice(before);
             work.amplitudes.copy_from_slice(before);
             work.factored = false;
@@ -193,7 +195,7 @@ impl Elastic {
         for round in 1..=ROUNDS {
             let solved = self.evaluate(content, work);
             if let Err(error) = solved {
-                // the next search begins from nothing
+                // the next search begins without factors
                 work.factored = false;
                 work.amplitudes.copy_from_slice(&work.before);
                 return Err(error);
@@ -346,8 +348,8 @@ impl Elastic {
         self.film.deflection(&work.film)
     }
 
-    /// Share of the deflection that the waves of the highest number around have, of all that change around; a large share
-    /// asks for more waves.
+    /// Share of the waves with the highest number around in the deflection of all waves that change around. A large
+    /// share shows that more waves are necessary.
     #[must_use]
     pub fn last_waves(&self, work: &ElasticWork) -> f64 {
         let shapes = &self.film.source().shapes;

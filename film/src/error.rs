@@ -31,7 +31,7 @@ pub enum SourceError {
         /// The allowed range.
         range: &'static str,
     },
-    /// Less cells than the grid needs.
+    /// Fewer cells than the grid needs.
     #[error("a film has {cells} cells {direction}, and its openings need at least {needed}")]
     TooFewCells {
         /// `around` or `across`.
@@ -90,7 +90,7 @@ pub enum SourceError {
     },
 }
 
-/// A film that has no solution, or none that may be trusted, at its inputs.
+/// A film that has no solution at its inputs, or no reliable one.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FilmError {
     /// An input that is no number.
@@ -139,7 +139,7 @@ pub enum FilmError {
     /// Tilt at a half film.
     #[error("a film of half width has no tilt: state the full width")]
     TiltOfHalf,
-    /// A cavity whose edge found no place.
+    /// A search for the cavity that does not end.
     #[error(
         "the edge of the cavity is not found within {rounds} rounds: it still moves at {place}; a shorter step has less to move"
     )]
@@ -149,7 +149,7 @@ pub enum FilmError {
         /// A cell that still changes sides.
         place: Place,
     },
-    /// An elastic surface without a place in balance with the film.
+    /// An elastic surface that finds no balance with the film.
     #[error(
         "the elastic surface finds no place within {rounds} rounds: it may be too soft for the load, or the step too long"
     )]

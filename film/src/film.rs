@@ -7,10 +7,10 @@ use crate::ring::RingMatrix;
 use crate::source::{Cavitation, Feed, FilmSource, Lines};
 use crate::surfaces::{OfGap, Surfaces};
 
-/// Least numbers of cells of a coarse grid. It serves a first guess of the cavity's edge alone.
+/// Least numbers of cells of a coarse grid, which serves only for a first guess of the cavity's edge.
 const COARSEST: [usize; 2] = [12, 3];
 
-/// Most outputs whose adjoints are solved together: those of a film without shapes, and a place to spare.
+/// Most outputs whose adjoints are solved together: the five of a film without shapes, and a free place.
 pub(crate) const TOGETHER: usize = 6;
 
 /// A film on its cells. It holds no state: the same film may be solved at many places at once, each with its
@@ -18,18 +18,19 @@ pub(crate) const TOGETHER: usize = 6;
 #[derive(Clone, Debug)]
 pub struct Film {
     pub(crate) source: FilmSource,
-    /// The finest first; each coarser one has about half of the cells in each direction.
+    /// The finest grid first. Each next one has about half of the cells in each direction.
     pub(crate) levels: Vec<Level>,
     pub(crate) surfaces: Surfaces,
 }
 
-/// A grid, and how the next coarser one lies below it.
+/// A grid and its relation to the next coarser one.
 #[derive(Clone, Debug)]
 pub(crate) struct Level {
     pub grid: Grid,
-    /// Of each cell the cell of the next coarser grid that holds its middle.
+    /// For each cell the cell of the next coarser grid that contains its middle.
     below: Vec<usize>,
-    /// Shapes at the links, in the middles of the cells, and their means over the cells; shape by shape.
+    /// Values of the shapes at the links and in the middles of the cells, and their means over the cells; shape by
+    /// shape.
     pub shapes: [Vec<f64>; 3],
 }
 
@@ -40,13 +41,13 @@ pub struct Work {
     pub(crate) levels: Vec<LevelWork>,
     pub(crate) inputs: Vec<f64>,
     pub(crate) step: Option<f64>,
-    /// Content of the cells at the begin of the step.
+    /// Content of the cells at the beginning of the step.
     pub(crate) before: Vec<f64>,
-    /// Adjoint numbers of cells and fixed places, of several outputs, and memory for two columns of them.
+    /// Adjoint values of several outputs at cells and fixed places, and memory for two columns of them.
     pub(crate) adjoint: Vec<f64>,
     /// Derivatives of several outputs, input by input.
     pub(crate) slopes: Vec<f64>,
-    /// Whether the finest level holds the set of an earlier solution.
+    /// Whether the finest level holds the full cells of an earlier solution.
     warm: bool,
     /// Rounds of the last solution on the finest grid.
     pub(crate) rounds: usize,
@@ -65,7 +66,7 @@ pub(crate) struct Side {
     pub content: f64,
 }
 
-/// What a solution needs on one grid.
+/// The numbers of a solution on one grid.
 #[derive(Clone, Debug)]
 pub(crate) struct LevelWork {
     /// Gaps h at links and in cells.
@@ -81,7 +82,7 @@ pub(crate) struct LevelWork {
     pub cell_gap: Vec<f64>,
     /// Slopes of both carrying gaps by h.
     pub carried_slope: [Vec<f64>; 2],
-    /// `1/h` of the shear.
+    /// `1/h` in the shear stress.
     pub shear: Vec<OfGap>,
     /// Slopes of the rate of the carrying gap by that of h, and by h.
     pub rate_slope: Vec<[f64; 2]>,
@@ -94,18 +95,18 @@ pub(crate) struct LevelWork {
     pub pin_slope: Vec<[f64; 2]>,
     /// Cells without cavity.
     pub full: Vec<bool>,
-    /// q of cells and fixed places: pressure, by Barus' law transformed.
+    /// q of cells and fixed places: the pressure, transformed by Barus' law.
     pub q: Vec<f64>,
     /// Content of cells and fixed places.
     pub content: Vec<f64>,
-    /// Pressure of cells and fixed places, cut where the rule cuts, and its slope by q.
+    /// Pressure of cells and fixed places, zero where the rule cuts it off, and its slope by q.
     pub pressure: Vec<[f64; 2]>,
     pub matrix: RingMatrix,
-    /// Right-hand sides of cells, then their solution; fixed places are not read.
+    /// Right-hand sides of the cells, replaced by their solution. Numbers of fixed places are not read.
     pub unknown: Vec<f64>,
-    /// What the equations of the present set know about cells and fixed places.
+    /// Cells and fixed places in the equations of the present set.
     pub sides: Vec<Side>,
-    /// Outflow that a cell at rest would need, and the size of its parts.
+    /// Outflow of a cell of the cavity for the rule without content, and the size of the terms of this sum.
     pub slack: Vec<[f64; 2]>,
 }
 
@@ -139,7 +140,7 @@ impl LevelWork {
 }
 
 impl Film {
-    /// A film of its data.
+    /// Makes a film of its data.
     ///
     /// # Errors
     /// If a number is out of its range, or the openings fit neither the bearing nor the cells.
@@ -233,7 +234,7 @@ impl Film {
         }
     }
 
-    /// Cells around and across, of a half bearing those of its half. Cells are numbered across first.
+    /// Numbers of cells around and across; for a half bearing those of its half. Cells are numbered across first.
     #[must_use]
     pub fn cells(&self) -> [usize; 2] {
         [self.levels[0].grid.around, self.levels[0].grid.across]
@@ -267,16 +268,16 @@ impl Film {
 
     /// Solves the film at inputs and writes its outputs.
     ///
-    /// Without `step` the film is steady in the shell's frame: nothing but the gap changes. With `step` (s),
-    /// a film of the rule [`Cavitation::MassConserving`] has content that changed over this step from the
-    /// content in `memory`; of the other rules the pressure does not depend on the past, and both give the
-    /// same. The gap's rate is always that of the inputs.
+    /// Without `step` the film is steady in the shell's frame: nothing but the gap changes. With `step` (s) and the
+    /// rule [`Cavitation::MassConserving`], the content has changed over this step from the content in `memory`.
+    /// With the other rules the pressure does not depend on the past, and `step` has no effect. The gap's rate is
+    /// always that of the inputs.
     ///
-    /// `work` holds the cavity of its last solution, from where the search for the next begins. The solution
-    /// is unique, so it depends on it by rounding alone.
+    /// `work` holds the cavity of its last solution, where the search for the next one begins. The solution is
+    /// unique, so this beginning changes it by rounding alone.
     ///
-    /// # Errors If an input is out of range, the surfaces touch, the film has no oil, or the step is too long
-    /// for its content.
+    /// # Errors
+    /// If an input is out of range, the surfaces touch, the film has no oil, or the step is too long for its content.
     ///
     /// # Panics
     /// If a slice has another length than the film states.
@@ -297,7 +298,7 @@ impl Film {
             work.before.copy_from_slice(memory);
         }
         let solved = self.check_inputs(work).and_then(|()| self.find(work));
-        // a search that failed says nothing about the next cavity
+        // the cavity of a failed search is no good beginning of the next one
         work.warm = solved.is_ok();
         solved?;
         self.integrate(work, outputs);
@@ -316,7 +317,7 @@ impl Film {
         work.warm = false;
     }
 
-    /// Steady film at inputs: its content becomes the memory.
+    /// Solves the steady film at inputs and writes its content to the memory.
     ///
     /// # Errors
     /// As [`Film::solve`].
@@ -350,8 +351,8 @@ impl Film {
     }
 
     /// Flow that the solution gathers in the film, `∫ (ϑ̇ h + ϑ ḣ) dA`, m³/s. It equals the flow into the film by
-    /// openings and ends. Over a step the volume changes by it but for an error of second order in the step,
-    /// because ϑ̇ and ḣ are those of the step's end.
+    /// openings and ends. Over a step the volume changes by this flow times the step, except for an error of second
+    /// order, because ϑ̇ and ḣ are those of the step's end.
     #[must_use]
     pub fn gathering(&self, work: &Work) -> f64 {
         let state = &work.levels[0];
@@ -422,8 +423,8 @@ impl Film {
         self.set_gap(&self.levels[0], &mut work.levels[0], &work.inputs);
         self.check_gap(&work.levels[0])?;
         if !work.warm {
-            // content that an earlier step left has no coarse grid: there the guess is the cavity of the rule
-            // without memory
+            // content of an earlier step exists on the finest grid alone: coarser grids guess the cavity of the
+            // rule without memory
             let guess = if work.step.is_some() {
                 Cavitation::Reynolds
             } else {
@@ -434,8 +435,7 @@ impl Film {
                 let (level, state) = (&self.levels[at], &mut work.levels[at]);
                 self.set_gap(level, state, &work.inputs);
                 self.set_fixed(level, state, &work.inputs);
-                // the finest grid alone decides: a coarse one that ends without its cavity is a guess all the
-                // same
+                // the finest grid alone must succeed: a coarse one gives a guess even if its search does not end
                 let _ = self.search(level, state, guess, &work.inputs, None);
             }
             self.guess(0, &mut work.levels);

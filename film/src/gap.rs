@@ -52,7 +52,8 @@ impl Film {
         self.set_flow(level, state, x);
     }
 
-    /// What the surfaces and the oil make of the gaps h and their rates.
+    /// The numbers that surfaces and oil have at the gaps h and their rates: carrying gaps,
+    /// conductance, shear.
     fn set_flow(&self, level: &Level, state: &mut LevelWork, x: &[f64]) {
         let (surfaces, grid, spin) = (&self.surfaces, &level.grid, x[SPIN]);
         let factor = 1.0 / (12.0 * x[VISCOSITY]);
@@ -116,7 +117,7 @@ impl Film {
         for (at, opening) in self.source.openings.iter().enumerate() {
             let (pressure, content) = match opening.feed {
                 Feed::Pressure => (x[SUPPLY + at], 1.0),
-                // rules without content take the gap as full
+                // for rules without content the gap is full
                 Feed::Content(_) if self.source.cavitation != Cavitation::MassConserving => {
                     (0.0, 1.0)
                 }
@@ -148,7 +149,8 @@ impl Film {
 
     /// Refuses surfaces that touch at a face or in the middle of a cell.
     pub(crate) fn check_gap(&self, state: &LevelWork) -> Result<(), FilmError> {
-        // iterates of a smooth film with a floor, and rough surfaces at any distance, have a film
+        // a smooth film with a floor has a solution at every iterate, and rough surfaces at every
+        // distance
         if self.source.floor > 0.0 || self.surfaces.is_rough() {
             return Ok(());
         }

@@ -105,8 +105,8 @@ pub fn solved_response(slenderness: f64, ratio: f64, cosine: f64) -> Result<[f64
     Ok([0, 1].map(|axis| (4.0 * fine[axis] - coarse[axis]) / 3.0))
 }
 
-/// Nearest that α comes to 0 and 180° for `side`, rad, and ε to 0: the quotient has a limit there, which it
-/// reaches with second order.
+/// Least distance of α from 0 and 180° (rad), and least ε, at which `side` is computed. The quotient has a
+/// limit beyond them and approaches it with second order.
 const NEAR: [f64; 2] = [0.02, 0.02];
 
 /// `load` and `side` of the table at B/D, `u = −ln(1 − ε)` and cos α.
@@ -114,7 +114,7 @@ const NEAR: [f64; 2] = [0.02, 0.02];
 /// # Errors
 /// As [`Film::solve`].
 pub fn correction(slenderness: f64, u: f64, cosine: f64) -> Result<[f64; 2], FilmError> {
-    // at the centre the response has no direction but that of v_s
+    // at the centre the only direction is that of v_s
     let (ratio, cosine) = (-libm::expm1(-u), if u == 0.0 { 0.0 } else { cosine });
     let relative = |ratio: f64, cosine: f64| {
         let [along, across] = solved_response(slenderness, ratio, cosine)?;

@@ -18,8 +18,9 @@
 //! ```
 //!
 //! Invariants of this crate:
-//! - It knows no marker, body, element, file, thread or integrator, but a step's length and [`Film::accept`].
-//! - A film keeps no state. A solution allocates nothing: it works in its [`Work`].
+//! - The crate has no markers, bodies, elements, files, threads or integrators. The caller passes the length of a
+//!   step and calls [`Film::accept`] after it.
+//! - A film keeps no state. A solution uses the memory in [`Work`] and allocates none.
 //! - The same input gives the same bits.
 #![forbid(unsafe_code)]
 // Tests may call the standard library's functions, to compare with them.

@@ -11,8 +11,8 @@ use crate::source::{Cavitation, Ends, Feed};
 /// α q beyond which Barus' oil is refused.
 const PIEZO_LIMIT: f64 = 0.98;
 
-/// Results of a solution beside its outputs. Flows of the rule [`Cavitation::Half`] are those of its cut
-/// pressure: they conserve nothing.
+/// Results of a solution beside its outputs. Flows of the rule [`Cavitation::Half`] are those of its cut pressure
+/// and do not conserve oil.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Highest pressure over the cavitation pressure, of a parabola through the highest cell and its
@@ -73,7 +73,7 @@ pub enum Quantity {
 }
 
 impl Film {
-    /// Number of halves that the cells make the whole bearing of.
+    /// 2 if the cells are one half of the bearing, else 1.
     pub(crate) fn halves(&self) -> f64 {
         if self.source.half_width { 2.0 } else { 1.0 }
     }
@@ -339,8 +339,8 @@ impl Film {
         (highest, at)
     }
 
-    /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is
-    /// closest; of plain surfaces exactly.
+    /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is closest.
+    /// For plain surfaces both are exact.
     fn thinnest(&self, state: &LevelWork, x: &[f64]) -> (f64, Place) {
         let grid = &self.levels[0].grid;
         let half = self.source.width / 2.0;

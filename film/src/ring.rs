@@ -15,20 +15,21 @@
 //! S_b = D_b − Σ Z_t V_t                      Z_t −= Z_(t−1) S_(t−1)⁻¹ U_(t−1)
 //! ```
 //!
-//! W and Z hold only those cells of the border that couple with their neighbours around: where a column of
-//! the cavity or of an opening has none, the ring is cut. Cells that couple with no other, as those of the
-//! cavity of a rule without content, are rows of the identity, whose elimination is skipped.
+//! W and Z hold only those cells of the border that couple with cells of the next columns. If the border has
+//! no such cell, as in a cavity or an opening, the ring is open there. Cells that couple with no other cell,
+//! such as those of a cavity without content, are rows of the identity. Their elimination is skipped.
 //!
-//! No pivots are exchanged. The matrix is weakly diagonally dominant by columns, with positive diagonal and
-//! without positive numbers beside it, but for cells of a cavity that closes within a step, which fill in the
-//! next round. An explicit inverse of such a block is as exact as its factors.
+//! No pivots are exchanged. The matrix is weakly diagonally dominant by columns, with a positive diagonal and
+//! no positive numbers beside it. Cells of a cavity that closes within a step are an exception; they fill in
+//! the next round. An explicit inverse of such a block is as exact as its factors.
 
 use crate::block::{add, add_lanes, apply, apply_transposed, invert, with_width};
 
 /// Cells of the border that are eliminated together.
 const LANES: usize = 4;
 
-/// Numbers of a cell's row at itself and at its neighbours: east, west, towards positive and negative z.
+/// Entries of a cell's row: its own, and those of its neighbours in the east, in the west, towards positive
+/// and negative z.
 pub(crate) type Row = [f64; 5];
 
 pub(crate) const OWN: usize = 0;
@@ -63,7 +64,7 @@ impl Chain {
         }
     }
 
-    /// Places in a row of the neighbours before and behind in the self.
+    /// Places in a `Row` of the neighbours before and behind in this order.
     fn neighbours(self) -> (usize, usize) {
         if self.eastwards {
             (WEST, EAST)
@@ -76,7 +77,7 @@ impl Chain {
 /// Matrix of a ring and, after [`RingMatrix::factor`], the inverses of its blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct RingMatrix {
-    /// Rows of the cells; more, if the maker wants, that are not read.
+    /// Rows of the cells. The elimination does not read further rows.
     pub rows: Vec<Row>,
     chain: Chain,
     across: usize,
@@ -91,7 +92,7 @@ pub(crate) struct RingMatrix {
     right: Vec<Lanes>,
     /// `Zᵀ`, likewise.
     below: Vec<Lanes>,
-    /// Whether `V` and `Z` of each column hold any number but 0.
+    /// Whether `V` and `Z` of each column have a number other than 0.
     filled: Vec<[bool; 2]>,
     /// W of a column, and `S⁻ᵀ Zᵀ` of the last one.
     wide: [Vec<Lanes>; 2],
@@ -107,7 +108,7 @@ fn any(lanes: &[Lanes]) -> bool {
 
 impl RingMatrix {
     /// A matrix of zeros, with rows for `fixed` places after those of the cells. A ring has at least three
-    /// columns: else both neighbours of a column would be one.
+    /// columns: with two, both neighbours of a column would be the same one.
     pub(crate) fn new(around: usize, across: usize, fixed: usize) -> Self {
         let width = across.next_multiple_of(2);
         let chunks = across.div_ceil(LANES);
@@ -133,9 +134,9 @@ impl RingMatrix {
         }
     }
 
-    /// Inverts the blocks. The border may be any column, and the chain may run in either direction; fewest
-    /// numbers fill if it runs with the flow, and if few cells of the border couple with their neighbours
-    /// around.
+    /// Inverts the blocks. The border may be any column, and the chain may run in either direction. The
+    /// fewest numbers fill if it runs with the flow, and if few cells of the border couple with the next
+    /// columns.
     pub(crate) fn factor(&mut self, border: usize, eastwards: bool, symmetric: bool) {
         (self.chain.border, self.chain.eastwards) = (border, eastwards);
         self.symmetric = symmetric;

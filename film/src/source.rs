@@ -3,14 +3,14 @@
 use crate::error::SourceError;
 use crate::surfaces::{Roughness, Thinning};
 
-/// The rule of the film where it would pull.
+/// The rule where the pressure of the film would be negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cavitation {
     /// p ≥ 0, and ∂p/∂n = 0 at the edge of the cavity (Swift 1932, Stieber 1933): a linear complementarity
     /// problem. Flow into the cavity is not followed further.
     Reynolds,
-    /// The linear equation, whose negative pressures are cut off afterwards (Gümbel 1921). For comparison: it
-    /// conserves nothing.
+    /// The linear equation, whose negative pressures are cut off afterwards (Gümbel 1921). For comparison: it does
+    /// not conserve oil.
     Half,
     /// p ≥ 0, ϑ ≤ 1, p (1 − ϑ) = 0 with the film content ϑ (Jakobsson & Floberg 1957, Olsson 1965): oil is
     /// conserved everywhere.
@@ -141,7 +141,7 @@ impl Profile {
         }
     }
 
-    /// Whether both halves of the bearing have the same.
+    /// Whether the change is the same in both halves of the bearing.
     pub(crate) fn symmetric(&self) -> bool {
         !matches!(self, Profile::Taper { depth } if *depth != 0.0)
     }
@@ -195,14 +195,14 @@ pub enum Ends {
 /// Cells of one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lines {
-    /// So many cells; of equal size between the edges of openings.
+    /// This number of cells, of equal size between the edges of openings.
     Equal(usize),
     /// Stated lines, rising: around from 0 to 2π (rad), or across from one end to the other (m; of a half
     /// bearing from 0).
     At(Vec<f64>),
 }
 
-/// All of a film that does not change while it works.
+/// The constant data of a film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmSource {
     /// R, m.
@@ -211,7 +211,7 @@ pub struct FilmSource {
     pub width: f64,
     /// Radial clearance c, m.
     pub clearance: f64,
-    /// Rule where the film would pull.
+    /// Rule where the pressure would be negative.
     pub cavitation: Cavitation,
     /// Ends.
     pub ends: Ends,
@@ -223,9 +223,9 @@ pub struct FilmSource {
     pub pin_profile: Vec<Profile>,
     /// Deflections that are inputs.
     pub shapes: Vec<Shape>,
-    /// Gap f (m) below which the equation of smooth surfaces has `f²/(2f − h)` instead of the gap h, which stays positive
-    /// for every h. Only solutions above the floor mean anything. With 0, surfaces that touch are an error. Rough surfaces
-    /// have no floor.
+    /// Gap f (m) below which the equation of smooth surfaces has `f²/(2f − h)` instead of the gap h, which stays
+    /// positive for every h. Only solutions with a gap above the floor have a meaning. With 0, surfaces that touch
+    /// are an error. Rough surfaces have no floor.
     pub floor: f64,
     /// α of Barus' law `μ exp(α p)`, 1/Pa; 0 for oil whose viscosity does not depend on pressure.
     pub piezo: f64,

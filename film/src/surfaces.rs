@@ -14,8 +14,8 @@ const DIRECTIONS: [(f64, f64, f64, f64); 7] = [
     (9.0, 0.870, 1.5, 0.5),
 ];
 
-/// Two rough surfaces of equal roughness: the flow factor of shear is zero, because what one surface carries in its
-/// valleys the other one holds back.
+/// Two rough surfaces of equal roughness: the flow factor of shear is zero, because one surface carries as much oil
+/// in its valleys as the other one holds back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughness {
     /// σ, root mean square of both surfaces together, m.
@@ -121,7 +121,7 @@ pub(crate) struct OfGap {
     pub by_spin: f64,
 }
 
-/// What the surfaces and the oil make of a gap.
+/// The surfaces and the oil, as functions of the gap.
 #[derive(Clone, Debug)]
 pub(crate) struct Surfaces {
     rough: Option<Rough>,
@@ -178,8 +178,9 @@ impl Surfaces {
     /// The gap that carries oil, its slope by h and the second one.
     ///
     /// Rough surfaces: the mean distance of surfaces that do not penetrate, `h Φ(h/σ) + σ φ(h/σ)` with the normal
-    /// distribution Φ and its density φ (Patir & Cheng 1978), positive for every h. Smooth ones: h, continued below the
-    /// floor. There the second slope is left out, and squeezing goes on with the slope 1: only iterates come there.
+    /// distribution Φ and its density φ (Patir & Cheng 1978), positive for every h. Smooth ones: h, continued below
+    /// the floor. Only iterates are below the floor. There the second slope is left out, and the squeeze has the
+    /// slope 1.
     pub(crate) fn carried(&self, gap: f64) -> [f64; 3] {
         let Some(rough) = &self.rough else {
             let (gap, slope) = continued(gap, self.floor);
@@ -282,8 +283,9 @@ impl Surfaces {
     }
 }
 
-/// The gap in an equation and its slope by the true gap h: `f²/(2f − h)` below the floor f, where it has the value and
-/// slope of h and stays positive for every h. So the iterates of a solver have a film wherever the pin is.
+/// The gap in an equation and its slope by the true gap h: `f²/(2f − h)` below the floor f, where it has the value
+/// and slope of h and stays positive for every h. So the iterates of a solver have a film at every position of the
+/// pin.
 fn continued(gap: f64, floor: f64) -> (f64, f64) {
     if gap >= floor || floor == 0.0 {
         return (gap, 1.0);
@@ -325,7 +327,7 @@ impl Contact {
             return [0.0; 2];
         }
         if u < FIRST {
-            // only iterates come here: the parabola with the slopes at the first node
+            // only iterates are here: the parabola with the slopes at the first node
             let [log, slope, bend] = self.nodes[0];
             let (value, x) = (libm::exp(log), u - FIRST);
             let second = value * (bend + slope * slope);

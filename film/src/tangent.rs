@@ -377,7 +377,7 @@ impl Film {
 }
 
 /// Adds the sums of places at one angle, and those times z, to the derivatives by the components of two
-/// vectors of the pin, and empties them. What moves the pin along n closes the gap.
+/// vectors of the pin, and empties them. A motion of the pin along n closes the gap.
 fn add_run<const N: usize>(
     slopes: &mut [[f64; N]],
     places: [usize; 2],
