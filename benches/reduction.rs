@@ -290,7 +290,7 @@ impl Clock {
             self.begin.elapsed().as_secs_f64(),
             peak("self").unwrap_or(f64::NAN)
         );
-        // what was looked up is not counted
+        // the time of the look-up is not counted
         *self = Clock::new()?;
         Ok(())
     }
@@ -393,7 +393,7 @@ fn whole(name: &str) -> Result<(), Failure> {
         processor_time()?[0],
         peak("self").unwrap_or(f64::NAN)
     );
-    // the set's lowest are the normal modes themselves: what static modes add lies above
+    // the lowest modes of the set are the normal modes themselves: static modes add higher ones
     for frequency in reduced.body.frequencies.iter().take(NORMAL) {
         write!(line, " {frequency:.9e}")?;
     }
@@ -401,7 +401,7 @@ fn whole(name: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a run told: CPU seconds, MB, frequencies (Hz).
+/// The output of a run: CPU seconds, MB, frequencies (Hz).
 #[derive(Clone, Debug)]
 struct Figures {
     seconds: f64,
@@ -477,7 +477,7 @@ struct Folder(PathBuf);
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // what cannot be removed is the system's to clean: it lies among the temporary files
+        // the system removes the remaining temporary files
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

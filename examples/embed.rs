@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
     }
 
-    // a checkpoint goes on with the same bits
+    // a run from a checkpoint has the same bits
     let saved = simulation.checkpoint();
     simulation.step()?;
     let mut resumed = model

@@ -63,7 +63,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
                 }
             }
         }
-        // warnings about what an analysis gives to its model, such as a mode set; its errors come with its run
+        // warnings about the arguments of an analysis, such as a mode set; its errors come with its run
         for plan in plans.iter().filter(|plan| !plan.constants.is_empty()) {
             let (model, constants) = (plan.model, &plan.constants);
             let mut found = Diagnostics::new();
@@ -252,7 +252,7 @@ impl Program {
         hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
     }
 
-    /// The text of the class whose name stands at a place.
+    /// The text of the class whose name is at a place.
     pub(crate) fn class_at(
         &self,
         name: eng_grammar::Span,

@@ -7,8 +7,8 @@ use crate::state::State;
 use crate::topology::{TopologyReport, analyze};
 use eng_system::code::Compiled;
 
-/// A model with its parameters in its assembled position. Whoever needs the position more than once makes it once:
-/// a mechanism that closes only at the tenth try takes a second.
+/// A model with its parameters in its assembled position. Make it once for several uses: a mechanism that
+/// closes only at the tenth trial takes a second.
 #[derive(Clone, Debug)]
 pub struct Assembled {
     model: Model,

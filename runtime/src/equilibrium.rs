@@ -9,7 +9,7 @@
 //! with the machinery of the start ([`crate::start::balance`]). A drive holds the position that it has at the
 //! time, even if it states a speed. A position that `start` states is only the first value of the search,
 //! because the force that would hold it there is not part of the model. Only an angle of the cycle that the
-//! analysis asks for is held, and the report tells the effort.
+//! analysis states is held, and the report gives the effort.
 //!
 //! In the balance of a steady motion the speeds that `start` and drives state continue, and the cycle's angle
 //! is held: it is the quasi-static start without the positions that `start` states.

@@ -530,7 +530,7 @@ pub enum RuntimeError {
         /// Bound on the effect on each eigenvalue, as a share of its size; infinite without a bound.
         change: f64,
     },
-    /// A field of an element remembers what passed, which linearised equations have no unknowns for.
+    /// A field of an element has a memory, and linearised equations have no unknowns for it.
     #[error("{}: a linearised motion has no unknowns for what this film remembers, its oil or the shape of its elastic surface", origin.path)]
     Remembers {
         /// The element.

@@ -182,8 +182,8 @@ impl Signals {
         self.driven.get(index).copied().unwrap_or(false)
     }
 
-    /// The stated parameters, with the values of the inputs that a program sets at a time (s); `None` without such inputs.
-    /// A function of time goes on driving the others.
+    /// The stated parameters, with the values of the inputs that a program sets at a time (s); `None` without such
+    /// inputs. Functions of time continue to drive the others.
     pub fn stated_at(&self, time: f64) -> Option<Vec<Option<f64>>> {
         if self.driven.iter().all(|driven| *driven) {
             return None;

@@ -28,8 +28,8 @@ use eng_system::system::{Kink, Origin};
 
 /// Limit of a time, as a share of the time itself.
 const MOMENT: f64 = 8.0 * f64::EPSILON;
-/// Share of a step within which a kink counts as its begin. A function that is zero there but for rounding would
-/// otherwise shorten the step to nothing.
+/// Share of a step within which a kink counts as being at its beginning. Otherwise a function that is zero there
+/// except for rounding would shorten the step to nothing.
 const BEGIN: f64 = 1e-6;
 /// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
 /// pressures have become equal, a body that sticks. To end every step there would gain nothing.
@@ -63,7 +63,7 @@ struct Group {
     first: usize,
 }
 
-/// The kink functions of a model, at the begin of a step and at the end of its last trial.
+/// The kink functions of a model, at the beginning of a step and at the end of its last trial.
 #[derive(Clone, Debug)]
 pub struct Kinks {
     groups: Vec<Group>,
@@ -82,7 +82,7 @@ pub struct Kinks {
 /// A kink within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// Time from the step's begin (s).
+    /// Time from the beginning of the step (s).
     pub time: f64,
     /// Index of the kink function.
     pub item: usize,
@@ -218,7 +218,8 @@ impl Kinks {
         Ok(())
     }
 
-    /// Makes the end of the last trial the begin of the next step. `ended` is the kink at which the step ended.
+    /// Makes the end of the last trial the beginning of the next step. `ended` is the kink at which the step
+    /// ended.
     pub fn accept(&mut self, ended: Option<usize>) {
         let pairs = self.now.iter().zip(&self.next).enumerate();
         for ((item, (from, to)), stay) in pairs.zip(&mut self.stays) {
@@ -277,10 +278,10 @@ impl Kinks {
 
     /// The kink that a fixed step h (s) overlooks most, in multiples of its limit. The step ends at a time (s).
     ///
-    /// Steps that the text states do not end at kinks, and most kinks cost them only accuracy. A kink counts if
-    /// its class states the length that matters there, if its far side lies wholly within the step, or if the
-    /// step passes another kink of the element as well: what is between them, such as a thin stop, then acts in
-    /// no step.
+    /// Steps that the text states do not end at kinks, and most kinks cost them only accuracy. A kink counts in
+    /// three cases: its class states the length that matters there, its far side lies wholly within the step, or
+    /// the step passes another kink of the element as well. In the third case the part between the kinks, such as
+    /// a thin stop, acts in no step.
     pub fn overlooked(&self, model: &Model, h: f64, time: f64) -> Option<Crossing> {
         let pairs = self.now.iter().zip(&self.next).enumerate();
         let found: Vec<Crossing> = pairs

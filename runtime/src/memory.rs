@@ -1,20 +1,20 @@
-//! Numbers that fields remember from step to step, such as the oil in the cells of a film.
+//! Numbers that fields keep from step to step, such as the oil in the cells of a film.
 //!
-//! Within a step and in its samples, fields continue from their memory at the begin of the step. An accepted step
-//! writes a new memory, which counts from the begin of the next step on. So rejected trials change nothing, and a
-//! sample at the end of a step sees the field that the step had there.
+//! Within a step and in its samples, fields continue from their memory at the beginning of the step. An accepted
+//! step writes a new memory for the next step. So rejected trials change nothing, and a sample at the end of a
+//! step has the field that the step had there.
 
 use crate::model::Model;
 use eng_system::field::Past;
 
-/// Shortest time that a field continues over (s). At the very begin of a step the content of a film has had no
+/// Shortest time that a field continues over (s). At the beginning of a step the content of a film has had no
 /// time to change.
 const SHORTEST: f64 = 1e-10;
 
 /// The memory of all fields of a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Memory {
-    /// Begin of the present step (s); none before the first step, when all fields are in balance.
+    /// Beginning of the present step (s); none before the first step, when all fields are in balance.
     begin: Option<f64>,
     before: Vec<f64>,
     /// The last accepted moment (s).
@@ -23,7 +23,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Room for a model's fields, without a past.
+    /// Memory for a model's fields, without a past.
     pub fn new(model: &Model) -> Memory {
         Memory {
             begin: None,

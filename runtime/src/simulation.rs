@@ -196,7 +196,7 @@ impl Simulation {
     /// A simulation of an assembled model.
     ///
     /// # Errors
-    /// As [`Simulation::new`], but for those of assembling.
+    /// As [`Simulation::new`], without those of the assembly.
     pub fn of(assembled: &Assembled, options: Options) -> Result<Simulation, RuntimeError> {
         check(&options, assembled.model())?;
         let (model, state) = assembled.independent()?;

@@ -142,8 +142,9 @@ mod tests {
         assert_eq!(passed, 10.0);
         assert!((left - (1e9 - 10.0)).abs() < 1.0, "{left}");
         assert_eq!(stopped(|_| 0.0), Some((10.0, f64::INFINITY)));
-        // This run stands still after an hour. The next check may still see a part of the motion, and the two
-        // checks after it see none. Each check is a fifth later than the one before, at whole half seconds.
+        // This run makes no progress after an hour. The next check may still see a part of the motion, and
+        // the two checks after it see none. Each check is a fifth later than the one before, at whole half
+        // seconds.
         let (passed, left) = stopped(|t| t.min(3600.0) / 7200.0).unwrap();
         let latest = 3600.0 * 1.2_f64.powi(3) + 3.0;
         assert!((3600.0..latest).contains(&passed), "{passed}");

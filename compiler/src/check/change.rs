@@ -15,7 +15,8 @@ use eng_grammar::ast::{
 use eng_grammar::{Diagnostic, Span};
 
 impl<'p> Checker<'p> {
-    /// Checks what follows `with`. Paths begin at the names of the class; values are those of the text around.
+    /// Checks the changes after `with`. Paths begin at the names of the class. Values are
+    /// expressions of the text around.
     pub(super) fn changes(
         &mut self,
         scope: &Scope<'p>,

@@ -88,7 +88,7 @@ struct Checker<'p> {
     class_due: bool,
     /// Whether the context of a call needs a function, so that the call may give it some of its arguments.
     function_due: bool,
-    /// The choice whose words may stand here by themselves.
+    /// The choice whose words need no name of the choice before them here.
     choice_due: Option<DefinitionId>,
     /// Values and functions being inferred.
     depth: u32,

@@ -238,7 +238,7 @@ impl<'a> Elaborator<'a, '_> {
         self.path(scope, &text)
     }
 
-    /// Drops what an inner text states for the start of a body.
+    /// Drops the start values of a body that an inner text states.
     pub fn replaced_start(&mut self, target: &StartTarget) {
         self.draft.pending.retain(|earlier| {
             !matches!(earlier, Pending::Start { target: other, .. } if other.is_same(target))

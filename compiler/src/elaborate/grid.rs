@@ -189,7 +189,7 @@ fn distinct(column: &[f64]) -> Vec<f64> {
     numbers
 }
 
-/// The index of the point that a number stands for.
+/// The index of the point that a number means.
 fn nearest(axis: &[f64], x: f64) -> usize {
     let above = axis
         .partition_point(|point| *point <= x)

@@ -40,7 +40,7 @@ impl<'a> Elaborator<'a, '_> {
             if let Some(condition) = &declaration.condition
                 && !e.known_truth(condition, inner)?
             {
-                // an index that names it then tells the condition
+                // the error about a path to it shows the condition
                 if !position.is_empty() {
                     made.push((position.to_vec(), Value::Absent(declaration)));
                 }

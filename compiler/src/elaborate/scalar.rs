@@ -58,7 +58,7 @@ pub(crate) const TIME: u32 = u32::MAX;
 #[derive(Debug, Default)]
 pub(crate) struct BindBuilder {
     pub graph: Graph,
-    /// Known numbers that are slots all the same: table handles, and literals as arguments of a class.
+    /// Known numbers that are slots nevertheless: table handles, and literals as arguments of a class.
     pub fixed: Vec<f64>,
     /// Path of the present user of slots.
     pub owner: String,
@@ -498,7 +498,7 @@ impl Workbench {
         Scalar { node, ..value }
     }
 
-    /// An input that stands for an unknown until [`Workbench::derivative_at`] replaces it.
+    /// An input in the place of an unknown, until [`Workbench::derivative_at`] replaces it.
     pub fn unknown(&mut self, stage: Stage, input: u32) -> Scalar {
         let node = self.graph(stage).input(input);
         Scalar { stage, node }

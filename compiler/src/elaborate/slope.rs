@@ -75,7 +75,8 @@ impl<'a> Elaborator<'a, '_> {
         x: Scalar,
         order: u8,
     ) -> Eval<Scalar> {
-        // the value itself is not used, but its call asks for the function's conditions and tells the stage
+        // the value itself is not used, but its call evaluates the function's conditions and gives the
+        // stage
         let stage = self.value_of(asked, x)?.stage;
         let x = match stage {
             Stage::Bind => x.node,

@@ -5,8 +5,8 @@
 //! O(δ²) in x₁ = x₀ − J⁻¹f(x₀) and O(δ⁴) in x₂, as functions of everything that f depends on. So the first three derivatives of
 //! x₂ are those of the implicit function f(x) = 0, and the derivatives of a class cost two steps, not all of them.
 //!
-//! A class cannot iterate until something converges, because its code has no loops. The correction of the step after the held
-//! ones tells whether the search has ended; a condition of the element watches it.
+//! A class cannot iterate until something converges, because its code has no loops. The correction of the step after
+//! the held ones shows whether the search has ended; a condition of the element watches it.
 
 use super::bind_program::{Check, MessagePart};
 use super::expression::Truth;

@@ -28,7 +28,7 @@ pub struct LevelText {
 }
 
 impl TypedProgram {
-    /// The class whose name stands at a place.
+    /// The class whose name is at a place.
     pub fn class_at(&self, name: Span) -> Option<ClassText> {
         let definitions = (0..).zip(&self.program.modules);
         let definition = definitions

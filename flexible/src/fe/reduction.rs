@@ -323,7 +323,7 @@ impl Reduction {
                     add(*r, g * h);
                 }
             }
-            // the diagonal is always there: whoever factors the matrix expects it
+            // the diagonal is always stored, because the factorisation expects it
             add(column, 0.0);
             touched.sort_unstable();
             for r in touched.drain(..) {

@@ -738,7 +738,7 @@ impl<'t> Builder<'t, '_> {
                     self.fills_nothing(kind, word.as_str(), name);
                 }
                 match kind {
-                    // a component without arguments is a class all the same
+                    // a component without arguments is a class, too
                     Some(Kind::Component) => Form::Class {
                         parameters,
                         interface,

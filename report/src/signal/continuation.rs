@@ -355,7 +355,7 @@ mod tests {
         let most = before.iter().fold(0.0f64, |m, x| m.max(x.abs())) / size;
         println!("before the signal: at most {most:.2} of its size");
         assert!(most < 2.0, "{most}");
-        // no edge at the begin
+        // no edge at the beginning
         let edge = (found.values[8000] - 2.0 * found.values[7999] + found.values[7998]).abs();
         assert!(edge < 0.1, "{edge}");
     }

@@ -24,9 +24,9 @@ impl Dynamics {
         total
     }
 
-    /// Power of the loads and of the constraints on the bodies (W) at the last evaluation. With Φ̇ = 0 the constraints'
-    /// is `−λᵀ G twist = λᵀ Φ_t`: that of drives alone. The second form is taken, with `Φ_t = Φ̇ − G twist`, so that what
-    /// velocities miss the constraints by counts for nothing.
+    /// Power of the loads and of the constraints on the bodies (W) at the last evaluation. With Φ̇ = 0 the power of
+    /// the constraints is `−λᵀ G twist = λᵀ Φ_t`: that of drives alone. The second form, with `Φ_t = Φ̇ − G twist`,
+    /// leaves out the power of the velocities' error in the constraints.
     pub fn powers(
         &mut self,
         model: &Model,

@@ -232,8 +232,8 @@ impl Integrator {
 mod tests {
     use super::super::Coefficients;
 
-    /// Loss of energy over what is counted of it, of an undamped oscillator in steps of ωh, until it has lost
-    /// nearly all of it: by then the transient with which the scheme begins is small.
+    /// Ratio of the lost to the counted energy of an undamped oscillator in steps of ωh, until it has lost
+    /// nearly all of its energy. By then the transient with which the scheme begins is small.
     fn loss(rho: f64, step: f64) -> f64 {
         let c = Coefficients::new(rho);
         let stiffness = step * step;

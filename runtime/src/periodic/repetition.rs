@@ -321,7 +321,7 @@ mod tests {
         assert_eq!(last.channel, 0);
         assert!((last.mode.unwrap().factor - 0.6).abs() < 1e-9, "{last:?}");
         assert_eq!(last.mode.unwrap().turn, 0.0);
-        // what is left is the sum of all later differences
+        // the remaining distance is the sum of all later differences
         let left = 0.1 * libm::pow(0.6, 5.0);
         assert!(
             (last.distance() * 2.0 - left).abs() < 0.05 * left,

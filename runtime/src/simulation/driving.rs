@@ -31,7 +31,7 @@ impl Simulation {
         self.dynamics.signals().stated_at(time)
     }
 
-    /// Refuses an input that a function of time drives, for what needs an input that may change.
+    /// Refuses an input that a function of time drives, where the caller needs an input that may change.
     pub(crate) fn refuse_driven(&self, index: usize) -> Result<(), RuntimeError> {
         match self.dynamics.signals().is_driven(index) {
             true => self.dynamics.signals().refuse_driven(&self.model, index),

@@ -71,7 +71,7 @@ impl Simulation {
         Ok(Some((at, kink)))
     }
 
-    /// Renews what the scheme knows of the rates of accelerations, after a step h (s) that ended at a kink.
+    /// Renews the rates of accelerations in the scheme, after a step h (s) that ended at a kink.
     ///
     /// The auxiliary a of the scheme belongs to the instant `t + (α_m − α_f) h`, so it contains the rate of the
     /// acceleration v̈. Behind a kink v̈ is another one. With the rate from before the kink every passage would
@@ -100,7 +100,7 @@ impl Simulation {
         }
         let e = (BEHIND / pace).min(h.max(BEHIND * self.size.step));
         let first = e + self.kinks.time_left(e);
-        // a table may end behind the kink; the next step then tells it
+        // a table may end behind the kink; then the next step reports it
         let Ok([a, b]) = self.two_ahead(&start, [first, first + e]) else {
             return Ok(());
         };

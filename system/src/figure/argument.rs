@@ -14,7 +14,7 @@ pub struct Argument {
     pub about: &'static str,
     /// Its type.
     pub takes: Takes,
-    /// Whether it stands by place and must be given; the others have names and may be left out.
+    /// Whether it is given by its place and is required; the others have names and are optional.
     pub by_place: bool,
     /// Whether more arguments of its type may follow by place.
     pub more: bool,

@@ -12,7 +12,7 @@ pub enum Interpolation {
     Monotone,
 }
 
-/// What happens outside the range.
+/// The continuation outside the range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Extrapolation {
     /// The end value and zero slope.

@@ -111,8 +111,8 @@ impl Table {
         }
     }
 
-    /// The first and last point of an argument beyond which the table is held or goes on as a line; `None` for an
-    /// end where it is smooth (a period, a mirror) or has no continuation.
+    /// The first and last point of an argument beyond which the table is held or continues as a line; `None` for
+    /// an end where it is smooth (a period, a mirror) or has no continuation.
     pub fn kinks(&self, argument: usize) -> [Option<f64>; 2] {
         match &self.shape {
             Shape::Curve(curve) if argument == 0 => curve.kinks(),

@@ -1,6 +1,5 @@
 //! Cards that repeat the one before (MSC Nastran Quick Reference Guide, "Replication").
-//!
-//! | field | stands for |
+//! | field | meaning |
 //! | --- | --- |
 //! | `=` | the same field of the card before; in the first field its name |
 //! | `==` | this and all further fields of the card before |

@@ -16,7 +16,7 @@ use crate::signal::{Axis, SweepMap};
 pub struct SweepFigure {
     /// Title.
     pub title: String,
-    /// Stands under the title: model, analysis, window, resolution.
+    /// The text under the title: model, analysis, window, resolution.
     pub subtitle: String,
     /// `Acceleration x of main[5]`.
     pub quantity: String,

@@ -137,7 +137,7 @@ impl Waterfall {
     }
 }
 
-/// The names of the axes, and of what rises from each line.
+/// The names of the axes, and of the quantity that rises from each line.
 fn draw_labels(svg: &mut Svg<'_>, area: &Area, (name, unit): (&str, &str), value: &str) {
     svg.text(
         area.right(),

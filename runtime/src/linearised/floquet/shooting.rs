@@ -393,8 +393,8 @@ pub(super) fn repeating(
             }
             before = found;
         } else {
-            // so short a way is straight: where it is the wrong one, the march takes longer steps than what
-            // swings there allows
+            // so short a correction is linear: if it fails, the steps of the march are too long for an
+            // oscillation
             let finer = match &before {
                 Some((found, _)) if reach <= SHORT => pace.refined(found.steps),
                 _ => None,

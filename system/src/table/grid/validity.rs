@@ -120,7 +120,8 @@ pub(super) fn check_points(index: usize, argument: &Argument) -> Result<(), Grid
     Ok(())
 }
 
-/// Checks that the values close a period and are zero at odd ends, but for rounding errors of the largest.
+/// Checks that the values close a period and are zero at odd ends, within rounding errors of the
+/// largest.
 pub(super) fn check_values(
     argument: &Argument,
     sizes: &[usize],
