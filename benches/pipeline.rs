@@ -1,8 +1,8 @@
 //! Times of every stage on the four-cylinder examples, the rigid one and the paper's flexible one: text to callable code, residual,
 //! Jacobian, factorisation, step, whole run.
 //!
-//! `cargo bench --bench pipeline`. Each figure is the minimum and the median of several runs in this process. Beside a run stands its
-//! real-time factor: the time that it takes over the time that passes in the model.
+//! `cargo bench --bench pipeline`. Each result is the minimum and the median of several runs in this process. A run
+//! also shows its real-time factor: its own time over the time in the model.
 
 use eng::Sources;
 use eng_runtime::linear::{BlockLu, LinearSolver, PatternBuilder};

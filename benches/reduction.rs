@@ -1,10 +1,12 @@
 //! Reduction of large bodies of ten-node tetrahedra, phase by phase, beside CalculiX where it is installed.
 //!
-//! `cargo bench -p eng-flexible --bench reduction [-- ROUNDS] [crank | block | bulky]`. Three bodies: the crankshaft of the test data (31,277 nodes), an engine block of walls,
-//! deck and four liners that is made here (more than 100,000 nodes), and a bulky one of as many nodes, solid between its bores. Each gets 20 static and 20 free normal modes and its invariants; CalculiX (`ccx`)
-//! gets the same elements and looks for the same free modes alone. Both work on one thread where they can be told to, in processes of their
-//! own, by turns; times are CPU seconds (user and system), the least of all rounds, for other programs disturb them less than clock
-//! time. Memory is the most that a process held. Linux only: `/proc` tells both.
+//! `cargo bench -p eng-flexible --bench reduction [-- ROUNDS] [crank | block | bulky]`. Three bodies: the crankshaft of
+//! the test data (31,277 nodes), an engine block of walls, deck and four liners that is made here (more than 100,000
+//! nodes), and a bulky one of as many nodes, solid between its bores. Each gets 20 static and 20 free normal modes and
+//! its invariants; CalculiX (`ccx`) gets the same elements and computes the same free modes alone. Both work on one
+//! thread where this can be set, in processes of their own, alternating. Times are CPU seconds (user and system), the
+//! least of all rounds, because other programs disturb them less than clock time. Memory is the largest use of a
+//! process. This works only on Linux, because `/proc` gives both.
 
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};

@@ -1,5 +1,5 @@
-//! Where the time of a step goes: rigid four- and twelve-cylinder engines, and the four-cylinder engine with a flexible crankshaft
-//! (28 modes) and a flexible block (20 modes).
+//! The parts of a step's time: rigid four- and twelve-cylinder engines, and the four-cylinder engine with a flexible
+//! crankshaft (28 modes) and a flexible block (20 modes).
 //!
 //! `cargo bench --bench step`. Each figure is the minimum and the median of several runs; the two factorisations alternate.
 

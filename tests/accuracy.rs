@@ -1,4 +1,4 @@
-//! What tight tolerances reach: nothing but rounding stands in their way, and where it does it is told.
+//! Accuracy of tight tolerances: only rounding limits it, and a message reports a tolerance below rounding.
 
 use eng::{Model, Simulation, Sources};
 use eng_runtime::RuntimeError;
@@ -217,8 +217,8 @@ model Stiff {{
     model(&text, "Stiff")
 }
 
-/// An undamped vibration keeps its amplitude to within the tolerance, or it is told that the steps damp it. What the steps follow, and
-/// what is smaller than the tolerance, is not told.
+/// An undamped vibration keeps its amplitude within the tolerance, or a warning reports that the steps damp it. There
+/// is no warning about vibrations that the steps follow, or that are smaller than the tolerance.
 #[test]
 fn a_vibration_that_the_steps_damp_is_told() {
     const AMPLITUDE: f64 = 1e-6;

@@ -1,4 +1,4 @@
-//! A step takes no memory from the system once the first ones have found their room.
+//! After the first steps, a step allocates no memory.
 
 use eng::Sources;
 use std::path::Path;

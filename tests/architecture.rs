@@ -1,6 +1,7 @@
-//! The house in order: top-level modules of a crate have no circles, the library does not know the command line, functions are short.
+//! The rules of the architecture: top-level modules of a crate have no circles, the library does not use the command
+//! line, functions are short.
 //!
-//! Sources are read as `cargo fmt` leaves them. Tests inside of them count for nothing.
+//! Sources are read in the form of `cargo fmt`, without the tests inside of them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -191,7 +192,7 @@ fn named(text: &str, depth: usize) -> Vec<String> {
     found
 }
 
-/// What the root hands on under a name of its own: `pub use run::RunOutcome` gives `RunOutcome` → `run`.
+/// The names that the root exports from modules: `pub use run::RunOutcome` gives `RunOutcome` → `run`.
 fn handed_on(root: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for part in root.split("use ").skip(1) {

@@ -1,4 +1,4 @@
-//! The `eng` command as a process: what scripts rely on.
+//! The `eng` command as a process: exit codes, texts and files that scripts use.
 
 use std::process::{Command, Output};
 

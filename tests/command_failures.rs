@@ -1,4 +1,5 @@
-//! What the command says where something refuses: as JSON if asked for, without an escape sequence of a text or a name, and in the end.
+//! Messages of the command about failures: as JSON if it is chosen, without escape sequences of texts or names,
+//! and within bounded time.
 
 use eng::results::Results;
 use serde_json::Value;
@@ -535,7 +536,8 @@ fn of_very_many_mistakes_a_hundred_are_shown() {
     );
 }
 
-/// A name beyond those that are shown is not compared with all others: types and units are told as fast as names.
+/// A name beyond those that are shown is not compared with all others: messages about types and units are as
+/// fast as those about names.
 #[test]
 fn very_many_unknown_types_and_units_are_told_in_seconds() {
     for line in ["const a{}: Lenth{} = 1 mm\n", "const a{} = 1 mmm{}\n"] {

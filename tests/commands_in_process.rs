@@ -1,4 +1,5 @@
-//! The command on small models, run inside of this process: what it prints and writes, and its exit codes.
+//! The command on small models, run inside of this process: its prints, its files and its exit
+//! codes.
 
 use eng::cli::{Console, run_on};
 use eng::results::Results;

@@ -1,4 +1,4 @@
-//! What README, tutorial, guides and reference show is true.
+//! README, tutorial, guides and reference are true: their models run, and their commands print the shown lines.
 
 #[path = "documents/page.rs"]
 mod page;

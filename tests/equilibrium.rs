@@ -113,8 +113,8 @@ const SWING: &str = "use std.joints.Revolute
     analysis hang[a in [0, 30, 90, 175, 500] deg] = static(Swing(begin: a))
     analysis upright = static(Swing(begin: 180 deg))";
 
-/// What `start` states is where the search begins: a pendulum hangs down wherever it begins, also from where it has no stiffness,
-/// and keeps its turns. One that begins upside down stays, with a warning.
+/// The search begins at the position that `start` states. A pendulum hangs down from every beginning, also from a
+/// position without stiffness, and keeps its turns. One that begins upside down stays, with a warning.
 #[test]
 fn a_pendulum_hangs_wherever_it_begins() {
     let program = program(SWING);
@@ -351,8 +351,8 @@ const ROTOR: &str = "use std.journals.Impedance
     analysis turning = static(Rotor(), turning: true)
     analysis begins = transient(Rotor(), duration: 1 ms, sample: 1 ms, start: quasi_static)";
 
-/// Films carry nothing at rest: refused, with the reason. With the stated speed the shaft stands where a quasi-static start begins, and
-/// both films carry its weight.
+/// Films carry no load at rest, so a shaft at rest is refused with the reason. With the stated speed the shaft is where
+/// a quasi-static start begins, and both films carry its weight.
 #[test]
 fn films_carry_a_shaft_that_turns() {
     let (code, title) = refused(ROTOR, "rest");
@@ -372,7 +372,7 @@ fn films_carry_a_shaft_that_turns() {
     );
 }
 
-/// What has no equilibrium is refused, with the thing that moves on.
+/// A model without an equilibrium is refused. The message names the body or element that moves on.
 #[test]
 fn what_runs_away_is_refused() {
     let falls = "model Falls { gravity = [0, 0, -9.81] m/s^2

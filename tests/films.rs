@@ -134,7 +134,7 @@ fn film_of_turning(rule: Cavitation) -> Film {
     Film::new(source).expect("a film")
 }
 
-/// What the turning shell sees of the pin at a time (s).
+/// Inputs of the film from the pin as seen in the turning shell, at a time (s).
 fn seen_by_the_shell(time: f64) -> Vec<f64> {
     let spin = 300.0;
     let (sin, cos) = (spin * time).sin_cos();
@@ -323,8 +323,8 @@ fn asperities_carry_and_brake() {
     assert!((load / (600.0 * 9.81) - 1.0).abs() < 1e-3, "{load}");
 }
 
-/// The example of the elastic big end on a coarse grid. Under the same load an eye that gives way has less pressure and a thicker film, and
-/// the pin goes beyond the circle of the clearance.
+/// The example of the elastic big end on a coarse grid. Under the same load an elastic eye has a lower pressure and a
+/// thicker film, and the pin goes beyond the circle of the clearance.
 #[test]
 fn an_elastic_eye_spreads_the_load() {
     let text = include_str!("../examples/big_end/big_end.eng");

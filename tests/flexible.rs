@@ -167,7 +167,7 @@ fn matrices_that_do_not_name_their_rows_are_taken_by_ascending_nodes() {
     for (a, b) in pairs.zip(read.reductions()[0].frequencies()) {
         assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
     }
-    // without the order the message says how to state it, with a wrong one what would fit
+    // without the order the message explains how to state it, and with a wrong order it names the right one
     for (arguments, says) in [
         ("", "`per_node: 3` or `6`"),
         (", per_node: 6", "`per_node: 3` would fit"),
@@ -179,7 +179,7 @@ fn matrices_that_do_not_name_their_rows_are_taken_by_ascending_nodes() {
     }
 }
 
-/// Energy of a free bar that spins fast, rings and hardly damps: what the step loses falls with its square.
+/// Energy of a free bar that spins fast, rings and hardly damps: the loss falls with the square of the step.
 #[test]
 fn a_free_bar_keeps_its_energy() {
     let program = program(FREE);
@@ -259,7 +259,8 @@ fn a_held_bar_bends_as_a_beam_and_its_support_carries_it() {
     );
 }
 
-/// A support holds all nodes of its marker, however these are tied, unless averaging is stated; or what the deck holds.
+/// A support holds all nodes of its marker for every tie, unless averaging is stated. `support = deck` holds the
+/// supports of the deck.
 #[test]
 fn supports_hold_their_nodes() {
     let frequencies = |support: &str, tie: &str, cards: &str| {

@@ -242,8 +242,8 @@ fn an_unequal_shaft_is_unstable_between_its_critical_speeds() {
     assert!(refused(&program, "plain").contains("disc turns"));
 }
 
-/// Damping in the shaft drives whirl above `Ω = ω (1 + c_e/c_i)`: here at 150 rad/s, told from 1e-4 beside it, with the exponents of
-/// `λ² + (c_i + c_e)/m λ + ω² − iΩ c_i/m = 0`.
+/// Damping in the shaft drives whirl above `Ω = ω (1 + c_e/c_i)`: here at 150 rad/s. Growth and decay are found 1e-4
+/// beside it, with the exponents of `λ² + (c_i + c_e)/m λ + ω² − iΩ c_i/m = 0`.
 #[test]
 fn damping_in_the_shaft_has_its_threshold() {
     let program = program(SHAFT);

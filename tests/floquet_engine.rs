@@ -31,8 +31,8 @@ fn modes(program: &Program, analysis: &str) -> LinearModes {
     outcome(program, analysis).modes.expect("modes")
 }
 
-/// μ of the oscillation that the values at the begin of each cycle have, from `y(k+2) = s y(k+1) − p y(k)`: the whirls in the films are
-/// dead after a cycle.
+/// μ of the oscillation of the values at the beginning of each cycle, from `y(k+2) = s y(k+1) − p y(k)`: the whirls in
+/// the films are dead after a cycle.
 fn multiplier(values: &[f64]) -> Complex<f64> {
     let swing: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
     let mut normal = [0.0; 5];

@@ -134,7 +134,7 @@ OUTPUTS
 }
 ";
 
-/// What is zero by its kind: constraints that transmit no force, or no torque there.
+/// Outputs that are zero by the kind of their element: its constraints transmit no force, or no torque.
 const ZERO: [&str; 8] = [
     "ball.torque",
     "line.torque",
@@ -343,7 +343,7 @@ fn every_vector_of_an_element_is_one_in_space() {
             norm(torque) + norm(moved),
             "a moment",
         );
-        // what the text gives in ground axes is shown in those of the output
+        // a value in ground axes is shown in the axes of the output
         near(
             space("wind.drag", "third.oblique"),
             wind,

@@ -1,4 +1,4 @@
-//! Where bodies begin and how far their geometry lets them go: closed forms.
+//! First positions of bodies, and the range of motion that their geometry allows, against closed forms.
 
 use eng::{Program, Sources, Start};
 use std::path::Path;
@@ -352,7 +352,7 @@ fn a_drive_turns_a_rotor_about_its_axis_from_every_angle() {
     }
 }
 
-/// What `eng check` says of a text.
+/// The output of `eng check` for a text.
 fn told(text: &str) -> String {
     let checked = eng::check(&Sources::from_text("model.eng", text), "model.eng");
     let program = checked.program().expect("a sound text");

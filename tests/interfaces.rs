@@ -1,4 +1,5 @@
-//! Numbers of models whose classes share texts, lengths and values: what an interface states holds in each class.
+//! Numbers of models whose classes share texts, lengths and values: the text of an interface holds in each
+//! class.
 
 use eng::{Program, Sources};
 

@@ -1,4 +1,5 @@
-//! Runs that are killed, stopped by the disk, or damaged: what is left is readable, and `--resume` gives the same bits.
+//! Runs that are killed, stopped by the disk, or damaged: their samples are readable, and
+//! `--resume` gives the same bits.
 
 use eng::results::Results;
 use std::path::{Path, PathBuf};
@@ -62,7 +63,7 @@ impl Place {
         self.command(out, more).output().unwrap()
     }
 
-    /// What stands in a folder, without the motion of bodies.
+    /// The files in a folder, without the motion of bodies.
     fn files(&self, out: &str) -> Vec<String> {
         let mut names: Vec<String> = std::fs::read_dir(self.path(out))
             .unwrap()
@@ -166,7 +167,7 @@ fn killed_ten_times_it_ends_with_the_same_bytes() {
         std::thread::sleep(moments.next((whole.as_micros() / 6) as u64));
         child.kill().unwrap();
         if child.wait().unwrap().success() {
-            // it was faster: what came of it must do, and the next begins anew
+            // the run ended before the kill: its files must be equal, and the next run begins anew
             assert!(bytes("whole") == bytes("killed"), "the files differ");
             std::fs::remove_dir_all(place.path("killed")).unwrap();
             continue;
@@ -208,7 +209,7 @@ fn killed_ten_times_it_ends_with_the_same_bytes() {
     assert!(!motion.exists());
     assert!(bytes("whole") == bytes("killed"), "the files differ");
 
-    // what is complete is not run again
+    // a complete analysis is not run again
     let again = Instant::now();
     ok(&place.run("killed", &["--resume"]));
     assert!(again.elapsed() < whole);

@@ -63,7 +63,8 @@ fn error(text: &str, analysis: &str, column: &str) -> (f64, u64) {
     (worst / (most - least), steps)
 }
 
-/// Within 0.1 % of the swing at the default tolerance, with close and with distant samples, which must not decide what a step sees.
+/// Errors are within 0.1 % of the swing at the default tolerance, with close and with distant samples: the samples must
+/// not decide which contacts a step finds.
 #[test]
 fn contacts_move_as_another_integrator_says() {
     for (analysis, column, fine, coarse) in [

@@ -1,4 +1,4 @@
-//! Rust knows no class of the library, and no parameter or output of a class or interface: only the paths of
+//! Rust code names no class of the library, and no parameter or output of a class or interface: only the paths of
 //! interfaces. It finds their members by order and type.
 
 use eng_grammar::ast::{BindingKind, Form, ItemKind, Kind};

@@ -569,7 +569,7 @@ fn a_rotor_begins_to_whirl_at_the_published_threshold() {
             rotor.whirl
         );
         assert!(off < 1e-9, "{} {off:e}", slow.value);
-        // what feeds it is the film
+        // the film feeds energy into it
         assert_eq!(slow.shares.lost[0] < 0.0, grows);
     }
     let JournalRotor {
@@ -693,8 +693,8 @@ fn the_same_bits() {
     assert_eq!(first, second);
 }
 
-/// A rotor on two tilting pads whose oil brakes it: the zero of its angle is no motion of 3e-29 1/s that
-/// grows. What it slides along its axis by is a double zero.
+/// A rotor on two tilting pads whose oil brakes it: the zero of its angle is no motion of 3e-29 1/s that grows. The
+/// slide along its axis is a double zero.
 #[test]
 fn a_free_angle_is_a_zero_and_no_growth() {
     let text = "
@@ -910,8 +910,8 @@ fn a_rotor_that_its_bearings_tilt() {
     assert!(compared >= 2, "{held:?}");
 }
 
-/// Two masses on springs and dampers, a force through a first-order lag, and an input that acts by its square. All matrices
-/// are compared by what they say: the frequency response `C (iω − A)⁻¹ B + D` with the closed form of the two masses
+/// Two masses on springs and dampers, a force through a first-order lag, and an input that acts by its square. All
+/// matrices are compared by their frequency response `C (iω − A)⁻¹ B + D` with the closed form of the two masses
 /// `Z = [k1 + k2 + (d1 + d2) s + m1 s², −k2 − d2 s; −k2 − d2 s, k2 + d2 s + m2 s²]`, s = iω.
 #[test]
 fn the_frequency_response_is_that_of_two_masses() {

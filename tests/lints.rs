@@ -1,4 +1,5 @@
-//! Lints: each says its name, and a text accepts it where it stands, in a part, or for the whole model.
+//! Lints: each message states its name, and a text accepts it at its element, in a part, or for the whole
+//! model.
 
 use eng::assembled::Assembled;
 use eng::render::{Colors, human};
@@ -17,7 +18,7 @@ impl Text {
         Text(folder)
     }
 
-    /// What `eng check` says: messages and facts.
+    /// The output of `eng check`: messages and facts.
     fn check(&self) -> (String, Assembled) {
         let checked = eng::check(&Sources::folder(&self.0).expect("a folder"), "model.eng");
         let program = checked.program().expect("a sound model");
@@ -83,7 +84,7 @@ analysis again = transient(Swing(), duration: 2 ms, sample: 1 ms)
 
 const NAMES: [&str; 5] = ["soft", "near", "small", "few", "gravity"];
 
-/// Names of the lints that are told.
+/// Names of the lints in the messages.
 fn told(text: &str) -> Vec<&'static str> {
     let named = |name: &&str| text.contains(&format!("`accept {name}`"));
     NAMES.into_iter().filter(named).collect()
@@ -128,7 +129,7 @@ fn a_lint_is_accepted_where_it_stands_in_a_part_or_in_the_model() {
             .facts
             .iter()
             .filter(|f| f.starts_with("accepted: "));
-        // what is known while compiling is gone by then
+        // lints that are known when the text is compiled are no longer counted here
         assert_eq!(
             listed.count(),
             usize::from(name != "few"),
@@ -149,7 +150,7 @@ fn an_acceptance_that_nothing_needs_is_told() {
     );
     let (said, _) = Text::new("needless", &text).check();
     assert_eq!(said.matches("warning[W0550]").count(), 1, "{said}");
-    // `loose` of the spring and `small` of the body; the one that is no lint is told once
+    // `loose` of the spring and `small` of the body; the warning that is no lint appears once
     assert_eq!(said.matches("warning[W0750]").count(), 2, "{said}");
     assert_eq!(told(&said), NAMES, "{said}");
 }

@@ -1,5 +1,5 @@
-//! What is wrong with meshes, markers on them and reductions: a folder of such models, their messages as snapshots, and every
-//! code at least once.
+//! Mistakes in meshes, markers on them and reductions: a folder of such models, their messages as snapshots,
+//! and every code at least once.
 
 use eng::Sources;
 use eng::codes::REDUCING;

@@ -1,16 +1,18 @@
-//! Mistakes that engineers make, seeded one by one into models that are right: how many are told before a run, and how near.
+//! Mistakes of engineers, one at a time in correct models: how many of them a message reports before a run, and how
+//! near to the mistake.
 //!
-//! Each file of `tests/mistakes` has the model it is made in, the code that is expected (`A or B` where either will do, `none` where it is known to pass), the mistake
-//! in words, and the lines before and after. A mistake counts as told if the check of the changed model raises the expected code, which the
-//! model itself does not raise; as near if a label of that message in the model's own text is within three lines of the change. What is left out has no line of its own:
-//! there the line of the thing that lacks it counts, too (`lacking:`).
+//! Each file of `tests/mistakes` has the model, the expected code (`A or B` if both are right, `none` if the mistake is
+//! known to pass), the mistake in words, and the lines before and after. A mistake counts as reported if the check of
+//! the changed model raises the expected code, which the correct model does not raise. It counts as near if a label of
+//! that message in the model's own text is within three lines of the change. A missing item has no line of its own:
+//! then the line of the item that lacks it counts, too (`lacking:`).
 
 use eng::Sources;
 use eng_grammar::{Diagnostic, SourceMap};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Least share of mistakes that are told, and that are told near their place.
+/// Least share of mistakes that are reported, and of those reported near their place.
 const TOLD: f64 = 0.95;
 const NEAR: f64 = 0.90;
 /// Lines that count as near.
@@ -126,7 +128,7 @@ fn lines(diagnostic: &Diagnostic, sources: &SourceMap, file: &str) -> Vec<usize>
         .collect()
 }
 
-/// A folder with the files that a model stands among, gone afterwards.
+/// A folder with a model and its files, removed afterwards.
 struct Bench(PathBuf);
 
 impl Bench {
@@ -272,7 +274,8 @@ fn mistakes_are_told_before_a_run_and_at_their_place() {
     );
 }
 
-/// Models that are right raise nothing: what is seeded into them, machines of many kinds, the examples but the paper's, and the benchmarks.
+/// Correct models raise no message: the models of the mistakes, machines of many kinds, the examples except the
+/// paper's, and the benchmarks.
 #[test]
 fn right_models_are_quiet() {
     for folder in [

@@ -50,8 +50,8 @@ fn at_the_end(model: &Model, end: f64, steps: u32, channels: &[&str]) -> Vec<f64
         .collect()
 }
 
-/// Values found with `steps` and twice as many steps have errors in the ratio of second order, and what Richardson's
-/// extrapolation `(4 b - a)/3` makes of them is `due` within `tolerance` (relative).
+/// Values found with `steps` and twice as many steps have errors in the ratio of second order. Richardson's
+/// extrapolation `(4 b - a)/3` of both is `due` within `tolerance` (relative).
 #[track_caller]
 fn converges(model: &Model, end: f64, steps: u32, due: &[(&str, f64)], tolerance: f64) {
     let channels: Vec<&str> = due.iter().map(|(path, _)| *path).collect();

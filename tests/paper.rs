@@ -1,4 +1,4 @@
-//! The paper's engine: its table 1 against the whole finite-element model; figures: docs/validation.md.
+//! The paper's engine: its table 1 against the whole finite-element model. docs/validation.md has the numbers.
 
 use eng::{Program, Results, Sources};
 use eng_flexible::store::StoredBody;

@@ -1,10 +1,10 @@
-//! What the paper's figures show, as numbers of the example's own runs; the figures themselves: docs/paper.md.
+//! The statements of the paper's figures, as numbers of the example's own runs. docs/paper.md shows the figures.
 
 use eng::{Outcome, Program, Results, Sources, StartReport};
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// The example, and what its figures are compared with.
+/// The example, and the numbers with which its figures are compared.
 const ANALYSES: &str = "
 analysis steady = periodic(Engine())
 analysis quasi_static = transient(Engine(), duration: 90 deg, sample: 0.5 deg)

@@ -1,5 +1,4 @@
-//! What `periodic` says of a motion that shrinks, grows, repeats but for the noise of its steps, or never
-//! repeats.
+//! Reports of `periodic` on motions that shrink, grow, repeat except for errors of the steps, or never repeat.
 
 use eng::{Program, Sources};
 use std::path::PathBuf;
@@ -40,7 +39,7 @@ fn program(text: &str) -> Program {
         .unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// What the command says of it.
+/// The output of the command for a text.
 fn told(name: &str, text: &str) -> String {
     let folder: PathBuf =
         std::env::temp_dir().join(format!("eng-decay-{name}-{}", std::process::id()));
@@ -126,7 +125,7 @@ fn a_small_difference_of_large_forces_ends_and_is_told() {
     );
 }
 
-/// Ueda's oscillator `ẍ + 0.05 ẋ + x³ = 7.5 cos τ` (mm, 62.83 rad/s) is chaotic: no factor is told, and no
+/// Ueda's oscillator `ẍ + 0.05 ẋ + x³ = 7.5 cos τ` (mm, 62.83 rad/s) is chaotic: there is no factor, and no
 /// advice to wait.
 #[test]
 fn what_never_repeats_is_not_said_to_shrink() {

@@ -1,4 +1,5 @@
-//! What results keep of a periodic analysis: whether its cycle repeats, also where `--resume` finds it complete.
+//! Results of a periodic analysis state whether its cycle repeats, also if `--resume` finds it
+//! complete.
 
 use eng::results::Results;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `eng report`: what a reader of the page and other tools find.
+//! `eng report`: the page, and its files in other tools.
 
 // some of these are for the other tests
 #[allow(dead_code)]
@@ -213,7 +213,7 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
     let rows = table(&page, "Gas law over the last cycle, short");
     assert_eq!(rows.len(), 4);
     assert_eq!(rows[3][0], "gas[4]");
-    // what the command line set is an input that differs from its default
+    // a parameter set on the command line is an input that differs from its default
     let inputs = table(&page, "Inputs of Inline4");
     let speed = inputs
         .iter()
@@ -225,7 +225,7 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
         row.map(|row| row[3].clone()).unwrap_or_default()
     };
     assert!(stated("speed").starts_with("engine.eng:"));
-    // what was said of no gas force is the library's
+    // arguments that the text states for no gas force are defaults of the library
     assert!(
         stated("gas[1].ambient").starts_with("library, "),
         "{}",
@@ -385,7 +385,7 @@ fn in_a_browser(page: &Path) {
         text.matches("<figure class=\"animation\"").count()
     );
     assert!(count("figures") > 0 && count("animations") > 0 && count("tables") > 0);
-    // every figure wakes, zooms, shows all again, and tells what lies under the pointer
+    // every figure wakes, zooms, shows all again, and shows the values at the pointer
     for fault in [
         "errors",
         "requests",
@@ -512,7 +512,7 @@ fn results_that_are_missing_are_told() {
     );
     let output = eng(&folder, &["report", "bar.eng", "--analysis", "harder"]);
     assert_eq!(output.status.code(), Some(2));
-    // one that was not asked for by name is only told of
+    // an analysis that no argument names gives only a note
     done(&folder, &["report", "bar.eng"]);
     let path = folder.join("results/bar/report.html");
     let page = std::fs::read_to_string(path).expect("the page");

@@ -403,7 +403,7 @@ fn bands_of_transients_hold_at_the_ends() {
     );
 }
 
-/// What samples cannot tell is refused, in the units of the text and with what to do.
+/// Quantities that the samples do not resolve are refused, in the units of the text and with the remedy.
 #[test]
 fn what_samples_cannot_tell_is_refused() {
     let ran = Ran::new(
@@ -509,7 +509,7 @@ fn what_samples_cannot_tell_is_refused() {
         error("same"),
         "equal[1] and equal[2] both turn at 1200 rpm: over the speed they are one"
     );
-    // what is no number is not passed over
+    // a value that is no number is not skipped
     assert!(
         error("odd").contains("is no finite number"),
         "{}",
@@ -564,7 +564,7 @@ fn a_run_up_has_no_frequencies_by_orders() {
     }
 }
 
-/// The angle of a cycle that repeats counts from its begin, whatever cycle it was; a shaft turns either way.
+/// The angle of a cycle that repeats counts from its beginning, in every cycle; a shaft turns either way.
 #[test]
 fn angles_are_of_the_cycle() {
     let ran = Ran::new(
@@ -1000,7 +1000,7 @@ report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
         assert!(page.contains(shown), "no {shown}");
     }
 
-    // another report leaves the results what they are, another constant of the text does not
+    // the results remain valid with another report, but not with another constant of the text
     let other = text.replace("What both runs say.", "What they say.");
     let other = other.replace("\"Largest <wave>\"", "\"Largest\"");
     std::fs::write(folder.join("spin.eng"), &other).expect("a file");
@@ -1034,7 +1034,7 @@ report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
     );
 }
 
-/// A report that names no analysis is warned of, and made all the same.
+/// A report that names no analysis is made, with a warning.
 #[test]
 fn a_report_without_an_analysis_is_not_left_out() {
     let folder = folder("report-without-analysis");
@@ -1180,7 +1180,7 @@ fn the_examples_and_the_reference_report() {
     assert_eq!(orders.panels[0].curves[0].name, "vertical[5]");
 }
 
-/// A line has no part of the mean, whatever the window; what cannot be decided does not pass.
+/// A line has no part of the mean, with any window. A condition that cannot be decided fails.
 #[test]
 fn amplitudes_leave_the_mean_out_and_undecided_conditions_fail() {
     let ran = Ran::new(
@@ -1305,7 +1305,7 @@ fn an_odd_last_sample_is_left_out() {
     );
 }
 
-/// Half of the samples itself is not told: a sine sampled there may be nothing but zeros.
+/// Exactly half of the sampling rate is refused: a sine sampled there may be zero at every sample.
 #[test]
 fn half_of_the_samples_is_refused() {
     let ran = Ran::of(
@@ -1379,7 +1379,7 @@ fn orders_of_equal_speeds_are_refused() {
     assert_eq!(history(&report, "apart").panels[0].x.len(), 2);
 }
 
-/// What is told of a finished cycle is the same when it is read again; other parameters are told of.
+/// Messages about a finished cycle are the same when it is read again. A message reports other parameters.
 #[test]
 fn results_that_are_not_made_again_say_the_same() {
     let folder = folder("reports-of-finished-runs");
@@ -1440,7 +1440,7 @@ report bare {{ let a = maximum(other.p) }}
     );
 }
 
-/// Numbers of a list are told apart by what differs, however they are made.
+/// The names of the elements of a list show their difference, for every way to make the list.
 #[test]
 fn members_of_a_list_have_short_names() {
     let ran = Ran::of(

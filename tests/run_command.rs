@@ -1,4 +1,4 @@
-//! The command on models of its own folder: what failed runs leave, settings, folders, messages.
+//! The command on models of its own folder: files of failed runs, settings, folders, messages.
 
 use eng::results::Results;
 use std::path::{Path, PathBuf};
@@ -114,7 +114,7 @@ fn a_failed_run_leaves_the_results_of_an_earlier_one() {
         "{listed}"
     );
 
-    // a good run takes away what the failed one left
+    // a good run removes the files of the failed one
     let output = folder.eng(&["run", "model.eng", "--csv"]);
     assert!(output.status.success(), "{}", errors(&output));
     let files = folder.files();

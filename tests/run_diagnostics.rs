@@ -1,5 +1,5 @@
-//! What is wrong only shows when a model is assembled or runs: a folder of such models, their messages as snapshots, and every
-//! code at least once.
+//! Mistakes that appear only when a model is assembled or runs: a folder of such models, their
+//! messages as snapshots, and every code at least once.
 
 use eng::codes::{self, RUNNING};
 use eng::render::{Colors, human};
@@ -40,7 +40,7 @@ fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
         }
         found.push((name.to_owned(), diagnostics));
     }
-    // what no run needs is told by the check
+    // the check alone reports items that no run needs
     let assembled = assembled.diagnostics;
     let mut needless = Diagnostics::new();
     for diagnostic in assembled.iter() {
@@ -68,7 +68,7 @@ fn fixtures() -> Vec<PathBuf> {
 #[test]
 fn models_that_fail_raise_every_code_of_a_run() {
     let mut settings = insta::Settings::clone_current();
-    // lines of the library move; what they say is shown
+    // line numbers of the library change; the text of the lines is shown
     settings.add_filter(r"(std/\w+\.eng):\d+:\d+", "$1");
     // last digits are the integrator's business
     settings.add_filter(r"(t = \d+\.\d{2})\d+ s", "$1… s");
@@ -119,7 +119,7 @@ const SWING: &str = "
         joint pin = Revolute(bob.top, wall)
     }";
 
-/// What a text cannot ask for, but a program that embeds a model can.
+/// Codes of errors that no text can cause, but a program that embeds a model can.
 fn from_programs() -> Vec<&'static str> {
     let program = eng::check(&Sources::from_text("swing.eng", SWING), "swing.eng")
         .into_program()
@@ -150,7 +150,7 @@ fn from_programs() -> Vec<&'static str> {
         _ => Verdict::GoOn,
     });
     let stopped = stopped.expect_err("stopped");
-    // without a folder, what was computed is there
+    // without a folder, the computed samples are in the outcome
     assert_eq!(stopped.partial.map(|made| made.results.samples()), Some(1));
     let [only] = model.parameters().try_into().expect("one parameter");
     let input = model.input(&only.path).expect_err("a parameter");

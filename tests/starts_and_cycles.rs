@@ -39,8 +39,9 @@ fn swing(values: &[f64]) -> f64 {
         - values.iter().fold(f64::INFINITY, |m, x| m.min(*x))
 }
 
-/// The first 30 degrees of crank angle from a quasi-static start are those of the repeating cycle, but for the pins' way into
-/// their orbits; from the assembled start the journals' forces are off by a third of their swing.
+/// The first 30 degrees of crank angle from a quasi-static start are those of the repeating cycle, except for the way
+/// of the pins to their orbits. From the assembled start the forces of the journals are wrong by a third of their
+/// swing.
 #[test]
 fn a_turning_engine_begins_as_its_cycle_goes_on() {
     let program = engine(
@@ -114,7 +115,8 @@ fn the_crank_is_in_balance_at_the_start() {
         let a = state.acceleration[first + i] / (speed * speed);
         assert!(a.abs() < 1e-7, "about {i}: {a:e}");
     }
-    // about its axis it speeds up by what holds it: crank and flywheel, 0.154 kg m², and the rods' and pistons' share
+    // about its axis the holding effort accelerates the inertia: crank and flywheel, 0.154 kg m², and the share of rods
+    // and pistons
     let inertia = -held.effort / state.acceleration[first + 5];
     assert!((0.154..0.175).contains(&inertia), "{inertia}");
 }
@@ -165,7 +167,7 @@ fn a_stated_place_is_kept() {
     let StartReport::QuasiStatic(found) = start else {
         panic!("{start}");
     };
-    // what would hold it there is said
+    // the run reports the effort that would hold it there
     assert!(
         found
             .held
@@ -298,7 +300,8 @@ fn a_sweep_does_not_depend_on_threads() {
     assert_eq!(one[0].results.samples(), 1001);
 }
 
-/// A stated angle keeps its turns, in every angle between the same markers; what nothing states is within half a turn.
+/// A stated angle keeps its turns, in every angle between the same markers. An angle that nothing states is within half
+/// a turn.
 #[test]
 fn an_angle_starts_as_it_is_stated() {
     let started = |start: &str| -> Vec<f64> {
@@ -454,8 +457,8 @@ fn pendulum_with(begin: f64, stated: &str) -> Outcome {
     run(&program, "balance")
 }
 
-/// Gravity holds a pendulum though it has no stiffness where it is level; from any place but the very top it comes to hang; at
-/// the top it is said to stand upside down, and how fast it leaves.
+/// Gravity holds a pendulum although it has no stiffness at the level position. From every position except the top it
+/// comes to hang. At the top a warning reports that it is upside down, and how fast it leaves.
 #[test]
 fn a_pendulum_comes_to_hang_and_is_told_to_stand_upside_down() {
     for degrees in [30.0_f64, 90.0, 100.0, 170.0, -120.0] {
@@ -526,7 +529,8 @@ fn what_falls_is_held_by_nothing() {
     );
 }
 
-/// Beside a disc that turns fast a pendulum stands above its pivot for many cycles, and repeats: it is said to be unstable there.
+/// Beside a disc that turns fast a pendulum stands above its pivot for many cycles, and repeats: a warning reports that
+/// it is unstable there.
 #[test]
 fn a_steady_motion_that_is_unstable_is_told() {
     let text = |y: f64, begin: f64| {

@@ -1,4 +1,4 @@
-//! States of elements that sleep at zero and wake: their scale, and what is told where it is missing.
+//! States of elements that are zero at first and change later: their scale, and the messages about a missing one.
 
 use eng::{Program, Sources};
 
@@ -31,7 +31,7 @@ fn program(text: &str) -> Program {
         .unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// What a run says that fails.
+/// The message of a run that fails.
 fn failure(text: &str) -> String {
     let program = program(text);
     let analysis = program.analysis("swing").expect("an analysis");
@@ -123,8 +123,9 @@ fn a_state_that_asks_for_too_small_steps_is_named() {
     );
 }
 
-/// A piston falls and draws gas through a valve, whose flow `√Δp` has an infinite slope where it begins. The gas does not push, so that the
-/// piston falls as `v = g t`; what the valve lets in is the piston's stroke less what thins the gas, `A v + V ṗ/(n p)`.
+/// A piston falls and draws gas through a valve, whose flow `√Δp` has an infinite slope where it begins. The gas does
+/// not push, so that the piston falls as `v = g t`; the flow through the valve is the rate of the stroke's volume less
+/// the expansion of the gas, `A v + V ṗ/(n p)`.
 #[test]
 fn a_flow_that_begins_with_an_infinite_slope_is_solved() {
     let text = "

@@ -1,10 +1,10 @@
 //! The exact matrix of a step against differences of its residual, in both examples, at the steps they are run with.
 //!
-//! A step of 20 µs makes 1 m/s out of 10 µm, and the films of the engine squeeze with some mm/s. So a difference over d sees their
-//! forces bent from d = 1e-8 on, while below it the rounding of the residual, some 1e-16, is divided by too small a d. A plain
-//! difference has no increment that is good to 1e-8; see [`plain_differences_err_both_ways`]. Here the residual is developed in
-//! Chebyshev polynomials over an interval instead: they take the bend, many points average the rounding, and the coefficients
-//! themselves tell the error of the slope.
+//! A step of 20 µs makes 1 m/s out of 10 µm, and the films of the engine squeeze with some mm/s. So a difference over d
+//! sees their forces bent from d = 1e-8 on, while below it the rounding of the residual, some 1e-16, is divided by too
+//! small a d. A plain difference has no increment that is good to 1e-8; see [`plain_differences_err_both_ways`]. Here
+//! the residual is developed in Chebyshev polynomials over an interval instead: they take the bend, many points average
+//! the rounding, and the coefficients themselves give the error of the slope.
 
 use eng::Sources;
 use std::f64::consts::PI;
@@ -261,8 +261,8 @@ fn plain_differences_err_both_ways() {
     assert!(least(|s| s.1) > TOLERANCE && least(|s| s.2) > TOLERANCE);
 }
 
-/// Films on cells, tilted, with a groove, a lemon bore and oil that thickens. Their forces have a kink where a cell changes sides, so each
-/// entry needs an increment that changes none; what is left is rounding.
+/// Films on cells, tilted, with a groove, a lemon bore and oil that thickens. Their forces have a kink where a cell
+/// changes sides, So each entry needs an increment that changes no cell. The remaining error is rounding.
 #[test]
 fn the_matrix_of_films_on_cells_is_exact() {
     for steps in [10, 60] {

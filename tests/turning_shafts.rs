@@ -254,7 +254,7 @@ fn a_shaft_in_films_sags_as_at_rest() {
     }
 }
 
-/// The same with an unbalance: what the start begins comes back after a turn, and is the motion that a long run comes to.
+/// The same with an unbalance: the motion from the start repeats after a turn, and a long run reaches the same motion.
 #[test]
 fn an_unbalance_in_films_repeats_from_the_start() {
     let speed = 0.5 * CRITICAL;

@@ -1,4 +1,4 @@
-//! What the examples and the solver are held to: see docs/validation.md for figures and sources.
+//! Validation of the examples and the solver. docs/validation.md has the numbers and sources.
 
 use eng::{Analysis, Model, Quantity, Results, RuntimeError, Sources};
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! What is told where a setting, an option or a leftover of a run does not fit.
+//! Messages about settings, options and files of earlier runs that do not fit.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

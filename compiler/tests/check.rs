@@ -1,4 +1,5 @@
-//! What is right passes: the library, the examples, and the subtle things of the language; and gets its types.
+//! Correct texts pass and get their types: the library, the examples, and special cases of the
+//! language.
 
 mod check_support;
 

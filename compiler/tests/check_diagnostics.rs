@@ -1,4 +1,5 @@
-//! What is wrong is told: a folder of small wrong models, their messages as snapshots, and every code at least once.
+//! Messages about wrong texts: a folder of small wrong models, their messages as snapshots, and
+//! every code at least once.
 
 mod check_support;
 
@@ -47,7 +48,7 @@ fn fixtures() -> Vec<PathBuf> {
 
 #[test]
 fn wrong_models_and_their_messages() {
-    // lines of the library move; what they say is shown
+    // line numbers of the library change; the text of the lines is shown
     let mut settings = insta::Settings::clone_current();
     settings.add_filter(r"(std/\w+\.eng):\d+:\d+", "$1");
     let _bound = settings.bind_to_scope();

@@ -1,4 +1,5 @@
-//! Machine code of every class of the library: each stays far below the instruction cache, and has the interpreter's bits.
+//! Machine code of every class of the library: its size is far below the instruction cache, and it gives the
+//! interpreter's bits.
 #![cfg(feature = "jit")]
 #![allow(clippy::expect_used)]
 

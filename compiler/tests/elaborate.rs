@@ -244,7 +244,8 @@ fn parameters_bind_by_path() {
     assert_eq!(error.to_string(), "spring: free length -20 mm");
 }
 
-/// A text that the checker refuses, elaborated all the same: an internal error at the place, never a default or a panic.
+/// A text that the checker refuses is elaborated nevertheless: an internal error at the place, never a
+/// default or a panic.
 #[test]
 fn what_the_checks_should_have_found_is_an_internal_error() {
     for (wrong, place) in [
@@ -274,7 +275,7 @@ fn what_the_checks_should_have_found_is_an_internal_error() {
     }
 }
 
-/// The order of the text does not matter: what is needed first is made first.
+/// The order of the text does not matter: an element is made after those that it needs.
 #[test]
 fn an_element_may_need_one_that_stands_after_it() {
     let force = "force twist = Twist(link[1].head, wall, turn: pin[3].angle)\n    joint first";
@@ -295,7 +296,7 @@ fn an_element_may_need_one_that_stands_after_it() {
     assert_eq!(twist.markers.len(), 4);
 }
 
-/// What a model makes of its defaults, by the path of a parameter.
+/// The value of a parameter with all defaults of a model, by its path.
 fn default_of(made: &Elaborated, path: &str) -> f64 {
     let none = vec![None; made.system.parameters.len()];
     let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");

@@ -1,4 +1,5 @@
-//! What an element is for the results hangs on the interface that its class fills, on no name of a class or a parameter.
+//! The role of an element in the results depends on the interface that its class fills, and on no
+//! name of a class or a parameter.
 
 #[allow(dead_code)]
 mod check_support;

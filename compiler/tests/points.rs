@@ -1,4 +1,4 @@
-//! Points and differences: what is declared as the one is not taken for the other, wherever a value is handed on.
+//! Points and differences: a value that is declared as one is never accepted as the other.
 
 #[allow(dead_code)]
 mod check_support;
@@ -203,7 +203,7 @@ fn a_point_and_a_difference_are_not_taken_for_each_other_anywhere() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Values that are computed keep what is certain of them.
+/// Computed values keep the kind that is certain.
 #[test]
 fn computed_values_stay_what_they_are() {
     let told = |value: &str, ty: &str| {
@@ -261,7 +261,7 @@ fn computed_values_stay_what_they_are() {
     assert!(!told("2 bar", "AbsolutePressure") && !told("2 bar", "GaugePressure"));
 }
 
-/// What an interface promises.
+/// The kinds that an interface promises.
 #[test]
 fn an_interface_tells_points_from_differences() {
     for (promised, given) in [

@@ -33,7 +33,7 @@ fn ring(exact: &Value, cells: usize) -> [f64; 5] {
     let empty: Vec<usize> = (0..cells).filter(|cell| content[*cell] < 1.0).collect();
     let (first, last) = (empty[0], empty[empty.len() - 1]);
     assert_eq!(last - first + 1, empty.len(), "one cavity");
-    // flux in the cavity is what the surfaces carry
+    // the flux in the cavity is the oil that the surfaces carry
     let flux = content[first + 1] * (1.0 - 0.6 * lines[first + 2].cos()) * 0.5;
     [
         lines[first],

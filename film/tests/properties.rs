@@ -122,7 +122,7 @@ fn oil_is_conserved() {
         let supply: f64 = solved.summary.supply_flow.iter().sum();
         (supply - solved.summary.end_flow[0] - solved.summary.end_flow[1]) / solved.summary.outflow
     };
-    // nothing moves but the spin: what the openings give leaves at the ends
+    // only the spin moves the film: the flow from the openings leaves at the ends
     let still = Inputs {
         rate: [0.0; 2],
         tilt_rate: [0.0; 2],

@@ -1,6 +1,7 @@
-//! Reduces the crankshaft of the test data (or a deck alike in SI) and prints what was found: `cargo run --release -p eng-flexible
-//! --example reduce -- DECK [static | constraint | held]`: static modes at the journals and free normal modes, constraint modes and
-//! fixed-interface modes, or static modes with the first journal held.
+//! Reduces the crankshaft of the test data (or a similar deck in SI) and prints the results:
+//! `cargo run --release -p eng-flexible --example reduce -- DECK [static | constraint | held]`: static modes at the
+//! journals and free normal modes, constraint modes and fixed-interface modes, or static modes with the first journal
+//! held.
 
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::read::Files;

@@ -1,4 +1,5 @@
-//! Input files damaged in all ways: the Abaqus reader may refuse them, with a place, but never fall over.
+//! Input files with all kinds of damage: the Abaqus reader may refuse them, with a place, but never
+//! panics.
 
 mod nastran_deck;
 
@@ -106,7 +107,7 @@ Y,1,3
 
 const MORE: &str = "*NODE\n20,0.,0.,0.\n*NSET, NSET=Z\n20\n";
 
-/// Reads a file; a refusal names a file and a line, and says what to do.
+/// Reads a file. A refusal names a file and a line, and the remedy.
 fn try_read(deck: &[u8], more: &[u8]) {
     let mut files = Memory::default();
     files.0.insert("deck.inp".into(), deck.to_vec());

@@ -1,4 +1,5 @@
-//! What the reader of Abaqus and CalculiX input makes of keywords, by hand.
+//! Keywords as the reader of Abaqus and CalculiX input understands them, against results made by
+//! hand.
 
 mod nastran_deck;
 
@@ -284,7 +285,7 @@ a, b
     assert_eq!(cards.len(), 2);
     assert_eq!((&*cards[0].name, cards[0].count), ("*BOUNDARY", 5));
     assert!(cards[0].moved.is_none());
-    // what a later step changes is nothing that holds
+    // a later step changes no support of the model
     assert_eq!(cards[1].name, "*BOUNDARY of a later *STEP");
     assert!(cards[1].moved.is_some());
     let frame = |id: u64| {

@@ -1,5 +1,5 @@
-//! Elements whose code forms them otherwise than by full integration: against CalculiX' frequencies, Abaqus' matrices, beam theory; and
-//! what is refused.
+//! Elements that their code does not integrate in full: against CalculiX' frequencies, Abaqus' matrices and beam
+//! theory. Refused elements.
 #![allow(clippy::unwrap_used)]
 
 mod fe_meshes;
@@ -83,7 +83,7 @@ fn frequencies_are_those_of_calculix() {
         let full = frequencies(mesh(), Rules::exact(), exact.len());
         assert!(apart(&full, &exact) > moved, "{name}: {full:?}");
     }
-    // what the file names holds without rules in the text, too
+    // the elements that the file names are read in the same way without rules in the text
     for name in ["c3d20r", "c3d8i"] {
         let exact = of_calculix(name);
         let found = frequencies(

@@ -1,5 +1,5 @@
-//! Real files, damaged, given to every reader, also to those of other formats: each reads or refuses with what to do, and none falls
-//! over. The damage is the same in every run.
+//! Real files with damage, given to every reader, also to those of other formats. Each reader reads them, or refuses
+//! them with the remedy. None panics. The damage is the same in every run.
 
 use std::io::{self, Cursor, Read};
 use std::path::PathBuf;
@@ -45,7 +45,7 @@ fn data(name: &str) -> Vec<u8> {
     std::fs::read(path.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// Unpacked, with the middle taken out of what is long.
+/// The unpacked file. Long files lose their middle.
 fn short(name: &str) -> Vec<u8> {
     let packed = data(name);
     let mut bytes = Vec::new();
@@ -112,7 +112,7 @@ fn through_every_reader(bytes: Vec<u8>) {
                     assert!((*row as usize) < matrix.rows && (*column as usize) < matrix.columns);
                     assert!(value.is_finite());
                 }
-                // a few lines may name a row of many digits: what is as large as that is not made
+                // a few lines may name a row of many digits: a matrix of that size is not made
                 if matrix.rows < 100_000
                     && let Err(error) = matrix.to_symmetric(MatrixKind::Stiffness)
                 {
@@ -180,7 +180,7 @@ fn files_of_another_format_are_named_as_such() {
         said(read_modes(&matrix, "file", ShapeFormat::Op2).expect_err("no shapes"));
     assert!(problem.contains("states `format: op2`"), "{problem}");
     assert!(advice.contains("`format: frd`"), "{advice}");
-    // what is of its format and wrong keeps its own message
+    // a wrong file of the right format keeps its own message
     let (problem, _) = said(
         read_mesh(
             &Only(b"GRID,1,,x,0.,0.\n".to_vec()),

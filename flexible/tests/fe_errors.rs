@@ -1,4 +1,4 @@
-//! Meshes that make no sense.
+//! Meshes without meaning, and their errors.
 
 mod fe_meshes;
 

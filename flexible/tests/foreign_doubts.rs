@@ -1,4 +1,4 @@
-//! Matrices of another code that make no body: what is told of them.
+//! Matrices of another code that make no body, and the messages about them.
 #![allow(clippy::unwrap_used)]
 
 mod foreign_files;
@@ -194,7 +194,7 @@ fn a_file_of_the_matrix_market_is_told_as_such() {
         assert!(error.to_string().contains("MatrixMarket"), "{error}");
         assert!(error.advice().contains("line of sizes"), "{error}");
     }
-    // what it advises
+    // its advice
     let stripped = Text("1 1 2\n2 1 -2\n2 2 2\n");
     let found = read_matrix(&stripped, "k.mtx", MatrixFormat::Abaqus, "").unwrap();
     assert_eq!(

@@ -1,4 +1,4 @@
-//! Matrices of other codes: what is written is read, in every variant.
+//! Matrices of other codes: the numbers that are written are read, in every variant.
 
 mod foreign_files;
 

@@ -1,4 +1,5 @@
-//! Files of matrices and modes damaged in all ways: readers may refuse them, with what to do, but never fall over.
+//! Files of matrices and modes with all kinds of damage: readers may refuse them, with the remedy,
+//! but never panic.
 
 mod foreign_files;
 
@@ -10,7 +11,7 @@ use proptest::prelude::*;
 const NODES: [i64; 3] = [11, 12, 40];
 const MODES: [(i64, f64); 2] = [(1, 1024.0), (2, 4096.0)];
 
-/// Reads a file as what the end of its name says; a refusal says what to do.
+/// Reads a file in the format of the end of its name. A refusal states the remedy.
 fn try_read(name: &str, bytes: Vec<u8>) {
     let file = OneFile(bytes);
     let refused = |problem: FileProblem| {

@@ -322,7 +322,7 @@ fn turning(c: &Invariants, omega: [f64; 3], stiffened: bool) -> Vec<f64> {
     found
 }
 
-/// Two beams at a right angle, the first clamped to a turning frame: figures of the literature, and what comes out without
+/// Two beams at a right angle, the first clamped to a turning frame: numbers of the literature, and the result without
 /// geometric stiffness.
 #[test]
 fn a_rotating_angled_beam_stiffens_as_published() {

@@ -340,7 +340,8 @@ fn mean(label: &str, nodes: &[u32], axis: u32) -> Load {
     }
 }
 
-/// `Zᵀ A Z` with the columns of Z spanning what the rows leave: in each row the freedom of its first entry is given up.
+/// `Zᵀ A Z`, where the columns of Z span the motions that the rows allow. Each row gives up the freedom of its first
+/// entry.
 fn restricted(matrix: &SymmetricMatrix, rows: &[Load]) -> SymmetricMatrix {
     let size = matrix.size();
     let given_up: Vec<u32> = rows.iter().map(|row| row.entries[0].0).collect();
@@ -395,7 +396,7 @@ fn mean_motions_are_held_like_freedoms() {
             let expected = if other == number { 1.0 } else { 0.0 };
             assert!((row.displacement(mode) - expected).abs() < 1e-11);
         }
-        // forces are along the rows alone: what they leave of any other motion is nothing
+        // forces are along the rows alone, so they do no work on any other motion
         let force = product(&k, mode);
         // one of these modes is a rigid motion, and without forces
         let scale = k

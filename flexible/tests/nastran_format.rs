@@ -7,7 +7,7 @@ use eng_flexible::mesh::{Carries, ElementKind};
 use eng_flexible::read::nastran::read_bulk;
 use nastran_deck::*;
 
-/// Four grid points and what they need to become a tetrahedron.
+/// Four grid points and the other cards of a tetrahedron.
 const CORNERS: &str = "GRID,1,,0.,0.,0.
 GRID,2,,1.,0.,0.
 GRID,3,,0.,1.,0.

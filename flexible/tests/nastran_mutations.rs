@@ -1,4 +1,5 @@
-//! Decks damaged in all ways: the Nastran reader may refuse them, with a place, but never fall over.
+//! Decks with all kinds of damage: the Nastran reader may refuse them, with a place, but never
+//! panics.
 
 mod nastran_deck;
 
@@ -77,7 +78,7 @@ ENDDATA
 
 const MORE: &str = "GRID,20,,0.,0.,0.\nCTRIA3,20,2,1,2,20\n";
 
-/// Reads a deck; a refusal names a file and a line, and says what to do.
+/// Reads a deck. A refusal names a file and a line, and the remedy.
 fn try_read(deck: &[u8], more: &[u8]) {
     let mut files = Memory::default();
     files.0.insert("deck.bdf".into(), deck.to_vec());

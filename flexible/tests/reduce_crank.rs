@@ -138,7 +138,7 @@ fn the_cranks_frequencies_and_mass_are_those_of_independent_solutions() {
     }
 }
 
-/// Loads at the journals: what the reduced crank gives at its markers is what all its nodes would.
+/// Loads at the journals: the reduced crank and all its nodes give the same at its markers.
 #[test]
 fn static_modes_make_loads_at_the_journals_exact() {
     let set = |normal: usize| {

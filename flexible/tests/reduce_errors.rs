@@ -1,4 +1,4 @@
-//! What bad meshes, matrices and shapes are answered with: the message and the advice of each, as a user reads them.
+//! Messages and advice about bad meshes, matrices and shapes, as a user reads them.
 #![allow(clippy::unwrap_used)]
 
 mod fe_meshes;

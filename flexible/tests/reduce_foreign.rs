@@ -491,7 +491,7 @@ fn matrices_of_calculix_give_its_frequencies() {
     }
 }
 
-/// The mesh's elements by CalculiX's rules are what its files hold.
+/// The elements of the mesh by CalculiX's rules have the matrices of its files.
 #[test]
 fn own_elements_by_the_rules_of_calculix_are_its_matrices() {
     let terms = sum();
@@ -567,7 +567,7 @@ fn given_shapes_of_a_file_are_a_mode_set() {
     assert_eq!(reduced.report.sources[0], "given 7");
     assert_eq!(reduced.report.modes[0].description, "given 7");
     assert!(reduced.report.warnings[0].contains("6 digits"));
-    // what is spanned already is noise, and dropped
+    // vectors that others span already are noise and are dropped
     let mut twice = asked.clone();
     twice.terms = vec![normal(8), given];
     let both = done(reduce(in_si(bar()), &twice));

@@ -1,4 +1,5 @@
-//! Averaging spiders as interfaces: holding one is a support there, and its constraint modes span what its static modes span.
+//! Averaging ties as interfaces: to hold one is a support there, and its constraint modes span the same space
+//! as its static modes.
 #![allow(clippy::unwrap_used)]
 
 mod fe_meshes;

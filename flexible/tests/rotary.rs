@@ -158,7 +158,7 @@ fn exact(
     0.5 * MASS * velocity.norm_squared() + 0.5 * own.dot(&(central() * own))
 }
 
-/// What the constants miss, at amplitudes and rates of a size and half that size.
+/// The error of the constants, at amplitudes and rates of a size and of half that size.
 fn misses(offset: [f64; 3]) -> [f64; 2] {
     let reduced = reduced(offset);
     let n = reduced.body.invariants.modes;

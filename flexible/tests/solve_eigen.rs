@@ -83,7 +83,8 @@ fn check_vectors(
         assert!(*first > 0.0);
         let distance = solution.eigenvalues[i] - solution.shift;
         let residual = solution.residuals[i];
-        // what the inverse iteration leaves shows a hundred times as large in K x, where the highest motions weigh most
+        // the remainder of the inverse iteration is a hundred times as large in K x, where the
+        // highest motions weigh most
         assert!(
             residual < 100.0 * tolerance + rounding / distance,
             "{i}: {residual:e}, {:e} of it rounding",

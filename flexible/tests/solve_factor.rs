@@ -1,4 +1,4 @@
-//! Factors of sparse matrices against dense ones, their inertia, and what can't be factored.
+//! Factors of sparse matrices against dense ones, their inertia, and matrices without factors.
 
 mod systems;
 

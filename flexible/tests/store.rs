@@ -1,4 +1,4 @@
-//! Stored bodies: what is written is what is read; damaged files are told, never believed.
+//! Stored bodies: the numbers that are written are read. Damaged files are errors.
 #![allow(clippy::unwrap_used)]
 
 use std::sync::OnceLock;
@@ -211,7 +211,7 @@ proptest! {
         prop_assert!(StoredBody::from_bytes(&wrong).is_err());
     }
 
-    /// Whoever alters contents and hash alike gets an error or a body, never a panic; the body can be used.
+    /// Altered contents with the right hash give an error or a usable body, never a panic.
     #[test]
     fn altered_contents_with_the_right_hash_do_no_harm(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),

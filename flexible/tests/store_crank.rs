@@ -1,4 +1,4 @@
-//! A crankshaft of 31,000 nodes: stored, read in one go, and recovered, with the time of each.
+//! A crankshaft of 31,000 nodes: stored, read at once, and recovered, with the time of each.
 #![allow(clippy::unwrap_used)]
 
 use eng_flexible::fe::Rules;

@@ -1,4 +1,4 @@
-//! Every reader of finite-element files reads any bytes, or refuses them with an advice.
+//! Every reader of finite-element files reads any bytes, or refuses them with advice.
 #![no_main]
 
 use std::io::{self, Cursor, Read};

@@ -1,4 +1,4 @@
-//! Wrong texts and what is said about them.
+//! Wrong texts and the messages about them.
 
 mod common;
 
@@ -101,7 +101,8 @@ fn fixes_mend() {
     assert!(fixed > 10, "only {fixed} fixes were tried");
 }
 
-/// What is shown as wrong has just the message that it explains, and what is shown as right has none.
+/// The wrong example of an explanation has just the message that it explains, and the right example
+/// has none.
 #[test]
 fn examples_of_the_codes_are_what_they_say() {
     for code in CODES {

@@ -240,7 +240,7 @@ proptest! {
         check(&characters.into_iter().collect::<String>());
     }
 
-    /// What has an error node has a message, and a text without message has none.
+    /// A text with an error node has a message, and a text without a message has no error node.
     #[test]
     fn errors_in_the_tree_have_messages(
         which in 0..GOOD.len(),

@@ -130,7 +130,7 @@ impl Desk {
         }
     }
 
-    /// What `eng` prints with these arguments.
+    /// The output of `eng` with these arguments.
     fn eng(&self, arguments: &[&str]) -> String {
         let made = Command::new(env!("CARGO_BIN_EXE_eng"))
             .args(arguments)

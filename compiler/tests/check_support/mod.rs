@@ -1,4 +1,4 @@
-//! What the tests of checking share: a host over texts, a run, a plain renderer.
+//! Common parts of the tests of the checker: a host over texts, a run, a plain renderer.
 
 use eng_compiler::check::{check, reports};
 use eng_compiler::elaborate::{analyses, elaborate};

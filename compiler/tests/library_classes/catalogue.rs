@@ -1,4 +1,5 @@
-//! One small model for every class of the library, found by reading it: a class that has none here fails the test.
+//! One small model for every class of the library. The classes are found by reading the library, so a class
+//! without a model fails the test.
 
 use eng_compiler::library::LIBRARY;
 use eng_grammar::ast::{Form, ItemKind, Kind};
@@ -25,7 +26,7 @@ pub struct Case {
     /// Besides the two markers.
     pub arguments: &'static str,
     pub definitions: &'static str,
-    /// What else the model needs.
+    /// Further text that the model needs.
     pub parts: &'static str,
     pub poses: Poses,
     /// Whether the load has a reaction; else it is external.

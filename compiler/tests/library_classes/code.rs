@@ -13,7 +13,8 @@ fn alone(instance: &Instance, function: Function, inputs: &[f64]) -> Vec<f64> {
     crate::support::call(&*instance.interpreter, function, inputs, &instance.tables)
 }
 
-/// Of several instances in pairs by generated code; the last of an odd number stands in both lanes.
+/// Values of several instances in pairs by generated code. The last of an odd number is in both
+/// lanes.
 fn in_pairs(instance: &Instance, function: Function, inputs: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut results = Vec::new();
     for pair in inputs.chunks(2) {
@@ -76,7 +77,7 @@ fn machine_code_has_the_interpreters_bits() {
     }
 }
 
-/// Whatever stands in the other lane, it is not seen.
+/// The numbers in one lane do not depend on those in the other.
 #[test]
 fn lanes_do_not_see_each_other() {
     for instance in Instance::all() {
@@ -122,7 +123,7 @@ fn lanes_do_not_see_each_other() {
     }
 }
 
-/// What both compute is what the graph says: its values in numbers of twice the precision.
+/// Both compute the values of the graph, which are evaluated in numbers of twice the precision.
 #[test]
 fn values_are_those_of_higher_precision() {
     for instance in Instance::all() {

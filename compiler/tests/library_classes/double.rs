@@ -1,7 +1,7 @@
 //! Numbers of 106 bits as sums of two (T. J. Dekker, Numer. Math. 18 (1971) 224; Hida, Li & Bailey, ARITH-15 (2001) 155).
 //!
-//! Differences of functions in them lose no digits that matter here: with an increment of 1e-9 a derivative keeps some twenty.
-//! Elementary functions are good to about 1e-30 for arguments below 1e3.
+//! Differences of functions in these numbers keep enough digits: with an increment of 1e-9 a derivative has some
+//! twenty. Elementary functions are good to about 1e-30 for arguments below 1e3.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -162,7 +162,7 @@ impl Double {
     pub fn atan2(self, x: Double) -> Double {
         let angle = Double::from(self.high.atan2(x.high));
         let (sine, cosine) = angle.sin_cos();
-        // what is left is below 1e-16, its cube below everything
+        // the remaining error is below 1e-16, and its cube is negligible
         angle + (self * cosine - x * sine) / (self * self + x * x).sqrt()
     }
 

@@ -1,4 +1,4 @@
-//! Values of a function's graph in numbers of twice the precision, and how far its kinks are.
+//! Values of a function's graph in numbers of twice the precision, and the distance of its kinks.
 
 use crate::double::Double;
 use eng_compiler::ir::optimise::dependencies;

@@ -12,8 +12,8 @@ use eng_system::code::Function;
 const INCREMENT: f64 = 1e-9;
 /// Of the norm of a row over the directions of one kind, each of them in its natural size.
 const TOLERANCE: f64 = 1e-8;
-/// Where the norm is below this part of the row's sum of magnitudes, the entries cancel (most are zero but for rounding), and the
-/// sum is what they are compared with.
+/// Where the norm is below this part of the row's sum of magnitudes, the entries cancel (most are zero except for
+/// rounding). They are then compared with the sum.
 const CANCELLED: f64 = 1e-7;
 /// Of that sum.
 const ROUNDING: f64 = 1e-14;
@@ -218,7 +218,7 @@ fn reactions_are_the_gradient_of_the_constraints() {
     }
 }
 
-/// No derivative is taken by time: what depends on it does so through the rate of Φ at rest.
+/// No derivative is taken with respect to time. The effect of time is in the rate of Φ at rest.
 #[test]
 fn rates_at_rest_are_the_slope_over_time() {
     let mut moving = 0;

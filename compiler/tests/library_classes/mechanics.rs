@@ -1,4 +1,5 @@
-//! What Newton and the first law say: wrenches that balance, work that comes from somewhere, heat that is never negative.
+//! Newton's third law and the first law of thermodynamics: wrenches balance, work has a source, and heat is never
+//! negative.
 
 use crate::catalogue::Case;
 use crate::double::Double;
@@ -88,7 +89,8 @@ fn meet(instance: &Instance, state: &mut [f64]) {
     }
 }
 
-/// Reactions and loads alike: what acts on one marker acts back on the others. External loads are what the model says.
+/// For reactions and for loads: a wrench on one marker has its opposite on the others. External loads are those that
+/// the model states.
 #[test]
 fn wrenches_balance() {
     for instance in Instance::all() {
@@ -133,7 +135,7 @@ fn wrenches_balance() {
     }
 }
 
-/// Reactions work only on what the constraints themselves move: `P = −λᵀ(Φ̇ − Φ_t)`.
+/// Reactions work only on the motion that the constraints themselves impose: `P = −λᵀ(Φ̇ − Φ_t)`.
 #[test]
 fn reactions_work_against_the_constraints_alone() {
     for instance in Instance::all() {
@@ -366,7 +368,7 @@ fn springs_give_back_what_is_not_turned_to_heat() {
     );
 }
 
-/// The film's heat is what the journals take from pin and shell, and never negative.
+/// The heat of a film is the power that the journal takes from pin and shell. It is never negative.
 #[test]
 // the power of a film on cells is that of its kernel: tests/films.rs
 fn films_only_take_energy() {
@@ -402,7 +404,8 @@ fn films_only_take_energy() {
     assert_eq!(classes, ["Short", "Impedance", "Reynolds"]);
 }
 
-/// Gas, actuator and motor work on what they move: the travel along b.z, seen from b, or the spin about it.
+/// Gas, actuator and motor work on the motion along their load: the travel along b.z, seen from b, or the spin about
+/// it.
 #[test]
 fn thrusts_work_along_their_travel() {
     let mut classes = Vec::new();

@@ -57,7 +57,8 @@ fn optimised_functions_agree_with_those_as_written() {
     }
 }
 
-/// The tapes differ (what is eliminated depends on what is shared); the Jacobians do not.
+/// The tapes differ, because the elimination depends on the shared expressions. The Jacobians are
+/// the same.
 #[test]
 fn optimised_jacobians_agree_with_those_as_written() {
     for mut instance in Instance::all() {

@@ -111,7 +111,7 @@ impl Motion {
 }
 
 impl Instance {
-    /// Inputs of all functions at a random state, with what the outputs take besides.
+    /// Inputs of all functions at a random state, with the further inputs of outputs.
     fn draw(&self, random: &mut Random) -> Vec<f64> {
         let layout = &self.layout;
         let mut inputs = vec![0.0; layout.outputs_len() as usize];
@@ -141,7 +141,7 @@ impl Instance {
         fill(layout.state(0), layout.states, 0.05);
         fill(layout.multiplier(0), layout.rows, 500.0);
         fill(layout.rotation(0), layout.rotations, 20.0);
-        // what a kernel could give: the classes do not know its equations
+        // numbers that a kernel could give: the classes contain none of its equations
         fill(layout.answer(0), layout.answers, 300.0);
         fill(layout.reading(0), layout.readings, 300.0);
         fill(

@@ -1,11 +1,11 @@
-//! How large the terms were that a value is the sum of: the yardstick for rounding.
+//! The size of the terms whose sum is a value: the scale of its rounding.
 
 use eng_compiler::ir::{Function, Interpreter, Node, Op};
 use eng_system::code::Pair;
 use eng_system::table::Table;
 
-/// Values of every output with the sum of magnitudes that went into it. Where a sum cancels, its magnitude exceeds its value; the
-/// excess goes on through the slopes of what follows.
+/// Values of every output with the sum of magnitudes that went into it. Where a sum cancels, its
+/// magnitude exceeds its value. The slopes of later operations carry this excess on.
 pub fn with_magnitudes(function: &Function, inputs: &[f64], tables: &[Table]) -> Vec<(f64, f64)> {
     let sizes: Vec<f64> = inputs.iter().map(|x| x.abs()).collect();
     with_magnitudes_from(function, inputs, &sizes, tables)

@@ -20,7 +20,7 @@ pub fn pair(value: &Value, key: &str) -> [f64; 2] {
     [0, 1].map(|at| value[key][at].as_f64().unwrap_or(0.0))
 }
 
-/// Width and what a state says about rule and openings.
+/// Width, rule and openings of a state.
 pub fn source(state: &Value, cells: [usize; 2]) -> FilmSource {
     let width = 2.0 * number(state, "width_over_diameter");
     let rule = match state["rule"].as_str() {

@@ -22,7 +22,7 @@ pub fn mesh_of_nodes(nodes: &[(u64, [f64; 3])]) -> Mesh {
     }
 }
 
-/// The format that the end of a file's name stands for.
+/// The format that the end of a file's name means.
 pub fn format_of(file: &str) -> MatrixFormat {
     let file = file.to_ascii_lowercase();
     let plain = file.strip_suffix(".gz").unwrap_or(&file);
@@ -35,7 +35,7 @@ pub fn format_of(file: &str) -> MatrixFormat {
     }
 }
 
-/// Reads a matrix as what the end of the file's name stands for.
+/// Reads a matrix in the format that the end of the file's name means.
 pub fn read_by_name(
     files: &dyn Files,
     file: &str,
@@ -134,7 +134,7 @@ impl Dense {
         Some((first, values[first..=last].to_vec()))
     }
 
-    /// What a reader gave, as a whole; entries at the same place are refused.
+    /// The whole matrix of a reader. Entries at the same place are refused.
     pub fn read(matrix: &ForeignMatrix) -> Vec<Vec<f64>> {
         let mut columns = vec![vec![0.0; matrix.rows]; matrix.columns];
         for (row, column, value) in &matrix.entries {

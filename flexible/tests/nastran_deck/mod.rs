@@ -1,4 +1,4 @@
-//! Decks held in memory, and what the tests of the Nastran reader ask of meshes.
+//! Decks in memory, and common checks of the tests of the Nastran reader.
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use std::collections::BTreeMap;
@@ -98,7 +98,8 @@ pub fn set<'m>(mesh: &'m Mesh, name: &str) -> &'m Set {
         .unwrap_or_else(|| panic!("set {name} of {:?}", mesh.sets.keys()))
 }
 
-/// What was not read: name, count, what it carries.
+/// The cards that were not read: name, count, and whether they carry stiffness, mass or
+/// constraints.
 pub fn unread(mesh: &Mesh) -> Vec<(&str, u64, Carries)> {
     mesh.unread
         .iter()
@@ -126,7 +127,7 @@ pub fn close3(found: [f64; 3], expected: [f64; 3], scale: f64) {
     }
 }
 
-/// What must hold of every mesh.
+/// Conditions on every mesh.
 pub fn is_consistent(mesh: &Mesh) {
     let count = mesh.nodes.len();
     for element in &mesh.elements {

@@ -1,4 +1,5 @@
-//! Made-up results of a four-cylinder engine: waves and turning bars, so that every part of a report has something to show.
+//! Made-up results of a four-cylinder engine: waves and turning bars, so that no part of a report
+//! is empty.
 
 use eng_report::animation::{
     Animation, FlexibleBody, ModeShape, NodeField, Part, Pose, RigidBody, Surface, Up,

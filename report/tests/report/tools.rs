@@ -35,7 +35,7 @@ pub fn run(command: &mut Command) -> Output {
     output
 }
 
-/// A folder for what tests write.
+/// A folder for the files of tests.
 pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).unwrap();

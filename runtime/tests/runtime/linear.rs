@@ -137,7 +137,7 @@ fn values(pattern: &Pattern, a: &DMatrix<f64>) -> Vec<f64> {
         .collect()
 }
 
-/// Largest residual of a solution, row by row, over what it is the difference of.
+/// Largest residual of a solution, row by row, over the terms whose difference it is.
 fn backward_error(a: &DMatrix<f64>, x: &DVector<f64>, b: &DVector<f64>) -> f64 {
     let residual = a * x - b;
     let size = a.abs() * x.abs() + b.abs();
@@ -167,7 +167,7 @@ fn check(pattern: &Pattern, a: &DMatrix<f64>, numbers: &mut Numbers) -> u64 {
         let error = backward_error(a, &x, &b);
         assert!(error < 1e-11, "backward error {error:e}");
         let allowed = 1e3 * (backward_error(a, &expected, &b) + 1e-16) * expected.amax();
-        // both within what the matrix's condition makes of rounding
+        // both within the rounding errors that the condition of the matrix allows
         let inverse = reference.solve(&DMatrix::identity(a.nrows(), a.nrows()));
         let condition = inverse.unwrap().abs().row_sum().max() * a.abs().row_sum().max();
         assert!((&x - &expected).amax() < allowed * condition.max(1.0));
@@ -245,7 +245,8 @@ fn every_unknown_is_eliminated_once_and_borders_lie_above() {
     }
 }
 
-/// Rods and pistons by themselves, crank and block with what is left of the multipliers at last: work grows with the cylinders.
+/// Rods and pistons are blocks of their own. Crank and block come last, with the other multipliers. So the work grows
+/// with the number of cylinders.
 #[test]
 fn an_engine_falls_into_its_cylinders() {
     let sizes = |cylinders: usize| -> Vec<(usize, usize)> {

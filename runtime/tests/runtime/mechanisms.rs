@@ -8,7 +8,7 @@ use eng_system::system::Role;
 pub const CRANK: f64 = 0.05;
 pub const ROD: f64 = 0.16;
 
-/// What turns the crank of [`slider_crank`].
+/// The drive of the crank of [`slider_crank`].
 #[derive(Clone, Copy, PartialEq)]
 pub enum Turn {
     /// A drive: angle = start + speed t.

@@ -81,7 +81,7 @@ fn a_turning_flexible_body_starts_bent() {
             "{rate:e} {acceleration:e}"
         );
     }
-    // what is left is the integrator's error in the centrifugal force, of second order
+    // the rest is the integrator's error in the centrifugal force, of second order
     let (rings, amplitude) = ringing(bent);
     assert!(
         amplitude > 1e-4 && rings < 1e-4 * amplitude,
@@ -141,7 +141,8 @@ fn a_mounted_body_starts_where_it_rests() {
     }
 }
 
-/// What nothing holds against its load has no steady motion: it is named, and left where it is.
+/// A body that nothing holds against its load has no steady motion. The message names it, and it stays
+/// where it is.
 #[test]
 fn a_falling_body_has_no_balance() {
     let s = begin(&hung([0.0, 0.0, -9.81], false), Start::QuasiStatic);

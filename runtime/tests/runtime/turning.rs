@@ -186,7 +186,7 @@ fn follows(rotor: Rotor) {
         at_once.1
     );
     assert!(change(&s) < 1e-8, "{}", s.start());
-    // what is still stays, what turns turns on
+    // bodies at rest stay at rest, and turning ones turn on
     let turning = rate / (I * rotor.speed);
     let mut worst = 0.0_f64;
     while s.time() < 0.01 {
@@ -318,7 +318,8 @@ fn a_shaft_on_springs_takes_its_frame_along() {
     }
 }
 
-/// An unbalance at the critical speed has no answer without damping: it is told with shape, order and speed.
+/// An unbalance at the critical speed has no repeating motion without damping. The message names shape, order and
+/// speed.
 #[test]
 fn resonance_is_told() {
     let rotor = Rotor {
@@ -334,7 +335,8 @@ fn resonance_is_told() {
     assert!(told.contains("order 0.000"), "{told}");
 }
 
-/// Beside a second shaft of another speed a motion repeats after the turns in which both come round, or is told not to.
+/// Beside a second shaft of another speed a motion repeats when both have made whole turns, or a message states that it
+/// does not.
 #[test]
 fn a_motion_without_period_is_told() {
     let with = |second: f64| {
