@@ -42,7 +42,7 @@ pub(crate) fn add_lanes<const N: usize>(sums: &mut [f64; N], factor: f64, other:
     }
 }
 
-/// Adds a combination of two others to a row, likewise.
+/// Adds a combination of two others to a row, in the same way.
 #[inline(always)]
 fn add_two(row: &mut [f64], factors: [f64; 2], others: [&[f64]; 2]) {
     let others = others.map(|other| other.as_chunks::<2>().0);

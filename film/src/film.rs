@@ -311,8 +311,8 @@ impl Film {
         }
     }
 
-    /// Forgets the cavity of the last solution: the next search begins on the coarsest grid, whatever was
-    /// solved before.
+    /// Forgets the cavity of the last solution: the next search begins on the coarsest grid, after any earlier
+    /// solution.
     pub fn forget(&self, work: &mut Work) {
         work.warm = false;
     }

@@ -422,8 +422,8 @@ impl Film {
     }
 }
 
-/// Where a parabola through three points is highest, and by how much above the middle one; places count from
-/// the middle.
+/// The place of the highest point of a parabola through three points, and its height above the middle one. Places
+/// count from the middle one.
 fn vertex(places: [f64; 2], values: [f64; 3]) -> (f64, f64) {
     let (before, behind) = (
         (values[0] - values[1]) / places[0],

@@ -90,7 +90,7 @@ pub(crate) struct RingMatrix {
     inverses: Vec<f64>,
     /// `V` of each column: LANES cells of the border at a time, `across` rows each.
     right: Vec<Lanes>,
-    /// `Zᵀ`, likewise.
+    /// `Zᵀ`, in the same form.
     below: Vec<Lanes>,
     /// Whether `V` and `Z` of each column have a number other than 0.
     filled: Vec<[bool; 2]>,

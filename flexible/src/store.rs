@@ -176,8 +176,8 @@ pub fn from_bytes<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, StoreError> {
 pub struct StoredBody {
     /// The key of its input.
     pub key: Key,
-    /// Where it comes from, as names and values: source files with their SHA-256, the request, versions,
-    /// units, mass rule.
+    /// Its origin, as names and values: source files with their SHA-256, the request, versions, units, mass
+    /// rule.
     pub provenance: Vec<(String, String)>,
     /// The data of the runtime.
     pub body: ReducedBody,

@@ -81,8 +81,8 @@ pub enum ItemKind {
 /// `use path.{names}`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Use {
-    /// `std.joints` for `use std.joints.{Revolute}` and `use std.joints.Revolute` alike.
-    /// For `use std.units.*` the path is `std.units`.
+    /// `std.joints` both for `use std.joints.{Revolute}` and for `use std.joints.Revolute`. For
+    /// `use std.units.*` the path is `std.units`.
     pub path: Vec<Name>,
     /// The names taken.
     pub names: UseNames,
@@ -131,7 +131,7 @@ pub struct Choice {
     pub words: Vec<Name>,
 }
 
-/// Which binding.
+/// The kind of binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BindingKind {
     /// A structural value. A change needs a new compilation.
@@ -284,7 +284,8 @@ pub enum Statement {
         /// The marker that takes the reaction; absent for an external load.
         against: Option<Expr>,
     },
-    /// `require condition else "message {x as mm}"`; `advise usual: condition else "…"` likewise as a lint.
+    /// `require condition else "message {x as mm}"`; `advise usual: condition else "…"` in the same form
+    /// as a lint.
     Require {
         /// `advise` instead of `require`.
         advise: bool,

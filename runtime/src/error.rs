@@ -547,7 +547,7 @@ pub enum RuntimeError {
     /// A motion that should repeat does not.
     #[error("the motion from {moment} on does not repeat after {period:.6e} s: {what}{}", why.said())]
     NotRepeating {
-        /// Where the period begins.
+        /// The beginning of the period.
         moment: Moment,
         /// The period (s).
         period: f64,
@@ -586,7 +586,7 @@ pub enum RuntimeError {
     CycleStands {
         /// When.
         moment: Moment,
-        /// Where (rad).
+        /// The angle (rad).
         angle: f64,
     },
     /// A time outside the last step.

@@ -210,7 +210,7 @@ impl Signals {
         let (bind, system) = (&model.compiled.bind, &model.compiled.system);
         let Err(BindError::NotFinite { path, outside }) = bind.check(&self.nodes, &system.tables)
         else {
-            // an expression of inputs has no value; the element that reads it says so
+            // an expression of inputs has no value; the error of the element that reads it reports this
             return Ok(());
         };
         let found = system.parameters.iter().find(|p| p.origin.path == path);

@@ -86,7 +86,7 @@ pub struct Crossing {
     pub time: f64,
     /// Index of the kink function.
     pub item: usize,
-    /// How far the function is on the other side within the step, and its limit.
+    /// The largest distance of the function on the other side within the step, and its limit.
     pub depth: f64,
     /// See [`Crossing::depth`].
     pub limit: f64,
@@ -107,7 +107,7 @@ pub struct Overlooked {
     pub moment: Moment,
     /// The step (s).
     pub step: f64,
-    /// How far the kink was passed within the step, and the limit (SI).
+    /// The largest distance beyond the kink within the step, and the limit (SI).
     pub depth: f64,
     /// See [`Overlooked::depth`].
     pub limit: f64,
@@ -423,8 +423,8 @@ fn same_side([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64) -> bool {
     points.iter().all(|x| *x > 0.0) || points.iter().all(|x| *x < 0.0)
 }
 
-/// Where the cubic through values and rates at both ends of a step h (s) leaves its first side, if it is deeper
-/// than a limit on both.
+/// The time at which the cubic through values and rates at both ends of a step h (s) leaves its first side, if it
+/// is deeper than a limit on both.
 fn crossing([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64, limit: f64) -> Option<Crossing> {
     let (c1, rise) = (h * da, b - a);
     let (c2, c3) = (3.0 * rise - h * (2.0 * da + db), h * (da + db) - 2.0 * rise);
@@ -464,8 +464,8 @@ fn crossing([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64, limit: f64) -> Option<
     })
 }
 
-/// Where a function leaves a side between two places, between which it is monotone: bisection until the bracket is
-/// rounding.
+/// The place at which a function leaves a side, between two places between which it is monotone: bisection until
+/// the bracket is rounding.
 fn change(at: impl Fn(f64) -> f64, side: f64, mut low: f64, mut high: f64) -> f64 {
     while high - low > 1e-15 * high {
         let middle = 0.5 * (low + high);

@@ -7,8 +7,8 @@
 //!
 //! The reported factor of decay is that of the motion itself ([`motion`]). If the motion repeats within the
 //! tolerance of the steps while an output still changes irregularly, this change is noise of the steps, and
-//! the summary says so. The orbits of the journals show half-speed whirl ([`whirl`]), which does not repeat
-//! with the cycle.
+//! the summary reports it. The orbits of the journals show half-speed whirl ([`whirl`]), which does not
+//! repeat with the cycle.
 
 pub mod motion;
 pub mod repetition;
@@ -76,8 +76,8 @@ pub struct PeriodicSummary {
     pub motion: Option<Mode>,
     /// Present if the motion repeats and the slowest channel's change is noise of the steps.
     pub noise: Option<Remedy>,
-    /// Whether the differences from cycle to cycle remain equally large, as with impacts. The factor of the
-    /// last two differences is then chance and predicts nothing.
+    /// Whether the differences from cycle to cycle remain equally large, as with impacts. Then the factor of
+    /// the last two differences is random and predicts nothing.
     pub erratic: bool,
     /// Channels that grow by the same amount in every cycle. They need not repeat.
     pub growing: Vec<Growth>,
@@ -461,8 +461,8 @@ impl Cycles<'_> {
     }
 
     /// Whether the motion differs between cycles of the second half as much as between those of the first,
-    /// although the factor of its last two differences predicts much less or more. This factor is then
-    /// chance.
+    /// although the factor of its last two differences predicts much less or more. Then this factor is
+    /// random.
     fn erratic(&self) -> bool {
         let (earlier, later) = self.differences.split_at(self.differences.len() / 2);
         let enough = !self.repeats && self.differences.len() >= ERRATIC_CYCLES;

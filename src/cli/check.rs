@@ -24,7 +24,7 @@ pub(super) fn check(arguments: &CheckArguments, console: &mut Terminal<'_>) -> R
             .map_err(|error| refuse(&error.into(), sources, format, console))?;
         facts = assembled.facts;
         messages.extend(assembled.diagnostics);
-        // a model that does not assemble has no positions, and its messages say so
+        // a model that does not assemble has no positions, and its messages give the reason
         if arguments.positions && !messages.has_errors() {
             positions = program
                 .positions()

@@ -68,7 +68,7 @@ pub struct Console<'a> {
 enum Stop {
     /// An exit code; the reason has been printed.
     Code(u8),
-    /// The reader of the output has gone.
+    /// The reader of the output has closed the pipe.
     Output(std::io::Error),
 }
 
@@ -98,7 +98,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
     match done {
         Ok(()) => DONE,
         Err(Stop::Code(code)) => code,
-        // `eng … | head`: the reader has gone, so there is nobody to report to
+        // `eng … | head`: the reader has closed the pipe, so nobody can read a report
         Err(Stop::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
             USAGE_OR_SYSTEM
         }

@@ -22,7 +22,7 @@ pub(super) fn reduce(arguments: &ReduceArguments, console: &mut Terminal<'_>) ->
     let mut texts = Vec::new();
     for reduction in &reductions {
         let text = reduction.text();
-        // bodies of one component are reduced alike
+        // bodies of one component have the same reduction
         if !texts.contains(&text) {
             write!(console.output, "{text}")?;
             texts.push(text);

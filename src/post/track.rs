@@ -244,7 +244,7 @@ pub(super) fn told_apart<'m>(
     let first = members.clone().next();
     let one_analysis = members.clone().all(|(a, _)| Some(a) == first.map(|f| f.0));
     let one_channel = members.clone().all(|(_, c)| Some(c) == first.map(|f| f.1));
-    // `main[1]` of `main[1].force.x` if all paths end alike
+    // `main[1]` of `main[1].force.x` if all paths have the same end
     let ends = |tail: &&str| {
         let longer = |channel: &str| channel.len() > tail.len() && channel.ends_with(*tail);
         members.clone().all(|(_, channel)| longer(channel))

@@ -159,8 +159,8 @@ fn ignored_for_nothing<'a>(
     })
 }
 
-/// Why a mesh can't be reduced as it is: stiffness, mass and constraints that are not read, elements whose
-/// rules are not reproduced. With matrices of another code none of this matters.
+/// The reasons against the reduction of a mesh: stiffness, mass and constraints that are not read, elements
+/// whose rules are not reproduced. With matrices of another code none of this matters.
 pub(super) fn refusal(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagnostic>> {
     unread(&mesh.unread, source).or_else(|| {
         if source.stiffness.is_some() {

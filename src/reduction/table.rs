@@ -97,8 +97,8 @@ impl Reduction {
         Ok(())
     }
 
-    /// How large the body is about (m): the farthest of its centre and markers from the frame's origin, and
-    /// its radius of gyration.
+    /// The approximate size of the body (m): the farthest of its centre and markers from the
+    /// frame's origin, and its radius of gyration.
     fn size(&self) -> f64 {
         let body = &self.stored.report.body;
         let spread = (0..3).map(|i| body.inertia[i][i]).fold(0.0, f64::max);

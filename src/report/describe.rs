@@ -103,7 +103,7 @@ pub struct Described {
     pub axes: Vec<JournalAxes>,
     /// Its position in the sweep.
     pub point: Vec<PointValue>,
-    /// Which ground axis points up.
+    /// The ground axis that points up.
     pub up: Up,
     /// Bodies in a fixed order.
     pub bodies: Vec<BodyPicture>,

@@ -68,7 +68,7 @@ pub fn run_many(
                     let Some(analysis) = analyses.get(index) else {
                         return;
                     };
-                    // sending fails only after the caller has gone, and then nobody needs the event
+                    // sending fails only after the receiver is closed, and then nobody needs the event
                     let result = run(analysis, patient, &mut |event| {
                         let _ = sender.send((index, event));
                     });

@@ -42,7 +42,7 @@ pub enum Expression {
     Amplitude(Limit, Window, Box<Expression>),
     /// The value in a column of a linear analysis for one of its modes.
     Mode(Chosen, Box<Expression>),
-    /// 20·lg of a number or of each sample over a reference.
+    /// 20·log₁₀ of a number or of each sample over a reference.
     Decibel(f64, Box<Expression>),
     /// One number from several: the sum, the smallest or the largest.
     Fold(Operator, Vec<Expression>),

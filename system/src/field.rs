@@ -1,6 +1,6 @@
 //! Fields: numbers that an element gets from a separate solver, such as the oil film of a bearing on cells.
 //!
-//! The text says how the *drives* of a field follow from the motion (`field film: … = reynolds(rate: …)`). A
+//! The text states how the *drives* of a field follow from the motion (`field film: … = reynolds(rate: …)`). A
 //! [`FieldKernel`] turns them into *answers*, which loads may use, and into *readings*, which only outputs and
 //! conditions may use. Answers have exact derivatives by the drives. Drives, answers and readings are flat
 //! slices of SI numbers in the order of the kernel's row in [`KERNELS`].
@@ -13,15 +13,15 @@ use std::sync::Arc;
 /// The role of an argument of a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Takes {
-    /// A number of the motion.
+    /// One number that depends on the motion.
     Drive,
-    /// Two numbers of the motion.
+    /// Two numbers that depend on the motion.
     DrivePair,
-    /// One number of the motion for each opening.
+    /// One number that depends on the motion for each opening.
     Drives,
-    /// A number of parameters.
+    /// A number that depends on parameters alone.
     Setting,
-    /// One number of parameters for each opening.
+    /// One number that depends on parameters alone for each opening.
     Settings,
     /// A whole number in a range; a change compiles again.
     Whole(i64, i64),
@@ -38,7 +38,7 @@ pub struct KernelArgument {
     pub dimension: Dimension,
     /// Its role.
     pub takes: Takes,
-    /// Whether it may be left out: numbers are zero then, lists empty, words the first one.
+    /// Whether it is optional. Without it a number is zero, a list is empty, and a word is the first one.
     pub optional: bool,
 }
 
@@ -226,8 +226,8 @@ pub const KERNELS: &[Kernel] = &[Kernel {
     ],
 }];
 
-/// The drives of a field in the order of its kernel: for each argument of the motion its name and how many
-/// numbers it has with so many openings.
+/// The drives of a field in the order of its kernel: for each argument that depends on the motion its name and
+/// its count of numbers for this number of openings.
 pub fn drives(
     kernel: &Kernel,
     openings: u32,
@@ -317,9 +317,9 @@ impl FieldMaker for NoFields {
 
 /// The equations of one field. It holds no state.
 pub trait FieldKernel: Send + Sync + fmt::Debug {
-    /// A solver with room to work in.
+    /// A solver with memory of its own.
     fn solver(&self) -> Box<dyn FieldSolver>;
-    /// Count of numbers that the field remembers from one moment to the next, such as the oil in the cells of a
+    /// Count of numbers that the field keeps from one moment to the next, such as the oil in the cells of a
     /// film.
     fn memory(&self) -> usize;
 }
@@ -329,7 +329,7 @@ pub trait FieldKernel: Send + Sync + fmt::Debug {
 pub struct Past<'a> {
     /// Time since then (s), positive.
     pub step: f64,
-    /// The numbers that the field remembers.
+    /// The numbers that the field keeps.
     pub memory: &'a [f64],
 }
 

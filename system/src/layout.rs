@@ -1,7 +1,7 @@
-//! Where the functions of an element class find their inputs.
+//! The places of the inputs and outputs of the functions of an element class.
 
-/// Numbers a marker hands in: x (3, inertial), R (9, row-major, marker → inertial), ẋ (3, inertial),
-/// ω (3, in the MARKER's axes).
+/// Numbers of a marker: x (3, inertial), R (9, row-major, marker → inertial), ẋ (3, inertial), ω (3, in the
+/// MARKER's axes).
 pub const MARKER_WIDTH: u32 = 18;
 
 /// Order of a class's inputs: time, markers, states, multipliers, rotation references, answers and readings of
@@ -10,7 +10,7 @@ pub const MARKER_WIDTH: u32 = 18;
 /// rates, signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct InputLayout {
-    /// Markers the class touches.
+    /// Markers of the class.
     pub markers: u32,
     /// Own unknowns.
     pub states: u32,

@@ -16,7 +16,7 @@ pub const APART: &str = "apart";
 pub const SWAPPED: &str = "swapped";
 /// Axes of an angle or a film that are not parallel.
 pub const ASKEW: &str = "askew";
-/// A force between things that do not move against each other.
+/// A force between bodies that do not move against each other.
 pub const IDLE: &str = "idle";
 /// A fixed step that is long for the speed of the cycle.
 pub const STEP: &str = "step";
@@ -61,7 +61,7 @@ pub struct Accepted {
 }
 
 impl Accepted {
-    /// Whether it accepts a lint of a name about the thing of a path.
+    /// Whether it accepts a lint of a name about the object of a path.
     pub fn covers(&self, name: &str, path: &str) -> bool {
         !name.is_empty()
             && self.name == name

@@ -1,4 +1,4 @@
-//! Where things come from: paths, and places in the texts.
+//! The origin of bodies, elements, parameters and channels: their paths, and places in the texts.
 
 /// A range of bytes in a source of the compiler's source map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -11,7 +11,7 @@ pub struct Location {
     pub end: u32,
 }
 
-/// Where a thing comes from.
+/// The path and the places of a body, element, parameter or channel.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Origin {
     /// `cylinder[2].rod`.

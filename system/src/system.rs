@@ -114,7 +114,7 @@ pub struct StateInfo {
     pub dimension: Dimension,
 }
 
-/// How deep an output reaches into the equations, without the channels that it reads.
+/// The depth of an output in the equations, without the channels that it reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Depth {
     /// Positions, states and time.
@@ -419,7 +419,7 @@ pub struct System {
     pub slots: u32,
     /// Classes. Their code has the same indices.
     pub classes: Vec<ElementClass>,
-    /// Instances, constraints and forces alike.
+    /// All instances: constraints and forces.
     pub elements: Vec<Element>,
     /// Columns of the results, without time and cycle angle.
     pub channels: Vec<Channel>,

@@ -23,7 +23,7 @@ pub(super) struct Slot {
     pub name: String,
     pub ty: Type,
     pub optional: bool,
-    /// Where it is declared.
+    /// The place of its declaration.
     pub span: Option<Span>,
     /// The unit of its default.
     pub unit: Option<String>,

@@ -79,7 +79,7 @@ impl<'a> Elaborator<'a, '_> {
             Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive => Some(2),
             _ => None,
         };
-        // the part that states the cycle comes before whatever reads it
+        // the part that states the cycle comes before all items that read it
         let module = self.scope(scope).module;
         let parts = declarations.clone().filter(|d| d.kind == Kind::Part);
         for part in parts.filter(|part| {

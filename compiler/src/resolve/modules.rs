@@ -9,7 +9,7 @@ use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, UnitWords};
 use eng_system::host::{Host, HostError};
 use std::collections::BTreeMap;
 
-/// Where a `use` points: the path of a module, and whether the last segment belonged to the path.
+/// The target of a `use`: the path of a module, and whether the last segment belonged to the path.
 pub(super) fn dotted(path: &[eng_grammar::ast::Name]) -> String {
     let names: Vec<&str> = path.iter().map(|name| name.text.as_str()).collect();
     names.join(".")

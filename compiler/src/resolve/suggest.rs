@@ -1,7 +1,7 @@
 //! "Did you mean": the nearest known name.
 
-/// Number of messages above which an unknown name is no longer compared with the known ones: nobody reads suggestions in more places, and
-/// each costs a look at all names.
+/// Number of messages above which an unknown name is no longer compared with the known ones: nobody
+/// reads suggestions in more places, and each needs a comparison with all names.
 pub(crate) const EXPLAINED: usize = 100;
 
 /// Longest name that gets suggestions. The work grows with the square of the length.

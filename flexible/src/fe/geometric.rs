@@ -27,7 +27,7 @@ use crate::mesh::{Element, Mesh};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 
 /// K_σ over full freedoms (N/m, N, N m). It has the form of a mass matrix: for solids one number a pair of
-/// nodes, alike in x, y and z; and a general part of beams.
+/// nodes, the same in x, y and z; and a general part of beams.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeometricStiffness(Mass);
 
@@ -116,7 +116,7 @@ fn another_mesh() -> FlexibleError {
     wrong("the displacements are another mesh's".into(), "")
 }
 
-/// Which nodes meet in solids.
+/// The pairs of nodes that share a solid.
 fn pattern(mesh: &Mesh, freedoms: &FreedomMap) -> Pattern {
     let (mut start, mut nodes) = (vec![0], Vec::new());
     for element in &mesh.elements {

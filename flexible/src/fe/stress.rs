@@ -78,7 +78,7 @@ pub fn von_mises(stress: &Components) -> f64 {
 pub struct ElementRecovery {
     /// Indices of its nodes.
     pub nodes: Vec<u32>,
-    /// Where its nodes start in the mesh's connectivity, by which its inner nodes are found.
+    /// The start of its nodes in the mesh's connectivity, by which its inner nodes are found.
     first: u32,
     /// Its material.
     pub material: Material,

@@ -115,7 +115,7 @@ pub fn fit(
     })
 }
 
-/// Where a file gives a row of each shape: the node, and its axes where its values are in an analysis frame.
+/// A row of each shape in a file: its node, and the axes of the node if the values are in an analysis frame.
 type GivenRow = (u32, Option<[[f64; 3]; 3]>);
 
 /// # Errors

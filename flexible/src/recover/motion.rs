@@ -80,7 +80,7 @@ pub struct NodeMotion {
     pub displacement: Both,
     /// Its small rotation Φr a (rad, body axes), if the node has a rotation: a beam's, a spider's centre.
     pub rotation: Option<[f64; 3]>,
-    /// Where it is (m, inertial).
+    /// Its position (m, inertial).
     pub position: [f64; 3],
     /// Its velocity against the inertial frame (m/s).
     pub velocity: Both,

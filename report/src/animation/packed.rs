@@ -1,7 +1,7 @@
 //! Compresses the bytes of a page's models: the first bytes of all numbers come first, then the second ones,
 //! and so on; deflated (RFC 1950), in base64.
 //!
-//! Neighbouring floats share signs and exponents, so their first bytes are alike. Nothing is rounded.
+//! Neighbouring floats share signs and exponents, so their first bytes are similar. Nothing is rounded.
 
 use crate::escape::base64;
 use flate2::Compression;

@@ -12,8 +12,8 @@ pub enum Window {
     Rectangular,
     /// Hann: up to 1.42 dB low between bins; noise bandwidth 1.5 bins.
     Hann,
-    /// Flat top of five terms (D'Antona and Ferrero, "Digital Signal Processing for Measurement Systems",
-    /// 2006): amplitude within 0.01 dB wherever the frequency lies; noise bandwidth 3.77 bins.
+    /// Flat top of five terms (D'Antona and Ferrero, "Digital Signal Processing for Measurement
+    /// Systems", 2006): amplitude within 0.01 dB at every frequency; noise bandwidth 3.77 bins.
     FlatTop,
     /// Blackman–Harris of four terms (Harris 1978): side lobes under −92 dB; up to 0.83 dB low between bins.
     BlackmanHarris,

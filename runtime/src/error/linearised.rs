@@ -3,7 +3,7 @@
 use super::MOST_GAPS;
 use eng_system::system::Origin;
 
-/// Why the coefficients of the linearised motion change while a body turns.
+/// The reason for which the coefficients of the linearised motion change while a body turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Varies {
     /// It is flexible: its shapes turn with it, but its supports and loads do not.

@@ -8,7 +8,7 @@
 //! moment.
 //!
 //! If this test fails, `variation` computes the effect of the change on the modes. Coefficients whose change
-//! moves no eigenvalue by more than a thousandth ([`SLIGHT`]) are held, and the result says so. Example: a
+//! moves no eigenvalue by more than a thousandth ([`SLIGHT`]) are held, and the result reports it. Example: a
 //! round rotor tilted by its bearings. A drive about an axis fixed in space allows it other small rotations
 //! at every angle; they differ by the tilt.
 //!

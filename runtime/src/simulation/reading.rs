@@ -45,7 +45,7 @@ impl Reading {
     }
 }
 
-/// How deep a channel reaches, with the channels that it reads.
+/// The depth of a channel, with the channels that it reads.
 fn depth(model: &Model, channel: usize) -> Depth {
     let system = &model.compiled.system;
     let mut waiting = vec![channel];

@@ -84,7 +84,7 @@ pub(crate) fn bring(
 ) -> Result<(), RuntimeError> {
     let cycle = model.compiled.system.cycle.as_ref();
     let Ok(motion) = SteadyMotion::new(model, state) else {
-        // a mechanism that is locked: the balance says so
+        // a mechanism that is locked: the balance reports it
         return Ok(());
     };
     let mut turning = Turning::new(model, motion, cycle.map(|cycle| cycle.element as usize))?;

@@ -262,8 +262,8 @@ fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Natural) -> C
     }
 }
 
-/// Raises levels (dB) to 80 dB below the largest, and the unit says so. A value that is not a number stays a
-/// gap.
+/// Raises levels (dB) to 80 dB below the largest, and states this in the unit. A value that is not a
+/// number stays a gap.
 fn with_floor(figure: &mut SweepFigure) {
     let levels = || figure.map.amplitudes().iter().flatten().copied();
     let largest = levels()

@@ -81,7 +81,7 @@ pub enum Value {
 /// Journals: analysis and path of each.
 pub type Journals = Vec<(String, String)>;
 
-/// How signals are shown.
+/// The display of signals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
     /// Words for the quantity: `force x`.

@@ -3,7 +3,7 @@
 use super::spline::{Closing, moments, monotone_slopes, periodic_moments, pieces};
 use super::{CLOSURE, PAST_END};
 
-/// How values between the points are found.
+/// The interpolation between the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolation {
     /// Cubic spline, C² (natural ends, or periodic).

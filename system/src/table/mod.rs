@@ -175,11 +175,11 @@ pub struct Outside {
     pub name: String,
     /// Name of the argument, in a table of several.
     pub of: Option<String>,
-    /// Where it is read (in its argument's unit).
+    /// The value of the argument at which it is read (in its unit).
     pub argument: f64,
     /// Its first and last point.
     pub domain: (f64, f64),
-    /// How arguments are shown; SI where it is not known.
+    /// The display of arguments; SI if it is not known.
     pub unit: Option<DisplayUnit>,
     /// Place in the texts.
     pub at: Option<Location>,

@@ -32,7 +32,7 @@ impl Motion {
         add(self.shift, rotate(&self.rotation, x))
     }
 
-    /// Where a point came from.
+    /// The origin of a point in the text.
     pub fn back(&self, x: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = self.rotation;
         rotate(&from_axes(a, b, c), subtract(x, self.shift))

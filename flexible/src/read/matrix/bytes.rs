@@ -64,7 +64,7 @@ pub(super) struct Records {
     file: String,
     reader: Box<dyn BufRead>,
     order: Order,
-    /// Where the next byte is.
+    /// The place of the next byte.
     byte: u64,
     /// Number of the record last read, and where it started.
     record: (u64, u64),

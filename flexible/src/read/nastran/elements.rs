@@ -46,7 +46,7 @@ pub(super) struct ElementCard {
     pub family: Family,
     /// Number of its property.
     pub property: u64,
-    /// Where its grid points start in the list of all.
+    /// The start of its grid points in the list of all.
     pub first: usize,
     /// Thickness, beam.
     pub extra: Extra,

@@ -251,7 +251,7 @@ pub(super) fn harmonics(
 mod tests {
     use super::*;
 
-    /// Of one harmonic only its place is not zero.
+    /// A motion of one harmonic has only its own place different from zero.
     #[test]
     fn one_harmonic_is_found() {
         let n = 64_i32;

@@ -28,7 +28,7 @@ pub struct Terms {
     pub positions: bool,
     /// The cycle's angle.
     pub cycle: bool,
-    /// Nothing moves, whatever speeds the text or a drive states.
+    /// Nothing moves, even if the text or a drive states speeds.
     pub rest: bool,
 }
 

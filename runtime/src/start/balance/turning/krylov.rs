@@ -141,7 +141,8 @@ mod tests {
         };
         let once = gmres(multiply, solved, b.as_slice(), 1e-12, 1).unwrap();
         assert!(once.residual < 1e-12);
-        // a singular system whose right side lies outside is not solved, and says so
+        // a singular system whose right side is outside of its range has no solution, and the result
+        // reports this
         let flat = |x: &[f64]| -> Result<Vec<f64>, ()> { Ok(vec![x[0], 0.0]) };
         let same = |x: &[f64]| -> Result<Vec<f64>, ()> { Ok(x.to_vec()) };
         let stuck = gmres(flat, same, &[1.0, 1.0], 1e-12, 10).unwrap();
