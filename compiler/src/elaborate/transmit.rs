@@ -171,7 +171,8 @@ fn state(layout: &InputLayout, constants: &[f64], states: &[f64], random: &mut R
     inputs
 }
 
-/// Sets the answers of the element's fields to random numbers of their usual sizes, because no kernel is at hand here.
+/// Sets the answers of the element's fields to random numbers of their usual sizes, because no kernel is
+/// available here.
 fn answer(layout: &InputLayout, element: &Element, inputs: &mut [f64], random: &mut Random) {
     let kernels = element.fields.iter().map(|field| field.kernel as usize);
     let rows = kernels.filter_map(|kernel| KERNELS.get(kernel));

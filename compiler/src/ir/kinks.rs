@@ -1,10 +1,10 @@
 //! The kink functions of a class: where its loads and the rates of its states are not smooth.
 //!
 //! A value has a kink where a comparison changes, where the arguments of `min` or `max` are equal, where the
-//! argument of `abs` is zero, and at an end of a table of one argument. Each of these is a function of the motion that changes
-//! its sign at the kink. The functions come from the graph of the loads, so a kink counts wherever the text has
-//! it: in the class, in a function that it calls, or in a library. A function of constants alone never changes
-//! and does not count.
+//! argument of `abs` is zero, and at an end of a table of one argument. Each of these is a function of the
+//! motion that changes its sign at the kink. The functions come from the graph of the loads. So a kink counts in
+//! the text of the class, of a function that it calls, and of a library. A function of constants alone never
+//! changes and does not count.
 
 use super::differentiate::{
     Accelerations, DifferentiateError, Place, inputs_of, known_in_outputs_only,
