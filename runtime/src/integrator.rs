@@ -1,4 +1,4 @@
-//! Lie-group generalised-α for index-3 DAEs.
+//! The generalised-α method on the Lie group, for differential-algebraic equations of index 3.
 //!
 //! Arnold and Brüls, "Convergence of the generalized-α scheme for constrained mechanical systems", Multibody
 //! Syst Dyn 18 (2007); on Lie groups: Brüls, Cardona, Arnold, Mech Mach Theory 48 (2012). With `u = h Δq`:

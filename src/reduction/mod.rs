@@ -1,4 +1,5 @@
-//! Flexible bodies between the compiler and the runtime: meshes are looked at for `check`, reduced for a run.
+//! Flexible bodies between the compiler and the runtime: `check` reads their meshes, and a run reduces
+//! them.
 
 mod cache;
 mod look;

@@ -1,4 +1,4 @@
-//! The intermediate form: a typed SSA graph of scalar operations.
+//! The intermediate form: a typed graph of scalar operations, each of which is assigned once (SSA).
 //!
 //! A graph contains inputs by index, constants, scalar operations and table look-ups. It must not contain
 //! vectors, names, units or instances. Nodes are created in topological order, and each exists once
