@@ -325,7 +325,7 @@ mod tests {
         assert!(seen.len() > 100);
     }
 
-    /// The examples are of the language; those that reading itself refuses are tested beside the grammar.
+    /// The examples are texts of the language. Those that the parser refuses are tested beside the grammar.
     #[test]
     fn examples_can_be_read() {
         for code in all().into_iter().filter(|c| !c.code.starts_with("E01")) {

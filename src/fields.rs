@@ -240,7 +240,7 @@ struct Solver {
 }
 
 impl Solver {
-    /// Rate at which the volume of oil changes beside all flows (m³/s), by the error of the step.
+    /// Rate at which the volume of oil changes without any flow (m³/s), by the error of the step.
     fn unexplained_flow(&self) -> f64 {
         let (film, work) = (self.film.film(), &self.work.film);
         self.past.map_or(0.0, |(before, step)| {

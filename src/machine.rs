@@ -55,7 +55,7 @@ pub struct SummarisedElement {
     pub path: String,
     /// The values of the parameters (SI); NaN for one that depends on the motion.
     pub parameters: Vec<f64>,
-    /// Names of the columns of results; `None` for an output that the element has not.
+    /// Names of the columns of results; `None` for an output that the element does not have.
     pub channels: Vec<Option<String>>,
 }
 

@@ -130,7 +130,8 @@ const CORNERS: [[f64; 3]; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
-/// Product of a factor an axis, and its slopes, from each factor's value and slope.
+/// The product of one factor for each axis, and its slopes, from the value and slope of each
+/// factor.
 fn product(factors: &[(f64, f64)]) -> (f64, [f64; 3]) {
     let mut value = 1.0;
     let mut slope = [0.0; 3];

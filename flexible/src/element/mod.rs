@@ -119,7 +119,8 @@ pub(crate) struct Names {
     pub(crate) nastran: &'static [&'static str],
     /// Position of each node on the card.
     pub(crate) nastran_order: Option<&'static [usize]>,
-    /// Type in Abaqus and CalculiX: all of a shell's, the one without letters of a solid.
+    /// Type in Abaqus and CalculiX: the whole name of a shell, and the name of a solid without the letters
+    /// of its variant.
     pub(crate) abaqus: &'static [&'static str],
     /// The end of a type's name after the family's name, for surfaces without stiffness and plane elements:
     /// `3` of `SFM3D3`.
@@ -208,7 +209,7 @@ impl ElementKind {
     }
 }
 
-/// No points: of an element whose stiffness or mass is not integrated so.
+/// No points, for an element whose stiffness or mass is not integrated in this way.
 fn no_points() -> Vec<Point> {
     Vec::new()
 }

@@ -45,7 +45,7 @@ struct Beam {
     shear: [f64; 2],
     /// Inverse of the bending stiffness for (M_y, M_z) (1/(N m²)); zero for a section without it.
     bending: [[f64; 2]; 2],
-    /// Which of v, w, θ_y, θ_z bending holds together.
+    /// The freedoms among v, w, θ_y, θ_z that bending couples.
     active: [bool; 4],
     /// Polar radius of gyration squared, (I_y + I_z)/A (m²).
     gyration: f64,

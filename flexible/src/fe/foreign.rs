@@ -1,8 +1,8 @@
 //! Stiffness and mass that another code wrote, over the freedoms of a mesh's nodes.
 //!
-//! The mesh gives places, analysis frames, ties and markers; its elements are not looked at. A freedom that
-//! no row names is one that a tie expresses, one that nothing moves (rotations of the nodes of solids), or
-//! one that the other code held.
+//! The mesh gives places, analysis frames, ties and markers; its elements are not used. A freedom that no
+//! row names is one that a tie expresses, one that nothing moves (rotations of the nodes of solids), or one
+//! that the other code held.
 
 use std::collections::BTreeMap;
 
@@ -204,7 +204,7 @@ fn spread(
 /// Stiffness and mass of another code as a structure of the mesh (SI).
 ///
 /// # Errors
-/// Rows of nodes that the mesh does not hold, or twice the same; nodes without stiffness; parts that nothing
+/// Rows of nodes that the mesh does not have, or repeated rows; nodes without stiffness; parts that nothing
 /// connects; no mass.
 pub fn from_matrices(
     mesh: &Mesh,

@@ -30,7 +30,7 @@ pub(crate) fn multiply(matrix: &SymmetricMatrix, x: &[f64], y: &mut [f64]) {
     }
 }
 
-/// Vectors one after the other, side by side.
+/// Copies vectors that are stored one after the other to vectors side by side.
 pub(crate) fn pack(x: &[f64], packed: &mut [Lanes]) {
     for (lane, x) in x.chunks_exact(packed.len()).enumerate().take(TOGETHER) {
         for (packed, &x) in packed.iter_mut().zip(x) {
@@ -39,7 +39,7 @@ pub(crate) fn pack(x: &[f64], packed: &mut [Lanes]) {
     }
 }
 
-/// And back.
+/// The reverse copy.
 pub(crate) fn unpack(packed: &[Lanes], y: &mut [f64]) {
     for (lane, y) in y.chunks_exact_mut(packed.len()).enumerate().take(TOGETHER) {
         for (y, packed) in y.iter_mut().zip(packed) {
@@ -121,7 +121,7 @@ fn accumulate_three(
         [one[2], two[1], three[0]],
     ];
     for lane in 0..TOGETHER {
-        // in the order of the columns, as one by one
+        // in the order of the columns, as for single columns
         let [a, b, c] = [own[0][lane], own[1][lane], own[2][lane]];
         sum[0][lane] = diagonal[0][0] * a + diagonal[1][0] * b + diagonal[2][0] * c;
         sum[1][lane] = diagonal[1][1] * b + diagonal[2][1] * c;

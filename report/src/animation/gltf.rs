@@ -1,6 +1,6 @@
 //! glTF 2.0, binary (Khronos Group, "glTF 2.0 Specification", 2021): mode shapes are morph targets, whose
-//! weights over time are the modal amplitudes times the scale; poses move nodes. Exact within single
-//! precision at the times given.
+//! weights over time are the modal amplitudes times the scale; poses move nodes. The file is exact within
+//! single precision at the given times.
 
 use super::quaternion::{nearer, normalised, rotated};
 use super::solid::Solid;

@@ -79,7 +79,7 @@ impl Canvas {
         }
     }
 
-    /// A line two pixels wide, nearer by `lift` than its ends say.
+    /// A line two pixels wide, drawn nearer by `lift` than its ends.
     pub fn line(&mut self, from: Vertex, to: Vertex, lift: f64, color: [u8; 3]) {
         let fine = FINE as f64;
         let length = libm::hypot(to.x - from.x, to.y - from.y) * fine;

@@ -6,7 +6,7 @@ use super::{Part, Surface};
 /// Sides of a cylinder.
 const SIDES: u32 = 24;
 
-/// Everything that is seen of a rigid body.
+/// All visible triangles and lines of a rigid body.
 #[derive(Debug, Default)]
 pub(super) struct Solid {
     pub surface: Surface,

@@ -11,7 +11,7 @@ use std::fmt::Write;
 pub(crate) const SCRIPT: &str = include_str!("viewer.js");
 
 impl Animation {
-    /// Part of a page; `id` is unlike that of any other part of it.
+    /// Part of a page; no other part of it has the same `id`.
     ///
     /// # Errors
     /// As [`Animation::to_glb`].
