@@ -1,10 +1,9 @@
 """Checks pictures of a run with independent readers. Usage: pictures.py GLB PVD
 
-GLB is what `eng report --gltf` wrote, PVD what `--vtu` did, of the same analysis. The Khronos validator reads the first (Node.js and
-gltf-validator, found by NODE_PATH), meshio and VTK the second. Then both must show the same motion: nodes of the glTF file, moved by
-its morph targets and weights, are nodes of the VTU files with their displacements, and the body `crank`, which turns about its z, stands at
-the crank angle. Whoever calls it has installed Node.js, gltf-validator, numpy, meshio and VTK.
-Exits with 1 where anything is wrong.
+GLB is the file of `eng report --gltf`, and PVD that of `--vtu`, of the same analysis. The Khronos validator reads the first (Node.js and
+gltf-validator, found by NODE_PATH); meshio and VTK read the second. Then both must show the same motion: nodes of the glTF file, moved by
+its morph targets and weights, are nodes of the VTU files with their displacements, and the body `crank`, which turns about its z, is at
+the crank angle. Node.js, gltf-validator, numpy, meshio and VTK must be installed. Exits with 1 if anything is wrong.
 """
 
 import json
@@ -81,7 +80,7 @@ def shown(node, moment):
     return origin + array(primitive["attributes"]["POSITION"]).astype(float) @ turn.T, moved @ turn.T
 
 
-# times are slowed down, and the crank stands where its angle says: its frame turns with it, but for its twist
+# times are slowed down, and the crank is at its angle: its frame turns with it, without its twist
 clock = numpy.array([array(s["input"]) for s in animation["samplers"]])
 moments = numpy.array(extras["times"])
 assert abs(clock - (moments - extras["start"]) * extras["slowdown"]).max() <= 1e-5 * clock.max()

@@ -1,4 +1,4 @@
-"""Writes meshes as other codes read them: Nastran bulk data and Abaqus input, compressed, the same bytes for the same mesh."""
+"""Writes meshes for other codes: Nastran bulk data and Abaqus input, compressed, the same bytes for the same mesh."""
 
 import gzip
 import io
@@ -7,7 +7,7 @@ from solids import Ring
 
 
 def pack(text):
-    """Compresses without name and time, so that the bytes tell the content only."""
+    """Compresses without name and time, so that the bytes depend on the content alone."""
     packed = io.BytesIO()
     with gzip.GzipFile(filename="", mode="wb", compresslevel=9, fileobj=packed, mtime=0) as file:
         file.write(text.encode("ascii"))
@@ -15,7 +15,7 @@ def pack(text):
 
 
 def describe(part):
-    """Lines that tell what the sets are."""
+    """Comment lines that describe the sets."""
     for name, chosen in part.sets.items():
         place = part.places[name]
         if isinstance(place, Ring):

@@ -2,13 +2,13 @@
 
     pip install -r requirements.txt
     python make.py              # both; `python make.py crank` or `block` for one
-    python make.py --check      # writes nothing: are the files what this makes?
+    python make.py --check      # writes nothing: compares the files with those that it would make
 
-Change a figure below and run again; the same figures give the same bytes (with the versions in requirements.txt).
+Change a number below and run again. The same numbers give the same bytes (with the versions in requirements.txt).
 
 Axes of both parts: z along the crankshaft from the timing end to the flywheel, x up along the cylinders, y to the side, origin
-in the middle of main bearing 3: those of the engine. Both parts mirror in the planes y = 0 and z = 0: a quarter (y > 0, z < 0)
-is meshed and mirrored, so that the meshes have the symmetry exactly.
+in the middle of main bearing 3: those of the engine. Both parts are symmetric about the planes y = 0 and z = 0: a quarter
+(y > 0, z < 0) is meshed and mirrored, so the symmetry of the meshes is exact.
 """
 
 import sys
@@ -22,7 +22,7 @@ import solids
 
 @dataclass(frozen=True)
 class Engine:
-    """What crank and block share."""
+    """Common data of crank and block."""
 
     spacing_mm: float = 92.0  # between main bearings, and between cylinders
     throw_mm: float = 43.0  # crank radius: half the stroke
@@ -34,7 +34,7 @@ class Engine:
 
 @dataclass(frozen=True)
 class Crank:
-    """Forged steel crank: five mains, four pins (throws 0-180-180-0), eight webs, alike at both ends."""
+    """Forged steel crank: five mains, four pins (throws 0-180-180-0), eight webs, the same at both ends."""
 
     main_width_mm: float = 24.0  # between webs; no fillets
     pin_diameter_mm: float = 48.0

@@ -27,7 +27,7 @@ class Part:
 
 
 def mesh(name, material, build, places):
-    """Meshes what `build` builds."""
+    """Meshes the solid that `build` makes."""
     gmsh.initialize(["-noenv"], readConfigFiles=False)
     try:
         for option, value in {

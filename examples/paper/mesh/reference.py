@@ -1,12 +1,12 @@
-"""Computes reference.json from crank.bdf.gz and block.inp.gz with numpy and scipy alone, and with CalculiX where `ccx` is there.
+"""Computes reference.json from crank.bdf.gz and block.inp.gz with numpy and scipy alone, and with CalculiX where `ccx` is installed.
 
     python reference.py         # both; `crank` or `block` for one
 
-Nothing here is shared with the project's own finite elements. Ten-node tetrahedra: stiffness at 4 points; consistent mass
-exact for curved elements (`exact`), or at the same 4 points (`calculix`: what CalculiX and its kin have). SI units throughout.
+This script shares no code with the project's own finite elements. Ten-node tetrahedra: stiffness at 4 points; consistent mass
+exact for curved elements (`exact`), or at the same 4 points (`calculix`, as in CalculiX and similar codes). SI units throughout.
 
 Averaging: a marker's motion (u, θ) at its centre c is the rigid motion that fits the nodes of its set best, all nodes with the
-weight 1, all three components: least Σ |q_k − u − θ × (x_k − c)|². A force at the marker is spread by the transpose.
+weight 1, all three components: least Σ |q_k − u − θ × (x_k − c)|². A force at the marker is distributed by the transpose.
 """
 
 import gzip
@@ -264,7 +264,7 @@ def crank():
     on_springs = k + sum(stiff * (row.T @ row) for row, stiff in springs)
     solver = factor(on_springs)
     cases = {
-        # what rods and pistons of the engine do at 4000 rpm with pistons 1 and 4 at the top, rounded
+        # loads of rods and pistons of the engine at 4000 rpm with pistons 1 and 4 at the top, rounded
         "dead_centre": [[9500, 0], [-6650, 0], [-6650, 0], [9500, 0]],
         "pin_1_across": [[0, 1000], [0, 0], [0, 0], [0, 0]],
         "mixed": [[1000, 500], [-2000, 300], [700, -900], [-400, 1200]],

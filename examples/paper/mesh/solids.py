@@ -1,4 +1,4 @@
-"""The solids of the two parts (a quarter each: y > 0, z < 0), and what their sets are; gmsh's OpenCASCADE kernel, mm."""
+"""The solids of the two parts (a quarter each: y > 0, z < 0), and the definitions of their sets; gmsh's OpenCASCADE kernel, mm."""
 
 from dataclasses import dataclass
 from math import cos, radians, sin
@@ -29,7 +29,7 @@ class Patch:
 
 
 def quarter(volumes):
-    """What of the volumes is in y > 0, z < 0; one volume."""
+    """The part of the volumes in y > 0, z < 0, as one volume."""
     fused = occ.fuse(volumes[:1], volumes[1:])[0] if len(volumes) > 1 else volumes
     box = [(3, occ.addBox(-500, 0, -500, 1000, 500, 500))]
     kept = occ.intersect(fused, box)[0]
