@@ -93,8 +93,8 @@ fn forces_of_films_converge_to_rounding() {
     assert!(before < 1e-7, "{before:e}");
 }
 
-/// At the usual tolerance iterations leave nothing that steps would not: reactions of 0.4 N beside forces of 6 kN are those of iterations to 1e-12. The same
-/// steps in both runs; ten times the goal leaves 1.6e-3.
+/// At the usual tolerance the error of the iterations is below that of the steps: reactions of 0.4 N beside forces of
+/// 6 kN are those of iterations to 1e-12. Both runs have the same steps. With ten times the goal the error is 1.6e-3.
 #[test]
 fn iterations_leave_little_in_small_reactions() {
     const SMALL: [&str; 6] = [
@@ -166,7 +166,8 @@ model Coasting {
     start rotation(crank.main, rail) = 20 deg
 }";
 
-/// Below rounding a tolerance is refused, and the least that the refusal names can be kept: steps do not shrink to nothing.
+/// A tolerance below rounding is refused. The least tolerance that the message names works: steps do not shrink to
+/// nothing.
 #[test]
 fn tolerances_below_rounding_are_refused_and_the_least_is_kept() {
     for (text, name) in [(ROTOR, "Rotor"), (COASTING, "Coasting")] {

@@ -169,7 +169,7 @@ fn heads(tokens: &[String], at: usize) -> Vec<String> {
     }
 }
 
-/// The items of the crate's root that a text names, by `crate::` or by as many `super::` as it lies deep.
+/// The items of the crate's root that a text names, by `crate::` or by one `super::` for each level of its depth.
 fn named(text: &str, depth: usize) -> Vec<String> {
     let tokens = tokens(text);
     let is = |at: usize, wanted: &str| tokens.get(at).is_some_and(|token| token == wanted);
@@ -379,8 +379,8 @@ fn head(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
-/// `docs/modules.md` has the heads of all top-level modules. A failure writes the page as it should be beside the
-/// results of the build.
+/// `docs/modules.md` has the heads of all top-level modules. A failure writes the right page beside the results of
+/// the build.
 #[test]
 fn the_page_of_modules_has_their_heads() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

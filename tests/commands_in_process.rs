@@ -50,7 +50,7 @@ analysis one = transient(Swing(), duration: 100 ms, sample: 10 ms)
 analysis two[l in [0.3, 0.4] m] = transient(Swing(length: l), duration: 100 ms, sample: 10 ms)
 ";
 
-/// A folder of its own with a model, gone afterwards.
+/// A folder of its own with a model, removed afterwards.
 struct Folder(PathBuf);
 
 impl Folder {

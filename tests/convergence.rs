@@ -95,7 +95,8 @@ fn positions_velocities_and_reactions_converge_with_second_order() {
     }
 }
 
-/// Work of spring, damper and gravity against kinetic energy: the audit closes, and better with smaller tolerances.
+/// Work of spring, damper and gravity against kinetic energy: the balance closes, and closes better with smaller
+/// tolerances.
 #[test]
 fn the_audit_of_energy_closes() {
     let model = model(COASTING, "Coasting");
@@ -207,8 +208,9 @@ analysis usual = transient(VTwin(), duration: 1 rev, sample: 2 deg)
 analysis fine = transient(VTwin(), duration: 1 rev, sample: 2 deg, tolerance: 0.01)
 ";
 
-/// Accelerations of the pins and reactions that are small beside the pistons' are as good as everything else at the default tolerance,
-/// against a hundredth of it: the error of each sample, of the channel's swing.
+/// Accelerations of the pins, and reactions that are small beside those of the pistons, are as accurate as all others
+/// at the default tolerance. The reference is a hundredth of it, and the error of each sample counts as a share of
+/// the channel's swing.
 #[test]
 fn small_accelerations_and_reactions_are_right_at_the_default_tolerance() {
     let program = eng::check(&Sources::from_text("v.eng", VTWIN), "v.eng")

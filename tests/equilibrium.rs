@@ -226,8 +226,8 @@ fn torque(angle: f64) -> f64 {
     push * (r * sin + r * r * sin * cos / (l * l - r * r * sin * sin).sqrt())
 }
 
-/// The torque that holds the crank at an angle, by the virtual work of the piston's force: held by a drive that stands, by one that
-/// turns and is at the angle at its time, and by `at` alone, forwards of the start and behind it.
+/// The torque that holds the crank at an angle, by the virtual work of the piston's force: held by a drive at rest,
+/// by one that turns and is at the angle at its time, and by `at` alone, before the angle of the start and behind it.
 #[test]
 fn a_crank_is_held_against_its_piston() {
     let analyses = "analysis here[a in [0, 20, 60, 190, 350] deg] = static(Single(wanted: a))";
@@ -273,7 +273,7 @@ fn a_crank_is_held_against_its_piston() {
     near(value(&outcome, "liner.travel"), 0.11 - 0.035 + 0.025, 1e-9);
 }
 
-/// An angle that a drive does not come to is refused.
+/// An angle that a drive does not reach is refused.
 #[test]
 fn an_angle_that_a_drive_forbids_is_refused() {
     let hold = "drive hold = PrescribedRotation(crank.main, axis, speed: 0 rpm, initial: 35 deg)
@@ -439,7 +439,8 @@ fn an_idle_freedom_stays() {
     );
 }
 
-/// The command prints the values of an equilibrium, writes them, and shows them on the page; a sweep has one column an output.
+/// The command prints the values of an equilibrium, writes them, and shows them on the page; a sweep has one column
+/// for each output.
 #[test]
 fn the_command_shows_a_state_as_a_table() {
     let name = format!("eng-equilibrium-{}", std::process::id());

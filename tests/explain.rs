@@ -49,7 +49,7 @@ fn every_code_is_listed_and_explained() {
     }
 }
 
-/// In this process: a process for each code would take its time.
+/// In this process, because a process for each code would take too long.
 fn explain(code: &str, output: &mut Vec<u8>) -> u8 {
     let mut console = eng::cli::Console {
         output,

@@ -58,8 +58,8 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The table comes from solutions extrapolated to infinitely many cells. So twice as many cells come nearer to it, by
-/// nearly the second order.
+/// The table comes from solutions extrapolated to infinitely many cells. So twice as many cells are nearer to it,
+/// with nearly the second order.
 #[test]
 fn more_cells_come_nearer_to_the_table() {
     let ratio = |law: &str| mean(&Run::of(&rotor(law)).last_turn("main.film_ratio"));
@@ -76,7 +76,7 @@ fn more_cells_come_nearer_to_the_table() {
     assert!(coarse / fine > 3.0, "{}", coarse / fine);
 }
 
-/// In a steady orbit the power of the drive is all that becomes heat.
+/// In a steady orbit the power of the drive equals the heat.
 #[test]
 fn the_drive_gives_what_the_film_loses() {
     let law = format!("Film(rotor.mid, seat, {BEARING})");
@@ -87,8 +87,8 @@ fn the_drive_gives_what_the_film_loses() {
     assert!((given / lost - 1.0).abs() < 5e-3, "{given} {lost}");
 }
 
-/// A shell that turns at 300 rad/s about a pin that stands: tilted, beside the middle of the shell, and above mid width. The shell has
-/// a groove, and its ends are under pressure.
+/// A shell that turns at 300 rad/s about a pin at rest: tilted, beside the middle of the shell, and above mid width.
+/// The shell has a groove, and its ends are under pressure.
 fn turning(more: &str, settings: &str) -> String {
     format!(
         "use std.journals.{{Film, axial_groove}}
@@ -158,7 +158,7 @@ fn seen_by_the_shell(time: f64) -> Vec<f64> {
     .write()
 }
 
-/// Where the pin's axis pierces the middle of the shell (m).
+/// The point at which the pin's axis pierces the middle of the shell (m).
 const PIERCES: [f64; 2] = [0.012e-3 - 3e-3 * 4e-4, -0.005e-3 + 3e-3 * 2e-4];
 
 /// Force, moment and torque are those of the kernel at the place, rates and spin that the shell sees; the weld of the pin holds them.
@@ -208,7 +208,7 @@ fn a_turning_shell_sees_the_kernels_loads() {
     }
 }
 
-/// The oil in the cavity of the turning shell: with the steps of the run, the kernel alone carries it on to the same forces.
+/// The oil in the cavity of the turning shell: with the steps of the run, the kernel alone reaches the same forces.
 #[test]
 fn oil_goes_on_from_step_to_step() {
     let settings = "sample: 0.1 ms, step: 0.1 ms";
@@ -279,7 +279,7 @@ fn a_checkpoint_holds_the_oil() {
     }
 }
 
-/// Ten times finer steps change the orbit and the oil little, and the usual steps lose next to none of it.
+/// Ten times finer steps change the orbit and the oil little, and the usual steps lose almost none of it.
 #[test]
 fn finer_steps_change_the_oil_little() {
     let usual = Run::of(&fed_rotor());
@@ -297,7 +297,7 @@ fn finer_steps_change_the_oil_little() {
     assert!(usual < 0.02 && finer < 0.6 * usual && finer > 0.0);
 }
 
-/// At low speed asperities carry a part of the load and brake; the drive gives all that becomes heat.
+/// At low speed asperities carry a part of the load and brake. The power of the drive equals the heat.
 #[test]
 fn asperities_carry_and_brake() {
     let law = format!(

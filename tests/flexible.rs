@@ -66,7 +66,7 @@ fn a_free_bar_has_the_mass_and_frequencies_of_a_beam() {
     );
 }
 
-/// A cube of one element, as CalculiX would have it.
+/// A cube of one element, with the matrices of CalculiX.
 const CUBE: &str = "*NODE
 1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.
 5, 0., 0., 1.\n6, 1., 0., 1.\n7, 1., 1., 1.\n8, 0., 1., 1.

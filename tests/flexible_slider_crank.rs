@@ -70,9 +70,10 @@ const PUBLISHED: [f64; 3] = [8.0, 1.0, 2.0];
 /// crank pin and slider.
 struct Simeon {
     m: Mechanism,
-    /// The strain energy is `EA/2 ∫ (u' + ½ w'²)² dx`. The published equations have its product of stretch and slope squared, and leave out the
-    /// fourth power of the slope, without which the shortening of a bent rod counts as pressure in it; here it is in, as far as it is not
-    /// evened out along the rod by stretches that the quadratic element does not have.
+    /// The strain energy is `EA/2 ∫ (u' + ½ w'²)² dx`. The published equations have its product of stretch and slope
+    /// squared, and leave out the fourth power of the slope. Without this power the shortening of a bent rod counts
+    /// as pressure in it. Here the power is included, as far as stretches that the quadratic element does not have do
+    /// not even it out along the rod.
     stiffened: bool,
     /// Damping matrix over stiffness matrix (s).
     damping: f64,
@@ -299,8 +300,8 @@ fn deck(m: &Mechanism) -> String {
     deck + "ENDDATA\n"
 }
 
-/// Damping over stiffness (s) of both where they start from rest: the stretch, which that start makes ring at 3 kHz, is gone after a
-/// millisecond, bending keeps ringing.
+/// Damping over stiffness (s) of both from rest. The start makes the stretch ring at 3 kHz; this has decayed after a
+/// millisecond, and the bending keeps ringing.
 const DAMPING: f64 = 1e-5;
 
 fn text(m: &Mechanism, stiffened: bool) -> String {

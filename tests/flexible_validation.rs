@@ -134,8 +134,8 @@ fn peak(values: &[f64], step: f64, near: f64) -> f64 {
     found.step * (k as f64 + 0.5 * (a - c) / (a - 2.0 * b + c))
 }
 
-/// A bent cantilever that a joint clamps to a hub at rest and to one that turns, and that is hit across, rings at its published
-/// frequencies.
+/// A bent cantilever is clamped by a joint to a hub at rest, and to one that turns. After a blow across it rings at
+/// its published frequencies.
 #[test]
 fn an_angled_beam_rings_at_the_published_frequencies() {
     let reference = reference();

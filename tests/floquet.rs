@@ -88,8 +88,9 @@ const TILT: &str = "
     analysis standing = linear(Rotor(), over: 1 rev)
     analysis third = linear(Rotor(speed: 200 rad/s, unequal: 4 g*m^2), over: 0.3 rev)";
 
-/// Whirl of a round disc over 0.3 to 2 times its frequency at rest, `(I_p Ω ± √(I_p² Ω² + 4 I_d k))/2I_d` seen from the ground:
-/// multipliers, branch and all, as from the eigenvalues of the constant coefficients. The free turn is neutral.
+/// Whirl of a round disc over 0.3 to 2 times its frequency at rest, `(I_p Ω ± √(I_p² Ω² + 4 I_d k))/2I_d` seen from
+/// the ground: multipliers with their branch, as from the eigenvalues of the constant coefficients. The free turn is
+/// neutral.
 #[test]
 fn a_round_disc_whirls_forwards_and_backwards() {
     let program = program(TILT);
@@ -123,8 +124,9 @@ fn a_round_disc_whirls_forwards_and_backwards() {
     assert!(refused(&program, "standing").contains("no body turns"));
 }
 
-/// A disc of unequal inertia: in axes that turn with it, `I₁(φ̈₁ − Ωφ̇₂) + (I₃ − I₂)Ω(φ̇₂ + Ωφ₁) + kφ₁ = 0` and its like have constant
-/// coefficients, and the multipliers of a turn are those of the ground. Frozen in the ground they would be others.
+/// A disc of unequal inertia: in axes that turn with it, `I₁(φ̈₁ − Ωφ̇₂) + (I₃ − I₂)Ω(φ̇₂ + Ωφ₁) + kφ₁ = 0` and the
+/// other equations have constant coefficients, and the multipliers of a turn are those of the ground. Coefficients
+/// frozen in the ground would give others.
 #[test]
 fn a_disc_of_unequal_inertia() {
     let program = program(TILT);
@@ -344,9 +346,10 @@ const RINGING: &str = "
     analysis stated = linear(Rotor(), over: 1 rev, start: assembled, step: 0.12 ms)
     analysis other = linear(Rotor(), over: 0.7 rev)";
 
-/// An assembled start lets a bob ring on its spring, faster than the first steps of the march follow: their changes over the period point
-/// the search the wrong way. With shorter ones it comes to the motion that a balanced start finds. Where the step is stated it stays,
-/// and the message names the start; of a wrong period it does not.
+/// An assembled start lets a bob ring on its spring, faster than the first steps of the march follow: their changes
+/// over the period lead the search in the wrong direction. With shorter steps it reaches the motion that a balanced
+/// start finds. A stated step is kept, and the message names the start. A message about a wrong period does not name
+/// it.
 #[test]
 fn a_start_that_rings_comes_to_the_motion_that_repeats() {
     let program = program(RINGING);
@@ -370,8 +373,8 @@ fn a_start_that_rings_comes_to_the_motion_that_repeats() {
     assert!(!other.contains(far), "{other}");
 }
 
-/// A point on a thread that goes round on a cone of 50°: N comes back turned by 231.40°, and `κ = Ω√(1 + 3cos²α)`, modulo Ω ±178.7419°
-/// a turn. The phase, the family of cones and the free body are neutral.
+/// A point on a thread that circles on a cone of 50°: N returns turned by 231.40°, and `κ = Ω√(1 + 3cos²α)`, modulo Ω
+/// ±178.7419° a turn. The phase, the family of cones and the free body are neutral.
 #[test]
 fn a_pendulum_on_a_cone() {
     let (angle, g, l) = (50f64.to_radians(), 9.81_f64, 0.5_f64);
@@ -474,8 +477,8 @@ const FLEXIBLE: &str = "
         Flexible(speed: s, pull: 200 m/s^2, push: 0.1 N, moment: 8 ms, width: 0.3 ms, brake: 2000 N*s/m),
         duration: 45 ms, sample: 0.1 ms, step: 2 us, start: quasi_static)";
 
-/// The whirl of a flexible rotor dies out in time as its exponent says, within 1e-3 |λ|; the frozen picture is farther off. Hardly loaded
-/// it whirls at half its speed, about a motion that no transient stays on.
+/// The whirl of a flexible rotor decays in time with its exponent, within 1e-3 |λ|; frozen coefficients have a larger
+/// error. Under a small load it whirls at half its speed, about a motion that no transient keeps.
 #[test]
 fn a_flexible_rotor_on_two_bearings() {
     let program = program(FLEXIBLE);
@@ -528,8 +531,9 @@ fn whirl(program: &Program, analysis: &str, from: usize, h: f64) -> Complex<f64>
     decay(&swing, h)
 }
 
-/// The speed at which oil whirl of a flexible rotor begins, by bisection from multipliers, is that at which whirl in transients neither
-/// grows nor dies; beyond it shooting finds the motion that no transient stays on, and whirl leaves it as its exponent says.
+/// The speed at which oil whirl of a flexible rotor begins, by bisection from multipliers, is the speed at which
+/// whirl in transients neither grows nor decays. Beyond it shooting finds the motion that no transient keeps, and
+/// whirl grows from it with its exponent.
 #[test]
 fn the_threshold_of_oil_whirl() {
     let program = program(FLEXIBLE);

@@ -31,8 +31,8 @@ fn modes(program: &Program, analysis: &str) -> LinearModes {
     outcome(program, analysis).modes.expect("modes")
 }
 
-/// μ of the oscillation of the values at the beginning of each cycle, from `y(k+2) = s y(k+1) − p y(k)`: the whirls in
-/// the films are dead after a cycle.
+/// μ of the oscillation of the values at the beginning of each cycle, from `y(k+2) = s y(k+1) − p y(k)`: the whirls
+/// in the films have decayed after a cycle.
 fn multiplier(values: &[f64]) -> Complex<f64> {
     let swing: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
     let mut normal = [0.0; 5];
@@ -48,8 +48,9 @@ fn multiplier(values: &[f64]) -> Complex<f64> {
     Complex::new(0.5 * s, (p - 0.25 * s * s).sqrt())
 }
 
-/// A four-cylinder engine on films over two turns, unfired and fired: the drive line's torsion, the slowest motion, dies from cycle to
-/// cycle as it does in the transient. The dynamometer holds the phase: no multiplier is neutral.
+/// A four-cylinder engine on films over two turns, unfired and fired: the torsion of the drive line, the slowest
+/// motion, decays from cycle to cycle as in the transient. The dynamometer holds the phase: no multiplier is
+/// neutral.
 #[test]
 fn an_engine_over_a_cycle() {
     let program = program(

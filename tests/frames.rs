@@ -146,7 +146,7 @@ const ZERO: [&str; 8] = [
     "of_film.force",
 ];
 
-/// Every vector that an element records, with the path of the marker along whose axes it does.
+/// Every vector that an element records, with the path of the marker whose axes it uses.
 fn vectors() -> Vec<(String, String)> {
     let mut all = Vec::new();
     let seat = |i: usize| format!("carrier.seat[{i}]");

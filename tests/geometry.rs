@@ -111,7 +111,7 @@ fn the_axes_of_a_bore_turn_with_its_bank() {
     assert!((value("across") + 0.5).abs() < 1e-12);
 }
 
-/// The state in which a run begins is the one that counts: a guess outside of the clearance is none of it.
+/// Conditions count in the state in which a run begins, and not at a guess outside of the clearance.
 #[test]
 fn a_check_does_not_refuse_a_text_that_runs() {
     let guess = format!("{TURNING}; guess position = [40, 0, 0] um");
@@ -131,7 +131,7 @@ fn a_check_does_not_refuse_a_text_that_runs() {
     eng::run::run(&analysis, false, &mut |_| {}).expect("a run");
 }
 
-/// A rod shorter than the throw locks at sin θ = rod/throw; a rod that is long enough comes round.
+/// A rod shorter than the throw locks at sin θ = rod/throw; a rod that is long enough turns fully.
 #[test]
 fn a_dry_turn_finds_where_a_crank_locks() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/diagnostics/run");
@@ -244,8 +244,9 @@ fn a_check_lists_the_assembled_positions() {
     }
 }
 
-/// A rotor whose bearings leave the tilt of its axis free, or hold it by films or springs, on shells along `axis`. Nothing states where it is but the
-/// drive: the shells' x axis stands at `shell`, the rotor `initial` from there.
+/// A rotor whose bearings leave the tilt of its axis free, or hold it by films or springs, on shells along `axis`.
+/// Only the drive states its position: the x axis of the shells is at the angle `shell`, and the rotor at `initial`
+/// from there.
 fn rotor(bearings: &str, axis: [&str; 3], body: &str) -> String {
     let [z, x, y] = axis;
     format!(
@@ -322,8 +323,9 @@ fn begins(model: &eng::Model, shell: f64, initial: f64) -> [f64; 3] {
     })
 }
 
-/// The equation of a drive is solved by a rotor that lies across or upside down, too: the turn about its axis is the one meant. The
-/// velocities that are stated agree with the drive's at every angle, though two rows of theirs are one.
+/// A rotor that lies across or upside down also solves the equation of a drive; the assembly must find the turn about
+/// its axis. The stated velocities agree with those of the drive at every angle, although two of their rows are
+/// equal.
 #[test]
 fn a_drive_turns_a_rotor_about_its_axis_from_every_angle() {
     let along_z = ["[0, 0, 1]", "[1, 0, 0]", "[0, 1, 0]"];
@@ -387,7 +389,8 @@ fn linkage(rod: &str, place: &str) -> String {
     )
 }
 
-/// A rod that may tilt is as long as its joints are apart in space, and a loop that stays open names the guesses it began from.
+/// A rod that may tilt is as long as its joints are apart in space, and the message about an open loop names the
+/// guesses.
 #[test]
 fn an_open_loop_names_its_lengths_and_guesses() {
     let open = told(&linkage("280, 0, 0", "[3000, 20, 40]"));

@@ -133,8 +133,8 @@ analysis r = transient(Bench(), duration: 1 ms, sample: 1 ms)
     assert_first(text, &columns);
 }
 
-/// A use through an interface knows the order of the interface, whatever the order of the class and whichever
-/// arguments the class has already.
+/// A use through an interface has the order of the interface, for any order of the class and any arguments
+/// that the class has already.
 #[test]
 fn arguments_through_an_interface_follow_its_order() {
     let text = "

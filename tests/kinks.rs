@@ -82,7 +82,7 @@ fn contacts_move_as_another_integrator_says() {
     }
 }
 
-/// The energy of the ball on the sheet after the impact is that before it: it comes back, whatever the distance of samples.
+/// The energy of the ball on the sheet after the impact is that before it: it returns, at any distance of samples.
 #[test]
 fn a_thin_sheet_is_not_stepped_over() {
     for sample in ["20 ms", "0.1 ms", "0.2 s"] {

@@ -449,7 +449,7 @@ struct JournalRotor {
     whirl: f64,
 }
 
-/// With a mass of so much of the one at which whirl begins, under the same load.
+/// A rotor whose mass is this share of the mass at which whirl begins, under the same load.
 fn journal_rotor(threshold: f64) -> JournalRotor {
     let table: serde_json::Value =
         serde_json::from_str(include_str!("reference/bearing_short_coefficients.json"))
@@ -541,7 +541,7 @@ fn published(rotor: &JournalRotor) -> Vec<Complex<f64>> {
     matrix.complex_eigenvalues().iter().copied().collect()
 }
 
-/// How far λ is from the nearest of others, of its own size.
+/// The distance of λ from the nearest of others, as a share of its size.
 fn distance(value: Complex<f64>, others: &[Complex<f64>]) -> f64 {
     others
         .iter()
@@ -584,7 +584,7 @@ fn a_rotor_begins_to_whirl_at_the_published_threshold() {
     assert!(slow.damping_ratio().abs() < 1e-5, "{}", slow.value);
 }
 
-/// Put aside by 50 nm the rotor swings back as its slow mode says.
+/// Displaced by 50 nm, the rotor returns with the decay of its slow mode.
 #[test]
 fn a_rotor_swings_back_as_its_mode_says() {
     let program = journal_rotor(0.7).program;
@@ -637,8 +637,8 @@ fn a_state_of_an_element() {
     near(tension, m * (2.0 / m).sqrt() * mode.value.norm(), 1e-7);
 }
 
-/// A free bar that spins about its axis: from the ground it nutates with `Ω J_p/J_t`; bending, ω₀ from the ground, is ω₀ ± Ω in the bar's
-/// own axes, but for the gyroscopic moment of its sections.
+/// A free bar that spins about its axis: from the ground it nutates with `Ω J_p/J_t`; bending, ω₀ from the ground, is
+/// ω₀ ± Ω in the bar's own axes, except for the gyroscopic moment of its sections.
 #[test]
 fn a_spinning_bar_in_its_own_axes() {
     let text = "
@@ -680,7 +680,7 @@ fn a_spinning_bar_in_its_own_axes() {
     }
 }
 
-/// The same bits again, and in whatever order of threads.
+/// The same bits in every run, and in any order of threads.
 #[test]
 fn the_same_bits() {
     let text = HELD;

@@ -7,7 +7,7 @@ use eng::report::Described;
 use eng::{Program, Sources};
 use std::path::PathBuf;
 
-/// A file of its own in a folder of its own, gone afterwards.
+/// A file of its own in a folder of its own, removed afterwards.
 struct Text(PathBuf);
 
 impl Text {

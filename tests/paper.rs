@@ -181,9 +181,9 @@ fn at_rest(program: &Program, case: &str, share: f64) -> ([f64; 5], f64) {
     (errors, largest)
 }
 
-/// The multibody model at rest against the linear finite-element model, in parts of the case's largest displacement: a journal that
-/// hardly moves has no measure of its own. They differ by geometry alone: ten times less load, ten times less difference. The
-/// paper has 0.054 to 0.006 % of each journal's own.
+/// The multibody model at rest against the linear finite-element model, as a share of the case's largest
+/// displacement, because a journal that hardly moves gives no scale. They differ by geometry alone: with a tenth of
+/// the load the difference is a tenth. The paper has 0.054 to 0.006 % of each journal's own displacement.
 #[test]
 fn table_1_multibody_model_at_rest_on_springs() {
     let program = program("statics.eng");

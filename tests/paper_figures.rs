@@ -117,7 +117,8 @@ fn the_start_does_not_ring() {
     }
 }
 
-/// Figure 4: the flywheel loads journal 5 in another way than journal 1; a crank without flywheel loads both alike.
+/// Figure 4: the flywheel loads journal 5 in another way than journal 1; a crank without flywheel loads both in the
+/// same way.
 #[test]
 fn figure_4_journal_5_differs_from_1_by_the_flywheel() {
     let without = run("no_flywheel");

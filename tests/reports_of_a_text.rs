@@ -1230,7 +1230,7 @@ fn error(report: &EvaluatedReport, name: &str) -> String {
     }
 }
 
-/// A line at a limit is half below and half above it, wherever it is filtered.
+/// A line at a limit is half below and half above it, for every way to filter it.
 #[test]
 fn a_line_at_a_limit_is_halved() {
     let ran = Ran::of(
@@ -1328,7 +1328,7 @@ fn half_of_the_samples_is_refused() {
     assert!(value(&report, "below").abs() < 1e-2);
 }
 
-/// A last cycle is whole, however its samples lie.
+/// A last cycle is whole, for every position of its samples.
 #[test]
 fn a_last_cycle_between_samples_is_whole() {
     let ran = Ran::of(

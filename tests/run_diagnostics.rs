@@ -173,7 +173,7 @@ fn codes_that_only_programs_can_raise() {
     );
 }
 
-/// No panic, whatever a program hands over.
+/// No argument of a program causes a panic.
 #[test]
 fn a_handle_of_another_model_is_refused() {
     let text = format!(

@@ -383,7 +383,7 @@ fn points_of_a_sweep_have_names_of_their_own() {
     assert_eq!(names("2..4"), ["a[2]", "a[3]", "a[4]"]);
 }
 
-/// Loads that are rounding are not asked to repeat; a model without bodies starts as it is.
+/// Loads that are rounding need not repeat. A model without bodies starts as it is.
 #[test]
 fn nothing_moves_and_rounding_is_no_change() {
     let program = program(
@@ -506,7 +506,7 @@ fn a_pendulum_comes_to_hang_and_is_told_to_stand_upside_down() {
     }
 }
 
-/// A body that gravity lets fall is held by nothing, wherever it is sought.
+/// Nothing holds a body that falls under gravity, and every search finds this.
 #[test]
 fn what_falls_is_held_by_nothing() {
     let program = program(

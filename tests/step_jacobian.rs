@@ -91,12 +91,13 @@ impl Case {
     /// Slopes of all rows along a column with their errors, from the interval (−reach, reach).
     ///
     /// The odd part is `Σ a_j T_{2j+1}(d/reach)`; at the points `cos((2k − 1)π/4N)`, k = 1…N, the sums
-    /// `a_j = 2/N Σ_k g_k T_{2j+1}(t_k)` are exact for polynomials below degree 4N (discrete orthogonality; Trefethen, Approximation Theory
-    /// and Approximation Practice, ch. 3). Rounding appears as a level at which the coefficients stop falling: σ, the root mean
-    /// square of their last half. Those above 4σ make the slope `Σ (−1)^j (2j + 1) a_j/reach`. Its error is taken as if all N coefficients
-    /// were off by 4σ in the worst way, `4σ N²/reach`: so it holds, too, where a kink makes them fall slowly. Where they have not
-    /// come down to the level by half of N, there is no slope. Where all differences are lost in rounding, σ is not zero but that of a number
-    /// of the row's size.
+    /// `a_j = 2/N Σ_k g_k T_{2j+1}(t_k)` are exact for polynomials below degree 4N (discrete orthogonality;
+    /// Trefethen, Approximation Theory and Approximation Practice, ch. 3). Rounding appears as a level at which the
+    /// coefficients stop falling: σ, the root mean square of their last half. Those above 4σ make the slope
+    /// `Σ (−1)^j (2j + 1) a_j/reach`. Its error is that of all N coefficients wrong by 4σ in the worst way,
+    /// `4σ N²/reach`: so it also holds if a kink makes them fall slowly. Where they have not come down to the level
+    /// by half of N, there is no slope. Where all differences are lost in rounding, σ is not zero but that of a
+    /// number of the row's size.
     fn chebyshev(&mut self, column: usize, reach: f64) -> Vec<Slope> {
         const POINTS: usize = 64;
         let n = self.at.len();
