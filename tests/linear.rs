@@ -134,8 +134,8 @@ fn a_mass_on_a_spring() {
     assert!(!found.modes[0].oscillates());
 }
 
-/// A mass on a spring behind ever heavier dampers: the slow pole, `−2k/(c + √(c² − 4mk))`, stays beside a fast one of up to 10¹⁶ times
-/// its pace.
+/// A mass on a spring behind ever heavier dampers: the slow pole, `−2k/(c + √(c² − 4mk))`, is found beside a fast one
+/// of up to 10¹⁶ times its rate.
 #[test]
 fn what_creeps_behind_a_damper_is_no_zero() {
     let program = program(SPRING);
@@ -149,8 +149,8 @@ fn what_creeps_behind_a_damper_is_no_zero() {
     }
 }
 
-/// Two masses, free together, one slowed by a whiff of air: a stiff spring between them, a true zero of the place, and the slow
-/// pole `−c/(m₁ + m₂)` nine decades below the oscillation.
+/// Two masses, free together, one of them with a very weak damper: a stiff spring between them, a true zero of the
+/// place, and the slow pole `−c/(m₁ + m₂)` nine decades below the oscillation.
 #[test]
 fn a_free_motion_has_a_zero_and_dies_out() {
     let text = "
@@ -184,8 +184,8 @@ fn a_free_motion_has_a_zero_and_dies_out() {
     near(found.modes[1].value.re, -1e-4 / 5.0, 1e-7);
 }
 
-/// A pendulum on a hub that turns about the vertical at a constant speed, at its outward balance, and hanging. Its one freedom turns with
-/// the hub, so that the frozen picture is exact.
+/// A pendulum on a hub that turns about the vertical at a constant speed, at its outward balance, and hanging. Its
+/// one freedom turns with the hub, so frozen coefficients are exact.
 #[test]
 fn a_turning_pendulum() {
     let text = "
@@ -229,7 +229,7 @@ fn a_turning_pendulum() {
     assert!(found.modes[0].damping_ratio().abs() < 1e-9);
 }
 
-/// A body that turns freely about a pin beside its centre is held by nothing: two zeros, no oscillation.
+/// Nothing holds a body that turns freely about a pin beside its centre: two zeros, no oscillation.
 #[test]
 fn a_body_turning_about_a_pin_is_not_held() {
     let text = "
@@ -549,8 +549,9 @@ fn distance(value: Complex<f64>, others: &[Complex<f64>]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The threshold of whirl of a rigid rotor on short bearings, and the whirl there, against the published chart. Beside the threshold
-/// the whirl is not the chart's (at 2 % it is off by 0.7 %): it is that of the published coefficients with the rotor's mass.
+/// The threshold of whirl of a rigid rotor on short bearings, and the whirl there, against the published chart.
+/// Beside the threshold the whirl is that of the published coefficients with the rotor's mass, and not that of the
+/// chart (at 2 % the difference is 0.7 %).
 #[test]
 fn a_rotor_begins_to_whirl_at_the_published_threshold() {
     for (threshold, grows) in [(0.98, false), (1.02, true)] {
@@ -862,9 +863,9 @@ fn coefficients_that_change_with_time_are_refused() {
     near(circular(&hardly)[0], 3.0, hardly.variation);
 }
 
-/// A round rotor that hangs lower in one of its bearings than in the other: a drive about the ground's axis
-/// allows it other small rotations at every angle, by its tilt of some 1e-5. That moves no eigenvalue: they
-/// are those of a whole turn.
+/// A round rotor that hangs lower in one of its bearings than in the other: a drive about the ground's axis allows it
+/// other small rotations at every angle, by its tilt of some 1e-5. This moves no eigenvalue: the eigenvalues are
+/// those of a whole turn.
 #[test]
 fn a_rotor_that_its_bearings_tilt() {
     let text = "

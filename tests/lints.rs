@@ -173,8 +173,8 @@ fn a_report_lists_what_is_accepted() {
     assert!(!codes.contains(&"W0711"), "`near` is accepted: {codes:?}");
 }
 
-/// A weight hung aslant on a spring swings aside by far more than the spring is stretched: only its stretch,
-/// m g/k, is counted.
+/// A weight on a slanted spring swings aside by far more than the spring is stretched. Only its stretch, m
+/// g/k, counts.
 #[test]
 fn a_pendulum_on_a_spring_does_not_sag() {
     let of = |stiffness: &str| {

@@ -66,7 +66,7 @@ fn messages(sources: &Sources, file: &str) -> String {
     human(&diagnostics, checked.report().texts(), Colors::None)
 }
 
-/// The names of the kept files that end so.
+/// The names of the kept files with this end.
 fn kept(cache: &Path, ending: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(cache).into_iter().flatten();
     let files = entries.map(|entry| entry.expect("an entry").path());
@@ -153,7 +153,8 @@ fn a_kept_look_at_a_mesh_follows_text_and_files() {
     assert_eq!(whole.count(), 1);
 }
 
-/// Springs of a deck to the ground are no digits that its stiffness lacks; a body without support is refused.
+/// Springs of a deck to the ground do not count as missing digits of its stiffness. A body without support
+/// is refused.
 #[test]
 fn springs_to_the_ground_need_a_support() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("springs_to_the_ground");

@@ -22,7 +22,7 @@ struct Mistake {
     name: String,
     base: String,
     code: String,
-    /// Of something that is left out: the line of the thing that lacks it.
+    /// For a missing item: the line of the item that lacks it.
     lacking: Option<String>,
     before: String,
     after: String,
@@ -94,7 +94,7 @@ impl Mistake {
     }
 }
 
-/// All that `eng check` says of a file.
+/// All messages of `eng check` about a file.
 fn said(file: &Path) -> (Vec<Diagnostic>, SourceMap) {
     let sources = Sources::folder(file.parent().expect("a folder")).expect("a folder");
     let name = file.file_name().expect("a name").to_string_lossy();

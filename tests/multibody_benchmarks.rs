@@ -20,7 +20,7 @@ fn reference(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
-/// A figure of a reference: its digits are text, more than a number holds.
+/// A number of a reference. Its digits are text, because a double holds fewer.
 fn figure(value: &Value) -> f64 {
     value.as_str().expect("digits").parse().expect("a number")
 }

@@ -56,7 +56,7 @@ fn tried(text: String, data: &BTreeMap<String, String>) {
     }
 }
 
-/// Words, numbers and signs that move the meaning of a text.
+/// Words, numbers and signs that change the meaning of a text.
 const PIECES: [&str; 28] = [
     "0",
     "-",

@@ -59,7 +59,7 @@ fn column<'r>(results: &'r Results, path: &str) -> &'r [f64] {
         .values
 }
 
-/// The last cycle of 0.5 degrees a sample, its end left out.
+/// The last cycle in samples of 0.5 degrees, without its end.
 fn last_cycle<'r>(results: &'r Results, path: &str) -> &'r [f64] {
     let values = column(results, path);
     &values[values.len() - 1441..values.len() - 1]
@@ -80,7 +80,8 @@ fn peak(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// The flexible engine begins in balance, and its journals as they go on in the repeating cycle; begun as assembled it rings.
+/// The flexible engine begins in balance, and its journals as in the repeating cycle. From an assembled start it
+/// rings.
 #[test]
 fn the_start_does_not_ring() {
     let off = |outcome: &Outcome| {
@@ -153,8 +154,9 @@ fn figures_5_and_6_orders_at_journal_5() {
     assert_eq!(strongest("vertical[5]"), [1.0, 2.0]);
 }
 
-/// Figure 9: in the vertical forces static modes alone (A) come near static and normal modes (C); normal modes alone (B) do not. In the
-/// accelerations of the block, which figure 9 does not show, A and B are about as far from C once the motion repeats: they are printed.
+/// Figure 9: in the vertical forces static modes alone (A) are near static and normal modes (C); normal modes alone
+/// (B) are not. Figure 9 does not show the accelerations of the block. There A and B are about equally far from C
+/// once the motion repeats; the test prints them.
 #[test]
 fn figure_9_static_modes_carry_the_journals() {
     let [a, b, c] = [1, 2, 3].map(|k| run(&format!("figure9[{k}]")).results);
@@ -184,8 +186,9 @@ fn nothing_of_the_engine_hangs() {
     assert_eq!(found, None);
 }
 
-/// The modes of the engine over a cycle of two turns: all die out, none is neutral, for the dynamometer holds the phase; the slowest, the
-/// drive line's torsion, does so as in the transient from cycle to cycle; pitching and heaving are where the frozen picture has them.
+/// The modes of the engine over a cycle of two turns: all decay, and none is neutral, because the dynamometer holds
+/// the phase. The slowest, the torsion of the drive line, decays from cycle to cycle as in the transient. Pitching
+/// and heaving have the frequencies of the frozen coefficients.
 #[test]
 fn the_engine_over_a_cycle() {
     let outcome = run("cycle");

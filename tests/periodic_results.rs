@@ -5,7 +5,7 @@ use eng::results::Results;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A part of the wave dies away: fast at one point of the sweep, too slowly at the other.
+/// A part of the wave decays: fast at one point of the sweep, too slowly at the other.
 const MODEL: &str = "
 use std.joints.Revolute
 model Spin {

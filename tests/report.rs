@@ -362,7 +362,7 @@ fn a_report_of_a_flexible_body_has_its_modes_stresses_and_files() {
     in_a_browser(&folder.join("results/bar/report.html"));
 }
 
-/// Goes through a page in a headless Chromium, where there is one.
+/// Uses a page in a headless Chromium, if there is one.
 fn in_a_browser(page: &Path) {
     let names = ["chromium", "chromium-browser", "google-chrome"];
     let browser = tools::find_or("ENG_TEST_CHROMIUM", &names);

@@ -323,7 +323,7 @@ fn places_cycles_and_sweeps() {
     assert_eq!(history(&report, "mixed").panels.len(), 3);
 }
 
-/// Of a cycle that repeats a band is exact; over angle 1 kHz at 1200 rpm is the 50th order.
+/// The band of a cycle that repeats is exact. Over angle, 1 kHz at 1200 rpm is the 50th order.
 #[test]
 fn bands_of_a_repeating_cycle() {
     let ran = Ran::new(
@@ -366,7 +366,7 @@ fn bands_of_a_repeating_cycle() {
     );
 }
 
-/// At the ends of a transient, too; a last cycle is filtered round.
+/// Filters are exact at the ends of a transient, too. A last cycle is filtered around its end.
 #[test]
 fn bands_of_transients_hold_at_the_ends() {
     let ran = Ran::new(
@@ -518,7 +518,7 @@ fn what_samples_cannot_tell_is_refused() {
     assert_eq!(error("none"), "the level of 0 is no finite number");
 }
 
-/// A speed that changes makes no frequencies of orders.
+/// With a changing speed, orders cannot be converted to frequencies.
 #[test]
 fn a_run_up_has_no_frequencies_by_orders() {
     let ran = Ran::new(
@@ -664,7 +664,7 @@ fn a_signal_over_another_one() {
     );
 }
 
-/// The zero of degC is one of temperatures, not of their differences; one sample has extremes, and no frequencies.
+/// The zero of degC belongs to temperatures, not to their differences. One sample has extremes, but no frequencies.
 #[test]
 fn differences_of_points_and_single_samples() {
     let model = "
@@ -1265,7 +1265,7 @@ fn a_line_at_a_limit_is_halved() {
     assert!(value(&report, "whole") < 1e-9 && value(&report, "both") < 1e-9);
 }
 
-/// The sample that ends a run between two others takes nothing away from the rest.
+/// A sample that ends a run between two others does not change the results of the others.
 #[test]
 fn an_odd_last_sample_is_left_out() {
     let ran = Ran::of(

@@ -84,8 +84,9 @@ fn a_turning_engine_begins_as_its_cycle_goes_on() {
     assert!(off(&plain) > 0.3, "{}", off(&plain));
 }
 
-/// The balance by another route: at the start the crank, which is free in its films, is not accelerated across, by the accelerations
-/// that the integrator begins with; fired at full load, with a pin at 0.88 of its clearance.
+/// The balance by another route: the accelerations with which the integrator begins do not accelerate the crank,
+/// which is free in its films, across its axis. The engine is fired at full load, with a pin at 0.88 of its
+/// clearance.
 #[test]
 fn the_crank_is_in_balance_at_the_start() {
     let model = engine("").model("Inline4").expect("the model");
@@ -356,7 +357,7 @@ fn an_angle_starts_as_it_is_stated() {
     near(&started(""), [0.0, 0.0, 0.0, 90.0], "nothing");
 }
 
-/// Points are named by whole numbers where all values are such and differ, else by their place in the list.
+/// The names of points are their values if all are different whole numbers, else their places in the list.
 #[test]
 fn points_of_a_sweep_have_names_of_their_own() {
     let names = |values: &str| -> Vec<String> {
@@ -529,8 +530,8 @@ fn what_falls_is_held_by_nothing() {
     );
 }
 
-/// Beside a disc that turns fast a pendulum stands above its pivot for many cycles, and repeats: a warning reports that
-/// it is unstable there.
+/// Beside a disc that turns fast a pendulum remains above its pivot for many cycles, and repeats: a warning reports
+/// that it is unstable there.
 #[test]
 fn a_steady_motion_that_is_unstable_is_told() {
     let text = |y: f64, begin: f64| {

@@ -41,7 +41,7 @@ fn failure(text: &str) -> String {
     }
 }
 
-/// `ż = max(t − 50 ms, 0) 1 m/s²`: z sleeps, then is the parabola `½ (t − 50 ms)² 1 m/s²`, up to 11.25 mm.
+/// `ż = max(t − 50 ms, 0) 1 m/s²`: z is zero, then it is the parabola `½ (t − 50 ms)² 1 m/s²`, up to 11.25 mm.
 #[test]
 fn a_state_that_sleeps_wakes() {
     let wakes = "max(time - 0.05 s, 0 s)*1 m/s^2";
@@ -113,7 +113,7 @@ fn a_zero_that_parameters_make_is_told_when_they_are_set() {
     }
 }
 
-/// `ż = z²/(1 mm · 0.1 s)` from 1 mm is `1 mm/(1 − t/0.1 s)`: it has no end at 0.1 s.
+/// `ż = z²/(1 mm · 0.1 s)` from 1 mm is `1 mm/(1 − t/0.1 s)`: it is infinite at 0.1 s.
 #[test]
 fn a_state_that_asks_for_too_small_steps_is_named() {
     let told = failure(&text("", "state z: Length = 1 mm", "z*z/(1 mm)/(0.1 s)"));

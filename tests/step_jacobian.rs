@@ -155,7 +155,8 @@ impl Case {
         best
     }
 
-    /// Largest miss and largest error of the slopes, of the norms of the rows. No entry misses by more than its slope's error.
+    /// Largest deviation and largest estimated error of the slopes, as shares of the norms of the rows. No entry
+    /// deviates by more than its estimated error.
     fn compare(&mut self) -> (f64, f64) {
         let (mut largest_miss, mut largest_error) = (0.0_f64, 0.0_f64);
         for column in 0..self.at.len() {
@@ -174,7 +175,7 @@ impl Case {
         (largest_miss, largest_error)
     }
 
-    /// Largest miss of central differences over d, and of their extrapolation from d, d/2 and d/4 (sixth order).
+    /// Largest deviation of central differences over d, and of their extrapolation from d, d/2 and d/4 (sixth order).
     fn plain_miss(&mut self, d: f64) -> (f64, f64) {
         let (mut second, mut sixth) = (0.0_f64, 0.0_f64);
         for column in 0..self.at.len() {
@@ -225,9 +226,9 @@ fn the_steps_matrix_is_exact() {
     }
 }
 
-/// The miss of plain differences over their increment is a V, whose two sides are their own errors: rounding, falling as 1/d, and
-/// truncation, rising as d² (and as d⁶ after extrapolation). Its lowest point is above the tolerance, so plain differences cannot
-/// tell; the matrix they are compared with is the same throughout.
+/// The deviation of plain differences over their increment is a V. Its two sides are their own errors: rounding,
+/// which falls as 1/d, and truncation, which rises as d² (and as d⁶ after extrapolation). Its lowest point is above
+/// the tolerance, so plain differences cannot decide. The matrix of the comparison is the same for all increments.
 #[test]
 fn plain_differences_err_both_ways() {
     let mut case = Case::new("examples/inline4/inline4", "fired", 30, STEP);
@@ -263,7 +264,7 @@ fn plain_differences_err_both_ways() {
 }
 
 /// Films on cells, tilted, with a groove, a lemon bore and oil that thickens. Their forces have a kink where a cell
-/// changes sides, So each entry needs an increment that changes no cell. The remaining error is rounding.
+/// changes sides. So each entry needs an increment that changes no cell. The remaining error is rounding.
 #[test]
 fn the_matrix_of_films_on_cells_is_exact() {
     for steps in [10, 60] {

@@ -83,7 +83,7 @@ fn column<'r>(outcome: &'r Outcome, path: &str) -> &'r [f64] {
     &outcome.results.column(path).expect("a column").values
 }
 
-/// At 0.3 to 1.5 times its first frequency the shaft hangs through as at rest, at the start and for the first 10 ms.
+/// At 0.3 to 1.5 times its first frequency the shaft sags as at rest, at the start and for the first 10 ms.
 #[test]
 fn a_shaft_in_bearings_sags_as_at_rest() {
     let stiffness = YOUNG * second_moment();
@@ -200,8 +200,9 @@ fn followed(outcome: &Outcome) {
     );
 }
 
-/// Eccentricity ratio of Ocvirk's bearing under a still load, from `W = μΩRB³/c² ε/(4 (1 − ε²)²) √(16 ε² + π² (1 − ε²))`, and its
-/// attitude `tan φ = π √(1 − ε²)/(4 ε)` (NACA TN 2808).
+/// Eccentricity ratio of Ocvirk's bearing under a load that is fixed in space, from
+/// `W = μΩRB³/c² ε/(4 (1 − ε²)²) √(16 ε² + π² (1 − ε²))`, and its attitude `tan φ = π √(1 − ε²)/(4 ε)` (NACA TN
+/// 2808).
 fn ocvirk(load: f64, speed: f64) -> (f64, f64) {
     use std::f64::consts::PI;
     let unit = VISCOSITY * speed * 0.5 * PIN * WIDTH.powi(3) / CLEARANCE.powi(2);
@@ -363,9 +364,9 @@ fn pads(kx: f64, ky: f64, cx: f64, cy: f64) -> String {
         .concat()
 }
 
-/// Rotors that are stable and meet no frequency, where the equations of all angles take hundreds of products:
-/// the disc's place at the start against the answer `(K − Ω²M + iΩ(C + G))⁻¹ F` of a model of the same ten
-/// beams (Euler's, with rotary inertia) and disc, in space, with its sag (µm).
+/// Stable rotors without a resonance, for which the equations of all angles take hundreds of products: the place of
+/// the disc at the start against the response `(K − Ω²M + iΩ(C + G))⁻¹ F` of a model of the same ten beams (Euler's,
+/// with rotary inertia) and disc, in space, with its sag (µm).
 #[test]
 fn rotors_between_their_critical_speeds_begin_in_their_motion() {
     let round = pads(4e6, 4e6, 300.0, 300.0);

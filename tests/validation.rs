@@ -431,7 +431,8 @@ model Free {
     joint liner = Translational(piston.crown, bore) { branch travel > 0 mm }
 }";
 
-/// Worst |ΔE/E| over some revolutions, and worst drift of position and velocity, at a number of steps a revolution.
+/// Largest |ΔE/E| over some revolutions, and largest drift of position and velocity, with a number of steps for
+/// each revolution.
 fn drift(revolutions: u32, steps: u32) -> (f64, f64, f64) {
     let mut simulation = model(FREE, "Free")
         .simulation()

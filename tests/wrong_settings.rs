@@ -111,7 +111,7 @@ fn moments_outside_the_kept_motion_are_told() {
     std::fs::remove_dir_all(&folder).expect("removed");
 }
 
-/// A body that begins at rest turns too far within a step that is as long as the run.
+/// A body that begins at rest turns too far within a step of the length of the run.
 #[test]
 fn a_step_as_long_as_the_run_turns_a_body_too_far() {
     let folder = folder("long_step");
