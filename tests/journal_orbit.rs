@@ -16,7 +16,7 @@ struct Case {
     width: f64,
     radius: f64,
     clearance: f64,
-    /// Of the pin (rad/s).
+    /// Speed of the pin (rad/s).
     speed: f64,
     /// Cycle angle (°) and load along x (N), from before 0 to beyond 720.
     points: Vec<(f64, f64)>,
@@ -41,7 +41,7 @@ impl Case {
         }
     }
 
-    /// Along straight lines between the points (N).
+    /// The load on straight lines between the points (N).
     fn load(&self, angle: f64) -> f64 {
         let next = self.points.partition_point(|p| p.0 < angle).max(1);
         let ((a, x), (b, y)) = (self.points[next - 1], self.points[next]);

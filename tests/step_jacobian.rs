@@ -11,9 +11,9 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 const STEP: f64 = 2e-5;
-/// Of the norm of a row.
+/// Allowed deviation, as a share of the norm of a row.
 const TOLERANCE: f64 = 1e-8;
-/// Of the exact entries themselves.
+/// Rounding, as a share of the exact entries.
 const ROUNDING: f64 = 1e-12;
 
 /// An example after some steps, and the exact matrix of its next one.
@@ -24,12 +24,12 @@ struct Case {
     at: Vec<f64>,
     /// Column-major.
     exact: Vec<Vec<f64>>,
-    /// Of each row.
+    /// The norm of each row.
     norms: Vec<f64>,
 }
 
 impl Case {
-    /// Of a text in a folder, `examples/inline4/inline4`.
+    /// The case of a text in a folder, `examples/inline4/inline4`.
     fn new(path: &str, name: &str, steps: u32, step: f64) -> Case {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
         let (folder, file) = (path.parent(), path.file_name().and_then(|f| f.to_str()));

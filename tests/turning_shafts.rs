@@ -13,7 +13,7 @@ fn area() -> f64 {
     0.25 * std::f64::consts::PI * DIAMETER * DIAMETER
 }
 
-/// Of the section, about an axis across.
+/// Second moment of the section about an axis across.
 fn second_moment() -> f64 {
     std::f64::consts::PI * DIAMETER.powi(4) / 64.0
 }

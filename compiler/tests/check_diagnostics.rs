@@ -116,7 +116,7 @@ fn codes_stand_in_the_registry_once_and_in_order_of_their_group() {
     }
 }
 
-/// A fix, applied, takes its message away and brings no new place of the same kind.
+/// An applied fix removes its message and causes no other message of the same kind.
 #[test]
 fn every_fix_mends_its_mistake() {
     let mut tried = 0;

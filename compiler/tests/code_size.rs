@@ -77,7 +77,8 @@ fn every_class_of_the_library_takes_less_than_16_kilobytes() {
         if !missing.remove(&class.name) {
             continue;
         }
-        // the functions of Newton's iteration share the instruction cache; kinks are evaluated once a step
+        // the functions of Newton's iteration share the instruction cache; kinks are evaluated once for each
+        // step
         let bytes = code.code_bytes() - code.function_bytes(Function::Kinks);
         let each: Vec<usize> = Function::ALL
             .iter()
@@ -96,7 +97,8 @@ fn every_class_of_the_library_takes_less_than_16_kilobytes() {
     assert!(large.is_empty(), "more than {LIMIT} bytes: {large:?}");
 }
 
-/// Where an angle, a length or a flag of the law lies does not matter here: any numbers do, and some that are none.
+/// The order of angles, lengths and flags of the law does not matter here. The test uses any numbers, and
+/// some values that are not numbers.
 fn inputs(random: &mut Random, count: usize, special: bool) -> Vec<Pair> {
     let mut inputs: Vec<Pair> = (0..count).map(|_| [random.unit(), random.unit()]).collect();
     if special {

@@ -308,7 +308,7 @@ fn default_of(made: &Elaborated, path: &str) -> f64 {
     *value
 }
 
-/// The checker says which parameter an argument is of; elaboration puts it there.
+/// The checker finds the parameter of an argument, and elaboration uses it.
 #[test]
 fn arguments_go_where_the_checker_reads_them() {
     let text = MODEL

@@ -39,7 +39,7 @@ struct Law {
     width: f64,
 }
 
-/// Where a marker is and how it moves; it is turned about z by an angle.
+/// Position and motion of a marker that is turned about z by an angle.
 #[derive(Clone, Copy, Default)]
 struct Motion {
     x: [f64; 3],
@@ -49,9 +49,9 @@ struct Motion {
 }
 
 struct Film {
-    /// On the pin, inertial axes.
+    /// Force on the pin, inertial axes.
     force: [f64; 3],
-    /// About z, on the pin and on the shell.
+    /// Torque about z on the pin and on the shell.
     torque: [f64; 2],
     shell_force: [f64; 3],
 }
@@ -61,7 +61,7 @@ impl Law {
         Law::with(class, slenderness * DIAMETER, "")
     }
 
-    /// With more arguments after those of every film.
+    /// A law with more arguments after those of every film.
     fn with(class: &str, width: f64, more: &str) -> Law {
         let text = format!(
             "use std.journals.{class}
@@ -142,7 +142,7 @@ analysis start = assemble(Pair())"
         inputs
     }
 
-    /// Of the generated code; the interpreter has the same bits.
+    /// Values by the generated code; the interpreter gives the same bits.
     fn call(&self, function: Function, pin: Motion, shell: Motion) -> Vec<f64> {
         let inputs = self.inputs(pin, shell);
         let of = |code: &dyn ElementCode| {
@@ -273,7 +273,7 @@ fn short_meets_the_exact_pi_film() {
     }
 }
 
-/// Ocvirk's load at steady rotation, whichever of the two surfaces turns with the same sum of speeds.
+/// Ocvirk's load at steady rotation is the same for any speeds of the two surfaces with the same sum.
 #[test]
 fn steady_rotation_of_pin_shell_or_both_carries_ocvirks_load() {
     let law = Law::new("Short", 0.25);
@@ -425,7 +425,8 @@ fn reynolds_meets_the_states_of_another_solver() {
     assert_eq!(states, 27);
 }
 
-/// Stiffness and damping, by differences of the law, beside those of the other solver beyond their uncertainty.
+/// Stiffness and damping by differences of the law. Deviations from those of the other solver count beyond their
+/// uncertainty.
 #[test]
 fn reynolds_has_stiffness_and_damping_of_another_solver() {
     let file = film_states();
@@ -478,7 +479,7 @@ fn reynolds_is_the_solved_film_between_the_points_of_its_table() {
             let cosine = angle.cos();
             let [along, across] =
                 eng_film::impedance::solved_response(slenderness, ratio, cosine).expect("a film");
-            // a mirrored film has the same response but for the sign across; e is at `angle` from v_s
+            // a mirrored film has the same response, except for the sign across; e is at `angle` from v_s
             let side = -angle.signum();
             let speed = 4e-3;
             let force = law.squeeze(polar(ratio, angle), [speed, 0.0]);
@@ -530,7 +531,7 @@ fn a_ring_groove_makes_two_bearings() {
     );
 }
 
-/// A pin that whirls at the mean speed of the surfaces squeezes nothing.
+/// A pin that whirls at the mean speed of the surfaces does not squeeze the film.
 #[test]
 fn free_whirl_at_the_mean_speed_carries_nothing() {
     for class in ["Short", "Impedance", "Reynolds"] {

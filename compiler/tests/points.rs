@@ -16,8 +16,8 @@ const FAMILIES: [(&str, &[&str], &str); 3] = [
     ("CrankAngle", &["Angle"], "deg"),
 ];
 
-/// A place where a value of the type FROM is handed on to one of the type TO. Top-level text, and text in a model where `v` is of
-/// the type FROM, `w` of the type TO, and `b` a body.
+/// A place where a value of the type FROM becomes one of the type TO. Top-level text, and text in a
+/// model where `v` is of the type FROM, `w` of the type TO, and `b` a body.
 const PLACES: [(&str, &str, &str); 33] = [
     ("let", "", "let x: TO = v\noutput o = [x]"),
     ("param", "", "param x: TO = v"),

@@ -166,7 +166,7 @@ fn tangent_of_a_yielding_surface() {
     }
 }
 
-/// A surface that hardly yields is the rigid one, and the difference is proportional to its compliance.
+/// A nearly rigid surface has the film of a rigid one, and the difference is proportional to its compliance.
 #[test]
 fn a_stiff_surface_is_the_rigid_one() {
     let all = reference();

@@ -6,7 +6,7 @@ use eng_film::{Cavitation, Ends, Feed, Film, FilmSource, Inputs, Opening, Quanti
 use serde_json::Value;
 use states::{number, pair, reference};
 
-/// Angles where content begins and ends to change, and flux and force of a ring without end flow.
+/// Angles at which the cavity begins and ends, and flux and force of a ring without end flow.
 fn ring(exact: &Value, cells: usize) -> [f64; 5] {
     let groove = pair(exact, "groove_deg").map(f64::to_radians);
     let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::MassConserving, [cells, 1]);
@@ -56,7 +56,7 @@ fn ring_without_end_flow() {
         let error = (fx - force[0]).hypot(fy - force[1]) / size;
         let flux = (flux / number(exact, "flux") - 1.0).abs();
         let cell = 360.0 / cells as f64;
-        // edges lie on faces: they are known to a cell
+        // edges are on faces, so they are exact to one cell
         assert!((rupture.to_degrees() - number(exact, "rupture_deg")).abs() < 1.01 * cell);
         assert!((reformation.to_degrees() - number(exact, "reformation_deg")).abs() < 1.01 * cell);
         println!("{cells} cells: force {error:.1e}, flux {flux:.1e}");
@@ -67,8 +67,8 @@ fn ring_without_end_flow() {
 }
 
 /// A strip between plates that move by `h(t) = 0.375 + 0.125 cos 4πt`, with flooded ends and z as its only
-/// direction; the largest errors of front and load (relative to the exact load's root mean square), and the
-/// time when the cavity is gone.
+/// direction; the largest errors of front and load (relative to the exact load's root mean square), and
+/// the time at which the cavity is filled.
 fn squeezed(exact: &Value, cells: usize, steps: usize) -> [f64; 3] {
     let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::MassConserving, [4, cells]);
     source.half_width = true;

@@ -1,4 +1,4 @@
-//! Laws that every solution obeys, whatever its grid: energy, mass, whirl, symmetry, objectivity, no
+//! Laws that every solution obeys on every grid: energy, mass, whirl, symmetry, objectivity, no
 //! allocation.
 
 mod states;
@@ -369,7 +369,7 @@ fn profiles_move_the_surface() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Any pose and motion has a solution, from any cavity that went before, and the same one.
+    /// Every pose and motion has a solution, and the search finds the same one from every earlier cavity.
     #[test]
     fn every_state_is_solved(
         ratio in 0.0..0.99_f64, angle in 0.0..6.3_f64, tilt in 0.0..0.9_f64, tilt_angle in 0.0..6.3_f64,
@@ -460,7 +460,7 @@ fn data_out_of_range_are_refused() {
         openings(vec![content])
             .contains("content of an opening of a film is 1.5: it must be in 0 to 1")
     );
-    // an edge over the end opens it
+    // an edge beyond the end opens it
     let mut source = plain();
     source.openings = vec![hole(0.0, -13e-3, 0.0)];
     assert!(Film::new(source).is_ok());

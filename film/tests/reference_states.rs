@@ -7,7 +7,7 @@ use eng_film::{Cavitation, Film, FilmError, FilmSource, Inputs, Roughness};
 use serde_json::Value;
 use states::{Solved, inputs, number, pair, reference, solved, source};
 
-/// The state on so many cells of the full width; the symmetric ones on half of it.
+/// The state on this number of cells over the full width. Symmetric states use half of the width.
 fn on(state: &Value, cells: [usize; 2]) -> Solved {
     let tilted = pair(state, "tilt") != [0.0; 2] || pair(state, "tilt_rate") != [0.0; 2];
     let mut source = source(
@@ -19,7 +19,7 @@ fn on(state: &Value, cells: [usize; 2]) -> Solved {
     solved(source, inputs).unwrap_or_else(|error| panic!("{}: {error}", state["id"]))
 }
 
-/// Quantities that the reference gives: name, value, and the size that an error of it counts against.
+/// Quantities of the reference: name, value, and the size to which an error refers.
 fn quantities(solved: &Solved, state: &Value) -> Vec<(&'static str, f64, f64)> {
     let value = &state["value"];
     let (fx, fy) = (number(value, "fx"), number(value, "fy"));
@@ -47,7 +47,7 @@ fn quantities(solved: &Solved, state: &Value) -> Vec<(&'static str, f64, f64)> {
         ("my", outputs[3], arm),
         ("pmax", summary.maximum_pressure, number(value, "pmax")),
     ];
-    // the rule `half` conserves nothing: its flows tell nothing
+    // the rule `half` does not conserve oil, so its flows have no meaning
     if state["rule"] != "guembel" {
         let size = number(value, "q_out");
         found.push(("q_low", summary.end_flow[0], size));
@@ -283,7 +283,7 @@ fn rough_surfaces_of_the_reference() {
             number(row, "q_out"),
             number(row, "asperity_normal_sum"),
         ];
-        // the flow does not know the mean gap of the reference, whose minimum differs by 0.4 % at h/σ = 2
+        // the flow of the reference does not use the mean gap, whose minimum differs by 0.4 % at h/σ = 2
         let thin = (1.0 - eccentricity[0]) / sigma < 2.5;
         let limit = if thin { 5e-3 } else { 1e-3 };
         for ((found, exact), size) in found.iter().zip(exact).zip([load, load, exact[2], load]) {

@@ -33,7 +33,7 @@ fn response_of_plain_aligned_films() {
         let over = -1.0 / (4.0 * slenderness * speed);
         let along = over * (force[0] * u[0] + force[1] * u[1]);
         let across = over * (force[1] * u[0] - force[0] * u[1]);
-        // a mirrored film has the same response but for the sign across
+        // a mirrored film has the same response, except for the sign across
         let side = if e[1] * u[0] - e[0] * u[1] < 0.0 {
             -1.0
         } else {
@@ -56,7 +56,7 @@ fn points_of_the_file_are_made_again() {
     let lines: Vec<&str> = lines.collect();
     let [slenderness, u, cosine] = points();
     assert_eq!(lines.len(), slenderness.len() * u.len() * cosine.len());
-    // a stride without a common factor with the numbers of points visits all of them by turns
+    // a stride without a common factor with the number of points visits all of them
     for at in (0..lines.len()).step_by(389) {
         let (row, column) = (at / cosine.len(), at % cosine.len());
         let made =

@@ -88,7 +88,7 @@ fn check(name: &str, source: FilmSource, x: &[f64], past: Option<(f64, Vec<f64>)
     println!("{name}: {worst:.1e}");
 }
 
-/// A film with all that a film can have, in units of R = c = μ = 1.
+/// A film with all optional data, in units of R = c = μ = 1.
 fn everything(rule: Cavitation) -> FilmSource {
     let mut source = FilmSource::plain(1.0, 1.2, 1.0, rule, [36, 9]);
     source.openings = vec![

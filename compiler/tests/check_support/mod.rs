@@ -29,7 +29,7 @@ impl Host for Folder {
     }
 }
 
-/// Everything a run gives.
+/// All results of a run.
 #[allow(dead_code)]
 pub struct Run {
     pub sources: SourceMap,
@@ -41,7 +41,7 @@ pub fn run_in(folder: &str, root: &str, text: &str) -> Run {
     run_stages(folder, root, text, false)
 }
 
-/// The same, and where there is no error yet, the analyses and every model of the root.
+/// The same run. Without an error it also elaborates the analyses and every model of the root.
 #[allow(dead_code)]
 pub fn elaborated_in(folder: &str, root: &str, text: &str) -> Run {
     run_stages(folder, root, text, true)

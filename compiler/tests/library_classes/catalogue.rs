@@ -7,7 +7,7 @@ use eng_grammar::{Diagnostics, SourceMap};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Where the states of a class are drawn.
+/// The set from which random states of a class are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Poses {
     /// Any two poses.
@@ -16,14 +16,14 @@ pub enum Poses {
     Film(f64),
 }
 
-/// A class and how a model uses it.
+/// A class and its use in a model.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
-    /// `std.joints`; empty for a class that stands in `definitions`.
+    /// `std.joints`; empty for a class in `definitions`.
     pub module: &'static str,
     pub kind: &'static str,
     pub class: &'static str,
-    /// Besides the two markers.
+    /// The arguments besides the two markers.
     pub arguments: &'static str,
     pub definitions: &'static str,
     /// Further text that the model needs.
@@ -33,7 +33,7 @@ pub struct Case {
     pub closed: bool,
 }
 
-/// Of the journals below (m).
+/// Radial clearance of the journals below (m).
 const CLEARANCE: f64 = 27e-6;
 
 const PLAIN: Case = Case {
@@ -91,7 +91,8 @@ const fn journal(class: &'static str, arguments: &'static str) -> Case {
     }
 }
 
-/// Every class of the library, some twice, and one of a model's own with a state, which no class of the library has.
+/// Every class of the library, some of them twice. One class of a model has a state, because no class of
+/// the library has one.
 pub const CASES: &[Case] = &[
     joint("Fixed"),
     joint("Revolute"),
@@ -204,7 +205,7 @@ pub const CASES: &[Case] = &[
 ];
 
 impl Case {
-    /// The model. Markers stand oblique and off the origins of their bodies.
+    /// The model. Markers are oblique and beside the origins of their bodies.
     pub fn text(&self) -> String {
         let Case {
             module,

@@ -8,7 +8,7 @@ use crate::support::Random;
 use crate::support::magnitudes::with_magnitudes;
 use eng_system::code::{Function, Pair};
 
-/// Of one instance, by the interpreter, both lanes alike.
+/// Values of one instance by the interpreter, with the same inputs in both lanes.
 fn alone(instance: &Instance, function: Function, inputs: &[f64]) -> Vec<f64> {
     crate::support::call(&*instance.interpreter, function, inputs, &instance.tables)
 }

@@ -10,12 +10,13 @@ use eng_system::code::Function;
 
 /// Increment of the differences, of a direction's natural size: truncation and rounding are both below 1e-15.
 const INCREMENT: f64 = 1e-9;
-/// Of the norm of a row over the directions of one kind, each of them in its natural size.
+/// Allowed deviation, as a share of the norm of a row over the directions of one kind, each of them in its natural
+/// size.
 const TOLERANCE: f64 = 1e-8;
 /// Where the norm is below this part of the row's sum of magnitudes, the entries cancel (most are zero except for
 /// rounding). They are then compared with the sum.
 const CANCELLED: f64 = 1e-7;
-/// Of that sum.
+/// Allowed deviation, as a share of that sum.
 const ROUNDING: f64 = 1e-14;
 
 /// Columns of the Jacobian by the generated code.
@@ -61,7 +62,7 @@ pub fn row_magnitudes(instance: &Instance, functions: &ClassFunctions, state: &[
     rows
 }
 
-/// Columns by differences.
+/// Columns of the Jacobian by differences.
 fn differences(instance: &Instance, state: &[f64]) -> Vec<Vec<f64>> {
     let state = doubles(state);
     (0..instance.layout.directions())
@@ -74,8 +75,9 @@ fn differences(instance: &Instance, state: &[f64]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The largest miss of a row, of the norm of the row over the directions of one kind: poses' lengths and angles, twists' velocities
-/// and angular velocities, states. Directions have their natural sizes, so that no kind hides behind the units of another.
+/// The largest deviation in a row, as a share of the norm of the row over the directions of one kind: lengths and
+/// angles of poses, velocities and angular velocities of twists, states. Directions have their natural sizes, so that
+/// no kind hides behind the units of another.
 fn worst(instance: &Instance, state: &[f64], exact: &[Vec<f64>], numeric: &[Vec<f64>]) -> f64 {
     let magnitudes = row_magnitudes(instance, &instance.functions, state);
     let directions = instance.layout.directions();

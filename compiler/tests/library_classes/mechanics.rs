@@ -8,14 +8,14 @@ use crate::states::{Motion, cross, doubles, slope, turned};
 use crate::support::{Random, call};
 use eng_system::code::Function;
 
-/// Of the sum of magnitudes of the terms.
+/// Rounding, as a share of the sum of magnitudes of the terms.
 const ROUNDING: f64 = 1e-12;
 
 /// The wrench on a marker and the marker's motion.
 struct Loaded {
     motion: Motion,
     force: [f64; 3],
-    /// In inertial axes.
+    /// Torque in inertial axes.
     torque: [f64; 3],
 }
 
@@ -125,7 +125,7 @@ fn wrenches_balance() {
                     instance.case.class
                 );
             }
-            // and it is no balance of nothing
+            // and the sums are not empty
             assert!(
                 wrenches
                     .iter()
@@ -197,7 +197,7 @@ struct Two {
 }
 
 impl Two {
-    /// Of an element that has both.
+    /// The pair of an element that has both.
     fn of_pair(instance: &Instance) -> Option<Two> {
         let at = |path: &str| {
             let k = instance.marker(path)?;
@@ -238,8 +238,8 @@ fn half(stiffness: f64, square: Double) -> Double {
     square * (0.5 * stiffness).into()
 }
 
-/// The energy that an element holds (J), by its own formula with the numbers of the catalogue, up to a constant; of a torsion spring
-/// its angle (rad), since only the element knows the turns.
+/// The energy that an element holds (J), by its own formula with the numbers of the catalogue, up to a constant; for
+/// a torsion spring its angle (rad), because only the element counts the turns.
 fn energy(case: &Case, two: &Two, s: &[Double], state_at: usize) -> Option<Double> {
     match case.class {
         "LinearSpring" => {
@@ -336,7 +336,7 @@ fn springs_give_back_what_is_not_turned_to_heat() {
                         .map(|(c, v)| c * v)
                         .sum()
                 }
-                // the damper's: all that flows into it
+                // the heat of the damper is the whole power into it
                 _ => {
                     let stretch = two.distance(&start).high - state[state_at];
                     (9e4 * stretch) * (9e4 * stretch) / 400.0

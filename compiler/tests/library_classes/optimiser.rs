@@ -9,7 +9,7 @@ use eng_compiler::generate::compile_class;
 use eng_compiler::ir::{ClassBody, ClassFunctions};
 use eng_system::code::Function;
 
-/// Of each row's sum of magnitudes.
+/// Allowed deviation, as a share of the sum of magnitudes of a row.
 const TOLERANCE: f64 = 1e-12;
 
 fn as_written(instance: &Instance) -> ClassFunctions {

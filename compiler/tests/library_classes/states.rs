@@ -9,7 +9,7 @@ use eng_system::layout::InputLayout;
 use eng_system::system::BodyRef;
 use std::collections::BTreeMap;
 
-/// Nothing is compared nearer to a kink than this, in relative terms.
+/// Least relative distance from a kink for a comparison.
 const KINK: f64 = 1e-4;
 
 /// Pose and twist: x, R (row-major), ẋ, ω in own axes.
@@ -60,7 +60,7 @@ impl Motion {
         }
     }
 
-    /// Of a frame at a place of the body.
+    /// The motion of a frame at a place of the body.
     fn of_place(&self, position: [f64; 3], orientation: &[f64; 9]) -> Motion {
         let spin = cross(self.w, position);
         Motion {
@@ -155,7 +155,7 @@ impl Instance {
         inputs
     }
 
-    /// A random state away from kinks of everything that is differentiated.
+    /// A random state away from the kinks of all differentiated values.
     pub fn state(&self, random: &mut Random) -> Vec<f64> {
         for _ in 0..200 {
             let inputs = self.draw(random);
@@ -166,7 +166,7 @@ impl Instance {
         panic!("{}: no smooth state found", self.case.class)
     }
 
-    /// The same with a's axes turned about b.z alone.
+    /// A random state in which a's axes are turned about b.z alone.
     pub fn aligned_state(&self, random: &mut Random) -> Vec<f64> {
         let (Some(a), Some(b)) = (self.marker("a.m"), self.marker("b.m")) else {
             panic!("{}: two markers are needed", self.case.class)

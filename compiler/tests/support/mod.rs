@@ -40,7 +40,7 @@ impl Builder {
     pub fn velocity(&mut self, marker: u32) -> Vector {
         self.three(self.layout.marker(marker) + 12, 1)
     }
-    /// In the marker's axes.
+    /// Angular velocity in the marker's axes.
     pub fn spin(&mut self, marker: u32) -> Vector {
         self.three(self.layout.marker(marker) + 15, 1)
     }
@@ -75,7 +75,7 @@ impl Builder {
             self.dot(v, axis)
         })
     }
-    /// From components along a marker's axes.
+    /// The vector of components along a marker's axes.
     pub fn inertial(&mut self, c: Vector, marker: u32) -> Vector {
         let zero = self.g.constant(0.0);
         let mut sum = [zero; 3];
@@ -446,7 +446,7 @@ impl Random {
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     }
-    /// Evenly in (−1, 1).
+    /// A number evenly distributed in (−1, 1).
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }

@@ -4,7 +4,7 @@
 use eng_film::{Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Opening, Summary, Work};
 use serde_json::Value;
 
-/// The file of reference numbers; its `source` and `conventions` say where they come from.
+/// The file of reference numbers; its `source` and `conventions` state their origin.
 pub fn reference() -> Value {
     serde_json::from_str(include_str!("../reference/film_reference.json"))
         .expect("the file is JSON")
@@ -48,7 +48,7 @@ pub fn source(state: &Value, cells: [usize; 2]) -> FilmSource {
     source
 }
 
-/// Inputs of a state of a film with so many openings.
+/// Inputs of a state of a film with this number of openings.
 pub fn inputs(state: &Value, openings: usize) -> Vec<f64> {
     let slope = 1.0 / number(state, "width_over_diameter");
     let grooves = state["grooves"].as_array().map_or(0, Vec::len);
@@ -76,7 +76,7 @@ pub struct Solved {
     pub summary: Summary,
 }
 
-/// Solves a steady film from nothing.
+/// Solves a steady film without an earlier cavity.
 pub fn solved(source: FilmSource, inputs: Vec<f64>) -> Result<Solved, FilmError> {
     let film = Film::new(source).expect("a film");
     let mut work = film.work();

@@ -37,7 +37,7 @@ fn skew(v: &Vector3<f64>) -> Matrix3<f64> {
     v.cross_matrix()
 }
 
-/// Place (m), mass (kg) and moves (m) in each shape of a point.
+/// Place (m) and mass (kg) of a point, and its displacement (m) in each shape.
 pub type Point = ([f64; 3], f64, Vec<[f64; 3]>);
 
 /// A structure of nodes with three translations and three rotations each (all translations first).
@@ -86,7 +86,7 @@ impl Nodes {
         }
     }
 
-    /// Masses in points, with the moves (m) of each point in each shape.
+    /// Masses in points, with the displacement (m) of each point in each shape.
     pub fn lumped(points: &[Point]) -> Nodes {
         let count = points.len();
         let modes = points.first().map_or(0, |p| p.2.len());
@@ -107,7 +107,7 @@ impl Nodes {
         }
     }
 
-    /// With stiffness and damping of the shapes.
+    /// The reduced body with stiffness and damping of the shapes.
     pub fn reduced(&self, stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> ReducedBody {
         ReducedBody {
             invariants: self.invariants(stiffness, damping),
@@ -526,7 +526,7 @@ fn positions_and_velocities_keep_the_constraints() {
     keeps_constraints(&flexible_chain());
 }
 
-/// A chain whose markers move in second order too.
+/// A chain whose markers also have displacements of second order.
 fn curved_chain() -> Compiled {
     let mut draw = Draw(37);
     chain_of(|body| body.invariants.geometric = Some(geometric(3, 3, 0.3, &mut draw)))
@@ -634,7 +634,8 @@ fn a_free_flexible_body_keeps_momentum_and_energy() {
     }
 }
 
-/// Whatever a free body does about its centre of mass, that goes straight on at its speed: the distance (m) from there after a second, of a body of about 1 m.
+/// The centre of mass of a free body moves straight at constant speed, for any motion about it. This is its distance
+/// (m) from there after a second, for a body of about 1 m.
 #[test]
 fn the_centre_of_a_free_flexible_body_goes_straight_on() {
     let mut draw = Draw(13);
@@ -859,7 +860,7 @@ fn matrix_of_a_step_is_exact_with_geometric_stiffness() {
     jacobian::check(&curved_chain(), 0.01, 0.02);
 }
 
-/// Of a marker of second order: J v is the rate of its pose, J̇ v that of its twist.
+/// For a marker of second order, J v is the rate of its pose and J̇ v that of its twist.
 #[test]
 fn a_marker_of_second_order_moves_as_its_jacobian_says() {
     let mut draw = Draw(43);
@@ -983,7 +984,7 @@ fn a_free_body_with_geometric_stiffness_keeps_energy() {
     );
 }
 
-/// Modes that a step cannot resolve are not in the error norm; those it can are.
+/// The error norm contains the modes that a step resolves, and no others.
 #[test]
 fn modes_above_the_step_do_not_control_it() {
     let mut draw = Draw(29);

@@ -6,7 +6,7 @@ use eng_runtime::{Options, Simulation};
 use eng_system::code::Compiled;
 use eng_system::system::StepControl;
 
-/// At a state a few steps of 1 ms on, moved a little, the matrix of a step against differences.
+/// The matrix of a step against differences, at a slightly changed state after a few steps of 1 ms.
 pub fn check(compiled: &Compiled, step: f64, reach: f64) {
     let options = Options {
         step: StepControl::Fixed(1e-3),

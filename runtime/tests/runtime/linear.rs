@@ -154,7 +154,7 @@ fn solve(solver: &mut dyn LinearSolver, b: &DVector<f64>) -> DVector<f64> {
     x
 }
 
-/// Factors and compares; returns how often blocks were not enough.
+/// Factors and compares; returns the number of fallbacks to the general factorisation.
 fn check(pattern: &Pattern, a: &DMatrix<f64>, numbers: &mut Numbers) -> u64 {
     let mut blocks = BlockLu::new(pattern);
     let values = values(pattern, a);
@@ -183,7 +183,7 @@ fn mechanisms() -> Vec<Mechanism> {
         Mechanism::chain(1, 3),
         Mechanism::chain(40, 5),
         Mechanism::chain(17, 2),
-        // two parts that know nothing of each other
+        // two parts without a coupling
         Mechanism {
             widths: vec![6, 6, 6, 6],
             joints: vec![(0, Some(1), 5), (2, Some(3), 5)],
@@ -292,7 +292,7 @@ fn pivots_that_vanish_are_found_elsewhere() {
         }
     }
     assert_eq!(check(&pattern, &a, &mut numbers), 0);
-    // the multipliers of one cylinder do not see the rod: its piece alone is singular
+    // the multipliers of one cylinder do not depend on the rod: its piece alone is singular
     let mut a = mechanism.matrix(0.1, &mut numbers);
     for joint in [2, 3] {
         for row in mechanism.rows(joint) {
@@ -376,7 +376,7 @@ fn singular_matrices_are_refused_as_by_the_general_factorisation() {
     assert!(blocks.factor(&[1.0]).is_err());
 }
 
-/// The same values give the same bits whatever was factored before, also after a block had to give pivots up.
+/// The same values give the same bits after any earlier factorisation, also after a block had to pass on pivots.
 #[test]
 fn factors_do_not_remember() {
     let mut numbers = Numbers::new(41);
@@ -418,7 +418,8 @@ fn blocks_of_a_chain_stay_small() {
     }
 }
 
-/// Pivots too small for a reciprocal: the general factorisation takes over, says so, and is left again.
+/// Pivots too small for a reciprocal: the general factorisation is used and reported, and the next matrix uses blocks
+/// again.
 #[test]
 fn the_general_factorisation_stands_behind() {
     let mut numbers = Numbers::new(57);

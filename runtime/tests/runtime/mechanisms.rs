@@ -13,7 +13,7 @@ pub const ROD: f64 = 0.16;
 pub enum Turn {
     /// A drive: angle = start + speed t.
     Driven { start: f64, speed: f64 },
-    /// Started with a speed, then free.
+    /// No drive: the crank starts with a speed and is then free.
     Free { start: f64, speed: f64 },
 }
 

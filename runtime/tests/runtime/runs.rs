@@ -15,7 +15,7 @@ struct Record {
     samples: Vec<(f64, Option<f64>, Vec<f64>)>,
     warnings: Vec<Warning>,
     fraction: f64,
-    /// Steps until a checkpoint is asked for.
+    /// Number of steps before a checkpoint.
     countdown: Option<u32>,
     saved: Option<(usize, Vec<u8>)>,
 }

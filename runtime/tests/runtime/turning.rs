@@ -1,4 +1,5 @@
-//! The quasi-static start of turning flexible bodies: loads that are still in space and loads that turn, against closed forms.
+//! The quasi-static start of turning flexible bodies: loads that are fixed in space and loads that turn, against
+//! closed forms.
 
 use crate::flexible::Nodes;
 use crate::support::classes::*;
@@ -63,7 +64,7 @@ impl Rotor {
         )
     }
 
-    /// In stiff bearings, or each end on a spring (N/m) across the axis.
+    /// The rotor in stiff bearings, or with each end on a spring (N/m) across the axis.
     fn compiled(&self, bearing: Option<f64>) -> Compiled {
         let (nodes, stiffness, damping) = self.nodes();
         let mut b = Builder::new([0.0, -self.gravity, 0.0]);
@@ -168,7 +169,7 @@ fn change(s: &Simulation) -> f64 {
     *change
 }
 
-/// At the start to 1e-6, and in the first 10 ms.
+/// Compares the motion with the closed form: at the start to 1e-6, and in the first 10 ms.
 fn follows(rotor: Rotor) {
     let mut s = begin(&rotor.compiled(None), 2e-5);
     let (place, rate) = rotor.due();
@@ -202,7 +203,7 @@ fn follows(rotor: Rotor) {
     assert!(worst < 1e-4 * sag, "{ratio}: rings by {:e}", worst / sag);
 }
 
-/// A load that is still bends a round shaft as at rest, whatever the speed.
+/// A load that is fixed in space bends a round shaft as at rest, at every speed.
 #[test]
 fn a_round_shaft_sags_as_at_rest() {
     for ratio in [0.3, 0.5, 0.8, 1.0, 1.5] {
@@ -225,7 +226,7 @@ fn an_unbalance_bends_by_the_resonance_curve() {
     }
 }
 
-/// Each gets its own answer where both act.
+/// If both loads act, each has its own bending.
 #[test]
 fn sag_and_unbalance_at_once() {
     for ratio in [0.3, 0.5, 0.8, 1.5] {
@@ -251,7 +252,8 @@ fn damping_of_the_shaft_turns_the_sag() {
     follows(rotor);
 }
 
-/// A shaft of unequal stiffness moves at twice its speed under gravity, by the closed form; both figures of it at 30 rad/s.
+/// A shaft of unequal stiffness moves at twice its speed under gravity, by the closed form; both numbers of it at
+/// 30 rad/s.
 #[test]
 fn an_unequal_shaft_sags_and_moves_at_twice_its_speed() {
     let rotor = |speed: f64| Rotor {
