@@ -374,7 +374,7 @@ fn phases(name: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The whole, as a model does it; the last line is for the parent: CPU seconds, MB, frequencies.
+/// The whole reduction, as for a model. The last line is for the parent process: CPU seconds, MB, frequencies.
 fn whole(name: &str) -> Result<(), Failure> {
     let Case { mesh, markers, at } = Case::new(name)?;
     let request = Request {
@@ -445,7 +445,7 @@ fn ours(name: &str) -> Result<Figures, Failure> {
     }
 }
 
-/// The deck of the elements for CalculiX, which looks for the free modes.
+/// The deck of the elements for CalculiX, which computes the free modes.
 fn write_deck(mesh: &Mesh, path: &Path) -> Result<(), Failure> {
     let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
     writeln!(file, "*NODE, NSET=ALL")?;
@@ -474,7 +474,7 @@ fn write_deck(mesh: &Mesh, path: &Path) -> Result<(), Failure> {
     Ok(file.flush()?)
 }
 
-/// A folder of its own for CalculiX, gone when it is dropped.
+/// A folder of its own for CalculiX, removed when it is dropped.
 struct Folder(PathBuf);
 
 impl Drop for Folder {
@@ -484,7 +484,7 @@ impl Drop for Folder {
     }
 }
 
-/// None where CalculiX is not installed.
+/// `None` if CalculiX is not installed.
 fn calculix(name: &str) -> Result<Option<Figures>, Failure> {
     let folder = Folder(std::env::temp_dir().join(format!("reduction-{}", std::process::id())));
     std::fs::create_dir_all(&folder.0)?;

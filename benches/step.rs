@@ -37,14 +37,14 @@ fn show(name: &str, times: Vec<f64>) {
     println!("  {name:<44} {least:>10.2} {median:>10.2}");
 }
 
-/// Short runs, many of them: the least are those in which nothing else ran.
+/// Many short runs: the shortest are those without other load.
 const RUNS: u32 = 301;
 
 fn time(name: &str, repeat: u32, mut work: impl FnMut()) {
     show(name, (0..RUNS).map(|_| clock(repeat, &mut work)).collect());
 }
 
-/// Two ways to the same, in turns; the ratio is the median of the ratios of neighbours.
+/// Two ways to the same result, alternating. The ratio is the median of the ratios of neighbours.
 fn compare(names: [&str; 2], repeat: u32, a: &mut dyn FnMut(), b: &mut dyn FnMut()) {
     let mut times = [Vec::new(), Vec::new()];
     let mut ratios = Vec::new();

@@ -8,7 +8,7 @@ use eng_system::code::{ElementCode, Function, Pair};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Nanoseconds a call, the best of several rounds.
+/// Nanoseconds for each call, the least of several rounds.
 fn time(
     code: &dyn ElementCode,
     function: Function,

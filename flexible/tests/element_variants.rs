@@ -182,7 +182,8 @@ fn solids_of_nastran_in_full_are_told() {
     assert!(told(Tetrahedron10, Code::Nastran, Rules::default()).is_empty());
 }
 
-/// Bending of one box by κ about y, u = κ (x z, −ν y z, −(x² + ν (z² − y²))/2): energy ½ E I κ² L, whatever Poisson's ratio.
+/// Bending of one box by κ about y, u = κ (x z, −ν y z, −(x² + ν (z² − y²))/2): energy ½ E I κ² L for every Poisson's
+/// ratio.
 #[test]
 fn incompatible_modes_bend_a_box_exactly() {
     let size = [0.3, 0.2, 0.1];
@@ -212,8 +213,8 @@ fn incompatible_modes_bend_a_box_exactly() {
     assert!(energy(&mesh, Rules::exact()) > 2.0 * exact);
 }
 
-/// The hexahedron with modes of its own inside: its mass is that of its volume, and its energies and stresses, which the amplitudes of
-/// its modes take part in, are those of its matrices. A stored body keeps the numbering of the modes.
+/// The hexahedron with modes of its own inside. Its mass is that of its volume. Its energies and stresses include the
+/// amplitudes of its modes and are those of its matrices. A stored body keeps the numbering of the modes.
 #[test]
 fn amplitudes_inside_elements_count_in_mass_energy_and_store() {
     let mesh = read("c3d8i.inp.gz", Code::CalculiX);
@@ -295,7 +296,7 @@ fn variants_without_their_rule_are_refused_by_name() {
             }
             let full = Rules::exact().stiffness;
             assert!(form::check(&mesh, full).is_ok());
-            // not without a word
+            // not without a message
             assert!(form::told(&mesh, full)[0].contains(name));
         }
     }
@@ -388,7 +389,7 @@ fn sections_of_calculix_are_read_as_it_reads_them() {
     assert!((found / 92.73569 - 1.0).abs() < 0.01, "{found}");
     let radius = first("CIRC\n0.01", Code::Abaqus);
     assert!((radius / found - 1.0).abs() < 1e-9, "{radius}");
-    // four letters, and a square where the second side is left out
+    // names of four letters; without the second side the section is a square
     let square = first("RECTANGULAR\n0.02", Code::CalculiX);
     let plain = first("RECT\n0.02,0.02", Code::Abaqus);
     assert!((square / plain - 1.0).abs() < 1e-9, "{square} {plain}");

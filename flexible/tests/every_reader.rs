@@ -15,7 +15,7 @@ const DAMAGES: u64 = 12;
 /// Most bytes of a file that are kept: its beginning and its end.
 const KEPT: usize = 6000;
 
-/// Any file is this one; a file that it includes is not there.
+/// Every name gives this file; a file that it includes does not exist.
 struct Only(Vec<u8>);
 
 impl Files for Only {
@@ -27,7 +27,7 @@ impl Files for Only {
     }
 }
 
-/// Numbers that are the same everywhere (D. E. Knuth's generator).
+/// Numbers that are the same on every machine (D. E. Knuth's generator).
 struct Numbers(u64);
 
 impl Numbers {
@@ -145,7 +145,7 @@ fn damaged_files_through_every_reader() {
         "calculix/twisted.frd.gz",
     ];
     let mut samples: Vec<Vec<u8>> = unpacked.iter().map(|name| short(name)).collect();
-    // and packed, as it is
+    // the compressed file, too
     samples.push(data("calculix/held.dof.gz"));
     let mut numbers = Numbers(1);
     for sample in samples {
@@ -156,7 +156,8 @@ fn damaged_files_through_every_reader() {
     }
 }
 
-/// The stated word decides, whatever a file is called; one that holds something else is named with the word that reads it.
+/// The stated word decides, not the name of the file. The error about a file with other contents names the word that
+/// reads it.
 #[test]
 fn files_of_another_format_are_named_as_such() {
     let said = |error: FlexibleError| (error.to_string(), error.advice().to_owned());
@@ -190,7 +191,7 @@ fn files_of_another_format_are_named_as_such() {
         .expect_err("no number"),
     );
     assert!(problem.starts_with("file:1: GRID: field X1"), "{problem}");
-    // rubbish of a damaged compressed file is not taken for its text
+    // the text from a damaged compressed file is not used
     let mut packed = data("bar8.bdf.gz");
     let half = packed.len() / 2;
     packed.truncate(half);

@@ -38,7 +38,7 @@ fn axes(orientation: [f64; 3]) -> BeamAxes {
     }
 }
 
-/// A beam from the origin along `axis` in so many pieces.
+/// A beam from the origin along `axis` in this number of pieces.
 fn line(axis: [f64; 3], pieces: u32, section: Section, orientation: [f64; 3]) -> Mesh {
     let mut mesh = empty();
     for i in 0..=pieces {
@@ -126,7 +126,7 @@ fn a_section_with_a_product_of_moments_bends_as_in_its_principal_axes() {
     let (length, angle) = (0.5, 0.4_f64);
     let (major, minor) = (9e-9, 4e-9);
     let (sine, cosine) = angle.sin_cos();
-    // in axes y', z' that stand turned by the angle about x, y' = c y + s z: I_z' = ∫ y'² and so on
+    // in axes y', z' that are turned by the angle about x, y' = c y + s z: I_z' = ∫ y'² and so on
     let turned = Section::Beam(BeamSection {
         area: AREA,
         moment_z: major * cosine * cosine + minor * sine * sine,
@@ -276,7 +276,7 @@ fn releases_make_hinges() {
     assert!(agrees(found[1], 0.5 * flexible, 1e-9), "{found:?}");
     let slope = 0.25 * 0.5 / (2.0 * YOUNG * MOMENT_Z);
     assert!(agrees(found[5], slope, 1e-9), "{found:?}");
-    // mass is whole
+    // the mass is complete
     let rigid = structure.mass.rigid(&mesh);
     assert!(agrees(rigid.mass, DENSITY * AREA, 1e-12));
     // hinges at both ends about the axis: it spins

@@ -98,8 +98,8 @@ fn nafems_le10_thick_plate() {
 }
 
 /// Pure bending, whose exact displacements are quadratic: u = κ (x z, −ν y z, −(x² + ν (z² − y²))/2), σ_xx = E κ z
-/// (S. Timoshenko, J. N. Goodier, Theory of Elasticity, §102). Quadratic solids with straight edges hold it exactly; linear ones,
-/// integrated in full, have more energy: they lock.
+/// (S. Timoshenko, J. N. Goodier, Theory of Elasticity, §102). Quadratic solids with straight edges represent it
+/// exactly. Linear ones, integrated in full, have more energy: they lock.
 #[test]
 fn quadratic_solids_bend_exactly() {
     let (length, width, height) = (1.0, 0.1, 0.2);
@@ -173,10 +173,10 @@ fn a_pulled_bar_has_its_stress_everywhere() {
 
 /// NAFEMS FV52 (Selected Benchmarks for Natural Frequency Analysis): a thick square plate, 10 m by 1 m, of solids.
 ///
-/// The targets are those of a plate whose edges neither move across nor along themselves in their middle plane's turning (hard support):
-/// 45.897, 109.44, 109.44, 167.89 Hz. Solids held across by their lower edges alone, as the benchmark draws it, may twist there: 44.8 Hz on
-/// 4 × 4 × 1 elements, 43.4 Hz on 12 × 12 × 3, and three motions in their plane are free; the modes in the plane, 193.59 Hz, do not
-/// feel that.
+/// The targets are those of a plate on hard supports, whose edges do not move across the plate and do not twist along
+/// themselves: 45.897, 109.44, 109.44, 167.89 Hz. Solids that are held across at their lower edges alone, as in the
+/// drawing of the benchmark, may twist there: 44.8 Hz on 4 × 4 × 1 elements, 43.4 Hz on 12 × 12 × 3. Three motions in
+/// their plane are free. This does not change the modes in the plane, 193.59 Hz.
 #[test]
 fn nafems_fv52_thick_plate() {
     let (side, thickness) = (10.0, 1.0);

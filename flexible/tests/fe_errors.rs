@@ -200,7 +200,7 @@ fn points_that_nothing_uses_have_no_freedoms() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Whatever is broken in a mesh, there is an error or a structure: never a panic.
+    /// Any damage of a mesh gives an error or a structure, never a panic.
     #[test]
     fn broken_meshes_never_panic(
         changes in proptest::collection::vec((0u8..9, any::<u32>(), any::<f64>()), 1..4)

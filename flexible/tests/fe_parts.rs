@@ -31,8 +31,8 @@ const BAR8: [f64; 8] = [
 ];
 /// The same clamped at x = 0.
 ///
-/// The matrices were written with 14 digits: the rigid eigenvalues of that solution are up to 0.016 rad²/s² off zero, and so are
-/// these, which is 7e-9 of the lowest.
+/// The matrices were written with 14 digits: the rigid eigenvalues of that solution differ from zero by up to
+/// 0.016 rad²/s². These have the same error, 7e-9 of the lowest.
 const BAR20_CLAMPED: [f64; 4] = [
     207.07548902125362,
     307.12411783033116,
@@ -78,7 +78,7 @@ fn bars_have_calculix_masses_frequencies_and_flexibility() {
     for (name, free, clamped, flexibility) in bars {
         let mesh = read(name);
         let structure = assemble(&mesh, &Rules::calculix()).unwrap();
-        // ref: mass properties of CalculiX' matrix, which are the box's
+        // reference: mass properties of CalculiX' matrix, which are those of the box
         let rigid = structure.mass.rigid(&mesh);
         assert!(agrees(rigid.mass, 7.536, 1e-10));
         for (x, y) in rigid.centre().iter().zip([0.2, 0.02, 0.03]) {

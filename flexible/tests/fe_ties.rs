@@ -61,7 +61,7 @@ fn at(structure: &Structure, full: &[f64], node: u32) -> [f64; 3] {
     [0, 1, 2].map(|axis| full[first + axis])
 }
 
-/// Congruence, done densely.
+/// The congruence `Tᵀ A T` with dense matrices.
 fn dense_reduced(structure: &Structure, reduction: &Reduction) -> Vec<Vec<f64>> {
     let size = reduction.size();
     let mut result = Vec::new();
@@ -361,7 +361,7 @@ fn contradictions_name_ties_nodes_and_components() {
 
 #[test]
 fn nodes_on_a_line_determine_what_they_can() {
-    // the spin about the line through them is not asked for
+    // the spin about the line through them is not requested
     let (mut mesh, _, end) = bar_with_end();
     let line: Vec<u32> = end
         .iter()
@@ -377,7 +377,7 @@ fn nodes_on_a_line_determine_what_they_can() {
     });
     let structure = assemble(&mesh, &Rules::default()).unwrap();
     let reduction = Reduction::new(&mesh, &structure, &[]).unwrap();
-    // the spin is left, without stiffness, and said so
+    // the spin remains without stiffness, and a message reports it
     let message = problem(reduction.reduce_stiffness(&structure.stiffness));
     let id = mesh.nodes[centre as usize].id;
     assert!(

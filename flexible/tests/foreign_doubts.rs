@@ -52,7 +52,7 @@ fn translations() -> Vec<(u64, u8)> {
     (1..5).flat_map(of).collect()
 }
 
-/// Bars of 1 MN/m between all nodes: nothing but them, and rigid motion stretches none.
+/// Bars of 1 MN/m between all nodes and no other stiffness: rigid motion stretches none of them.
 fn bars() -> ForeignMatrix {
     let mesh = mesh();
     let mut entries = Vec::new();
@@ -127,7 +127,8 @@ fn masses_that_depend_on_the_direction_are_told() {
     assert_eq!(near.report.warnings, Vec::<String>::new());
 }
 
-/// Masses and springs in x alone: which freedoms are missing, not that rigid motion is resisted.
+/// Masses and springs in x alone: the message names the missing freedoms, and does not report a
+/// resistance to rigid motion.
 #[test]
 fn a_chain_along_one_line_is_no_body() {
     let freedoms = [(1, 1), (2, 1), (3, 1)];

@@ -27,7 +27,7 @@ fn bad<T: std::fmt::Debug>(found: Result<T, FileProblem>) -> FileProblem {
     }
 }
 
-/// Checks shapes of [`MODES`] at [`NODES`]; `freedoms` of six are there.
+/// Checks shapes of [`MODES`] at [`NODES`]; `freedoms` of six exist.
 fn are_the_modes(modes: &ForeignModes, freedoms: usize, eigenvalues: [f64; 2], within: f64) {
     assert_eq!(modes.nodes, NODES.map(|node| node as u64));
     assert_eq!(modes.modes.len(), 2);

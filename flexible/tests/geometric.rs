@@ -26,7 +26,7 @@ fn cross(a: [f64; 3], b: &[f64]) -> [f64; 3] {
     ]
 }
 
-/// A loaded body that turns takes the inner forces of its nodes along; one that is moved keeps them.
+/// In a loaded body that turns the inner forces of its nodes turn, too. In one that is moved they do not change.
 #[test]
 fn turned_stress_turns_its_forces() {
     for kind in SOLIDS {
@@ -98,7 +98,7 @@ fn add_line(mesh: &mut Mesh, from: u32, to: [f64; 3], pieces: u32, section: Sect
     before
 }
 
-/// Beams tied to nothing: a tension turns with them, and inclined fibres resist a twist.
+/// Free beams: a tension turns with them, and inclined fibres resist a twist.
 #[test]
 fn a_pulled_beam_turns_its_forces_and_resists_a_twist() {
     let mut mesh = empty();
@@ -382,13 +382,13 @@ fn a_rotating_angled_beam_stiffens_as_published() {
             assert!(agrees(*x, y, tolerance), "{omega}: {x} {y}");
         }
     }
-    // centrifugal softening alone: the beam all but loses its stiffness
+    // centrifugal softening alone: the beam loses almost all of its stiffness
     let soft = turning(c, [0.0, 0.0, 6.0], false);
     assert!(soft[0] < 0.2, "{soft:?}");
 }
 
-/// A disc of solids in the middle of nothing, held by the mean motion of its inner nodes at the end of a shaft without mass
-/// along x, in a frame that turns with it.
+/// A disc of solids, held by the mean motion of its inner nodes at the end of a shaft without mass along x, in a
+/// frame that turns with it.
 fn overhung(radius: f64, thickness: f64, length: f64, section: Section) -> Mesh {
     // a grid bent into a ring
     let around = 16;

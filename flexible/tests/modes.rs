@@ -115,7 +115,7 @@ fn check_orthonormal(k: &SymmetricMatrix, m: &SymmetricMatrix, set: &ModeSet) {
     }
 }
 
-/// With static modes the reduced box answers interface loads as the whole one does.
+/// With static modes, the reduced box has the displacements of the whole one under interface loads.
 #[test]
 fn static_modes_make_static_answers_exact() {
     let (k, m) = systems::elastic_box(ELEMENTS);
@@ -311,7 +311,7 @@ fn a_supported_box_needs_no_relief() {
 #[test]
 fn a_mechanism_and_a_held_free_body_are_told() {
     let (k, m) = systems::elastic_box(ELEMENTS);
-    // not supported at all, but said to be
+    // the body is not supported, but the request states that it is
     let structure = Structure::supported(&k, &m);
     assert!(attachment_modes(&structure, &interface()).is_err());
     let mut held = vec![false; k.size()];
@@ -329,7 +329,7 @@ fn a_mechanism_and_a_held_free_body_are_told() {
     );
 }
 
-/// A mean over some nodes, as an averaging spider takes it.
+/// The mean over some nodes, as in an averaging tie.
 fn mean(label: &str, nodes: &[u32], axis: u32) -> Load {
     Load {
         label: label.into(),

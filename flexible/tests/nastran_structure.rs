@@ -27,7 +27,7 @@ fn a_mass_beside_its_node() {
     ));
     let matrix = mesh.point_masses[0].matrix;
     let (m, [x, y, z]) = (2.0, [0.1, 0.2, 0.3]);
-    // products of inertia stand with a minus; Steiner's part about the node
+    // products of inertia have a minus; Steiner's part about the node
     let expected = [
         [m, 0.0, 0.0, 0.0, m * z, -m * y],
         [0.0, m, 0.0, -m * z, 0.0, m * x],

@@ -24,7 +24,7 @@ use eng_system::mesh_files::Stated as _;
 use fe_meshes::bar;
 use foreign_files::{Dense, Layout, Op2, op4_binary};
 
-/// Any file is this one.
+/// Every name gives this file.
 struct One(Vec<u8>);
 
 impl Files for One {
@@ -61,7 +61,7 @@ fn beam() -> Mesh {
     bar(ElementKind::Hexahedron8, [4, 2, 2], [0.4, 0.1, 0.1])
 }
 
-/// Without the nodes that no element names.
+/// The mesh without the nodes that no element names.
 fn compact(mut mesh: Mesh) -> Mesh {
     let mut used = BTreeMap::new();
     for node in &mesh.connectivity {
@@ -338,7 +338,7 @@ fn foreign_matrices() {
         assert!(m.stiffness.entries.iter().any(|(i, _, _)| middle(*i)));
     });
     insta::assert_snapshot!(answers.0);
-    // units can't be refused, only doubted
+    // wrong units cannot be refused; they give a warning
     let mesh = beam();
     let mut matrices = matrices(&mesh);
     matrices.units = MeshUnits::named("mm_tonne_s").unwrap();

@@ -126,7 +126,7 @@ fn apart(found: &[f64], exact: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Φ ω⁻² Φᵀ at all freedoms of the markers: the body's flexibility, whatever the signs of modes.
+/// Φ ω⁻² Φᵀ at all freedoms of the markers: the body's flexibility, which does not depend on the signs of modes.
 fn flexibility(reduced: &Reduced) -> Vec<f64> {
     let n = reduced.body.invariants.modes;
     let rows: Vec<&[f64]> = reduced
@@ -149,7 +149,7 @@ fn flexibility(reduced: &Reduced) -> Vec<f64> {
     out
 }
 
-/// Both triangles as columns; `places`: where each row stands among so many.
+/// Both triangles as columns; `places` has the place of each row among all.
 fn dense(name: &'static str, matrix: &SymmetricMatrix, places: &[usize], size: usize) -> Dense {
     let mut columns = vec![vec![0.0; size]; size];
     for column in 0..matrix.size() {
@@ -171,7 +171,7 @@ fn exponent(value: f64, digits: usize) -> String {
     format!("{value:.digits$e}")
 }
 
-/// Lines `row column value` with so many digits behind the point.
+/// Lines `row column value` with this number of digits behind the point.
 fn lines(matrix: &Dense, digits: usize, upper: bool) -> String {
     let mut text = String::new();
     for (column, values) in matrix.columns.iter().enumerate() {
@@ -204,7 +204,7 @@ fn from(files: &dyn Files, (stiffness, mass): Two, per_node: Option<u8>) -> Fore
     ForeignMatrices::read(files, stiffness, mass, per_node, units()).unwrap()
 }
 
-/// Two files, each of the format that its name ends with.
+/// Two files, each in the format of the end of its name.
 fn files<'a>(stiffness: (&'a str, &'a str), mass: (&'a str, &'a str)) -> Two<'a> {
     let file = |(file, name)| MatrixFile {
         file,
@@ -215,7 +215,7 @@ fn files<'a>(stiffness: (&'a str, &'a str), mass: (&'a str, &'a str)) -> Two<'a>
     (file(stiffness), file(mass))
 }
 
-/// The list holds for both.
+/// The list applies to both files.
 fn with_freedoms<'a>((stiffness, mass): Two<'a>, list: &'a str) -> Two<'a> {
     let freedoms = Some(list);
     (
@@ -516,7 +516,7 @@ fn own_elements_by_the_rules_of_calculix_are_its_matrices() {
     assert!((mass / straight - 1.0).abs() < 1e-2);
 }
 
-/// A list of nodes is mesh enough for nodes as markers.
+/// A list of nodes is a sufficient mesh for markers at nodes.
 #[test]
 fn a_body_of_nodes_alone() {
     let mesh = bar();

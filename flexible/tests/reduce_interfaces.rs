@@ -93,7 +93,7 @@ fn an_averaging_spider_that_is_held_is_a_support() {
         let worst = apart(&held.body.frequencies, &supported.body.frequencies);
         println!("{components:#b}: {worst:.1e}");
         assert!(worst < 1e-10, "{worst:e}");
-        // the held motions are none
+        // the held motions are zero
         let n = held.body.invariants.modes;
         let tip = &held.body.markers[2];
         for component in 0..6 {

@@ -54,7 +54,7 @@ fn check_vectors(
     mass.apply(count, &solution.vectors, &mut heavy);
     stiffness.apply(count, &solution.vectors, &mut stiff);
     let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
-    // the rounding of a row's sum in K x is all there is of a rigid motion's
+    // for a rigid motion, K x is only the rounding of the sums of its rows
     let ends = (0..size).filter_map(|row| {
         let own = |matrix: &SymmetricMatrix| matrix.column(row).1.first().copied().unwrap_or(0.0);
         (own(mass) > 0.0).then(|| own(stiffness) / own(mass))

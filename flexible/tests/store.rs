@@ -180,7 +180,7 @@ fn every_cut_is_told() {
     }
 }
 
-/// A count that claims more than there is must not take the room it claims.
+/// A count that is larger than the data must not allocate memory for its number.
 #[test]
 fn claimed_lengths_are_checked_before_room_is_taken() {
     let good = bytes();

@@ -2,7 +2,7 @@
 
 use eng_grammar::{Diagnostics, SourceId, ast::File, parse};
 
-/// Whether the tree has an error node anywhere: names of variants stand whole in the debug form.
+/// Whether the tree has an error node anywhere: the debug form has the whole names of variants.
 fn has_error(file: &File) -> bool {
     let shown = format!("{file:?}");
     shown

@@ -22,7 +22,8 @@ fn wrong_files_and_their_messages() {
     });
 }
 
-/// A mistake a line: each must have exactly one message, and the good lines around it must stay.
+/// One mistake for each line: it must have exactly one message, and the good lines around it must
+/// remain.
 #[test]
 fn one_mistake_one_message() {
     let mut codes = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! Any text comes back as a tree, in bounded time and stack.
+//! Every text becomes a tree, in bounded time and stack.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Whatever the data, figures are drawn, and their files can be read.
+//! Figures are drawn for any data, and their files can be read.
 
 use eng_report::figure::{
     Abscissa, Campbell, Curve, Figure, FixedTo, History, Mark, Orbit, Orbits, Ordinate, Panel,
@@ -20,7 +20,7 @@ fn numbers() -> impl Strategy<Value = Vec<f64>> {
     )
 }
 
-/// Every element is closed, and there are no numbers that are none.
+/// Every element is closed, and every number is finite.
 fn check(svg: &str) -> Result<(), TestCaseError> {
     let mut open: Vec<&str> = Vec::new();
     for tag in svg.split('<').skip(1) {
@@ -148,7 +148,7 @@ proptest! {
 
     #[test]
     fn signals_answer_or_say_why_not(x in numbers(), y in numbers(), step in any::<f64>()) {
-        // none of these may panic; where they answer, the answer is a number
+        // none of these may panic; a result must be a number
         if let Ok(found) = maximum_at(&x, &y) {
             prop_assert!(found.position.is_finite());
         }

@@ -112,8 +112,9 @@ pub fn chain_eigenvalues(masses: usize, stiffness: f64, mass: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Stiffness and consistent mass of a box of equal 8-node cubes of isotropic elasticity (edge 1 m, E = 2.1e11 N/m², ν = 0.3,
-/// ρ = 7800 kg/m³), integrated at 2×2×2 points; three freedoms a node, x running fastest. Nothing is supported.
+/// Stiffness and consistent mass of a box of equal 8-node cubes of isotropic elasticity (edge 1 m, E = 2.1e11 N/m²,
+/// ν = 0.3, ρ = 7800 kg/m³), integrated at 2×2×2 points; three freedoms for each node, x running fastest. Nothing is
+/// supported.
 pub fn elastic_box(elements: [u32; 3]) -> (SymmetricMatrix, SymmetricMatrix) {
     let (stiffness, mass) = cube_element();
     let nodes = elements.map(|count| count + 1);

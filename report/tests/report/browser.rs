@@ -64,7 +64,7 @@ fn the_page_lives_in_a_browser() {
         }
         None => skip("axe-core (npm)"),
     }
-    // nothing sticks out at the side, in a wide and in a narrow window
+    // no part is wider than the window, in a wide and in a narrow one
     assert!(number("overflow_wide") <= 0.0 && number("overflow_narrow") <= 0.0);
     if found["webgl"] == Value::Bool(false) {
         return skip("WebGL 2 in Chromium");

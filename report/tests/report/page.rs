@@ -34,7 +34,7 @@ fn a_whole_page_stands_alone() {
         text.matches("src=\"data:image/").count()
     );
     assert!(text.contains("Made-up engine &lt;4 cylinders&gt;"));
-    // ids are unlike each other
+    // all ids are different
     let mut ids: Vec<&str> = text
         .split(" id=\"")
         .skip(1)

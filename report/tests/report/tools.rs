@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The first of these programs that is there.
+/// The first of these programs that exists.
 pub fn find(names: &[&str]) -> Option<PathBuf> {
     let folders: Vec<PathBuf> = std::env::var_os("PATH")
         .map(|path| std::env::split_paths(&path).collect())
@@ -21,7 +21,8 @@ pub fn find_or(variable: &str, names: &[&str]) -> Option<PathBuf> {
         .or_else(|| find(names))
 }
 
-/// Says why a test shows nothing here; where `ENG_TEST_TOOLS=required` is set, a missing tool is a failure.
+/// Prints the reason for which a test is skipped. If `ENG_TEST_TOOLS=required` is set, a missing
+/// tool is a failure.
 pub fn skip(what: &str) {
     let required = std::env::var("ENG_TEST_TOOLS").is_ok_and(|v| v == "required");
     assert!(!required, "{what} is required but missing");
