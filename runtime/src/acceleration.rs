@@ -37,6 +37,9 @@ const VELOCITY_ROUNDS: usize = 6;
 const VELOCITY_GOAL: f64 = 1e-9;
 /// Rounding of Φ̇, of the model's speed: both are scaled to 1/s.
 const VELOCITY_ROUNDING: f64 = 1e-12;
+/// Distance of positions, of the model's length or in rad, within which one matrix serves: accelerations and
+/// multipliers then have errors of this share.
+const HERE: f64 = 1e-10;
 /// Most refinements of a solution with the factors of a nearby position.
 const REFINEMENTS: usize = 6;
 
@@ -71,6 +74,8 @@ pub struct AccelerationSystem {
     correction: Vec<f64>,
     /// Whether the matrix belongs to a later position than its factors.
     stale: bool,
+    /// The position of the factors.
+    pose: Vec<f64>,
 }
 
 impl AccelerationSystem {
@@ -120,6 +125,7 @@ impl AccelerationSystem {
             wanted: vec![0.0; size],
             correction: vec![0.0; size],
             stale: false,
+            pose: vec![0.0; model.poses],
             pattern,
             bodies,
         })
@@ -134,8 +140,21 @@ impl AccelerationSystem {
     ) -> Result<(), RuntimeError> {
         self.fill(model, dynamics)?;
         self.stale = false;
+        self.pose.copy_from_slice(dynamics.pose());
         let factored = self.solver.factor(&self.values);
         factored.map_err(|_| self.undetermined(model, moment))
+    }
+
+    /// Whether a position differs from that of the matrix by so little that the matrix serves.
+    fn is_here(&self, model: &Model, pose: &[f64]) -> bool {
+        !self.stale
+            && model.bodies.iter().all(|body| {
+                let near = |i: usize, size: f64| (pose[i] - self.pose[i]).abs() <= HERE * size;
+                let (p, v) = (body.pose, body.velocity);
+                (0..3).all(|i| near(p + i, model.length))
+                    && (3..7).all(|i| near(p + i, 1.0))
+                    && (0..body.modes()).all(|i| near(p + 7 + i, self.scales[v + 6 + i]))
+            })
     }
 
     /// The error for a matrix without factors.
@@ -245,7 +264,7 @@ impl AccelerationSystem {
         self.finish(model, dynamics, integrator, state, moment)
     }
 
-    /// Brings positions back to Φ = 0 and places `dynamics` there.
+    /// Brings positions back to Φ = 0 and places `dynamics` there, with multipliers zero.
     pub fn project(
         &mut self,
         model: &Model,
@@ -258,7 +277,7 @@ impl AccelerationSystem {
         for attempt in 0..ATTEMPTS {
             dynamics.place(model, state.time, &state.pose, &state.velocity);
             dynamics.gather(model, &state.states, &[], &state.rotations);
-            dynamics.evaluate(model)?;
+            dynamics.evaluate_constraints(model)?;
             let (at, worst) =
                 dynamics
                     .constraints()
@@ -308,7 +327,7 @@ impl AccelerationSystem {
     /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of its first value or at rounding,
     /// accelerations, multipliers and rates.
     ///
-    /// Loads belong to the given velocity, at which `dynamics` was evaluated: see the head of this module.
+    /// Loads belong to the given velocity, at which `dynamics` is placed: see the head of this module.
     pub fn finish(
         &mut self,
         model: &Model,
@@ -321,14 +340,17 @@ impl AccelerationSystem {
         if state.time < integrator.current.time {
             integrator.settle(model, dynamics, state)?;
         }
+        dynamics.evaluate(model)?;
         self.take_forces(model, dynamics, state);
-        self.fill(model, dynamics)?;
+        if !self.is_here(model, &state.pose) {
+            self.fill(model, dynamics)?;
+        }
         let speed = state.velocity.iter().zip(&self.scales);
         let speed = speed.fold(0.0_f64, |most, (v, scale)| most.max((v / scale).abs()));
         let rounding = VELOCITY_ROUNDING * speed;
         let (mut first, mut last, mut refined) = (0.0, f64::INFINITY, false);
         for round in 0..=VELOCITY_ROUNDS {
-            dynamics.velocity_level(model, &state.velocity)?;
+            dynamics.rate_level(model)?;
             let rates = dynamics.constraint_rates().iter().zip(&self.scales[n..]);
             let left = rates.fold(0.0_f64, |most, (rate, scale)| {
                 most.max((rate * scale).abs())
@@ -373,9 +395,10 @@ impl AccelerationSystem {
             for (v, x) in state.velocity.iter_mut().zip(&self.change) {
                 *v += x;
             }
-            dynamics.place(model, state.time, &state.pose, &state.velocity);
+            dynamics.place_velocities(model, &state.velocity);
             dynamics.gather(model, &state.states, &[], &state.rotations);
         }
+        dynamics.complete_accelerations(model, &state.velocity);
         dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.forces);
         self.balance(model, dynamics, state, moment)
     }

@@ -213,29 +213,47 @@ pub fn kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerK
 
 /// [`kinematics`] of a marker on a rigid body.
 pub fn rigid_kinematics(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> MarkerKinematics {
-    let omega = V3::new(v[3], v[4], v[5]);
+    let (velocity, angular_velocity) = rigid_twist(&frame.rotation, marker, v);
     MarkerKinematics {
         position: frame.position + frame.rotation * marker.position,
         rotation: frame.rotation * marker.orientation,
-        velocity: V3::new(v[0], v[1], v[2]) + frame.rotation * omega.cross(&marker.position),
-        angular_velocity: marker.orientation.transpose() * omega,
+        velocity,
+        angular_velocity,
     }
+}
+
+/// Velocity of a marker's origin (m/s, inertial) and its angular velocity (rad/s, marker axes) on a rigid body.
+pub fn rigid_twist(rotation: &M3, marker: &MarkerModel, v: &[f64]) -> (V3, V3) {
+    let omega = V3::new(v[3], v[4], v[5]);
+    (
+        V3::new(v[0], v[1], v[2]) + rotation * omega.cross(&marker.position),
+        marker.orientation.transpose() * omega,
+    )
 }
 
 /// [`kinematics`] of a marker from its placement and the pose of its body.
 pub fn seen(rotation: &M3, origin: &V3, placed: &Placed, motion: &Motion) -> MarkerKinematics {
+    let (velocity, angular_velocity) = twist(rotation, placed, motion);
+    MarkerKinematics {
+        position: origin + rotation * placed.position,
+        rotation: rotation * placed.orientation,
+        velocity,
+        angular_velocity,
+    }
+}
+
+/// Velocity of a marker's origin (m/s, inertial) and its angular velocity (rad/s, marker axes).
+pub fn twist(rotation: &M3, placed: &Placed, motion: &Motion) -> (V3, V3) {
     let mut arm = motion.omega.cross(&placed.position);
     let mut spin = motion.omega;
     if let Some(bent) = &placed.bent {
         arm += motion.rate;
         spin += bent.turn * motion.turning;
     }
-    MarkerKinematics {
-        position: origin + rotation * placed.position,
-        rotation: rotation * placed.orientation,
-        velocity: motion.velocity + rotation * arm,
-        angular_velocity: placed.orientation.transpose() * spin,
-    }
+    (
+        motion.velocity + rotation * arm,
+        placed.orientation.transpose() * spin,
+    )
 }
 
 /// J, row-major 6 × width.
@@ -325,18 +343,14 @@ pub fn force_by_pose(rotation: &M3, placed: &Placed, wrench: &[f64], out: &mut [
     }
 }
 
-/// `acceleration_bias` of a marker on a body with the velocities `v` of that body.
-pub fn bias(frame: &BodyFrame, marker: &MarkerModel, v: &[f64]) -> [f64; 6] {
+/// `J̇ v` of a marker on a body with the velocities `v` of that body, from its placement.
+pub fn bias(frame: &BodyFrame, placed: &Placed, marker: &MarkerModel, v: &[f64]) -> [f64; 6] {
     let swing = match &marker.shape {
         Some(shape) => shape.swing(&v[6..6 + shape.modes()]),
         None => (V3::zeros(), V3::zeros()),
     };
-    acceleration_bias(
-        &frame.rotation,
-        &Placed::new(frame, marker),
-        &Motion::new(frame, marker, v),
-        &swing,
-    )
+    let motion = Motion::new(frame, marker, v);
+    acceleration_bias(&frame.rotation, placed, &motion, &swing)
 }
 
 /// `J̇ v`: acceleration of the marker (ẍ inertial m/s², ω̇ in marker axes rad/s²) at `v̇ = 0`. With the

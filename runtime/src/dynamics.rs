@@ -22,7 +22,9 @@ use crate::inputs::Signals;
 use crate::memory::Memory;
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
+use crate::state::State;
 use eng_system::code::Function;
+use eng_system::layout::InputLayout;
 
 /// Bodies and markers at one position and velocity.
 #[derive(Clone, Debug)]
@@ -205,6 +207,11 @@ impl Dynamics {
         self.signals.values()
     }
 
+    /// Pose numbers of the placement.
+    pub fn pose(&self) -> &[f64] {
+        &self.at.pose
+    }
+
     /// Numbers that fields remember.
     pub fn memory(&self) -> &Memory {
         &self.memory
@@ -276,6 +283,21 @@ impl Dynamics {
 
     /// Sets frames, markers and marker Jacobians.
     pub fn place(&mut self, model: &Model, time: f64, pose: &[f64], velocity: &[f64]) {
+        self.place_frames(model, time, pose);
+        for index in 0..model.markers.len() {
+            self.place_marker(model, index, velocity);
+        }
+    }
+
+    /// Sets frames and these markers alone, for outputs that see no other.
+    pub fn place_some(&mut self, model: &Model, state: &State, markers: &[usize]) {
+        self.place_frames(model, state.time, &state.pose);
+        for index in markers {
+            self.place_marker(model, *index, &state.velocity);
+        }
+    }
+
+    fn place_frames(&mut self, model: &Model, time: f64, pose: &[f64]) {
         self.at.time = time;
         self.signals.follow(model, time);
         self.at.pose.copy_from_slice(pose);
@@ -283,9 +305,40 @@ impl Dynamics {
             let frame = body.frame(pose);
             *cached = (frame.position, frame.rotation);
         }
+    }
+
+    /// Gives the placed bodies other velocities. Only the twists of the markers depend on them.
+    pub fn place_velocities(&mut self, model: &Model, velocity: &[f64]) {
         for index in 0..model.markers.len() {
-            self.place_marker(model, index, velocity);
+            self.place_velocity(model, index, velocity);
         }
+    }
+
+    /// [`Dynamics::place_velocities`] of one marker.
+    fn place_velocity(&mut self, model: &Model, index: usize, velocity: &[f64]) {
+        let marker = &model.markers[index];
+        let Some(b) = marker.body else {
+            return;
+        };
+        let body = &model.bodies[b];
+        let v = &velocity[body.velocity..];
+        let frame = frame_of(&self.at.pose, &self.at.frames, body, b);
+        let (linear, angular) = match &mut self.at.placed[index] {
+            None => chain::rigid_twist(&frame.rotation, marker, v),
+            Some((placed, motion)) => {
+                *motion = Motion::new(&frame, marker, v);
+                chain::twist(&frame.rotation, placed, motion)
+            }
+        };
+        if let Some(shape) = &marker.shape
+            && shape.is_curved()
+        {
+            let first = self.at.shape_at[index];
+            let rows = &mut self.at.shapes[first..first + shape.length()];
+            shape.fill_rows(frame.amplitudes, &v[6..body.width()], rows);
+        }
+        let seen = &mut self.at.markers[index];
+        (seen.velocity, seen.angular_velocity) = (linear, angular);
     }
 
     /// Places one marker again, at the present poses and other velocities of the bodies.
@@ -321,6 +374,14 @@ impl Dynamics {
         self.at.placed[index] = Some((placed, motion));
     }
 
+    /// Placement of a marker in its body.
+    fn placed(&self, model: &Model, index: usize, frame: &BodyFrame) -> Placed {
+        match &self.at.placed[index] {
+            Some((placed, _)) => *placed,
+            None => Placed::new(frame, &model.markers[index]),
+        }
+    }
+
     /// Gathers the inputs of the dynamic elements.
     pub fn gather(
         &mut self,
@@ -345,8 +406,25 @@ impl Dynamics {
 
     /// Constraint values, wrenches and rates at the gathered inputs.
     pub fn evaluate(&mut self, model: &Model) -> Result<(), RuntimeError> {
+        self.evaluate_classes(model, |_| true)
+    }
+
+    /// Constraint values at the gathered inputs. Wrenches and rates of elements without constraints remain those of
+    /// the evaluation before.
+    pub fn evaluate_constraints(&mut self, model: &Model) -> Result<(), RuntimeError> {
+        self.evaluate_classes(model, |layout| layout.rows > 0)
+    }
+
+    fn evaluate_classes(
+        &mut self,
+        model: &Model,
+        of: impl Fn(&InputLayout) -> bool,
+    ) -> Result<(), RuntimeError> {
         self.signals.defined(model)?;
         for batch in &mut self.batches {
+            if !of(&model.compiled.system.classes[batch.class].layout) {
+                continue;
+            }
             let scratch = &mut self.work.elements;
             batch.solve_fields(model, self.at.time, Readings::None, scratch)?;
             let layout = model.compiled.system.classes[batch.class].layout;

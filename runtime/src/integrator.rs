@@ -37,6 +37,7 @@
 mod dense;
 mod nearest;
 mod newton;
+mod secants;
 mod vibration;
 
 pub use newton::STATE_SHARE;
@@ -49,6 +50,7 @@ use crate::error::RuntimeError;
 use crate::linear::{BlockLu, LinearSolver};
 use crate::model::Model;
 use crate::state::{State, move_pose};
+use secants::Secants;
 
 /// Share of the position tolerance that the error of one step may have. Accelerations and small reactions are
 /// second derivatives of the positions. In an engine with film bearings this share keeps them right within a
@@ -205,6 +207,8 @@ pub struct Integrator {
     factored_values: bool,
     /// Contraction observed with the kept factors.
     contraction: Option<f64>,
+    /// Earlier moves, which show the error of the kept factors.
+    secants: Secants,
     trial: Vec<f64>,
     start_velocity: Vec<f64>,
     start_auxiliary: Vec<f64>,
@@ -214,13 +218,17 @@ pub struct Integrator {
     residual: Vec<f64>,
     delta: Vec<f64>,
     correction: Vec<f64>,
+    /// The last correction of the kept factors alone.
+    plain: Vec<f64>,
     /// The applied part of the correction that led to the trial.
     taken: Vec<f64>,
     scales: Vec<f64>,
     /// Factors on rows and columns in the step last predicted.
     row_factors: Vec<f64>,
     column_factors: Vec<f64>,
-    mass_block: Vec<f64>,
+    /// Mass matrices of the bodies one after the other, if `masses_known` at the last evaluated trial.
+    masses: Vec<f64>,
+    masses_known: bool,
     estimate: Vec<f64>,
     /// The unknown (a velocity or a state) that governed the last estimate.
     governing: Option<usize>,
@@ -248,7 +256,7 @@ impl Integrator {
             .collect();
         scales.extend(&state_peak);
         scales.extend(model.row_scales());
-        let width = model.bodies.iter().map(|b| b.width()).max().unwrap_or(0);
+        let masses = model.bodies.iter().map(|b| b.width() * b.width()).sum();
         Ok(Integrator {
             coefficients: Coefficients::new(rho),
             current: start.clone(),
@@ -273,6 +281,7 @@ impl Integrator {
             factored_step: None,
             factored_values: false,
             contraction: None,
+            secants: Secants::new(size),
             trial: vec![0.0; size],
             start_velocity: vec![0.0; model.velocities],
             start_auxiliary: vec![0.0; model.velocities],
@@ -282,11 +291,13 @@ impl Integrator {
             residual: vec![0.0; size],
             delta: vec![0.0; size],
             correction: vec![0.0; size],
+            plain: vec![0.0; size],
             taken: vec![0.0; size],
             scales,
             row_factors: vec![0.0; size],
             column_factors: vec![0.0; size],
-            mass_block: vec![0.0; width * width],
+            masses: vec![0.0; masses],
+            masses_known: false,
             estimate: vec![0.0; model.velocities],
             governing: None,
             vibrations: vec![Vibration::default(); model.bodies.len()],
@@ -384,22 +395,34 @@ impl Integrator {
         self.contraction = None;
     }
 
-    /// Step (s), contraction and matrix of the kept factors. [`Integrator::keep_factors`] makes the same
+    /// Step (s), contraction, matrix and secants of the kept factors. [`Integrator::keep_factors`] makes the same
     /// factors from them, to the same bits. `None` without factors, or if another matrix was filled since.
-    pub fn kept_factors(&self) -> Option<(f64, Option<f64>, &[f64])> {
+    pub fn kept_factors(&self) -> Option<(f64, Option<f64>, [Vec<f64>; 2])> {
         let step = self.factored_step?;
+        let numbers = || [self.values.clone(), self.secants.numbers()];
         self.factored_values
-            .then_some((step, self.contraction, self.values.as_slice()))
+            .then(|| (step, self.contraction, numbers()))
+    }
+
+    /// As many numbers as [`Integrator::kept_factors`] gives for matrix and secants.
+    pub fn kept_numbers(&self) -> [Vec<f64>; 2] {
+        [vec![0.0; self.values.len()], self.secants.numbers()]
     }
 
     /// Makes the factors of a checkpoint again. It changes no count, because the first factorisation was
     /// counted. `false` if the matrix has no factors.
-    pub fn keep_factors(&mut self, step: f64, contraction: Option<f64>, values: &[f64]) -> bool {
+    pub fn keep_factors(
+        &mut self,
+        step: f64,
+        contraction: Option<f64>,
+        [values, secants]: &[Vec<f64>; 2],
+    ) -> bool {
         if values.len() != self.values.len() || self.solver.factor(values).is_err() {
             self.drop_factors();
             return false;
         }
         self.values.copy_from_slice(values);
+        self.secants.set_numbers(secants);
         self.factored_values = true;
         self.factored_step = Some(step);
         self.contraction = contraction;
@@ -561,6 +584,7 @@ impl Integrator {
     ) -> Result<(), RuntimeError> {
         let (n, s) = (model.velocities, model.states);
         self.take_trial(model, h);
+        self.masses_known = false;
         self.statistics.residuals += 1;
         self.next.time = self.current.time + h;
         dynamics.place(model, self.next.time, &self.next.pose, &self.next.velocity);
@@ -587,6 +611,21 @@ impl Integrator {
             *r *= factor;
         }
         Ok(())
+    }
+
+    /// Computes the mass matrices at the trial last evaluated.
+    fn fill_masses(&mut self, model: &Model, dynamics: &mut Dynamics) {
+        if self.masses_known {
+            return;
+        }
+        self.masses.fill(0.0);
+        let mut rest = self.masses.as_mut_slice();
+        for (index, body) in model.bodies.iter().enumerate() {
+            let (own, others) = rest.split_at_mut(body.width() * body.width());
+            dynamics.add_mass(model, index, own);
+            rest = others;
+        }
+        self.masses_known = true;
     }
 
     /// Fills the scaled matrix at the trial last evaluated, after [`Integrator::predict`] of the same step.
@@ -625,6 +664,7 @@ impl Integrator {
         self.fill(model, dynamics, h)?;
         self.statistics.factorizations += 1;
         self.contraction = None;
+        self.secants.clear();
         let before = self.solver.fallbacks();
         let factored = self.solver.factor(&self.values).is_ok();
         self.statistics.fallbacks += self.solver.fallbacks() - before;

@@ -1,7 +1,7 @@
 //! Energies of the bodies, powers of loads and constraints.
 
 use super::{Dynamics, frame_of};
-use crate::elements;
+use crate::elements::{self, Batch, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use eng_system::code::Function;
@@ -44,41 +44,22 @@ impl Dynamics {
         }
         for batch in &self.batches {
             let class = &model.compiled.system.classes[batch.class];
-            let layout = &class.layout;
-            let rows = layout.rows as usize;
+            let rows = class.layout.rows as usize;
             if rows == 0 {
                 continue;
             }
-            let tape = class.tape as usize;
-            let directions = layout.directions() as usize;
-            let length = layout.residual_len() as usize;
             for pair in 0..batch.pairs.len() {
                 let inputs = batch.inputs(pair);
-                elements::call(
-                    model,
-                    batch.class,
-                    Function::Linearize,
-                    inputs,
-                    &mut self.work.elements.tape[..tape],
-                )?;
-                self.work.elements.tape[tape..tape + directions].fill([0.0; 2]);
-                for k in 0..layout.markers {
-                    let at = layout.marker(k) as usize + 12;
-                    for i in 0..6 {
-                        self.work.elements.tape[tape + layout.pose_direction(k) as usize + i] =
-                            inputs[at + i];
-                    }
-                }
-                elements::call(
-                    model,
-                    batch.class,
-                    Function::Tangent,
-                    &self.work.elements.tape[..tape + directions],
-                    &mut self.work.elements.outputs[..length],
-                )?;
-                let along = &self.work.elements.outputs[..rows];
-                let rates = &mut self.work.elements.tangents[..2 * rows];
+                let scratch = &mut self.work.elements;
+                let rates = &mut scratch.tangents[..2 * rows];
                 elements::call(model, batch.class, Function::Velocity, inputs, rates)?;
+                // without time of its own, Φ̇ is G twist
+                if class.rows_over_time {
+                    along_twists(model, batch, pair, scratch)?;
+                } else {
+                    scratch.outputs[..rows].copy_from_slice(&scratch.tangents[..rows]);
+                }
+                let (along, rates) = (&scratch.outputs, &scratch.tangents);
                 for lane in 0..batch.lanes(pair) {
                     let element = &model.elements[batch.pairs[pair][lane]];
                     for i in 0..rows {
@@ -91,4 +72,33 @@ impl Dynamics {
         }
         Ok((loads, constraints))
     }
+}
+
+/// Writes the derivatives of the residual of a pair along the twists of its markers into the outputs.
+fn along_twists(
+    model: &Model,
+    batch: &Batch,
+    pair: usize,
+    scratch: &mut Scratch,
+) -> Result<(), RuntimeError> {
+    let class = &model.compiled.system.classes[batch.class];
+    let (layout, tape) = (&class.layout, class.tape as usize);
+    let length = layout.residual_len() as usize;
+    let inputs = batch.inputs(pair);
+    let work = &mut scratch.tape[..tape + layout.directions() as usize];
+    elements::call(
+        model,
+        batch.class,
+        Function::Linearize,
+        inputs,
+        &mut work[..tape],
+    )?;
+    work[tape..].fill([0.0; 2]);
+    for k in 0..layout.markers {
+        let from = layout.marker(k) as usize + 12;
+        let to = tape + layout.pose_direction(k) as usize;
+        work[to..to + 6].copy_from_slice(&inputs[from..from + 6]);
+    }
+    let out = &mut scratch.outputs[..length];
+    elements::call(model, batch.class, Function::Tangent, work, out)
 }

@@ -1,16 +1,37 @@
 //! Constraints at velocity and acceleration level: their gradients, Φ̇ and γ.
 
-use super::{Dynamics, frame_of, shape_rows};
+use super::{Dynamics, shape_rows};
 use crate::chain::{self, CURVED_REACH, Motion};
 use crate::dense::{add_scaled, dot};
 use crate::elements::{self, not_finite, undefined};
 use crate::error::RuntimeError;
-use crate::model::Model;
+use crate::model::{ElementModel, Model};
 use eng_system::code::Function;
+
+/// Each marker of a dynamic element with constraints: the element, the marker, the element's rows, and where the
+/// marker's derivatives of the first row are among the gradients.
+fn constrained(model: &Model) -> impl Iterator<Item = (&ElementModel, usize, usize, usize)> {
+    let dynamic = model.elements.iter().filter(|e| e.dynamic);
+    dynamic.flat_map(move |element| {
+        let rows = model.compiled.system.classes[element.class].layout.rows as usize;
+        let markers = element.markers.iter().enumerate();
+        markers
+            .filter(move |_| rows > 0)
+            .map(move |(k, marker)| (element, *marker, rows, element.gradient + 6 * k))
+    })
+}
 
 impl Dynamics {
     /// Φ̇ and γ at the gathered inputs. γ needs [`Dynamics::constraint_gradients`] of the same pose.
     pub fn velocity_level(&mut self, model: &Model, velocity: &[f64]) -> Result<(), RuntimeError> {
+        self.rate_level(model)?;
+        self.complete_accelerations(model, velocity);
+        Ok(())
+    }
+
+    /// Φ̇ at the gathered inputs, and γ without the accelerations of the markers at v̇ = 0: see
+    /// [`Dynamics::complete_accelerations`].
+    pub fn rate_level(&mut self, model: &Model) -> Result<(), RuntimeError> {
         for batch in &self.batches {
             let layout = model.compiled.system.classes[batch.class].layout;
             let rows = layout.rows as usize;
@@ -44,29 +65,27 @@ impl Dynamics {
                         self.constraint_rates[element.row + i] = out[i][lane];
                         self.constraint_accelerations[element.row + i] = out[rows + i][lane];
                     }
-                    // The class's γ is for zero accelerations of the markers; those at v̇ = 0 come off.
-                    let columns = 6 * element.markers.len();
-                    for (k, marker) in element.markers.iter().enumerate() {
-                        let Some(b) = model.markers[*marker].body else {
-                            continue;
-                        };
-                        let body = &model.bodies[b];
-                        let bias = chain::bias(
-                            &frame_of(&self.at.pose, &self.at.frames, body, b),
-                            &model.markers[*marker],
-                            &velocity[body.velocity..],
-                        );
-                        for i in 0..rows {
-                            let at = element.gradient + i * columns + 6 * k;
-                            let g = &self.gradients[at..at + 6];
-                            let share: f64 = g.iter().zip(&bias).map(|(g, x)| g * x).sum();
-                            self.constraint_accelerations[element.row + i] -= share;
-                        }
-                    }
                 }
             }
         }
         Ok(())
+    }
+
+    /// Completes γ after [`Dynamics::rate_level`] of the same place: an element's γ is for zero accelerations of its
+    /// markers, and those at v̇ = 0 come off. Needs [`Dynamics::constraint_gradients`] of the same pose.
+    pub fn complete_accelerations(&mut self, model: &Model, velocity: &[f64]) {
+        for (element, marker, rows, gradient) in constrained(model) {
+            let Some(b) = model.markers[marker].body else {
+                continue;
+            };
+            let bias = self.marker_bias(model, marker, &velocity[model.bodies[b].velocity..]);
+            for i in 0..rows {
+                let at = gradient + i * 6 * element.markers.len();
+                let g = &self.gradients[at..at + 6];
+                let share: f64 = g.iter().zip(&bias).map(|(g, x)| g * x).sum();
+                self.constraint_accelerations[element.row + i] -= share;
+            }
+        }
     }
 
     /// G of every element at its markers, at the gathered inputs.
@@ -125,7 +144,11 @@ impl Dynamics {
     /// J̇ v of a marker for its body's velocities `v`; zeros on ground.
     pub fn marker_bias(&self, model: &Model, marker: usize, v: &[f64]) -> [f64; 6] {
         match model.markers[marker].body {
-            Some(body) => chain::bias(&self.frame(model, body), &model.markers[marker], v),
+            Some(body) => {
+                let frame = self.frame(model, body);
+                let placed = self.placed(model, marker, &frame);
+                chain::bias(&frame, &placed, &model.markers[marker], v)
+            }
             None => [0.0; 6],
         }
     }

@@ -9,7 +9,8 @@ use eng_system::system::Origin;
 
 /// Contraction above which the matrix is computed again.
 const CONTRACTION_LIMIT: f64 = 0.3;
-/// Contraction above which a step begins with a fresh matrix. A fresh matrix costs about four iterations.
+/// Contraction, also that without secants, above which a step begins with a fresh matrix. A fresh matrix costs about
+/// four iterations, and samples are no better than the kept one.
 const RENEWAL: f64 = 0.12;
 /// Least contraction that is assumed of an old matrix.
 const OLD_CONTRACTION: f64 = 0.1;
@@ -26,6 +27,8 @@ const ROUNDING: f64 = 1e-15;
 const LEAST_MOTION: f64 = 1e-3;
 /// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance.
 pub const STATE_SHARE: f64 = 1e-5;
+/// Least move of which secants are taken, as a multiple of the noise of corrections.
+const TOLD: f64 = 10.0;
 /// Change below which an iteration without contraction under a fresh matrix has reached rounding.
 const STAGNATION: f64 = 1e-11;
 
@@ -44,6 +47,9 @@ struct Iteration {
     /// Largest change of the last correction, and largest scaled residual before it.
     step: f64,
     before: f64,
+    /// Whether secants help, and whether `plain` is the correction before the last move, with the same matrix.
+    learns: bool,
+    known: bool,
     /// Whether the prediction extrapolates with rates of change.
     smooth: bool,
     /// Whether a correction was applied, and the number of halvings.
@@ -79,6 +85,7 @@ impl Integrator {
             .factored_step
             .is_some_and(|old| !(0.6..=1.7).contains(&(h / old)))
             || self.contraction.is_some_and(|c| c > RENEWAL)
+            || self.secants.missed() > RENEWAL
         {
             self.drop_factors();
         }
@@ -105,6 +112,8 @@ impl Integrator {
             renew: self.factored_step.is_none(),
             step: 0.0,
             before: f64::INFINITY,
+            learns: tolerance.is_some(),
+            known: false,
             smooth: true,
             moved: false,
             backtracks: 0,
@@ -174,10 +183,11 @@ impl Integrator {
                 iteration.fills += 1;
                 iteration.renew = false;
                 iteration.last = None;
+                iteration.known = false;
             }
             count += 1;
             self.statistics.iterations += 1;
-            let norm = self.correct();
+            let norm = self.correct(iteration);
             if !norm.is_finite() {
                 if iteration.fills > 0 {
                     return Ok(Next::Failed);
@@ -210,6 +220,7 @@ impl Integrator {
         }
         if !iteration.moved && iteration.smooth {
             iteration.smooth = false;
+            iteration.known = false;
             self.predict(model, h, false);
             return true;
         }
@@ -242,12 +253,20 @@ impl Integrator {
         }
     }
 
-    /// Solves for the correction and returns its largest change.
-    fn correct(&mut self) -> f64 {
+    /// Solves for the correction with the help of secants, and returns its largest change.
+    fn correct(&mut self, iteration: &mut Iteration) -> f64 {
         for (d, r) in self.correction.iter_mut().zip(&self.residual) {
             *d = -r;
         }
         self.solver.solve(&mut self.correction);
+        if iteration.learns {
+            if iteration.known && iteration.step > TOLD * iteration.noise {
+                (self.secants).take(&self.taken, &self.plain, &self.correction);
+            }
+            self.plain.copy_from_slice(&self.correction);
+            iteration.known = true;
+            self.secants.improve(&mut self.correction);
+        }
         self.correction.iter().fold(0.0_f64, |w, x| {
             if x.is_finite() {
                 w.max(x.abs())
@@ -406,11 +425,12 @@ impl Integrator {
         }
         self.correction.fill(0.0);
         let weight = c.weights(h).acceleration;
-        for (index, body) in model.bodies.iter().enumerate() {
+        self.fill_masses(model, dynamics);
+        let mut masses = self.masses.as_slice();
+        for body in &model.bodies {
             let width = body.width();
-            let mass = &mut self.mass_block[..width * width];
-            mass.fill(0.0);
-            dynamics.add_mass(model, index, mass);
+            let (mass, others) = masses.split_at(width * width);
+            masses = others;
             for i in 0..width {
                 let product: f64 = (0..width)
                     .map(|j| mass[i * width + j] * self.estimate[body.velocity + j])

@@ -131,13 +131,14 @@ impl Integrator {
         self.correction.fill(0.0);
         // the velocity of the increment, because the velocity of the scheme is far too large for a vibration
         // that is not resolved
+        self.fill_masses(model, dynamics);
         let (trial, scales) = (&self.trial, &self.scales);
         let speed = |i: usize| trial[i] * scales[i] / h;
+        let mut masses = self.masses.as_slice();
         for (index, body) in model.bodies.iter().enumerate() {
             let width = body.width();
-            let mass = &mut self.mass_block[..width * width];
-            mass.fill(0.0);
-            dynamics.add_mass(model, index, mass);
+            let (mass, others) = masses.split_at(width * width);
+            masses = others;
             let (mut kinetic, mut most) = (0.0, 0.0);
             for (i, row) in mass.chunks_exact(width).enumerate() {
                 let [mut momentum, mut changed] = [0.0; 2];
@@ -164,14 +165,14 @@ impl Integrator {
         if self.correction[..n].iter().any(|x| !x.is_finite()) {
             return;
         }
+        let mut masses = self.masses.as_slice();
         for (index, body) in model.bodies.iter().enumerate() {
             let width = body.width();
             let own = body.velocity..body.velocity + width;
             let filtered = &self.correction[own.clone()];
             let scales = &self.scales[own.clone()];
-            let mass = &mut self.mass_block[..width * width];
-            mass.fill(0.0);
-            dynamics.add_mass(model, index, mass);
+            let (mass, others) = masses.split_at(width * width);
+            masses = others;
             let [mut all, mut followed, mut largest] = [0.0_f64; 3];
             for (i, row) in mass.chunks_exact(width).enumerate() {
                 let product: f64 = (row.iter().zip(filtered).zip(scales))

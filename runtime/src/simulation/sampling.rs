@@ -3,7 +3,11 @@
 use super::{Energy, Simulation};
 use crate::acceleration::Factors;
 use crate::error::{Moment, RuntimeError};
-use crate::state::State;
+use crate::state::{State, move_pose};
+
+/// Largest part of a step h along which a sample follows its own rates. It then differs from the interpolation by
+/// `½ (1e-4 h)² v̇`.
+const SHORT: f64 = 1e-4;
 
 impl Simulation {
     /// Value of a channel at the last accepted state (SI). It uses projected positions and velocities. The
@@ -125,8 +129,8 @@ impl Simulation {
     /// Values of all channels where the cycle has an angle (rad) within the last step; returns the time,
     /// cycle angle and rate.
     ///
-    /// The projection of the output changes the angle by the error of the interpolation. So the time is
-    /// corrected until the projected state has the angle.
+    /// The projection of the output changes the angle by the error of the interpolation. So the projected state
+    /// follows its own motion until it has the angle.
     pub fn sample_at_angle(
         &mut self,
         angle: f64,
@@ -134,8 +138,9 @@ impl Simulation {
     ) -> Result<(f64, [f64; 2]), RuntimeError> {
         let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
         let mut time = self.locate_angle(angle)?;
-        for round in 0..4 {
-            self.interpolate_at(time)?;
+        self.interpolate_at(time)?;
+        let mut factors = Factors::Made;
+        for _ in 0..4 {
             let moment = Moment {
                 time,
                 cycle_angle: Some(angle),
@@ -147,18 +152,21 @@ impl Simulation {
                     &mut self.dynamics,
                     &mut self.completed,
                     moment,
-                    if round == 0 {
-                        Factors::Made
-                    } else {
-                        Factors::Kept
-                    },
+                    factors,
                 )
                 .map_err(|error| self.at_moment(error))?;
+            factors = Factors::Kept;
             let [now, rate] = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
             let miss = angle - now;
             let next = (time + miss / rate).clamp(from, to);
             if miss.abs() <= 1e-12 * angle.abs().max(1.0) || !next.is_finite() || next == time {
                 break;
+            }
+            if (next - time).abs() > SHORT * (to - from) {
+                self.interpolate_at(next)?;
+            } else {
+                self.follow_motion(next - time);
+                self.completed.time = next;
             }
             time = next;
         }
@@ -185,6 +193,21 @@ impl Simulation {
         Ok((self.completed.time, cycle))
     }
 
+    /// Moves the completed state along its rates for a time e (s), to first order: its positions differ from
+    /// those of the interpolation by `½ e² v̇`.
+    fn follow_motion(&mut self, e: f64) {
+        let state = &mut self.completed;
+        self.rest.copy_from_slice(&state.velocity);
+        for (v, a) in state.velocity.iter_mut().zip(&state.acceleration) {
+            *v += e * a;
+        }
+        for (y, rate) in state.states.iter_mut().zip(&state.rates) {
+            *y += e * rate;
+        }
+        self.pose.copy_from_slice(&state.pose);
+        move_pose(&self.model, &self.pose, &self.rest, e, &mut state.pose);
+    }
+
     fn interpolate_at(&mut self, time: f64) -> Result<(), RuntimeError> {
         let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
         if !(from..=to).contains(&time) {
@@ -204,9 +227,9 @@ impl Simulation {
 
     /// Cycle angle and rate at the state of the last outputs.
     pub fn sampled_cycle(&mut self) -> Result<Option<[f64; 2]>, RuntimeError> {
-        let state = &self.completed;
-        self.dynamics
-            .place(&self.model, state.time, &state.pose, &state.velocity);
+        if let Some(cycle) = &self.cycle {
+            (self.dynamics).place_some(&self.model, &self.completed, cycle.markers());
+        }
         self.cycle_of_completed()
     }
 
@@ -224,9 +247,8 @@ impl Simulation {
     /// Cycle angle and rate of the dense output at one end of the last step.
     fn cycle_at_end(&mut self, time: f64) -> Result<[f64; 2], RuntimeError> {
         self.interpolate_at(time)?;
-        let state = &self.completed;
-        self.dynamics
-            .place(&self.model, state.time, &state.pose, &state.velocity);
+        let cycle = self.cycle.as_ref().ok_or(RuntimeError::NoCycle)?;
+        (self.dynamics).place_some(&self.model, &self.completed, cycle.markers());
         self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)
     }
 
@@ -268,9 +290,8 @@ impl Simulation {
             &state.multipliers,
             &state.rotations,
         );
-        self.dynamics.evaluate(&self.model)?;
-        self.dynamics.constraint_gradients(&self.model)?;
-        self.dynamics.velocity_level(&self.model, &state.velocity)?;
+        self.dynamics.evaluate_constraints(&self.model)?;
+        self.dynamics.rate_level(&self.model)?;
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
         Ok((
             largest(self.dynamics.constraints()),

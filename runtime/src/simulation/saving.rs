@@ -57,11 +57,12 @@ impl Simulation {
         w.integer(u64::from(i.defect_known));
         let kept = i.kept_factors();
         w.integer(u64::from(kept.is_some()));
-        if let Some((step, contraction, values)) = kept {
+        if let Some((step, contraction, [values, secants])) = kept {
             w.number(step);
             w.integer(u64::from(contraction.is_some()));
             w.number(contraction.unwrap_or_default());
-            w.numbers(values);
+            w.numbers(&values);
+            w.numbers(&secants);
         }
         let s = i.statistics;
         for count in [
@@ -168,9 +169,11 @@ impl Simulation {
             let step = r.number()?;
             let has_contraction = r.integer()? == 1;
             let contraction = r.number()?;
-            let mut values = vec![0.0; i.values().len()];
-            r.numbers(&mut values)?;
-            if !i.keep_factors(step, has_contraction.then_some(contraction), &values) {
+            let mut numbers = i.kept_numbers();
+            for part in &mut numbers {
+                r.numbers(part)?;
+            }
+            if !i.keep_factors(step, has_contraction.then_some(contraction), &numbers) {
                 return Err(RuntimeError::Checkpoint {
                     reason: "its matrix has no factors".into(),
                 });

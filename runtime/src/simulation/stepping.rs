@@ -455,7 +455,7 @@ impl Simulation {
         let (model, dynamics) = (&self.model, &mut self.dynamics);
         dynamics.place(model, state.time, &state.pose, &state.velocity);
         dynamics.gather(model, &state.states, &[], &state.rotations);
-        dynamics.velocity_level(model, &state.velocity)?;
+        dynamics.rate_level(model)?;
         let rates = dynamics.constraint_rates();
         if !self.integrator.nearest_change(model, rates, &mut self.work) {
             return Ok(false);

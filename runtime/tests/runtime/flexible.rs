@@ -911,7 +911,12 @@ fn a_marker_of_second_order_moves_as_its_jacobian_says() {
         chain::jacobian(&body, &m.frame(), &marker, &mut jacobian);
         let twist =
             DMatrix::from_row_slice(6, 6 + modes, &jacobian) * DVector::from_row_slice(&m.v);
-        let bias = chain::bias(&m.frame(), &marker, &m.v);
+        let bias = chain::bias(
+            &m.frame(),
+            &chain::Placed::new(&m.frame(), &marker),
+            &marker,
+            &m.v,
+        );
         let three = |x: &[f64]| Vector3::new(x[0], x[1], x[2]);
         for (found, expected) in [
             (now.velocity, rate(&|t| at(t).position)),

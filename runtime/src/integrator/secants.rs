@@ -1,0 +1,267 @@
+//! Secants: differences of earlier corrections that show the error of a kept matrix.
+//!
+//! With the kept matrix A and the residual r, the correction `z = −A⁻¹r` changes by `Δz = −A⁻¹J Δx` along a move Δx,
+//! with the exact matrix J. Newton's correction d solves `A⁻¹J d = z`. So for the part of z that the last moves
+//! span, d is known without J:
+//!
+//! ```text
+//! |z − Σ γ_j Δz_j| least        d = z − Σ γ_j (Δx_j + Δz_j)
+//! ```
+//!
+//! For A = J the second sum is zero. The pairs of the steps before serve too, until the matrix is made anew: J
+//! changes slowly, and slow directions of the iteration, such as pins in films, are the same at each step. (D. G.
+//! Anderson, J. ACM 12 (1965) 547; H.-R. Fang, Y. Saad, Numer. Linear Algebra Appl. 16 (2009) 197.)
+
+use crate::dense::{add_scaled, dot};
+
+/// Most pairs.
+const PAIRS: usize = 6;
+/// Share of its own square below which a pivot of the normal equations is dropped: the pair repeats the others.
+const REPEATS: f64 = 1e-4;
+/// A correction that secants enlarge by more than this factor is left as it is.
+const LARGEST: f64 = 3.0;
+
+/// The last moves and the changes of corrections along them, newest first in a ring.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Secants {
+    size: usize,
+    /// Δz of unit length, and Δx + Δz in the same measure, pair after pair.
+    changes: Vec<f64>,
+    errors: Vec<f64>,
+    /// Products of the changes.
+    products: [[f64; PAIRS]; PAIRS],
+    count: usize,
+    /// The place of the next pair.
+    next: usize,
+    /// Largest share of a move that the kept matrix missed, `|Δx + Δz|/|Δx|`.
+    missed: f64,
+}
+
+impl Secants {
+    /// No pairs yet, for corrections of this size.
+    pub fn new(size: usize) -> Secants {
+        Secants {
+            size,
+            changes: vec![0.0; PAIRS * size],
+            errors: vec![0.0; PAIRS * size],
+            products: [[0.0; PAIRS]; PAIRS],
+            count: 0,
+            next: 0,
+            missed: 0.0,
+        }
+    }
+
+    /// Forgets all pairs, because the matrix is another one.
+    pub fn clear(&mut self) {
+        (self.count, self.next, self.missed) = (0, 0, 0.0);
+    }
+
+    /// Largest share of a move that the kept matrix missed: the contraction of an iteration without secants.
+    pub fn missed(&self) -> f64 {
+        self.missed
+    }
+
+    /// Takes the corrections before and after a move.
+    pub fn take(&mut self, moved: &[f64], before: &[f64], after: &[f64]) {
+        let size = self.size;
+        let own = self.next * size..(self.next + 1) * size;
+        let change = &mut self.changes[own.clone()];
+        for (c, (a, b)) in change.iter_mut().zip(after.iter().zip(before)) {
+            *c = a - b;
+        }
+        let length = libm::sqrt(dot(change, change));
+        if !(length > 0.0 && length.is_finite()) {
+            return;
+        }
+        let scale = 1.0 / length;
+        let error = &mut self.errors[own.clone()];
+        let (mut miss, mut way) = (0.0_f64, 0.0_f64);
+        for (e, (c, m)) in error.iter_mut().zip(change.iter_mut().zip(moved)) {
+            (miss, way) = (miss.max((m + *c).abs()), way.max(m.abs()));
+            *e = scale * (m + *c);
+            *c *= scale;
+        }
+        self.missed = self.missed.max(miss / way);
+        let place = self.next;
+        self.count = (self.count + 1).min(PAIRS);
+        self.next = (self.next + 1) % PAIRS;
+        for other in 0..self.count {
+            let product = dot(
+                &self.changes[own.clone()],
+                &self.changes[other * size..(other + 1) * size],
+            );
+            self.products[place][other] = product;
+            self.products[other][place] = product;
+        }
+    }
+
+    /// Improves a correction of the kept matrix with the pairs.
+    pub fn improve(&self, correction: &mut [f64]) {
+        let n = self.count;
+        let mut shares = [0.0; PAIRS];
+        for (k, share) in shares[..n].iter_mut().enumerate() {
+            *share = dot(
+                &self.changes[k * self.size..(k + 1) * self.size],
+                correction,
+            );
+        }
+        // L D Lᵀ of the normal equations; a pair that repeats others has no share
+        let mut factors = self.products;
+        let mut kept = [true; PAIRS];
+        for i in 0..n {
+            for j in 0..i {
+                if kept[j] {
+                    let share = factors[i][j] / factors[j][j];
+                    for k in j + 1..=i {
+                        factors[i][k] -= share * factors[k][j];
+                    }
+                    shares[i] -= share * shares[j];
+                }
+            }
+            kept[i] = factors[i][i] > REPEATS;
+        }
+        for i in (0..n).rev() {
+            if !kept[i] {
+                shares[i] = 0.0;
+                continue;
+            }
+            let mut sum = shares[i];
+            for k in i + 1..n {
+                sum -= factors[k][i] * shares[k];
+            }
+            shares[i] = sum / factors[i][i];
+        }
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        let before = largest(correction);
+        for (k, share) in shares[..n].iter().enumerate() {
+            add_scaled(
+                correction,
+                -share,
+                &self.errors[k * self.size..(k + 1) * self.size],
+            );
+        }
+        let after = largest(correction);
+        if after > LARGEST * before {
+            for (k, share) in shares[..n].iter().enumerate() {
+                add_scaled(
+                    correction,
+                    *share,
+                    &self.errors[k * self.size..(k + 1) * self.size],
+                );
+            }
+        }
+    }
+
+    /// The numbers of a checkpoint.
+    pub fn numbers(&self) -> Vec<f64> {
+        let mut all = vec![self.count as f64, self.next as f64, self.missed];
+        all.extend(&self.changes);
+        all.extend(&self.errors);
+        all.extend(self.products.as_flattened());
+        all
+    }
+
+    /// Takes the numbers of a checkpoint.
+    pub fn set_numbers(&mut self, numbers: &[f64]) {
+        let [count, next, missed, rest @ ..] = numbers else {
+            return;
+        };
+        (self.count, self.next) = (*count as usize, *next as usize);
+        self.missed = *missed;
+        let (changes, rest) = rest.split_at(self.changes.len());
+        let (errors, products) = rest.split_at(self.errors.len());
+        self.changes.copy_from_slice(changes);
+        self.errors.copy_from_slice(errors);
+        self.products.as_flattened_mut().copy_from_slice(products);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: usize = 7;
+
+    /// A matrix that differs from 1 by two directions, times a vector.
+    fn exact(x: &[f64]) -> Vec<f64> {
+        let slow: [[f64; SIZE]; 2] = [
+            [0.6, 0.0, 0.3, 0.0, -0.2, 0.5, 0.1],
+            [0.0, 0.7, -0.1, 0.2, 0.4, 0.0, 0.3],
+        ];
+        let mut out = x.to_vec();
+        for (size, row) in [0.4, -0.3].iter().zip(&slow) {
+            add_scaled(&mut out, size * dot(row, x), row);
+        }
+        out
+    }
+
+    /// Corrections with a kept matrix 1 until the largest is below 1e-12: their number, and the solution.
+    fn solve(rhs: &[f64], mut secants: Option<&mut Secants>) -> (usize, Vec<f64>) {
+        let mut x = vec![0.0; SIZE];
+        let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
+        for count in 1..100 {
+            let product = exact(&x);
+            let plain: Vec<f64> = rhs.iter().zip(&product).map(|(b, p)| b - p).collect();
+            let mut move_by = plain.clone();
+            if let Some(secants) = secants.as_deref_mut() {
+                if let Some((moved, before)) = &last {
+                    secants.take(moved, before, &plain);
+                }
+                secants.improve(&mut move_by);
+            }
+            add_scaled(&mut x, 1.0, &move_by);
+            if move_by.iter().all(|d| d.abs() < 1e-12) {
+                return (count, x);
+            }
+            last = Some((move_by, plain));
+        }
+        (100, x)
+    }
+
+    #[test]
+    fn slow_directions_are_found_and_kept() {
+        let mut secants = Secants::new(SIZE);
+        for (rhs, most) in [
+            ([1.0, -2.0, 0.5, 3.0, 1.0, -1.0, 0.2], 5),
+            ([0.3, 1.0, -1.0, 0.0, 2.0, 1.0, 1.0], 4),
+        ] {
+            let (plain, expected) = solve(&rhs, None);
+            let (count, found) = solve(&rhs, Some(&mut secants));
+            assert!(plain > 15 && count <= most, "{plain} and {count}");
+            for (a, b) in found.iter().zip(&expected) {
+                assert!((a - b).abs() < 1e-11);
+            }
+        }
+        // the kept matrix misses at most the larger of the two directions, 0.4 · 0.75 in length
+        assert!(
+            (0.05..0.5).contains(&secants.missed()),
+            "{}",
+            secants.missed()
+        );
+        secants.clear();
+        let mut same = vec![1.0; SIZE];
+        secants.improve(&mut same);
+        assert_eq!(same, vec![1.0; SIZE]);
+    }
+
+    #[test]
+    fn repeated_pairs_count_once() {
+        let mut secants = Secants::new(2);
+        for size in [1.0, 0.5, 0.25] {
+            // A⁻¹J = 1.25 along the first direction
+            secants.take(&[size, 0.0], &[1.25 * size, 0.0], &[0.0, 0.0]);
+        }
+        let mut correction = vec![2.5, 1.0];
+        secants.improve(&mut correction);
+        assert!((correction[0] - 2.0).abs() < 1e-14 && correction[1] == 1.0);
+    }
+
+    #[test]
+    fn a_checkpoint_keeps_all() {
+        let mut secants = Secants::new(SIZE);
+        solve(&[1.0; SIZE], Some(&mut secants));
+        let mut other = Secants::new(SIZE);
+        other.set_numbers(&secants.numbers());
+        assert_eq!(other, secants);
+    }
+}
