@@ -77,6 +77,7 @@ mod significant;
 mod simulation;
 mod sources;
 mod tables;
+pub mod timings;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
 pub use eng_runtime::inputs::Point;

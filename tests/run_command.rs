@@ -390,3 +390,51 @@ fn help_tells_where_results_go_and_the_exit_codes() {
         assert!(told.contains(part), "{part}: {told}");
     }
 }
+
+/// The times are those of the process: their sum is below the time that it takes.
+#[test]
+fn timings_tell_every_phase_and_change_no_result() {
+    let folder = Folder::new("timings", &TURNED.replace("SPEED", "3000 rpm"));
+    let run = |more: &[&str]| {
+        let first = ["run", "model.eng", "--no-plots", "--analysis", "run"];
+        let output = folder.eng(&[&first, more].concat());
+        assert!(output.status.success(), "{}", errors(&output));
+        let columns = Results::read(folder.path("results/model/run.parquet")).unwrap();
+        let columns = columns.columns().iter();
+        let bits = columns.map(|c| c.values.iter().map(|x| x.to_bits()).collect());
+        let bits: Vec<Vec<u64>> = bits.collect();
+        (text(&output), bits)
+    };
+    let (plain, expected) = run(&[]);
+    assert!(!plain.contains("processor time"), "{plain}");
+    let begin = std::time::Instant::now();
+    let (told, found) = run(&["--timings", "--threads", "1"]);
+    let passed = begin.elapsed().as_secs_f64();
+    assert_eq!(found, expected);
+    let lines = told
+        .lines()
+        .filter(|line| line.contains("processor time: "));
+    let told: String = lines.collect();
+    let mut sum = 0.0;
+    for phase in [
+        "start",
+        "steps",
+        "samples",
+        "files",
+        "check",
+        "machine code",
+        "tables, pictures and reports",
+    ] {
+        let (_, rest) = told.split_once(&format!("{phase} ")).unwrap();
+        let seconds: f64 = rest.split_once(" s").unwrap().0.parse().unwrap();
+        assert!(seconds >= 0.0, "{phase}: {told}");
+        sum += seconds;
+        if ["steps", "samples", "check"].contains(&phase) {
+            assert!(seconds > 0.0, "{phase}: {told}");
+        }
+    }
+    assert!(
+        sum > 0.0 && sum < passed + 0.01,
+        "{sum} of {passed}: {told}"
+    );
+}

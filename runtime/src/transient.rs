@@ -78,6 +78,8 @@ pub enum Verdict {
 pub trait Observer {
     /// Takes the report on the start, once, before the first sample.
     fn started(&mut self, _report: &StartReport) {}
+    /// Called at the end of every step, before its samples.
+    fn stepped(&mut self) {}
     /// Takes a sample; `Break` ends the run after it.
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
     /// Called after every step. No verdict changes a bit of the results.
@@ -400,6 +402,7 @@ fn run(
                 renewal.after(&mut simulation, step);
             }
         }
+        run.observer.stepped();
         run.give_warnings(&mut simulation);
         let (end, fraction) = way.end(&mut simulation)?;
         if run.give_passed(&mut simulation, end)?.is_break() {

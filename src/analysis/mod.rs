@@ -12,6 +12,7 @@ use crate::program::{Bodies, Program};
 use crate::results::{Recording, Results};
 use crate::significant::short;
 use crate::simulation::run_error_with;
+use crate::timings::Timings;
 use crate::{Error, Quantity, RuntimeError};
 use eng_compiler::elaborate::{AnalysisPlan, Structural};
 use eng_runtime::start::turn::{Turned, turn};
@@ -38,6 +39,8 @@ pub struct Analysis {
     /// Words of choices in place of the text's: path, word, value.
     chosen: Vec<(String, String, Structural)>,
     recording: Recording,
+    /// Whether a run measures its phases.
+    timed: bool,
     /// Its model in the assembled position, for all that ask for it.
     assembled: OnceLock<Result<Assembled, RuntimeError>>,
 }
@@ -102,6 +105,8 @@ pub struct Outcome {
     pub modes: Option<LinearModes>,
     /// Whether all this comes from an earlier run, and nothing was computed.
     pub made_before: bool,
+    /// Processor time of the phases, if the analysis is [`Analysis::timed`].
+    pub timings: Option<Timings>,
 }
 
 /// A failed run, with its results up to the failure.
@@ -184,6 +189,7 @@ impl Analysis {
             replaced: Vec::new(),
             chosen: Vec::new(),
             recording: Recording::default(),
+            timed: false,
             assembled: OnceLock::new(),
         })
     }
@@ -295,6 +301,13 @@ impl Analysis {
     /// Sets the kept channels and their folder.
     pub fn record(mut self, recording: Recording) -> Self {
         self.recording = recording;
+        self
+    }
+
+    /// Measures the phases of a run: see [`Outcome::timings`]. This changes no result.
+    #[must_use]
+    pub fn timed(mut self) -> Self {
+        self.timed = true;
         self
     }
 

@@ -5,6 +5,7 @@ use super::{Analysis, Failed, Outcome, Progress, Watch};
 use crate::error::Error;
 use crate::repetition::Repetition;
 use crate::results::{Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, Table};
+use crate::timings::{Clock, Timings};
 use eng_runtime::{
     Advance, CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, RuntimeError,
     Sample, Slow, StartReport, Verdict, Warning, run_assemble, run_linear, run_periodic,
@@ -13,6 +14,7 @@ use eng_runtime::{
 use eng_system::recorded::recorded;
 use eng_system::system::{AnalysisKind, Location, Origin, Rows};
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 /// The solution, besides the samples in the recorder.
 #[derive(Default)]
@@ -52,6 +54,7 @@ impl Analysis {
             start: None,
             cycles: None,
             last: None,
+            clock: self.timed.then(|| (Clock::new(), Timings::default())),
             watch,
         };
         let state = point.as_ref().map(|p| p.state.as_slice());
@@ -101,6 +104,7 @@ impl Analysis {
             periodic: None,
             modes: None,
             made_before: true,
+            timings: None,
         })
     }
 
@@ -110,6 +114,7 @@ impl Analysis {
         mut recorder: Recorder<'_>,
         solved: Result<Solved, RuntimeError>,
     ) -> Result<Outcome, Failed> {
+        recorder.spent(|timings| &mut timings.steps);
         // a failure of the disk ended the run; its samples remain, so that it can be resumed
         if let Some(refused) = recorder.refused {
             return Err(Error::from(refused).into());
@@ -143,6 +148,9 @@ impl Analysis {
             Err(error) => return Err(cause.unwrap_or_else(|| error.into()).into()),
         };
         let motion = recorder.motion.results(self, results.metadata())?;
+        if let Some((clock, spent)) = &mut recorder.clock {
+            spent.files += clock.since();
+        }
         let outcome = Outcome {
             results,
             motion,
@@ -152,6 +160,7 @@ impl Analysis {
             periodic: solved.periodic,
             modes: solved.modes,
             made_before: false,
+            timings: recorder.clock.map(|(_, spent)| spent),
         };
         match cause {
             None => Ok(outcome),
@@ -277,6 +286,8 @@ struct Recorder<'a> {
     cycles: Option<(u32, Option<f64>)>,
     /// The last progress of the run.
     last: Option<Advance>,
+    /// The clock of the phases, and their times so far.
+    clock: Option<(Clock, Timings)>,
     watch: &'a mut dyn Watch,
 }
 
@@ -296,6 +307,40 @@ impl Recorder<'_> {
                 return;
             }
         }
+    }
+
+    /// Counts the time since the last call for a phase.
+    fn spent(&mut self, phase: impl FnOnce(&mut Timings) -> &mut Duration) {
+        if let Some((clock, spent)) = &mut self.clock {
+            *phase(spent) += clock.since();
+        }
+    }
+
+    /// Takes a row of the results and the motion.
+    fn take(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+        if self.refused.is_some() {
+            return ControlFlow::Break(());
+        }
+        if let Err(error) = self.motion.push(sample) {
+            return self.keep(Err(error));
+        }
+        let e = &sample.energy;
+        let audit = [
+            e.kinetic,
+            e.gravity,
+            e.strain,
+            e.damping,
+            e.loads,
+            e.constraints,
+            e.imbalance(),
+        ];
+        let row = std::iter::once(sample.time)
+            .chain(sample.cycle_angle)
+            .chain(sample.cycle_rate)
+            .chain(sample.values.iter().copied())
+            .chain(audit);
+        let kept = self.table.push(row);
+        self.keep(kept)
     }
 
     fn keep(&mut self, kept: Result<(), ResultsError>) -> ControlFlow<()> {
@@ -343,6 +388,7 @@ fn given(kept: &KeptWarning) -> Warning {
 
 impl Observer for Recorder<'_> {
     fn started(&mut self, report: &StartReport) {
+        self.spent(|timings| &mut timings.start);
         if !self.resumed {
             let stated = self.table.set_metadata("start", report.to_string());
             // an error is noted, and the first sample then ends the run
@@ -355,30 +401,15 @@ impl Observer for Recorder<'_> {
         self.cycles = Some((cycle.cycles, cycle.slowest.as_ref().map(|s| s.change)));
     }
 
+    fn stepped(&mut self) {
+        self.spent(|timings| &mut timings.steps);
+    }
+
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
-        if self.refused.is_some() {
-            return ControlFlow::Break(());
-        }
-        if let Err(error) = self.motion.push(sample) {
-            return self.keep(Err(error));
-        }
-        let e = &sample.energy;
-        let audit = [
-            e.kinetic,
-            e.gravity,
-            e.strain,
-            e.damping,
-            e.loads,
-            e.constraints,
-            e.imbalance(),
-        ];
-        let row = std::iter::once(sample.time)
-            .chain(sample.cycle_angle)
-            .chain(sample.cycle_rate)
-            .chain(sample.values.iter().copied())
-            .chain(audit);
-        let kept = self.table.push(row);
-        self.keep(kept)
+        self.spent(|timings| &mut timings.samples);
+        let taken = self.take(sample);
+        self.spent(|timings| &mut timings.files);
+        taken
     }
 
     fn wants_checkpoint(&mut self) -> bool {
@@ -386,6 +417,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn checkpoint(&mut self, bytes: Vec<u8>) {
+        self.spent(|timings| &mut timings.steps);
         let warnings = self.warnings.iter().map(kept).collect();
         let saved = self
             .motion
@@ -393,6 +425,7 @@ impl Observer for Recorder<'_> {
             .and_then(|()| self.table.save(bytes, warnings));
         // an error is noted, and the next sample then ends the run
         let _ = self.keep(saved);
+        self.spent(|timings| &mut timings.files);
     }
 
     fn progress(&mut self, advance: &Advance) -> Verdict {

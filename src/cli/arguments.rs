@@ -185,6 +185,9 @@ pub(super) struct RunArguments {
     /// Draw no pictures
     #[arg(long)]
     pub no_plots: bool,
+    /// Print the processor time of each phase: check, machine code, start, steps, samples, files, pictures
+    #[arg(long)]
+    pub timings: bool,
     /// Print only warnings and errors
     #[arg(long, short)]
     pub quiet: bool,

@@ -18,6 +18,7 @@ use crate::render::visible_name;
 use crate::results::{Last, Recording, Selection, stem_of, writable};
 use crate::run::{Event, RunOutcome, run_many};
 use crate::tables::{modes, sweep};
+use crate::timings::Clock;
 use eng_grammar::Diagnostics;
 use eng_system::Dimension;
 use eng_system::system::StepControl;
@@ -26,7 +27,9 @@ use std::path::Path;
 
 pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     told_of(set_once(&arguments.set), console)?;
+    let mut clock = Clock::new();
     let program = checked(&arguments.model, console)?;
+    let check = clock.since();
     let names = chosen(&arguments.model, &arguments.analysis, &program, console)?;
     let folder = arguments
         .out
@@ -47,8 +50,9 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     let prepared: Vec<Result<Analysis, Refusal>> = program
         .analyses_of(&names)
         .into_iter()
-        .map(|made| prepare(made, &arguments.set, &recording, steps))
+        .map(|made| prepare(made, arguments, &recording, steps))
         .collect();
+    let code = clock.since();
     let mut told = Told::new(arguments, &program, &folder);
     run_all(&names, prepared, &mut told, console)?;
     let Told {
@@ -70,6 +74,15 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
         draw_all(&wanted, &compared, failed, &folder, arguments, console)?;
     }
     let holds = post::reports(&outcomes, arguments, &program, &folder, console)?;
+    if arguments.timings && !arguments.quiet {
+        writeln!(
+            console.output,
+            "processor time: check {:.3} s, machine code {:.3} s, tables, pictures and reports {:.3} s",
+            check.as_secs_f64(),
+            code.as_secs_f64(),
+            clock.since().as_secs_f64()
+        )?;
+    }
     if !failures.is_empty() || !holds {
         return Err(Stop::Code(MODEL_WRONG));
     }
@@ -79,12 +92,12 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
 /// An analysis with the settings of the command line.
 fn prepare(
     analysis: Result<Analysis, Error>,
-    settings: &[Setting],
+    arguments: &RunArguments,
     recording: &Recording,
     steps: Option<StepControl>,
 ) -> Result<Analysis, Refusal> {
     let mut analysis = analysis?;
-    for setting in settings {
+    for setting in &arguments.set {
         let usage = |e: Error| Refusal::Usage(format!("--set {}: {e}", setting.path));
         if analysis.chooses(&setting.path) {
             analysis = analysis
@@ -99,7 +112,10 @@ fn prepare(
             .map_err(|e: QuantityError| usage(e.into()))?;
         analysis = analysis.set(parameter, value).map_err(usage)?;
     }
-    let analysis = analysis.record(recording.clone());
+    let mut analysis = analysis.record(recording.clone());
+    if arguments.timings {
+        analysis = analysis.timed();
+    }
     Ok(match steps {
         Some(steps) => analysis.stepping(steps),
         None => analysis,

@@ -150,6 +150,16 @@ fn summary(outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop>
     for fact in &outcome.facts {
         writeln!(console.output, "  {fact}")?;
     }
+    if let Some(spent) = &outcome.timings {
+        writeln!(
+            console.output,
+            "  processor time: start {:.3} s, steps {:.3} s, samples {:.3} s, files {:.3} s",
+            spent.start.as_secs_f64(),
+            spent.steps.as_secs_f64(),
+            spent.samples.as_secs_f64(),
+            spent.files.as_secs_f64()
+        )?;
+    }
     if !outcome.point.is_empty() {
         return Ok(());
     }

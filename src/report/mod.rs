@@ -107,6 +107,7 @@ impl Entry {
                 facts: Vec::new(),
                 point: described.point.clone(),
                 periodic: Repetition::of(results.metadata()).map(|r| (r.cycles, r.repeats)),
+                timings: None,
                 results,
                 motion,
             },

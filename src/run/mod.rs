@@ -8,6 +8,7 @@ use crate::lint::{self, Finding};
 use crate::machine::Machine;
 use crate::repetition::Repetition;
 use crate::significant::significant;
+use crate::timings::Timings;
 use crate::{Analysis, Error, Progress, Results, Slow, Verdict, Watch};
 use eng_grammar::{Diagnostic, Diagnostics};
 use eng_system::system::PointValue;
@@ -35,6 +36,8 @@ pub struct RunOutcome {
     pub point: Vec<PointValue>,
     /// For a periodic analysis: number of cycles, and whether the last repeats; absent after a failure.
     pub periodic: Option<(u32, bool)>,
+    /// Processor time of the phases, if the analysis is [`Analysis::timed`].
+    pub timings: Option<Timings>,
 }
 
 /// An event of a run.
@@ -262,6 +265,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         facts,
         point: analysis.point().to_vec(),
         periodic: repetition.map(|r| (r.cycles, r.repeats)),
+        timings: outcome.timings,
         motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
         results: outcome.results,
     })
