@@ -62,6 +62,7 @@ mod fields;
 mod figures;
 mod lint;
 mod machine;
+mod matrices;
 mod model;
 pub mod modes;
 pub mod motion;

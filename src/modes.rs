@@ -140,19 +140,28 @@ pub(crate) fn row(modes: &LinearModes, index: usize, mode: &Mode) -> Vec<f64> {
 
 /// Keys and values of the metadata: the moment, the state and the coefficients of the linearisation.
 pub(crate) fn metadata(modes: &LinearModes) -> Vec<(&'static str, String)> {
-    let coefficients = match modes.coefficients {
-        Coefficients::Constant => "constant",
-        Coefficients::Frozen => FROZEN,
-        Coefficients::Periodic => PERIODIC,
-    };
     let mut known = vec![
-        ("linearised", format!("at {}", modes.moment)),
-        (COEFFICIENTS, coefficients.to_owned()),
+        ("linearised", linearised_at(modes)),
+        (COEFFICIENTS, coefficients(modes).to_owned()),
     ];
     if let Some(orbit) = &modes.orbit {
         known.push(("period", format!("{:.9e} s", orbit.period)));
     }
     known
+}
+
+/// The moment of the linearisation in words.
+pub(crate) fn linearised_at(modes: &LinearModes) -> String {
+    format!("at {}", modes.moment)
+}
+
+/// The kind of the coefficients as a word.
+pub(crate) fn coefficients(modes: &LinearModes) -> &'static str {
+    match modes.coefficients {
+        Coefficients::Constant => "constant",
+        Coefficients::Frozen => FROZEN,
+        Coefficients::Periodic => PERIODIC,
+    }
 }
 
 /// Whether results hold modes of a period.

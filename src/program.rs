@@ -73,6 +73,9 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             }
         }
     }
+    if !diagnostics.has_errors() {
+        shared.names(&typed, &mut texts, sources, &plans, &mut diagnostics);
+    }
     let mut reports = Vec::new();
     if !diagnostics.has_errors() {
         reports = eng_compiler::check::reports(

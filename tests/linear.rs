@@ -1010,3 +1010,96 @@ fn the_frequency_response_is_that_of_two_masses() {
     let refused = refused.expect_err("a kink").to_string();
     assert!(refused.contains("bends at its value"), "{refused}");
 }
+
+#[test]
+fn matrices_of_an_analysis_are_those_of_a_simulation_and_a_file() {
+    let text = "
+        use std.joints.Translational
+        use std.forces.LinearSpring
+        force Push(a: Marker, b: Marker, load: Force) { apply force load*b.z on a against b }
+        model Cart {
+            input push[i in 1..2]: Force = 0 N
+            gravity = [0, 0, 0] m/s^2
+            marker wall = [0, 0, 0] mm
+            body block { mass = 2 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+            joint rail = Translational(block.eye, wall)
+            force spring = LinearSpring(block.eye, wall, stiffness: 3 N/mm, damping: 40 N*s/m, free_length: 100 mm)
+            force drive[i in 1..2] = Push(block.eye, wall, load: i*push[i])
+            start rail.travel = 100 mm
+            output at = rail.travel as mm
+        }
+        analysis small = linear(Cart(), inputs: [push[*]], outputs: [at, rail.force, spring.tension])
+        analysis plain = linear(Cart())";
+    let program = program(text);
+    let folder = std::env::temp_dir().join(format!("eng-matrices-{}", std::process::id()));
+    let recording = eng::results::Recording {
+        folder: Some(folder.clone()),
+        ..Default::default()
+    };
+    let analysis = program.analysis("small").expect("an analysis");
+    let outcome = analysis.record(recording).run(&mut |_| {}).expect("modes");
+    let found = outcome.modes.expect("modes").matrices.expect("matrices");
+    let plain = modes(&program, "plain", &[]);
+    assert!(plain.matrices.is_none());
+
+    let model = program.model("Cart").expect("a model");
+    let inputs = ["push[1]", "push[2]"].map(|path| model.input(path).expect("an input"));
+    let outputs = [
+        "at",
+        "rail.force.x",
+        "rail.force.y",
+        "rail.force.z",
+        "spring.tension",
+    ];
+    let channels = outputs.map(|path| model.channel(path).expect("a channel"));
+    let mut simulation = model
+        .simulation()
+        .start_from(eng_system::system::Start::QuasiStatic)
+        .start()
+        .expect("a start");
+    let due = simulation
+        .state_space(&inputs, &channels, false)
+        .expect("matrices");
+    assert_eq!(found, due);
+
+    // at rest a force F moves the block by F/k, and the spring carries it
+    let gains = found.gains().expect("a regular A");
+    for (column, factor) in [1.0, 2.0].into_iter().enumerate() {
+        near(gains[(0, column)], factor / 3000.0, 1e-7);
+        near(gains[(4, column)].abs(), factor, 1e-7);
+    }
+
+    let file = folder.join("small.matrices.json");
+    let written = std::fs::read_to_string(&file).expect("a file");
+    let written: serde_json::Value = serde_json::from_str(&written).expect("JSON");
+    let names = |list: &str| -> Vec<&str> {
+        let list = written[list].as_array().expect("a list");
+        list.iter().filter_map(|s| s["path"].as_str()).collect()
+    };
+    assert_eq!(names("inputs"), ["push[1]", "push[2]"]);
+    assert_eq!(names("outputs"), outputs);
+    assert_eq!(written["outputs"][0]["unit"], "m");
+    for (name, matrix) in [("A", &due.a), ("B", &due.b), ("C", &due.c), ("D", &due.d)] {
+        for (i, row) in matrix.row_iter().enumerate() {
+            for (j, number) in row.iter().enumerate() {
+                let read = written[name][i][j].as_f64().expect("a number");
+                assert_eq!(read.to_bits(), number.to_bits(), "{name} {i} {j}");
+            }
+        }
+    }
+
+    // the matrices of an earlier text do not remain
+    let other = text.replace(
+        "inputs: [push[*]], outputs: [at, rail.force, spring.tension]",
+        "number: 3",
+    );
+    let program = self::program(&other);
+    let analysis = program.analysis("small").expect("an analysis");
+    let recording = eng::results::Recording {
+        folder: Some(folder.clone()),
+        ..Default::default()
+    };
+    analysis.record(recording).run(&mut |_| {}).expect("modes");
+    assert!(!file.exists());
+    std::fs::remove_dir_all(folder).expect("removed");
+}

@@ -258,3 +258,160 @@ analysis run = transient(Shaft(), duration: 1 ms)
         assert_eq!(said.contains("W0766"), told, "{said}");
     }
 }
+
+/// A slider-crank of throw 40 mm and rod 130 mm at 100 rad/s, whose piston's distance is an output. `lints` stand in the model, `part` in
+/// the component around it, `class` in a force.
+fn crank_with(class: &str, part: &str, lints: &str) -> String {
+    format!(
+        "use std.joints.{{Revolute, PointOnLine, Translational}}
+use std.drives.PrescribedRotation
+force Watched(piston: Marker, head: Marker, dead: Angle = 0 deg) {{
+    let travel = dot(piston.origin - head.origin, head.z)
+    let stroke = largest(travel) - smallest(travel)
+    {class}
+    apply force 0 N*head.z on piston against head
+    output at = travel as mm
+}}
+component Mechanism(rail: Marker, bore: Marker, throw: Length) {{
+    body crank {{
+        mass = 10 kg
+        inertia = [50, 50, 40] g*m^2
+        marker main = origin
+        marker pin = [1, 0, 0]*throw
+        start angular_velocity = [0, 0, 100] rad/s
+    }}
+    body rod {{
+        mass = 2 kg
+        inertia = [0.6, 6, 6] g*m^2
+        center_of_mass = [50, 0, 0] mm
+        marker big = origin
+        marker small = [130, 0, 0] mm
+    }}
+    body piston {{
+        mass = 1.9 kg
+        inertia = [2.5, 2, 2] g*m^2
+        marker pin = origin
+        marker crown = at(origin, z: [1, 0, 0])
+    }}
+    joint main = Revolute(crank.main, rail)
+    drive turn = PrescribedRotation(crank.main, rail, speed: 100 rad/s)
+    joint big_end = Revolute(rod.big, crank.pin)
+    joint wrist = PointOnLine(rod.small, piston.pin)
+    joint liner = Translational(piston.crown, bore) {{ branch travel > 0 mm }}
+    force watched = Watched(piston.crown, bore)
+    let stroke = largest(liner.travel) - smallest(liner.travel)
+    {part}
+}}
+model Crank {{
+    gravity = [0, 0, 0] m/s^2
+    param throw: Length = 40 mm
+    param longest: Length = 79.9 mm
+    marker rail = [0, 0, 0] mm
+    marker bore = at([0, 0, 0] mm, z: [1, 0, 0])
+    part unit = Mechanism(rail, bore, throw)
+    cycle angle = rotation(unit.crank.main, rail) {{ period = 720 deg }}
+    {lints}
+}}
+analysis run = transient(Crank(), duration: 1 rev, sample: 5 deg)
+"
+    )
+}
+
+/// The numbers of a message behind a word.
+fn numbers_behind(said: &str, word: &str) -> Vec<f64> {
+    let at = said
+        .find(word)
+        .unwrap_or_else(|| panic!("no {word}: {said}"));
+    let line = said[at + word.len()..].lines().next().expect("a line");
+    line.split_whitespace()
+        .filter_map(|piece| piece.trim_matches([',', ';', ':']).parse().ok())
+        .collect()
+}
+
+#[test]
+fn lints_of_a_turn_have_the_extremes_of_the_mechanism() {
+    let class = "advise long: stroke < 79.9 mm else \"Class {stroke as mm}\"
+    advise dead: abs(wrapped(where_largest(travel) - dead, 360 deg)) > 1 deg else
+        \"Dead {wrapped(where_largest(travel) - dead, 360 deg) as deg}\"";
+    let part = "advise half: stroke < 79.9 mm else \"Part {stroke as mm}\"";
+    let model = "let speed = dot(unit.piston.pin.velocity, bore.z)
+    advise fast: max(largest(speed), -smallest(speed)) < 4 m/s else
+        \"Speed {largest(speed) as m/s} , {smallest(speed) as m/s} , {where_largest(speed) as deg}\"
+    advise quiet: largest(speed) < 1 km/s else \"never\"
+    advise longer: largest(dot(unit.piston.pin.origin, bore.z)) < longest else \"reach {longest as mm}\"";
+    let (said, _) = Text::new("turn", &crank_with(class, part, model)).check();
+    let near = |found: f64, due: f64, within: f64| {
+        assert!(
+            (found - due).abs() <= within,
+            "{found} instead of {due}: {said}"
+        );
+    };
+    near(numbers_behind(&said, "Class")[0], 80.0, 2e-3);
+    near(numbers_behind(&said, "Part")[0], 80.0, 2e-3);
+    near(numbers_behind(&said, "Dead")[0], 0.0, 0.05);
+    assert!(
+        !said.contains("never") && said.contains("reach 79.9 mm"),
+        "{said}"
+    );
+    // ẋ = −r ω (sin φ + λ sin 2φ/(2 √(1 − λ² sin² φ))), its least value by a fine search
+    let (r, omega, ratio) = (0.04, 100.0, 40.0 / 130.0);
+    let speed = |phi: f64| {
+        let s = libm::sin(phi);
+        let root = libm::sqrt(1.0 - ratio * ratio * s * s);
+        -r * omega * (s + ratio * libm::sin(2.0 * phi) / (2.0 * root))
+    };
+    let angles = (0..72_000).map(|k| f64::from(k) * std::f64::consts::PI / 36_000.0);
+    let fastest = angles.clone().map(speed).fold(f64::INFINITY, f64::min);
+    let at = angles
+        .max_by(|a, b| speed(*a).total_cmp(&speed(*b)))
+        .expect("angles");
+    let told = numbers_behind(&said, "Speed");
+    near(told[0], -fastest, 2e-3 * fastest.abs());
+    near(told[1], fastest, 2e-3 * fastest.abs());
+    // the first of the two turns of the cycle
+    near(told[2], at.to_degrees(), 0.2);
+}
+
+#[test]
+fn lints_of_a_turn_follow_the_parameters_of_an_analysis() {
+    let lint =
+        "advise long: largest(dot(unit.piston.pin.origin, bore.z)) < 175 mm else \"too long\"";
+    let text = crank_with("", "", lint);
+    let (said, _) = Text::new("turn-short", &text).check();
+    assert!(!said.contains("too long"), "{said}");
+    let longer = text.replace("Crank(), duration", "Crank(throw: 50 mm), duration");
+    let (said, _) = Text::new("turn-longer", &longer).check();
+    assert!(said.contains("too long"), "{said}");
+    let accepted = longer.replace("    param longest", "    accept long\n    param longest");
+    let (said, assembled) = Text::new("turn-accepted", &accepted).check();
+    assert!(!said.contains("too long"), "{said}");
+    assert!(
+        assembled
+            .facts
+            .iter()
+            .any(|f| f.starts_with("accepted: long"))
+    );
+}
+
+#[test]
+fn a_piston_runs_too_fast_for_any_engine() {
+    let engine = std::fs::read_to_string("examples/slider_crank/slider_crank.eng").expect("a file");
+    let gas = "    force gas = GasPressure(piston.crown, head, bore: 100 mm, pressure: trace)
+    marker head = at([300, 0, 0] mm, z: [1, 0, 0])
+    cycle angle";
+    let table = "use std.forces.GasPressure
+table trace(theta: CrankAngle) -> AbsolutePressure = points([0, 20, 120, 600, 700] deg, [40, 60, 2, 1, 20] bar, interpolation: monotone, periodic: 720 deg)
+model SliderCrank {";
+    let engine = engine
+        .replace("    cycle angle", gas)
+        .replace("model SliderCrank {", table)
+        .replace("period = 360 deg", "period = 720 deg");
+    let (said, _) = Text::new("piston-slow", &engine).check();
+    assert!(!said.contains("piston runs"), "{said}");
+    let fast = engine.replace("= 2000 rpm", "= 8000 rpm");
+    let (said, _) = Text::new("piston-fast", &fast).check();
+    // r ω √(1 + λ²) to within a percent
+    let due = 0.0685 * 8000.0 * std::f64::consts::PI / 30.0 * libm::hypot(1.0, 68.5 / 207.0);
+    let told = numbers_behind(&said, "the piston runs at");
+    assert!((told[0] / due - 1.0).abs() < 0.01, "{said}");
+}

@@ -41,6 +41,8 @@ pub(crate) enum Kind {
     Functions,
     /// The time derivative.
     Rate,
+    /// A number of a turn of the machine without forces, in lints alone.
+    Turn,
     /// A function of results, in reports alone.
     Results,
 }
@@ -137,7 +139,7 @@ const fn reduction(name: &'static str, reduction: Reduction) -> BuiltIn {
 }
 
 /// All functions.
-static FUNCTIONS: [BuiltIn; 47] = [
+static FUNCTIONS: [BuiltIn; 50] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
     function("norm", &["v"], Kind::Vectors)
@@ -175,6 +177,9 @@ static FUNCTIONS: [BuiltIn; 47] = [
     function("curvature", &["f", "x"], Kind::Functions),
     function("period", &["f"], Kind::Functions),
     function("solve", &["f", "estimate"], Kind::Functions),
+    function("largest", &["x"], Kind::Turn),
+    function("smallest", &["x"], Kind::Turn),
+    function("where_largest", &["x"], Kind::Turn),
     reduction("minimum", Reduction::Minimum),
     reduction("maximum", Reduction::Maximum),
     // the checker replaces `false` if the place is a time: `over` and the model decide
@@ -195,7 +200,7 @@ static FUNCTIONS: [BuiltIn; 47] = [
 ];
 
 /// The forms of a call and the meaning of each function.
-static ABOUT: [(&str, &str, &str); 47] = [
+static ABOUT: [(&str, &str, &str); 50] = [
     (
         "dot",
         "dot(a, b)",
@@ -326,6 +331,21 @@ static ABOUT: [(&str, &str, &str); 47] = [
         "solve",
         "solve(f, estimate)",
         "the x with f(x) = 0 near an estimate, with exact derivatives; up to three unknowns are a list",
+    ),
+    (
+        "largest",
+        "largest(x)",
+        "the largest value of a quantity of positions and velocities while the machine turns through its cycle without forces; for `advise` alone",
+    ),
+    (
+        "smallest",
+        "smallest(x)",
+        "the smallest value of a quantity while the machine turns through its cycle without forces; for `advise` alone",
+    ),
+    (
+        "where_largest",
+        "where_largest(x)",
+        "the angle of the cycle at which a quantity is largest while the machine turns without forces; for `advise` alone",
     ),
     ("minimum", "minimum(x)", "the least sample of a signal"),
     ("maximum", "maximum(x)", "the largest sample of a signal"),

@@ -3,7 +3,7 @@
 //! This module contains data that follow from the text and constants. It must not contain parameters, reduced
 //! bodies or states.
 
-use crate::elaborate::{Elaborated, Structural, elaborate};
+use crate::elaborate::{AnalysisPlan, Elaborated, Structural, check_names, elaborate};
 use crate::generate::{CodegenError, compile_class};
 use crate::program::DefinitionId;
 use crate::typed::TypedProgram;
@@ -70,5 +70,28 @@ impl SharedModels {
         });
         known().push(Arc::clone(&made));
         Some(made)
+    }
+
+    /// Checks the names of inputs and channels that analyses state. Other stages report a model with a mistake.
+    pub fn names(
+        &self,
+        typed: &TypedProgram,
+        sources: &mut SourceMap,
+        host: &dyn Host,
+        plans: &[AnalysisPlan],
+        diagnostics: &mut Diagnostics,
+    ) {
+        for plan in plans {
+            let stated = plan.analysis.kind.named();
+            if stated.iter().all(|(_, _, names)| names.is_empty()) {
+                continue;
+            }
+            let (model, constants) = (plan.model, &plan.constants);
+            let mut elsewhere = Diagnostics::new();
+            let made = self.model(typed, sources, host, model, constants, &mut elsewhere);
+            if let Some(made) = made {
+                check_names(&plan.analysis, &made.elaborated.system, diagnostics);
+            }
+        }
     }
 }

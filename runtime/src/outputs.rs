@@ -25,6 +25,10 @@ pub struct Outputs {
     watched: Option<usize>,
     /// First two outputs of the watched element.
     pub watched_values: [f64; 2],
+    /// Further outputs, which may have no channel: element and output.
+    follows: Vec<(usize, usize)>,
+    /// Their values.
+    pub followed: Vec<f64>,
 }
 
 impl Outputs {
@@ -46,6 +50,16 @@ impl Outputs {
     /// The outputs of one element, and those that it needs.
     pub fn watching(model: &Model, element: usize) -> Result<Outputs, RuntimeError> {
         Outputs::of(model, BTreeSet::from([element]), Some(element))
+    }
+
+    /// Some outputs (element and output), and those that they need.
+    pub fn following(model: &Model, follows: Vec<(usize, usize)>) -> Result<Outputs, RuntimeError> {
+        let elements = follows.iter().map(|(element, _)| *element).collect();
+        Ok(Outputs {
+            followed: vec![f64::NAN; follows.len()],
+            follows,
+            ..Outputs::of(model, elements, None)?
+        })
     }
 
     fn of(
@@ -116,6 +130,8 @@ impl Outputs {
             values: vec![f64::NAN; system.channels.len()],
             watched,
             watched_values: [0.0; 2],
+            follows: Vec::new(),
+            followed: Vec::new(),
         })
     }
 
@@ -207,6 +223,13 @@ impl Outputs {
                                 ));
                             }
                             self.values[*channel] = value;
+                        }
+                        for ((element, output), value) in
+                            self.follows.iter().zip(&mut self.followed)
+                        {
+                            if *element == index {
+                                *value = self.scratch.outputs[*output][lane];
+                            }
                         }
                         if self.watched == Some(index) && count >= 2 {
                             self.watched_values =

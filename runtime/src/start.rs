@@ -19,6 +19,7 @@
 
 pub mod balance;
 pub mod eccentricity;
+pub mod followed;
 pub mod hanging;
 pub mod motion;
 mod picking;

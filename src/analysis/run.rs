@@ -147,6 +147,10 @@ impl Analysis {
             // the failure of the run says more than the failure of its table
             Err(error) => return Err(cause.unwrap_or_else(|| error.into()).into()),
         };
+        if cause.is_none() {
+            self.write_matrices(solved.modes.as_ref())
+                .map_err(Error::from)?;
+        }
         let motion = recorder.motion.results(self, results.metadata())?;
         if let Some((clock, spent)) = &mut recorder.clock {
             spent.files += clock.since();

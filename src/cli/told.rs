@@ -115,6 +115,10 @@ impl<'a> Told<'a> {
             let path = folder.join(format!("{}.parquet", written.stem()));
             wrote(&path, arguments, console)?;
         }
+        let matrices = crate::matrices::file_of(folder, results.analysis());
+        if results.are_modes() && results.failure().is_none() && matrices.is_file() {
+            wrote(&matrices, arguments, console)?;
+        }
         if arguments.csv {
             let path = told_of(results.write_csv(folder), console)?;
             wrote(&path, arguments, console)?;

@@ -11,11 +11,12 @@ use crate::machine::at;
 use eng_runtime::assembly::rows;
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
+use eng_runtime::start::followed::Following;
 use eng_runtime::start::turn::{Place, Turned, turn};
 use eng_runtime::{Assembled, RuntimeError};
 use eng_system::code::{Bound, Compiled};
-use eng_system::lint;
-use eng_system::system::{FiringInfo, Origin, Slot, System};
+use eng_system::system::{Depth, Element, FiringInfo, Origin, Role, Slot, System};
+use eng_system::{Dimension, lint};
 use std::f64::consts::{PI, TAU};
 
 /// The largest difference (rad) between a firing angle and its dead centre. Offset bores and articulated rods
@@ -112,9 +113,11 @@ pub(crate) fn turned(
             beyond: None,
         })
         .collect();
-    if cylinders.is_empty() && system.cycle.is_none() {
+    if cylinders.is_empty() && system.cycle.is_none() && system.followed.is_empty() {
         return (Vec::new(), None);
     }
+    // a quantity without a value somewhere in the turn is no reason for a lint
+    let mut following = Following::new(assembled.model()).ok().flatten();
     let mut shaft = None;
     // the cycle's angle at the first and the last position, and the finding if it decreases
     let (mut angles, mut backwards): (Option<[f64; 2]>, _) = (None, None);
@@ -129,6 +132,9 @@ pub(crate) fn turned(
         for cylinder in &mut cylinders {
             cylinder.look(place);
         }
+        if following.as_mut().is_some_and(|f| f.look(place).is_err()) {
+            following = None;
+        }
         Ok(())
     });
     match found {
@@ -138,8 +144,9 @@ pub(crate) fn turned(
         }
         Ok(Turned::Not) | Err(_) => return (Vec::new(), Some(found)),
     }
+    let of_text = following.map_or(Vec::new(), |following| told(assembled.model(), &following));
     if cylinders.is_empty() {
-        return (Vec::new(), Some(found));
+        return (of_text, Some(found));
     }
     let doubts = cylinders.iter().flat_map(|c| c.doubts(compiled));
     let slanted = cylinders.iter().filter_map(|c| c.slanted(compiled, shaft?));
@@ -147,8 +154,46 @@ pub(crate) fn turned(
     let doubts = doubts
         .chain(slanted)
         .chain(backwards.filter(|_| falls))
-        .chain(gravity(system, bound, &cylinders, shaft));
+        .chain(gravity(system, bound, &cylinders, shaft))
+        .chain(of_text);
     (doubts.collect(), Some(found))
+}
+
+/// The lints of the text on numbers of the turn.
+fn told(model: &Model, following: &Following) -> Vec<Finding> {
+    let Compiled { system, bind, .. } = &model.compiled;
+    let advice = bind.after_turn(&model.overrides, &following.numbers(), &system.tables);
+    let mut found: Vec<Finding> = advice.iter().map(Finding::of_parameters).collect();
+    for finding in &mut found {
+        let follows_a_speed = system.followed.iter().any(|followed| {
+            let element = &system.elements[followed.element as usize];
+            let output = &system.classes[element.class as usize].outputs[followed.output as usize];
+            element.origin.path == finding.origin.path && output.depth == Depth::Velocity
+        });
+        if follows_a_speed {
+            super::decide(finding, stated_speeds(model));
+        }
+    }
+    found
+}
+
+/// The angular velocities that drives and starts state.
+fn stated_speeds(model: &Model) -> Vec<Origin> {
+    let Compiled { system, bind, .. } = &model.compiled;
+    let speed = Dimension::ANGLE.over(Dimension::TIME);
+    let states = |element: &&Element| match element.role {
+        Role::Dynamic => system.classes[element.class as usize].rows_over_time,
+        Role::StartVelocity { .. } => true,
+        _ => false,
+    };
+    let slots = system.elements.iter().filter(states);
+    let slots = slots.flat_map(|element| &element.constants);
+    let parameters = slots.flat_map(|slot| bind.parameters_of(*slot));
+    let parameters = parameters.filter_map(|index| system.parameters.get(index as usize));
+    parameters
+        .filter(|parameter| parameter.dimension == speed)
+        .map(|parameter| parameter.origin.clone())
+        .collect()
 }
 
 /// A cycle whose angle swings and never completes a turn.

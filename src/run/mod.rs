@@ -230,6 +230,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     }
     if let Some(modes) = &outcome.modes {
         facts.extend(crate::modes::facts(modes));
+        facts.extend(analysis.facts_of_matrices(modes));
     }
     if let Some(summary) = &outcome.summary {
         let s = &summary.statistics;

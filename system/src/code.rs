@@ -112,6 +112,17 @@ pub trait BindCode: Send + Sync + std::fmt::Debug {
     ) {
     }
 
+    /// The failed `advise`s on numbers of a turn without forces, one for each of
+    /// [`System::followed`](crate::system::System::followed).
+    fn after_turn(
+        &self,
+        _overrides: &[Option<f64>],
+        _followed: &[f64],
+        _tables: &[Table],
+    ) -> Vec<Advice> {
+        Vec::new()
+    }
+
     /// Checks limits and conditions of parameters with the values of [`BindCode::renew`]. Returns the failed
     /// `advise`s.
     fn check(&self, _nodes: &[Pair], _tables: &[Table]) -> Result<Vec<Advice>, BindError> {

@@ -37,5 +37,6 @@ pub mod reduced;
 pub mod report;
 pub mod system;
 pub mod table;
+pub mod turn;
 
 pub use dimension::{Dimension, DisplayUnit};

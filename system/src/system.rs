@@ -5,7 +5,7 @@
 //! text.
 
 pub use crate::analysis::{
-    Analysis, AnalysisKind, Extent, Linear, Periodic, PointValue, Rows, Start, StepControl,
+    Analysis, AnalysisKind, Extent, Linear, Names, Periodic, PointValue, Rows, Start, StepControl,
     Transient,
 };
 use crate::dimension::{Dimension, DisplayUnit};
@@ -441,6 +441,22 @@ pub struct System {
     /// Places of stated attributes, by path: `gravity`, `crank.inertia`. If an argument of a class is the
     /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,
+    /// Quantities that lints follow through a turn without forces, in the order of their inputs of the bind graph.
+    pub followed: Vec<crate::turn::Followed>,
     /// Lints that the text accepts.
     pub accepted: Vec<crate::lint::Accepted>,
+}
+
+impl System {
+    /// Paths of the inputs or channels, in their order.
+    pub fn paths_of(&self, names: Names) -> Vec<&str> {
+        match names {
+            Names::Inputs => {
+                let parameter = |k: u32| self.parameters.get(k as usize);
+                let path = |k| parameter(k).map_or("", |p| p.origin.path.as_str());
+                self.inputs.iter().map(|i| path(i.parameter)).collect()
+            }
+            Names::Channels => self.channels.iter().map(|c| c.path.as_str()).collect(),
+        }
+    }
 }

@@ -184,7 +184,7 @@ impl<'p> Checker<'p> {
                 others.push(argument.clone());
                 continue;
             };
-            if !matches!(form, Takes::Extent(_) | Takes::Start) {
+            if !matches!(form, Takes::Extent(_) | Takes::Start | Takes::Names(_)) {
                 others.push(argument.clone());
                 continue;
             }
@@ -208,6 +208,7 @@ impl<'p> Checker<'p> {
                 Takes::Extent(Counted::ByFastest) => {
                     self.extent(scope, kind.name, row, value, None);
                 }
+                Takes::Names(_) => self.channel_names(scope, row.name, value),
                 _ => self.start_word(value),
             }
         }
@@ -331,7 +332,7 @@ impl<'p> Checker<'p> {
 fn plain_type(takes: Takes) -> Type {
     let of = |dimension: Dimension| Type::Scalar(Quantity::hard(dimension));
     match takes {
-        Takes::Number | Takes::Start => Type::one(),
+        Takes::Number | Takes::Start | Takes::Names(_) => Type::one(),
         Takes::Count => Type::Int,
         Takes::Time | Takes::Extent(_) => of(Dimension::TIME),
         Takes::Angle => of(Dimension::ANGLE),

@@ -100,6 +100,7 @@ impl<'p> Checker<'p> {
             ("min" | "max", _) => self.extreme(name, plain),
             ("sum", [x]) => self.total(x),
             ("index_of", [list, value]) => self.index_of(list, value),
+            ("largest" | "smallest" | "where_largest", [x]) => self.of_turn(name, x),
             ("length" | "distinct", [(expr, ty)]) => match ty {
                 Type::List { .. } | Type::Range(_) if name == "length" => Type::Int,
                 Type::List { element, .. } | Type::Range(element)
@@ -117,6 +118,18 @@ impl<'p> Checker<'p> {
                 }
             },
             _ => Type::Error,
+        }
+    }
+
+    /// A number of a turn without forces. Elaboration refuses it outside of lints.
+    fn of_turn(&mut self, name: &str, (expr, ty): &(&Expr, Type)) -> Type {
+        if !matches!(ty, Type::Int | Type::Scalar(_)) {
+            let what = format!("the argument of `{name}`");
+            return self.not_a(expr, ty, &what, "a number");
+        }
+        match name {
+            "where_largest" => self.cycle_angle(),
+            _ => Type::Scalar(ty.quantity().unwrap_or_default()),
         }
     }
 

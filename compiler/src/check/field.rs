@@ -278,6 +278,21 @@ impl<'p> Checker<'p> {
         })
     }
 
+    /// The type of the cycle's angle.
+    pub(super) fn cycle_angle(&self) -> Type {
+        let point = self.program.dimensions.get("CrankAngle");
+        let kind = match point {
+            Some(named) if named.point_of.is_some() => {
+                super::types::Kind::Point("CrankAngle".into())
+            }
+            _ => super::types::Kind::Any,
+        };
+        Type::Scalar(Quantity {
+            kind,
+            ..Quantity::hard(Dimension::ANGLE)
+        })
+    }
+
     fn field_of_cycle(&mut self, scope: &Scope<'p>, name: &Name) -> Type {
         if let Some(definition) = scope.definition
             && let Some(model) = self.declaration(definition)
@@ -296,19 +311,7 @@ impl<'p> Checker<'p> {
             return Type::Error;
         }
         match name.text.as_str() {
-            "angle" => {
-                let point = self.program.dimensions.get("CrankAngle");
-                let kind = match point {
-                    Some(named) if named.point_of.is_some() => {
-                        super::types::Kind::Point("CrankAngle".into())
-                    }
-                    _ => super::types::Kind::Any,
-                };
-                Type::Scalar(Quantity {
-                    kind,
-                    ..Quantity::hard(Dimension::ANGLE)
-                })
-            }
+            "angle" => self.cycle_angle(),
             "period" => Type::Scalar(Quantity::hard(Dimension::ANGLE)),
             _ => {
                 self.no_member(

@@ -659,6 +659,8 @@ impl<'p> Levels<'_, 'p> {
                 return Abstract::Number(match name.as_str() {
                     "der" => all.rate(span),
                     "length" => FREE,
+                    // a number, if the quantity itself is known in a turn without forces
+                    "largest" | "smallest" | "where_largest" if all.order <= 1 => FREE,
                     _ => all,
                 });
             }

@@ -27,6 +27,7 @@ mod level;
 mod lint;
 mod member;
 mod mismatch;
+mod names;
 mod operator;
 mod partial;
 mod report;

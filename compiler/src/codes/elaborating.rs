@@ -156,6 +156,14 @@ eng_grammar::codes! {
         "Components along a marker's axes are numbers: they can only be added to, multiplied with and shown in the same axes. Vectors have no axes and are added in space.",
         "output both = film[1].eccentricity + film[2].eccentricity in shell",
         "output both = vector([film[1].eccentricity.x, film[1].eccentricity.y, 0 mm], shell)\n    + vector([film[2].eccentricity.x, film[2].eccentricity.y, 0 mm], case) in shell";
+    NO_CHANNEL_OF_ANALYSIS = "E0541", "an analysis names an input or a channel that its model does not have",
+        "`inputs` lists inputs of the model, and `outputs` its channels, by the names that `eng results` and `--set` use: `speed`, `main[2].force.x`. The name of a vector stands for its components, `[*]` for every index. A name may stand in a list once.",
+        "analysis small = linear(Driveline(), inputs: [brake], outputs: [sped])",
+        "analysis small = linear(Driveline(), inputs: [brake], outputs: [speed])";
+    OF_TURN = "E0542", "a number of a turn without forces is used outside of a lint",
+        "`largest(x)`, `smallest(x)` and `where_largest(x)` are numbers of a turn of the machine through its cycle, by geometry alone. `eng check` knows them after this turn, so only `advise` and its message may use them, directly or through a `let`. A `require` is checked at every step of a run, so it reads the motion itself.",
+        "joint liner = Translational(crown.axis, bore)\noutput stroke = largest(liner.travel) - smallest(liner.travel)",
+        "joint liner = Translational(crown.axis, bore)\nadvise stroke: largest(liner.travel) - smallest(liner.travel) < 200 mm else \"a long stroke\"";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should cause this: an earlier check should have reported the mistake. Please report it with the model. Until it is corrected, another form of the text at the named place may help.",
         "", "";

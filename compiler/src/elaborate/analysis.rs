@@ -201,6 +201,11 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 self.checked(start, expr.span, "no start")
             }
+            Takes::Names(_) => {
+                let mut names = Vec::new();
+                self.names_of_channels(expr, scope, &mut names)?;
+                Ok(analysis::Value::Names(names))
+            }
             Takes::Switch => {
                 let stated = self.evaluate(expr, scope)?;
                 Ok(analysis::Value::Switch(self.read(stated, expr.span)?))

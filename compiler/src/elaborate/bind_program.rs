@@ -1,7 +1,7 @@
 //! The bind graph as a program: evaluated once for each parameter set, it gives the slots and the messages of failed
 //! conditions.
 
-use super::scalar::{FIXED, TIME};
+use super::scalar::{FIXED, FOLLOWED, TIME};
 use crate::ir::{Function, Node, Op};
 use eng_system::DisplayUnit;
 use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
@@ -58,6 +58,8 @@ pub struct BindProgram {
     pub parameters: Vec<Parameter>,
     /// Conditions.
     pub checks: Vec<Check>,
+    /// Lints of numbers that are known after a turn without forces.
+    pub turned: Vec<Check>,
     /// Operations that change with the inputs, operands first; empty for a system without inputs.
     pub moving: Vec<Node>,
     /// Slots that change with them.
@@ -174,17 +176,18 @@ impl BindProgram {
 }
 
 impl BindProgram {
-    /// The value of an operation with the values of those before it, at a time (s).
+    /// The value of an operation with the values of those before it, at a time (s), and with numbers of a turn.
     fn value(
         &self,
         op: Op,
         values: &[Pair],
         overrides: &[Option<f64>],
-        time: f64,
+        (time, followed): (f64, &[f64]),
         tables: &[Table],
     ) -> Pair {
         let value = match op {
             Op::Input(TIME) => Some(time),
+            Op::Input(k) if k >= FOLLOWED => followed.get((k - FOLLOWED) as usize).copied(),
             Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
             Op::Input(k) => {
                 let default = self
@@ -294,7 +297,7 @@ impl BindCode for BindProgram {
         let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
         for op in nodes {
             // a run begins at the time zero
-            values.push(self.value(*op, &values, overrides, 0.0, tables));
+            values.push(self.value(*op, &values, overrides, (0.0, &[]), tables));
         }
         let at = |n: &Node| values.get(n.0 as usize).map_or(f64::NAN, |pair| pair[0]);
         let mut parameters = Vec::with_capacity(self.parameters.len());
@@ -351,7 +354,7 @@ impl BindCode for BindProgram {
             if let Some(op) = operations.get(at)
                 && at < nodes.len()
             {
-                nodes[at] = self.value(*op, nodes, overrides, time, tables);
+                nodes[at] = self.value(*op, nodes, overrides, (time, &[]), tables);
             }
         }
         let slots = self.moving_slots.iter().zip(moving);
@@ -360,6 +363,23 @@ impl BindCode for BindProgram {
             let found = node.and_then(|node| nodes.get(node.0 as usize));
             *value = found.map_or(f64::NAN, |pair| pair[0]);
         }
+    }
+
+    fn after_turn(
+        &self,
+        overrides: &[Option<f64>],
+        followed: &[f64],
+        tables: &[Table],
+    ) -> Vec<Advice> {
+        let nodes = self.function.graph.nodes();
+        let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
+        for op in nodes {
+            values.push(self.value(*op, &values, overrides, (0.0, followed), tables));
+        }
+        // the parameters of a failed `require`; these are lints
+        let none = |_| f64::NAN;
+        let told = self.conditions(self.turned.iter(), &values, none, tables);
+        told.unwrap_or_default()
     }
 
     fn check(&self, nodes: &[Pair], tables: &[Table]) -> Result<Vec<Advice>, BindError> {

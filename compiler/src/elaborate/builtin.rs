@@ -66,6 +66,9 @@ impl<'a> Elaborator<'a, '_> {
             return self.rate(span, arguments, scope);
         }
         let name = function.name;
+        if let Kind::Turn = function.kind {
+            return self.of_turn(name, span, arguments, scope);
+        }
         let mut values: Vec<(Value<'a>, Span)> = Vec::new();
         // no function of equations has a second parameter that takes an argument by name
         let mut option = None;
@@ -101,7 +104,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.kink_of(value, span, scope)
             }
             Kind::Functions => self.of_functions(name, values, span, scope),
-            Kind::Rate | Kind::Results => self.arguments(span),
+            Kind::Rate | Kind::Turn | Kind::Results => self.arguments(span),
         }
     }
 

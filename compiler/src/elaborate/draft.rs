@@ -4,6 +4,7 @@ use super::bind_program::Check;
 use super::change::Change;
 use super::flexible;
 use super::scalar::FieldDraft;
+use super::turn::FollowedDraft;
 use super::value::{self, ScopeId, Value};
 use crate::ir::{self, KinkPlace, Node};
 use crate::program::DefinitionId;
@@ -32,6 +33,8 @@ pub(crate) struct Draft<'a> {
     /// Functions of time that the analysis gives to inputs, by the name of the input.
     pub signals: BTreeMap<String, DefinitionId>,
     pub checks: Vec<Check>,
+    /// Quantities that lints follow through a turn.
+    pub followed: Vec<FollowedDraft>,
     pub tables: Vec<Table>,
     pub elements: Vec<ElementDraft<'a>>,
     pub channels: Vec<Channel>,

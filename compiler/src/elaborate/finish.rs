@@ -398,6 +398,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             defaults: std::mem::take(&mut self.draft.parameter_defaults),
             parameters: parameters.clone(),
             checks: std::mem::take(&mut self.draft.checks),
+            turned: Vec::new(),
             moving: Vec::new(),
             moving_slots: Vec::new(),
         };
@@ -420,8 +421,10 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             summaries: self.finished_summaries(),
             resolutions: std::mem::take(&mut self.draft.resolutions),
             accepted: std::mem::take(&mut self.draft.accepted),
+            followed: Vec::new(),
             stated: std::mem::take(&mut self.draft.stated),
         };
+        self.lints_of_turn(&mut system, &mut program)?;
         self.follow_inputs(&mut system, &mut program, &bodies)?;
         let mut elaborated = Elaborated {
             system: Arc::new(system),

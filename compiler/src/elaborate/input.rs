@@ -314,7 +314,7 @@ impl<'a> Elaborator<'a, '_> {
 impl BindProgram {
     /// For each operation, whether it depends on an input of the graph for which `changes` holds: a parameter, or
     /// [`TIME`]. A parameter depends on its default.
-    fn depends(&self, changes: impl Fn(u32) -> bool) -> Vec<bool> {
+    pub(super) fn depends(&self, changes: impl Fn(u32) -> bool) -> Vec<bool> {
         let nodes = self.function.graph.nodes();
         let mut moves: Vec<bool> = Vec::with_capacity(nodes.len());
         let known = |moves: &[bool], node: Node| moves.get(node.0 as usize) == Some(&true);

@@ -23,6 +23,7 @@ mod input;
 mod lengths;
 mod marker;
 mod model;
+mod names;
 mod output;
 mod partial;
 mod pending;
@@ -35,6 +36,7 @@ mod solve;
 mod table;
 mod topology;
 mod transmit;
+mod turn;
 mod typed;
 mod value;
 
@@ -46,6 +48,7 @@ pub(crate) use draft::{
 };
 pub use finish::{Elaborated, Structural, elaborate};
 pub use flexible::{MarkerName, ModePart};
+pub(crate) use names::check_names;
 
 use crate::codes;
 use crate::program::Program;

@@ -102,6 +102,14 @@ impl<'a> Elaborator<'a, '_> {
                 ItemKind::Statement(Statement::Guess { target, value }) => {
                     let _ = self.start_of(false, (target, scope), (value, scope));
                 }
+                // a lint may follow outputs of elements that come later
+                ItemKind::Statement(statement @ Statement::Require { advise: true, .. }) => {
+                    self.draft.pending.push(Pending::Advice {
+                        statement,
+                        scope,
+                        path: path.clone(),
+                    });
+                }
                 ItemKind::Statement(statement) => {
                     // the error was reported
                     let _ = self.condition_of_block(statement, scope, &path, None);
@@ -112,7 +120,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Evaluates a `require` or `advise` of a model or a component, or at the use of a component.
-    fn condition_of_block(
+    pub(super) fn condition_of_block(
         &mut self,
         statement: &'a Statement,
         scope: ScopeId,

@@ -260,6 +260,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         let (graph, map) = compact(&element.graph, &layout);
         let at = |n: &Node| map[n.0 as usize];
+        let followed = std::mem::take(&mut element.followed);
         let body = ClassBody {
             name: class_name.clone(),
             layout,
@@ -274,7 +275,10 @@ impl<'a> Elaborator<'a, '_> {
                 .iter()
                 .filter_map(|s| s.rate.as_ref().map(at))
                 .collect(),
-            outputs: draft.outputs.iter().map(at).collect(),
+            outputs: (draft.outputs.iter())
+                .chain(followed.iter().map(|(node, _)| node))
+                .map(at)
+                .collect(),
             conditions: draft.conditions.iter().map(|c| at(&c.0)).collect(),
             rotations: element.rotations.iter().map(|r| at(&r.2)).collect(),
             drives: (element.fields.iter())
@@ -288,6 +292,8 @@ impl<'a> Elaborator<'a, '_> {
         if matches!(role, Role::Dynamic | Role::Output) {
             self.add_channels(index, role, &origin.path, &draft);
         }
+        let behind = (index, draft.infos.len() as u32);
+        let infos = self.followed_outputs(&followed, behind);
         let meta = ClassMeta {
             rows: element.rows.iter().map(|r| r.row.clone()).collect(),
             states: element
@@ -298,7 +304,7 @@ impl<'a> Elaborator<'a, '_> {
                     dimension: s.dimension,
                 })
                 .collect(),
-            outputs: draft.infos,
+            outputs: [draft.infos, infos].concat(),
             conditions: draft.conditions.into_iter().map(|c| c.1).collect(),
             kinks: (std::mem::take(&mut element.kinks).into_iter())
                 .map(|(place, kink)| {

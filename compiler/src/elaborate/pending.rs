@@ -60,6 +60,12 @@ pub(crate) enum Pending<'a> {
         binding: &'a ast::Binding,
         scope: ScopeId,
     },
+    /// An `advise` of a model or component.
+    Advice {
+        statement: &'a ast::Statement,
+        scope: ScopeId,
+        path: String,
+    },
     /// The channel of an input.
     Input {
         binding: &'a ast::Binding,
@@ -110,6 +116,14 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 Pending::Output { binding, scope } => self.lower_output(binding, scope),
                 Pending::Input { binding, scope } => self.lower_input(binding, scope),
+                Pending::Advice {
+                    statement,
+                    scope,
+                    path,
+                } => {
+                    self.bench.element = None;
+                    self.condition_of_block(statement, scope, &path, None)
+                }
             };
             // the error was reported
             let _ = result;

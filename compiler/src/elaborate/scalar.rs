@@ -51,6 +51,9 @@ pub(crate) const PROVISIONAL: InputLayout = InputLayout {
 /// First input of the bind graph that is a fixed number instead of a parameter.
 pub(crate) const FIXED: u32 = 1 << 24;
 
+/// First input of the bind graph that is a number of a turn without forces, known after the turn alone.
+pub(crate) const FOLLOWED: u32 = 1 << 25;
+
 /// Input of the bind graph that is the time (s), for functions of time that give values of inputs.
 pub(crate) const TIME: u32 = u32::MAX;
 
@@ -126,6 +129,8 @@ pub(crate) struct ElementBuilder {
     pub turns: Vec<Node>,
     /// Its fields.
     pub fields: Vec<FieldDraft>,
+    /// Quantities that lints follow through a turn, with their indices in the model.
+    pub followed: Vec<(Node, u32)>,
 }
 
 /// A field while its element is lowered.

@@ -320,7 +320,7 @@ impl Elaborator<'_, '_> {
                         "the body is stiffer there than its mesh",
                     )
                     .with_note(format!("loads without a mode: {}", unserved.join(", ")))
-                    .with_help("add `static(at: …)` with these markers; forces and torques that hardly bend the body may be left out out"),
+                    .with_help("add `static(at: …)` with these markers; forces and torques that hardly bend the body may be left out"),
                 );
             }
             sources.push(source);

@@ -64,6 +64,7 @@ fn run_stages(folder: &str, root: &str, text: &str, elaborated: bool) -> Run {
         }
         if !diagnostics.has_errors() {
             let models = SharedModels::default();
+            models.names(&typed, &mut sources, &host, &plans, &mut diagnostics);
             reports(&typed, &sources, &host, &plans, &models, &mut diagnostics);
         }
     }

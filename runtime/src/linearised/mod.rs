@@ -184,6 +184,8 @@ pub struct LinearModes {
     pub variation: f64,
     /// The repeating motion, if the modes are those of its period.
     pub orbit: Option<Orbit>,
+    /// The matrices of small motions about the same state, if the analysis names inputs and outputs.
+    pub matrices: Option<StateSpace>,
 }
 
 impl LinearModes {
@@ -353,6 +355,7 @@ fn collected(
         resolution: 0.0,
         variation: 0.0,
         orbit: None,
+        matrices: None,
     })
 }
 

@@ -7,6 +7,7 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::simulation::{Options, Simulation, Slow, Warning};
 use crate::transient::{Advance, Observer, Sample, Verdict, follow};
+use eng_system::analysis::{Named, Names};
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Linear};
 use std::ops::ControlFlow;
@@ -63,7 +64,10 @@ pub fn run_linear(
         observer.warning(&warning);
     }
     let modes = match linear.over {
-        None => simulation.sampled_modes(wanted)?,
+        None => LinearModes {
+            matrices: matrices(&mut simulation, linear)?,
+            ..simulation.sampled_modes(wanted)?
+        },
         Some(over) => {
             let mut rest = Stretch::new(all, part, 1.0);
             about_an_orbit(&mut simulation, over, linear.step, wanted, &mut rest)?
@@ -71,6 +75,32 @@ pub fn run_linear(
     };
     follow(&simulation, all, &Advance::new(&simulation, 1.0), true)?;
     Ok(modes)
+}
+
+/// The matrices about the state of the last outputs, if the analysis names inputs and outputs.
+fn matrices(
+    simulation: &mut Simulation,
+    linear: &Linear,
+) -> Result<Option<StateSpace>, RuntimeError> {
+    if linear.inputs.is_empty() || linear.outputs.is_empty() {
+        return Ok(None);
+    }
+    let system = &simulation.model().compiled.system;
+    let find = |names: Names, named: &[Named]| {
+        names
+            .indices(named, &system.paths_of(names))
+            .map_err(|misnamed| RuntimeError::Options {
+                message: match named.get(misnamed.index) {
+                    Some(name) => format!("{} names no input or channel of its own", name.path),
+                    None => "a name is missing".to_owned(),
+                },
+            })
+    };
+    let inputs = find(Names::Inputs, &linear.inputs)?;
+    let outputs = find(Names::Channels, &linear.outputs)?;
+    simulation
+        .sampled_state_space(&inputs, &outputs, linear.frozen)
+        .map(Some)
 }
 
 /// An observer of one stretch of the run. It maps the progress of the stretch to a part of the whole, 0…1.

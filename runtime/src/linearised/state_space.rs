@@ -45,6 +45,16 @@ pub struct StateSpace {
     pub d: DMatrix<f64>,
 }
 
+impl StateSpace {
+    /// `D − C A⁻¹ B`: the change of each output for a small constant change of each input, when the motion has settled.
+    /// `None` if A is singular, as that of a body that nothing holds.
+    pub fn gains(&self) -> Option<DMatrix<f64>> {
+        let moved = self.a.clone().lu().solve(&self.b)?;
+        let gains = &self.d - &self.c * moved;
+        gains.iter().all(|gain| gain.is_finite()).then_some(gains)
+    }
+}
+
 /// Accelerations in ground axes, rates of states, and outputs at one value of an input.
 struct Answer {
     numbers: DVector<f64>,

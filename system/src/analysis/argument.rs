@@ -1,6 +1,6 @@
 //! The arguments of analyses: types, units, limits, and their values on the way into a plan.
 
-use super::{Extent, Start, StepControl};
+use super::{Extent, Named, Names, Start, StepControl};
 use std::f64::consts::PI;
 
 /// An argument that a kind of analysis takes, by name.
@@ -39,6 +39,8 @@ pub enum Takes {
     Switch,
     /// A word of [`Start::NAMED`].
     Start,
+    /// Names of inputs or channels.
+    Names(Names),
 }
 
 /// The motion that counts the angle of an extent.
@@ -75,7 +77,7 @@ pub struct Apart {
 }
 
 /// The value of an argument.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// A number (SI).
     Number(f64),
@@ -85,6 +87,8 @@ pub enum Value {
     Switch(bool),
     /// The kind of start.
     Start(Start),
+    /// Names of inputs or channels.
+    Names(Vec<Named>),
 }
 
 /// The stated arguments of an analysis. Each is within its limits and has the type of its row.
@@ -115,15 +119,15 @@ impl Given {
         self.0.push((name, value));
     }
 
-    fn find(&self, wanted: &str) -> Option<Value> {
+    fn find(&self, wanted: &str) -> Option<&Value> {
         let stated = self.0.iter().find(|(name, _)| *name == wanted);
-        stated.map(|(_, value)| *value)
+        stated.map(|(_, value)| value)
     }
 
     /// A number (SI), if the text states it.
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.find(name)? {
-            Value::Number(number) => Some(number),
+            Value::Number(number) => Some(*number),
             _ => None,
         }
     }
@@ -131,21 +135,29 @@ impl Given {
     /// A time or an angle, if the text states it.
     pub fn extent(&self, name: &str) -> Option<Extent> {
         match self.find(name)? {
-            Value::Extent(extent) => Some(extent),
+            Value::Extent(extent) => Some(*extent),
             _ => None,
         }
     }
 
     /// Whether the text states `true` for an argument.
     pub fn switch(&self, name: &str) -> bool {
-        self.find(name) == Some(Value::Switch(true))
+        self.find(name) == Some(&Value::Switch(true))
     }
 
     /// The start of the motion; `unstated` if the text leaves it open.
     pub fn start(&self, unstated: Start) -> Start {
         match self.find(START.name) {
-            Some(Value::Start(start)) => start,
+            Some(Value::Start(start)) => *start,
             _ => unstated,
+        }
+    }
+
+    /// Names of inputs or channels, if the text states them.
+    pub fn names(&self, name: &str) -> Option<Vec<Named>> {
+        match self.find(name)? {
+            Value::Names(names) => Some(names.clone()),
+            _ => None,
         }
     }
 

@@ -1,14 +1,14 @@
-//! `linear`: eigenvalues, damping and modes about a state.
+//! `linear`: eigenvalues, damping and modes about a state, and the matrices of small motions under inputs.
 
 use super::argument::{POSITIVE, RHO, START, STEP, TOLERANCE, argument, limit};
 use super::{
-    AnalysisKind, Apart, Counted, Extent, Given, Kind, KindRow, Rows, Start, StepControl, Takes,
-    Unplanned,
+    AnalysisKind, Apart, Counted, Extent, Given, Kind, KindRow, Named, Names, Rows, Start,
+    StepControl, Takes, Unplanned,
 };
 use std::f64::consts::TAU;
 
 /// Eigenvalues and modes of the motion linearised about a state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Linear {
     /// Duration of the transient to the state; `None` if the state is the start.
     pub after: Option<Extent>,
@@ -26,6 +26,10 @@ pub struct Linear {
     pub over: Option<Extent>,
     /// Whether coefficients that change while bodies turn are held at their values of the moment.
     pub frozen: bool,
+    /// The inputs u of the matrices A, B, C, D; without them there are no matrices.
+    pub inputs: Vec<Named>,
+    /// The outputs y of these matrices.
+    pub outputs: Vec<Named>,
 }
 
 pub(super) const ROW: KindRow = KindRow {
@@ -75,14 +79,36 @@ pub(super) const ROW: KindRow = KindRow {
             POSITIVE,
             "the period of a motion that repeats, about which the modes are",
         ),
+        argument(
+            "inputs",
+            Takes::Names(Names::Inputs),
+            "",
+            &[],
+            "inputs of the model, for the matrices A, B, C, D of small motions",
+        ),
+        argument(
+            "outputs",
+            Takes::Names(Names::Channels),
+            "",
+            &[],
+            "outputs of these matrices: channels of the model and of its elements",
+        ),
         START,
     ],
-    apart: &[Apart {
-        first: ("frozen", "for one moment"),
-        second: ("over", "for a motion that repeats"),
-        title: "modes are those of a period or of a frozen moment, not of both",
-        help: "give one of the two, or none where the coefficients are constant",
-    }],
+    apart: &[
+        Apart {
+            first: ("frozen", "for one moment"),
+            second: ("over", "for a motion that repeats"),
+            title: "modes are those of a period or of a frozen moment, not of both",
+            help: "give one of the two, or none where the coefficients are constant",
+        },
+        Apart {
+            first: ("inputs", "constant matrices"),
+            second: ("over", "coefficients that repeat"),
+            title: "matrices belong to a state, and `over` to a motion",
+            help: "leave one of the two out",
+        },
+    ],
     plan,
 };
 
@@ -94,6 +120,20 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         Some(_) => Start::Automatic,
         None => Start::QuasiStatic,
     };
+    let [inputs, outputs] = ["inputs", "outputs"].map(|name| given.names(name));
+    if inputs.is_some() != outputs.is_some() {
+        let argument = if inputs.is_some() {
+            "inputs"
+        } else {
+            "outputs"
+        };
+        return Err(Unplanned::Refused {
+            argument,
+            title: "matrices have inputs and outputs",
+            label: "the other list is missing",
+            help: "write `linear(Model(), inputs: [brake], outputs: [speed])`",
+        });
+    }
     Ok(AnalysisKind::Linear(Linear {
         after,
         step: given.steps(),
@@ -104,6 +144,8 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         up_to: given.number("up_to").map(|hertz| TAU * hertz),
         over: given.extent("over"),
         frozen: given.switch("frozen"),
+        inputs: inputs.unwrap_or_default(),
+        outputs: outputs.unwrap_or_default(),
     }))
 }
 
@@ -122,5 +164,12 @@ impl Kind for Linear {
 
     fn rows(&self) -> Rows {
         Rows::Modes
+    }
+
+    fn named(&self) -> Vec<(&'static str, Names, &[Named])> {
+        vec![
+            ("inputs", Names::Inputs, &self.inputs),
+            ("outputs", Names::Channels, &self.outputs),
+        ]
     }
 }

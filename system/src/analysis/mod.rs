@@ -9,6 +9,7 @@ mod argument;
 mod assemble;
 mod equilibrium;
 mod linear;
+mod named;
 mod periodic;
 mod transient;
 
@@ -16,6 +17,7 @@ pub use argument::{Apart, Argument, Counted, Given, Limit, Takes, Unplanned, Val
 pub use assemble::Assemble;
 pub use equilibrium::Static;
 pub use linear::Linear;
+pub use named::{Misnamed, Named, Names};
 pub use periodic::Periodic;
 pub use transient::Transient;
 
@@ -94,6 +96,11 @@ pub trait Kind {
 
     /// The meaning of the rows of its results.
     fn rows(&self) -> Rows;
+
+    /// Lists of inputs or channels that its text names, with the name of each argument.
+    fn named(&self) -> Vec<(&'static str, Names, &[Named])> {
+        Vec::new()
+    }
 }
 
 /// An analysis of one kind, with its numbers. It dereferences to its [`Kind`].

@@ -138,7 +138,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The whole number of a count or an index.
-    pub(super) fn whole_number(&mut self, value: Value<'a>, span: Span) -> Eval<i64> {
+    pub(in super::super) fn whole_number(&mut self, value: Value<'a>, span: Span) -> Eval<i64> {
         match value {
             Value::Int(place) => Ok(place),
             other => {

@@ -357,6 +357,7 @@ impl Builder {
                 cycle: None,
                 journals: vec![],
                 firings: vec![],
+                followed: vec![],
                 summaries: vec![],
                 resolutions: vec![],
                 accepted: vec![],

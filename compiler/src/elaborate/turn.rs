@@ -1,0 +1,211 @@
+//! `largest(x)`, `smallest(x)`, `where_largest(x)`: numbers of a turn of the machine without forces.
+//!
+//! x is a further output of the present element, or of an element of its own in the text of a model or component. Its
+//! number is an input of the bind graph, so a lint of such numbers is a check on parameters that is made after
+//! the turn.
+
+use super::binding::span_of;
+use super::scalar::{ElementBuilder, FOLLOWED, Scalar, Stage, TIME};
+use super::value::{ScopeId, Value};
+use super::{BindProgram, Check, Elaborator, Eval, MessagePart, Reported, element, location};
+use crate::codes;
+use crate::ir::Node;
+use eng_grammar::ast::Argument;
+use eng_grammar::{Diagnostic, Span};
+use eng_system::system::{Origin, OutputInfo, Role, System};
+use eng_system::turn::{Extreme, Followed};
+
+/// A quantity that a lint follows, before its element is finished.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FollowedDraft {
+    pub extreme: Extreme,
+    /// The element and its output, when they are known.
+    pub place: Option<(u32, u32)>,
+    /// The call.
+    pub span: Span,
+}
+
+impl<'a> Elaborator<'a, '_> {
+    /// A number of the turn.
+    pub(super) fn of_turn(
+        &mut self,
+        name: &str,
+        span: Span,
+        arguments: &'a [Argument],
+        scope: ScopeId,
+    ) -> Eval<Value<'a>> {
+        let mut named = Extreme::NAMED.iter();
+        let extreme = named.find(|(known, _)| *known == name);
+        let (_, extreme) = *self.checked(extreme, span, "no extreme of this name")?;
+        let argument = self.checked(arguments.first(), span, "no quantity is given")?;
+        let x = &argument.value;
+        let within = self.bench.element.is_some();
+        let before = self.context.in_output;
+        if !within {
+            self.bench.element = Some(ElementBuilder::default());
+            self.context.in_output = true;
+        }
+        let found = self
+            .evaluate(x, scope)
+            .and_then(|value| self.as_scalar(value, x.span));
+        self.context.in_output = before;
+        let found = match found {
+            Ok(found) => found,
+            Err(reported) => {
+                if !within {
+                    self.bench.element = None;
+                }
+                return Err(reported);
+            }
+        };
+        let number = match found.stage {
+            Stage::Bind if extreme == Extreme::WhereLargest => {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::OF_TURN,
+                        "a quantity that never changes is largest nowhere",
+                    )
+                    .at(x.span, "this depends on parameters alone"),
+                ));
+            }
+            Stage::Bind => found,
+            Stage::Motion => self.followed(extreme, found.node, span)?,
+        };
+        if !within {
+            self.element_of_turn(scope, span)?;
+        }
+        Ok(Value::Scalar(number))
+    }
+
+    /// The input of the bind graph that has the number of a quantity of the present element.
+    fn followed(&mut self, extreme: Extreme, node: Node, span: Span) -> Eval<Scalar> {
+        let index = self.draft.followed.len() as u32;
+        let Some(element) = self.bench.element.as_mut() else {
+            return self.checked(None, span, "a quantity outside of an element");
+        };
+        let known = element.followed.iter().find(|(same, known)| {
+            let draft = self.draft.followed.get(*known as usize);
+            *same == node && draft.is_some_and(|draft| draft.extreme == extreme)
+        });
+        let index = match known {
+            Some((_, known)) => *known,
+            None => {
+                element.followed.push((node, index));
+                self.draft.followed.push(FollowedDraft {
+                    extreme,
+                    place: None,
+                    span,
+                });
+                index
+            }
+        };
+        Ok(Scalar {
+            stage: Stage::Bind,
+            node: self.bench.bind.graph.input(FOLLOWED + index),
+        })
+    }
+
+    /// Finishes the element of a quantity in the text of a model or component. It has no channel.
+    fn element_of_turn(&mut self, scope: ScopeId, span: Span) -> Eval<()> {
+        let mut draft = element::Draft::default();
+        self.asked(&mut draft);
+        let origin = Origin {
+            path: self.scope(scope).path.clone(),
+            used_at: Some(location(span)),
+            defined_at: None,
+        };
+        let name = "turn".to_owned();
+        self.finish_element(origin, span, Role::Output, name, None, draft)?;
+        Ok(())
+    }
+
+    /// The followed quantities of the present element, as outputs behind its own.
+    pub(super) fn followed_outputs(
+        &mut self,
+        followed: &[(Node, u32)],
+        (element, first): (u32, u32),
+    ) -> Vec<OutputInfo> {
+        let mut infos = Vec::with_capacity(followed.len());
+        for (place, (_, index)) in (first..).zip(followed) {
+            if let Some(draft) = self.draft.followed.get_mut(*index as usize) {
+                draft.place = Some((element, place));
+            }
+            let dimension = eng_system::Dimension::ONE;
+            infos.push(OutputInfo {
+                name: String::new(),
+                dimension,
+                display: eng_system::DisplayUnit::si(dimension),
+                frame: String::new(),
+                depth: eng_system::system::Depth::Acceleration,
+            });
+        }
+        infos
+    }
+
+    /// Sets the lints of the turn apart, and refuses numbers of the turn that decide more.
+    pub(super) fn lints_of_turn(
+        &mut self,
+        system: &mut System,
+        program: &mut BindProgram,
+    ) -> Eval<()> {
+        let drafts = std::mem::take(&mut self.draft.followed);
+        if drafts.is_empty() {
+            return Ok(());
+        }
+        let after = program.depends(|k| (FOLLOWED..TIME).contains(&k));
+        let is_after = |node: Node| after.get(node.0 as usize) == Some(&true);
+        let decides = program.function.outputs.iter().chain(&program.defaults);
+        let told_too_early = |check: &&Check| !check.advise && check_reads(check, &is_after);
+        let early = program.checks.iter().find(told_too_early);
+        let node = decides.copied().find(|node| is_after(*node));
+        if let Some(node) = node.or(early.map(|check| check.holds)) {
+            let of = |index: u32| program.depends(|k| k == FOLLOWED + index);
+            let mut indices = 0..drafts.len() as u32;
+            let first = indices.find(|index| of(*index).get(node.0 as usize) == Some(&true));
+            let draft = first.and_then(|index| drafts.get(index as usize));
+            let message = Diagnostic::error(
+                codes::OF_TURN,
+                "numbers of a turn without forces belong to lints alone",
+            );
+            let message = match (draft, early.and_then(|check| check.defined_at)) {
+                (Some(draft), Some(at)) => message
+                    .at(draft.span, "a number of the turn")
+                    .also(span_of(at), "a requirement, which every run checks"),
+                (Some(draft), None) => message.at(draft.span, "this decides more than an `advise`"),
+                (None, Some(at)) => {
+                    message.at(span_of(at), "a requirement, which every run checks")
+                }
+                (None, None) => message,
+            };
+            return Err(self.report(message.with_help(
+                "`eng check` turns the machine without forces and knows the number then; write `advise` in place of `require`, and compute loads and outputs from the motion",
+            )));
+        }
+        for draft in &drafts {
+            // after an error, elements are missing
+            if draft.place.is_none() && self.diagnostics.has_errors() {
+                return Err(Reported);
+            }
+            let (element, output) = self.checked(draft.place, draft.span, "no output")?;
+            system.followed.push(Followed {
+                element,
+                output,
+                extreme: draft.extreme,
+            });
+        }
+        let checks = std::mem::take(&mut program.checks);
+        (program.turned, program.checks) = checks
+            .into_iter()
+            .partition(|check| check_reads(check, &is_after));
+        Ok(())
+    }
+}
+
+/// Whether the condition or the message of a check reads a node.
+fn check_reads(check: &Check, read: &impl Fn(Node) -> bool) -> bool {
+    let shown = |part: &MessagePart| match part {
+        MessagePart::Text(_) => false,
+        MessagePart::Value(node, _) => read(*node),
+    };
+    read(check.holds) || check.message.iter().any(shown)
+}
