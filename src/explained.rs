@@ -148,12 +148,20 @@ impl Explained<'_> {
         }
         let texts = self.program.texts();
         let parameters = system.parameters.iter().zip(&self.bound.parameters);
-        if let Some((parameter, value)) = parameters.into_iter().find(|(p, _)| named(&p.origin)) {
+        let mut parameters = (0..).zip(parameters);
+        if let Some((index, (parameter, value))) = parameters.find(|(_, (p, _))| named(&p.origin)) {
+            let is = match system.inputs.iter().any(|input| input.parameter == index) {
+                true => "an input",
+                false => "a parameter",
+            };
             return Some(format!(
-                "{path}: a parameter, {}, stated at {}\n",
+                "{path}: {is}, {}, stated at {}\n",
                 parameter.display.text(*value),
                 stated_at(texts, parameter.origin.used_at)
             ));
+        }
+        if let Some(text) = self.group(path) {
+            return Some(text);
         }
         // `main[1].force` is the path of three channels
         let part = |channel: &&Channel| {
@@ -163,9 +171,14 @@ impl Explained<'_> {
         let channels: Vec<&Channel> = system.channels.iter().filter(part).collect();
         let first = channels.first()?;
         let element = system.elements.get(first.element as usize)?;
+        // an output of a model or part is an element of its own
+        let of = match (element.role, element.origin.path.rsplit_once('.')) {
+            (Role::Output, Some((part, _))) => format!("the part {part}"),
+            (Role::Output, None) => format!("the model {}", system.name),
+            _ => element.origin.path.clone(),
+        };
         let mut text = format!(
-            "{path}: an output of {}, stated at {}\n",
-            element.origin.path,
+            "{path}: an output of {of}, stated at {}\n",
             stated_at(texts, element.origin.used_at)
         );
         for channel in channels {
@@ -175,6 +188,44 @@ impl Explained<'_> {
             };
             let unit = &channel.display.symbol;
             let _ = writeln!(text, "  {} in {unit}{frame}", channel.path);
+        }
+        Some(text)
+    }
+
+    /// A part, or several items of one name: the bodies, elements and markers of this path, and the outputs of the part.
+    fn group(&self, path: &str) -> Option<String> {
+        let texts = self.program.texts();
+        let rest = |other: &str| {
+            let rest = other.strip_prefix(path)?;
+            rest.chars().next().filter(|c| matches!(c, '.' | '['))
+        };
+        let bodies = self.system.bodies.iter().map(|b| (&b.origin, "body"));
+        let all = elements(self.system).map(|(e, class)| (&e.origin, class.name.as_str()));
+        let mut inside: Vec<(&Origin, &str)> = bodies.chain(all).collect();
+        inside.retain(|(origin, _)| rest(&origin.path).is_some());
+        if inside.is_empty() {
+            // markers of a body, such as `crank.main`
+            let markers = self.system.markers.iter().map(|m| (&m.origin, "marker"));
+            inside.extend(markers.filter(|(origin, _)| rest(&origin.path) == Some('[')));
+        }
+        let is = match rest(&inside.first()?.0.path) {
+            Some('.') => "a part",
+            _ => "several items",
+        };
+        let mut text = format!("{path}: {is}\n\n");
+        let mut table = Table::new(&[&["path", "is", "stated at"]]);
+        for (origin, kind) in inside {
+            let place = stated_at(texts, origin.used_at);
+            table.row(vec![origin.path.clone(), kind.to_owned(), place]);
+        }
+        text.push_str(&table.render_left(1));
+        let outputs = self.system.channels.iter().filter(|channel| {
+            let element = self.system.elements.get(channel.element as usize);
+            rest(&channel.path) == Some('.') && element.is_some_and(|e| e.role == Role::Output)
+        });
+        let outputs: Vec<&str> = outputs.map(|channel| channel.path.as_str()).collect();
+        if !outputs.is_empty() {
+            let _ = writeln!(text, "\n  outputs: {}", outputs.join(", "));
         }
         Some(text)
     }

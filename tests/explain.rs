@@ -137,6 +137,13 @@ model Swing {
     joint pin = Revolute(bob.top, pivot)
     force spring = TorsionSpring(bob.top, pivot, stiffness: stiffness, damping: 2 N*m*s/rad)
     output height = dot(bob.origin.origin, ground.y) as mm
+    input push: Force = 0 N
+    part leg[i in 1..2] = Leg(pivot)
+}
+component Leg(top: Marker) {
+    body bone { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker end = [0, 1, 0] m; marker hole[i in 1..2] = [0, 0, i] mm }
+    joint hip = Revolute(bone.end, top)
+    output swing = hip.angle as deg
 }
 analysis swing = transient(Swing(), duration: 1 s)
 ";
@@ -169,8 +176,8 @@ fn a_part_of_a_model_is_explained() {
     let list = told(&[]);
     for line in [
         "bob",
-        "pin     Revolute",
-        "spring  TorsionSpring  swing.eng:12",
+        "pin          Revolute",
+        "spring       TorsionSpring  swing.eng:12",
     ] {
         assert!(list.contains(line), "{line} in {list}");
     }
@@ -189,6 +196,21 @@ fn a_part_of_a_model_is_explained() {
     ] {
         assert!(spring.contains(line), "{line} in {spring}");
     }
+    let leg = told(&["leg[1]"]);
+    for line in [
+        "leg[1]: a part\n",
+        "leg[1].bone  body      swing.eng:18",
+        "leg[1].hip   Revolute  swing.eng:19",
+        "outputs: leg[1].swing\n",
+    ] {
+        assert!(leg.contains(line), "{line} in {leg}");
+    }
+    assert!(told(&["leg"]).starts_with("leg: several items\n"));
+    assert!(
+        told(&["leg[2].swing"])
+            .starts_with("leg[2].swing: an output of the part leg[2], stated at")
+    );
+    assert!(told(&["leg[1].bone.hole"]).contains("leg[1].bone.hole[2]  marker"));
     let pin = told(&["pin"]);
     assert!(pin.contains("takes 5 freedoms\n"), "{pin}");
     assert_eq!(pin.matches("std/joints.eng:").count(), 6, "{pin}");
@@ -204,7 +226,11 @@ fn a_part_of_a_model_is_explained() {
             "stiffness: a parameter, 3 N*m/rad, stated at swing.eng:4",
         ),
         ("pin.force", "pin.force.y in N, along pivot"),
-        ("height", "height: an output of height"),
+        (
+            "height",
+            "height: an output of the model Swing, stated at swing.eng:13",
+        ),
+        ("push", "push: an input, 0 N, stated at swing.eng:14"),
     ] {
         assert!(told(&[path]).contains(line), "{line} in {}", told(&[path]));
     }
