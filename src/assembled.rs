@@ -4,8 +4,8 @@ use crate::analysis::{Analysis, Findings};
 use crate::counted::counted;
 use crate::lint::{Covered, Finding, accepted, diagnostics, needed, needless, sift};
 use crate::program::{Bodies, Program};
-use crate::{Error, RuntimeError, TopologyReport, render};
-use eng_grammar::{Diagnostics, SourceMap};
+use crate::{Error, RuntimeError, TopologyReport, codes, render};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_runtime::start::turn::Turned;
 use eng_system::lint::Accepted;
 use eng_system::system::System;
@@ -104,6 +104,8 @@ impl Program {
             let turned = heard.take(&analysis);
             match topology(self, name, &analysis) {
                 Ok((report, bends)) => {
+                    found.tell(bends.iter().filter_map(|bends| bends.doubt.as_ref()));
+                    let bends = bends.is_some();
                     // analyses with the same system share one dry turn; a machine that needs bending has no
                     // turn by geometry
                     let model = Arc::as_ptr(&analysis.model().compiled().system);
@@ -194,6 +196,12 @@ fn assembles(analysis: &Analysis, report: &TopologyReport, bends: bool) -> Strin
     }
 }
 
+/// A machine that assembles only if its flexible bodies bend.
+struct Bends {
+    /// The warning if they also have to vibrate from the start.
+    doubt: Option<Diagnostic>,
+}
+
 /// Assembles an analysis with rigid bodies in place of flexible ones. If this fails, it assembles it with
 /// movable markers on these bodies, because joints may hold more directions of a flexible body than of a
 /// rigid one.
@@ -201,18 +209,34 @@ fn topology(
     program: &Program,
     name: &str,
     analysis: &Analysis,
-) -> Result<(TopologyReport, bool), Error> {
+) -> Result<(TopologyReport, Option<Bends>), Error> {
     match analysis.topology() {
-        Ok(report) => Ok((report, false)),
-        Err(Error::Run { .. }) if analysis.model().is_outlined() => {
+        Ok(report) => Ok((report, None)),
+        Err(Error::Run { cause, report }) if analysis.model().is_outlined() => {
             let mut loose = program.analyses_with(&[name], Bodies::Loose);
-            match loose.pop() {
-                Some(loose) => Ok((loose?.topology()?, true)),
-                None => Ok((analysis.topology()?, false)),
-            }
+            let Some(loose) = loose.pop() else {
+                return Ok((analysis.topology()?, None));
+            };
+            let stated = report.diagnostics().iter().next();
+            let doubt = match (cause.as_ref(), stated) {
+                (RuntimeError::StartVelocity { .. }, Some(stated)) => Some(vibrates(stated)),
+                _ => None,
+            };
+            Ok((loose?.topology()?, Some(Bends { doubt })))
         }
         Err(other) => Err(other),
     }
+}
+
+/// The warning for start velocities that contradict each other for rigid bodies.
+fn vibrates(stated: &Diagnostic) -> Diagnostic {
+    let title = format!(
+        "{}, unless flexible bodies vibrate from the start",
+        stated.title
+    );
+    let mut message = Diagnostic::warning(codes::BENDING_START, title);
+    message.labels.clone_from(&stated.labels);
+    message.with_help("state the speed of a shaft once, and give a drive the same speed")
 }
 
 /// The lints of all analyses of a program.

@@ -180,6 +180,10 @@ eng_grammar::codes! {
         "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once (a pure damper does not). Or a body is held on the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
         "joint bolts = Fixed(flywheel.hub, ground)",
         "joint bolts = Fixed(flywheel.hub, crank.flange)";
+    BENDING_START = "W0767", "start velocities agree only if flexible bodies vibrate",
+        "With rigid bodies the stated velocities contradict the joints, the drives or each other. A flexible body can bend or twist at the missing rate, so the run starts, with a strong vibration. Usually the speed of a shaft is stated twice, with two numbers. State it once.",
+        "start crank.angular_velocity = [0, 0, 4000] rpm\ndrive dyno = PrescribedRotation(crank.flange, ground, speed: 2000 rpm)",
+        "start crank.angular_velocity = [0, 0, 4000] rpm\ndrive dyno = PrescribedRotation(crank.flange, ground, speed: 4000 rpm)";
     LONG_STEP = "W0758", "a fixed step turns the cycle by more than 10 degrees",
         "Gas, films and stroke change much within such a step, and fixed steps have no error control. Remove `step`, or state a shorter one. If this is intended, write `accept step` in the model.",
         "analysis run = transient(Engine(), duration: 4 rev, step: 1 ms)",

@@ -19,7 +19,7 @@ fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
     let assembled = program.assemble().expect("what assembling finds");
     let told = assembled.diagnostics.iter();
     let mut locks = Diagnostics::new();
-    told.filter(|d| d.code == codes::NO_TURN)
+    told.filter(|d| [codes::NO_TURN, codes::BENDING_START].contains(&d.code))
         .for_each(|d| locks.push(d.clone()));
     if !locks.is_empty() {
         found.push(("check".to_owned(), locks));

@@ -416,6 +416,42 @@ impl Analysis {
         })
     }
 
+    /// The note on a condition that fails at the start because the assembly could not bring parts of its element together,
+    /// such as a pin and its shell in a loop that does not close.
+    fn apart(&self, cause: &RuntimeError) -> Option<String> {
+        let RuntimeError::Require { origin, moment, .. } = cause else {
+            return None;
+        };
+        let assembled = self.assembled().ok().filter(|_| moment.time == 0.0)?;
+        let (model, state) = (assembled.model(), assembled.state());
+        let system = &model.compiled.system;
+        let own = |element: &&eng_system::system::Element| element.origin.path == origin.path;
+        let element = system.elements.iter().find(own)?;
+        let lengths = element.resolves.iter().map(|slot| model.slot(*slot));
+        let allowed = lengths.fold(1e-6 * model.length, f64::max);
+        let place = |index: u32| -> Option<(&str, _)> {
+            let marker = *element.markers.get(index as usize)? as usize;
+            let path = &system.markers.get(marker)?.origin.path;
+            let found =
+                eng_runtime::assembly::rows::marker(model, marker, &state.pose, &state.velocity);
+            Some((path, found))
+        };
+        element.places.iter().find_map(|placing| {
+            let ((moving, a), (on, b)) = (place(placing.moving)?, place(placing.on)?);
+            let offset = b.rotation.transpose() * (a.position - b.position);
+            let apart = match placing.height {
+                Some(height) => (offset[2] - model.slot(height)).abs(),
+                None => libm::hypot(offset[0], offset[1]),
+            };
+            (apart > allowed).then(|| {
+                format!(
+                    "the assembly brings {moving} and {on} no nearer than {} mm: a loop of these lengths does not close, or a stated place or a branch keeps them apart",
+                    short(1e3 * apart, 4)
+                )
+            })
+        })
+    }
+
     /// A failure with its places. It names the analysis that set an unsuitable parameter.
     fn error(&self, cause: RuntimeError) -> Error {
         self.error_with(cause, None)
@@ -437,6 +473,7 @@ impl Analysis {
             RuntimeError::Rounding { .. } if self.stepped_here.is_none() => Some("tolerance"),
             _ => None,
         };
+        let note = note.or_else(|| self.apart(&cause));
         let argument =
             argument.and_then(|wanted| self.plan.arguments.iter().find(|(name, _)| name == wanted));
         run_error_with(&self.model, cause, |message| {
