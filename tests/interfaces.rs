@@ -193,3 +193,108 @@ analysis r = transient(Bench(), duration: 0.1 rev, sample: 6 deg)
         assert!((found - due).abs() < 1e-6, "{found} instead of {due}");
     }
 }
+
+/// A law whose depth is an argument, and the same law that computes it: the rate of the argument is exact through the call.
+#[test]
+fn a_class_differentiates_its_argument() {
+    let text = |parameters: &str, own: &str, argument: &str| {
+        format!(
+            "use std.joints.Revolute
+fn height(a: Length) -> Length = a + a^3/(1 m^2)
+force Cushion(a: Marker, b: Marker{parameters}) {{
+    {own}
+    let push = -(2 N/mm*depth + 30 N*s/m*der(depth))
+    apply force push*ground.y on a against b
+    output rate = der(depth) as m/s
+}}
+model Swing {{
+    gravity = [0, -9.81, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body bob {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker top = [0, 0.4, 0] m }}
+    joint pin = Revolute(bob.top, pivot)
+    let drop = dot(bob.origin.origin - pivot.origin, ground.y)
+    force cushion = Cushion(bob.origin, pivot{argument})
+    start pin.angle = 60 deg
+}}
+analysis swing = transient(Swing(), duration: 0.5 s, sample: 5 ms)"
+        )
+    };
+    let run = |text: &str| {
+        let program = eng::check(&eng::Sources::from_text("m.eng", text), "m.eng").into_program();
+        let program = program.unwrap_or_else(|report| panic!("{report}"));
+        let analysis = program.analysis("swing").expect("an analysis");
+        let outcome = analysis
+            .run(&mut |_| {})
+            .unwrap_or_else(|f| panic!("{}", f.error));
+        let column = |path: &str| outcome.results.column(path).expect(path).values.clone();
+        (column("pin.angle"), column("cushion.rate"))
+    };
+    let given = run(&text(", depth: Length", "", ", depth: height(drop)"));
+    let own = "let drop = dot(a.origin - b.origin, ground.y)
+    let depth = height(drop)";
+    let computed = run(&text("", own, ""));
+    let swing = |x: &[f64]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    assert!(swing(&computed.1) > 1.0);
+    for (a, b) in [(&given.0, &computed.0), (&given.1, &computed.1)] {
+        let off = a.iter().zip(b.iter()).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) <= 1e-9 * swing(b));
+    }
+}
+
+/// Numbers of a record that a class gets are parameters of the element, defaults that follow others included; words and counts are not.
+#[test]
+fn records_of_a_class_are_parameters() {
+    let text = "use std.joints.Revolute
+record Shape {
+    let lemon: Length
+    let high: Length = 2*lemon
+    let count: Int = 3
+    fn area() -> Area = count*lemon*high
+}
+const Known = Shape(lemon: 5 mm)
+force Rub(a: Marker, b: Marker, profile: Shape, others: Shape[n] = [Shape(lemon: 1 mm)], own: Shape = Shape(lemon: 7 mm, high: 1 mm)) {
+    apply torque -profile.high*1 N*b.z on a against b
+    output high = profile.high as mm
+    output area = profile.area() as mm^2
+    output far = sum(o.high for o in others) + own.high as mm
+}
+model Swing {
+    gravity = [0, -9.81, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    param lemon: Length = 3 mm
+    body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker top = [0, 1, 0] m }
+    joint pin = Revolute(bob.top, pivot)
+    force one = Rub(bob.top, pivot, profile: Shape(lemon: lemon), others: [Known, Shape(lemon: 1 mm, high: 9 mm)])
+    force two = Rub(bob.top, pivot, profile: Known)
+}
+analysis r = transient(Swing(), duration: 1 ms, sample: 1 ms)";
+    let program = program(text);
+    let first = |settings: &[(&str, &str)], path: &str| {
+        let mut analysis = program.analysis("r").expect("an analysis");
+        for (path, value) in settings {
+            let parameter = analysis.parameter(path).unwrap_or_else(|e| panic!("{e}"));
+            analysis = analysis
+                .set(parameter, value.parse().expect("a value"))
+                .expect("it fits");
+        }
+        let outcome = analysis
+            .run(&mut |_| {})
+            .unwrap_or_else(|f| panic!("{}", f.error));
+        outcome.results.column(path).expect(path).values[0]
+    };
+    let near = |found: f64, due: f64| assert!((found - due).abs() < 1e-12, "{found} {due}");
+    near(first(&[], "one.high"), 6e-3);
+    near(first(&[], "one.far"), 20e-3);
+    // a default follows the number that it reads, in the record and in its functions
+    near(first(&[("one.profile.lemon", "4 mm")], "one.high"), 8e-3);
+    near(first(&[("one.profile.lemon", "4 mm")], "one.area"), 96e-6);
+    near(first(&[("lemon", "4 mm")], "one.high"), 8e-3);
+    near(first(&[("one.profile.high", "1 mm")], "one.area"), 9e-6);
+    near(first(&[("one.others[2].high", "1 mm")], "one.far"), 12e-3);
+    near(first(&[("one.own.high", "2 mm")], "one.far"), 21e-3);
+    // a constant of the file is another record in each element
+    near(first(&[("two.profile.lemon", "1 mm")], "two.high"), 2e-3);
+    near(first(&[("two.profile.lemon", "1 mm")], "one.far"), 20e-3);
+    let analysis = program.analysis("r").expect("an analysis");
+    assert!(analysis.parameter("one.profile.count").is_err());
+}

@@ -1,10 +1,12 @@
 //! Parameters: each number of the text that becomes one, with its path, unit and limits.
 
+use super::element::is_structural;
 use super::scalar::{Scalar, Stage};
 use super::value::{ScopeId, Value};
-use super::{Elaborator, Eval, location};
+use super::{Elaborator, Entry, Eval, location};
 use crate::ir::Op;
-use crate::program::Unit;
+use crate::program::{DefinitionId, Unit};
+use crate::typed::settable;
 use eng_grammar::Span;
 use eng_grammar::ast;
 use eng_system::system::{Location, Parameter};
@@ -38,6 +40,28 @@ fn element(list: &ast::Expr, index: usize) -> &ast::Expr {
         ast::ExprKind::List { items, unit: None } => items.get(index).unwrap_or(list),
         ast::ExprKind::Paren { inner, unit: None } => element(inner, index),
         _ => list,
+    }
+}
+
+/// The argument of a call with a name.
+fn argument<'a>(call: &'a ast::Expr, name: &str) -> Option<&'a ast::Expr> {
+    let ast::ExprKind::Call { arguments, .. } = &call.kind else {
+        return None;
+    };
+    let named = |argument: &&ast::Argument| argument.name.as_ref().is_some_and(|n| n.text == name);
+    arguments.iter().find(named).map(|argument| &argument.value)
+}
+
+/// Whether two values are the same numbers.
+fn is_same(a: &Value<'_>, b: &Value<'_>) -> bool {
+    match (a, b) {
+        (Value::Scalar(a), Value::Scalar(b)) => a == b,
+        (Value::Int(a), Value::Int(b)) => a == b,
+        (Value::Vector(a), Value::Vector(b)) => a == b,
+        (Value::List(a), Value::List(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_same(a, b))
+        }
+        _ => false,
     }
 }
 
@@ -154,8 +178,65 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 Ok(Value::List(out))
             }
+            Value::Record(id, given) if !self.moves(&value) => {
+                Ok(Value::Record(id, self.record_of(id, given, path, stated)?))
+            }
             other => Ok(other),
         }
+    }
+
+    /// A record whose numbers are parameters below a path. A default of the record follows the parameters that it reads.
+    fn record_of(
+        &mut self,
+        id: DefinitionId,
+        given: ScopeId,
+        path: &str,
+        stated: Stated<'a>,
+    ) -> Eval<ScopeId> {
+        let fields: Vec<&'a ast::Binding> = match self.program.item(id).map(|item| &item.kind) {
+            Some(ast::ItemKind::Declaration(record)) => settable(record).collect(),
+            _ => Vec::new(),
+        };
+        let plain = self.record_scope(id);
+        let made = self.record_scope(id);
+        for field in fields {
+            let name = &field.name.text;
+            let value = self.entry(given, name, stated.span)?;
+            let default = match &field.value {
+                Some(_) => Some(self.entry(plain, name, stated.span)?),
+                None => None,
+            };
+            let by_default = default.is_some_and(|default| is_same(&default, &value));
+            if !by_default {
+                self.define(plain, name, Entry::Value(value.clone()));
+            }
+            let ty = field.ty.as_ref().map(|ty| ty.span);
+            let place = ty.or(field.value.as_ref().map(|value| value.span));
+            let place = self.checked(place, field.name.span, "a field without a type")?;
+            let structural = match ty {
+                Some(ty) => is_structural(&self.type_at(ty)?),
+                None => false,
+            };
+            let value = match by_default {
+                true => self.entry(made, name, stated.span)?,
+                false => value,
+            };
+            let value = match structural {
+                true => value,
+                false => {
+                    let expr = argument(stated.expr, name).or(field.value.as_ref());
+                    let of_field = Stated {
+                        expr: expr.unwrap_or(stated.expr),
+                        dimension: self.dimension_at(place, given)?,
+                        limits: None,
+                        ..stated
+                    };
+                    self.parameterise(value, &format!("{path}.{name}"), of_field)?
+                }
+            };
+            self.define(made, name, Entry::Value(value));
+        }
+        Ok(made)
     }
 
     /// The unit of a literal.
