@@ -241,6 +241,7 @@ fn reduced(
         invariants,
         frequencies,
         markers,
+        surfaces: Vec::new(),
     }
 }
 

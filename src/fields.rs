@@ -1,6 +1,5 @@
 //! Kernels of the fields that a text can name: oil films by `eng-film`.
 
-use eng_film::inputs::{ECCENTRICITY, FORCE, RATE, SHAPE_FORCE};
 use eng_film::{
     Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Profile,
     Roughness, Shape, Thinning,
@@ -8,11 +7,15 @@ use eng_film::{
 use eng_system::field::{
     FieldError, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, KERNELS, Past,
 };
+use eng_system::reduced::ReducedSurface;
 use std::sync::Arc;
 
 /// Gap, as a share of the radial clearance, below which a film continues for the iterates of a solver. The laws
 /// without a field continue at the same eccentricity ratio.
 const FLOOR: f64 = 1e-3;
+
+/// Share of its radius by which a film may differ from the surface that it presses on: a thin shell may lie between them.
+const SAME_RADIUS: f64 = 0.15;
 
 /// Makes the kernels of this program.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,6 +34,11 @@ impl FieldMaker for Fields {
 /// The oil film of a bearing with these numbers.
 fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> {
     let clearance = numbers.number("radial_clearance");
+    let width = numbers.number("width");
+    let surface = numbers.surface;
+    if let Some(surface) = surface {
+        fits_surface(numbers, surface)?;
+    }
     let cavitation = match numbers.word("cavitation") {
         "half" => Cavitation::Half,
         "mass_conserving" => Cavitation::MassConserving,
@@ -64,14 +72,18 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
     });
     let source = FilmSource {
         radius: numbers.number("diameter") / 2.0,
-        width: numbers.number("width"),
+        width,
         clearance,
         cavitation,
         ends: Ends::Open,
         openings: openings.collect(),
         profile: profile(numbers),
         pin_profile: Vec::new(),
-        shapes: waves(numbers.whole("ring_waves")),
+        shapes: match surface {
+            Some(surface) => surface.shapes.each().collect(),
+            None => waves(numbers.whole("ring_waves")),
+        },
+        shape_width: surface.map_or(width, |surface| surface.width),
         floor: FLOOR * clearance,
         piezo: numbers.number("piezo"),
         rough: rough(numbers),
@@ -82,9 +94,40 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
     };
     let film = Film::new(source).map_err(|error| FieldError(error.to_string()))?;
     nothing_ignored(numbers)?;
-    let compliance = ring(&film, numbers)?;
-    let elastic = Elastic::new(film, compliance).map_err(|error| FieldError(error.to_string()))?;
+    let elastic = match surface {
+        Some(surface) => Elastic::carried(film, surface.compliance.clone()),
+        None => {
+            let compliance = ring(&film, numbers)?;
+            Elastic::new(film, compliance)
+        }
+    };
+    let elastic = elastic.map_err(|error| FieldError(error.to_string()))?;
     Ok(Arc::new(Bearing(Arc::new(elastic))))
+}
+
+/// Refuses a film that is no film of the surface: of another radius, or wider.
+fn fits_surface(numbers: &FieldNumbers<'_>, surface: &ReducedSurface) -> Result<(), FieldError> {
+    let (radius, width) = (numbers.number("diameter") / 2.0, numbers.number("width"));
+    if numbers.whole("ring_waves") > 0 {
+        return Err(FieldError(
+            "the surface of the shell's marker yields, and an elastic ring is stated too: state one of them".into(),
+        ));
+    }
+    if (radius / surface.radius - 1.0).abs() > SAME_RADIUS {
+        return Err(FieldError(format!(
+            "the film has a radius of {} mm, and the surface of its shell one of {} mm",
+            1e3 * radius,
+            1e3 * surface.radius
+        )));
+    }
+    if width > surface.width * (1.0 + 1e-9) {
+        return Err(FieldError(format!(
+            "the film is {} mm wide, and the surface of its shell {} mm: it would press beside the surface",
+            1e3 * width,
+            1e3 * surface.width
+        )));
+    }
+    Ok(())
 }
 
 /// Refuses numbers of rough surfaces and of thinning oil that have no effect, because the number that begins the effect is
@@ -95,6 +138,27 @@ fn nothing_ignored(numbers: &FieldNumbers<'_>) -> Result<(), FieldError> {
     if number("roughness") == 0.0 && rough.iter().any(|name| number(name) != 0.0) {
         return Err(FieldError(
             "asperities of surfaces without roughness carry nothing: state the `sigma` of the roughness".into(),
+        ));
+    }
+    if (number("asperity") != 0.0) != (number("asperity_modulus") != 0.0) {
+        return Err(FieldError(
+            "asperities carry `asperity` times `modulus`: state both of them, or none for surfaces that only change the flow".into(),
+        ));
+    }
+    if number("boundary_friction") != 0.0 && number("asperity") == 0.0 {
+        return Err(FieldError(
+            "the `boundary_friction` of asperities that carry nothing has no effect: state `asperity` and `modulus`".into(),
+        ));
+    }
+    if number("relief") != 0.0 && !(0.0..=std::f64::consts::PI).contains(&number("relief_reach")) {
+        return Err(FieldError(format!(
+            "the relief of the shell reaches {} deg to both sides: it must be 0 to 180 deg",
+            number("relief_reach").to_degrees()
+        )));
+    }
+    if number("thin_rate") != 0.0 && number("thin_second") == 1.0 {
+        return Err(FieldError(
+            "oil that keeps all of its viscosity does not thin: state the share `second` that is left at high rates".into(),
         ));
     }
     if number("thin_rate") == 0.0 && ![0.0, 1.0].contains(&number("thin_second")) {
@@ -216,7 +280,6 @@ impl FieldKernel for Bearing {
         let film = &self.0;
         Box::new(Solver {
             work: film.work(),
-            slopes: vec![0.0; SHAPE_FORCE * film.inputs()],
             past: None,
             film: Arc::clone(film),
         })
@@ -228,13 +291,16 @@ impl FieldKernel for Bearing {
             own => own + VOLUME,
         }
     }
+
+    fn shapes(&self) -> usize {
+        self.0.carried_shapes()
+    }
 }
 
 #[derive(Clone, Debug)]
 struct Solver {
     film: Arc<Elastic>,
     work: ElasticWork,
-    slopes: Vec<f64>,
     /// Volume of oil at the past (m³), and the time since then (s); none for a film in balance.
     past: Option<(f64, f64)>,
 }
@@ -309,16 +375,9 @@ impl FieldSolver for Solver {
         if !slopes {
             return;
         }
-        if self.film.tangent(&mut self.work, &mut self.slopes).is_err() {
-            self.slopes.fill(f64::NAN);
-        }
-        let inputs = self.film.inputs();
-        // a force that falls with the displacement is a stiffness
-        let slope = |force: usize, input: usize| -self.slopes[(FORCE + force) * inputs + input];
-        let matrices = [ECCENTRICITY, RATE].into_iter().flat_map(|input| {
-            [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(force, along)| slope(force, input + along))
-        });
-        for (place, number) in readings[numbers.len()..].iter_mut().zip(matrices) {
+        let slow = self.film.stiffness_and_damping(&mut self.work);
+        let slow = slow.unwrap_or([f64::NAN; 8]);
+        for (place, number) in readings[numbers.len()..].iter_mut().zip(slow) {
             *place = number;
         }
     }
@@ -345,10 +404,12 @@ mod tests {
             settings: Vec::new(),
             wholes: vec![("around", 36), ("across", 7)],
             words: vec![("cavitation", "reynolds")],
+            surface: None,
         };
         let setting = |name, value: f64| (name, vec![value]);
         let numbers = FieldNumbers {
             source: &source,
+            surface: None,
             settings: vec![
                 setting("diameter", 54e-3),
                 setting("width", 24e-3),

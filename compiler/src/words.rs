@@ -52,6 +52,8 @@ pub(crate) enum Takes {
     PerTime,
     /// A time.
     Time,
+    /// A call of a word of [`Place::Surface`].
+    Surface,
 }
 
 /// An argument of a word.
@@ -72,6 +74,7 @@ pub(crate) enum Place {
     Marker,
     Modes,
     Damping,
+    Surface,
 }
 
 impl Place {
@@ -83,6 +86,7 @@ impl Place {
             Place::Marker => "the place of a marker of a flexible body",
             Place::Modes => "a mode set",
             Place::Damping => "the `damping` of a flexible body",
+            Place::Surface => "the `surface` of a marker",
         }
     }
 }
@@ -265,6 +269,7 @@ pub(crate) const WORDS: &[Word] = &[
             named("radius", Takes::Length),
             named("width", Takes::Length),
             optional("tolerance", Takes::Length),
+            optional("surface", Takes::Surface),
             TIE,
             X,
             Z,
@@ -346,6 +351,12 @@ pub(crate) const WORDS: &[Word] = &[
             named("stiffness", Takes::Time),
         ],
         example: "rayleigh(mass: 12 s^-1, stiffness: 2e-6 s)",
+    },
+    Word {
+        word: "fourier",
+        place: Place::Surface,
+        arguments: &[named("around", Takes::Count), named("across", Takes::Count)],
+        example: "fourier(around: 8, across: 2)",
     },
 ];
 

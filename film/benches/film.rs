@@ -122,13 +122,13 @@ fn main() {
     surfaces();
 }
 
-/// Rough surfaces with thinning oil, and an elastic ring of waves up to 8, on 72 × 13 cells: the same gap again.
+/// Rough surfaces with thinning oil, and elastic surfaces of waves up to 8, on 72 × 13 cells: the same gap again.
 fn surfaces() {
     println!(
         "\n{:>10} {:>16} {:>10} {:>10}",
         "cells", "surface", "again", "tangent"
     );
-    let source = |rough: bool, waves: u32| {
+    let source = |rough: bool, waves: u32, degree: u32| {
         let mut source = film(Cavitation::Reynolds, [72, 13], false).source().clone();
         if rough {
             source.rough = Some(Roughness {
@@ -144,22 +144,23 @@ fn surfaces() {
                 exponent: 0.8,
             });
         }
-        let shape = |around, sine| Shape {
+        let shape = |around, sine, across| Shape {
             around,
             sine,
-            across: 0,
+            across,
         };
-        source.shapes = (2..=waves)
-            .flat_map(|k| [shape(k, false), shape(k, true)])
+        source.shapes = (0..=degree)
+            .flat_map(|l| (2..=waves).flat_map(move |k| [shape(k, false, l), shape(k, true, l)]))
             .collect();
         source
     };
-    for (name, rough, waves) in [
-        ("plain", false, 0),
-        ("rough", true, 0),
-        ("elastic", false, 8),
+    for (name, rough, waves, degree) in [
+        ("plain", false, 0, 0),
+        ("rough", true, 0, 0),
+        ("14 shapes", false, 8, 0),
+        ("42 shapes", false, 8, 2),
     ] {
-        let film = Film::new(source(rough, waves)).expect("a film");
+        let film = Film::new(source(rough, waves, degree)).expect("a film");
         // the numbers make a ring whose ovality yields by a tenth of the clearance
         let compliance = Elastic::ring(&film, 1.0, 10.0, 1.0, 0.05);
         let elastic = Elastic::new(film, compliance).expect("a surface");

@@ -1,29 +1,36 @@
 //! Elastic surfaces: a film whose surface yields to its pressure.
 //!
-//! The radial deflection is a sum of the film's shapes. Their amplitudes follow the generalised forces of the
-//! pressure at once, `b = C f` with a compliance C, which is symmetric and positive semi-definite. Within a step of
-//! length Δ the rates of the amplitudes are `(b − b_n)/Δ`, with b_n at its beginning; in a steady film they are
-//! zero. Newton's method solves
+//! The radial deflection is a sum of the film's shapes. Their amplitudes are those of the moving body that carries the
+//! surface, a, which are inputs, and a part that follows the generalised forces of the pressure at once, `β = C f` with a
+//! compliance C, which is symmetric and positive semi-definite. Within a step of length Δ the rates of the second part are
+//! `(β − β_n)/Δ`, with β_n at its begin; a steady film has none. Newton's method solves
 //!
 //! ```text
-//! g(b) = b − C f(b, ḃ) = 0        G = I − C J        J = ∂f/∂b + (1/Δ) ∂f/∂ḃ
+//! g(β) = β − C f(a + β, ȧ + β̇) = 0        G = I − C J        J = ∂f/∂b + (1/Δ) ∂f/∂ḃ
 //! dy/dx = ∂y/∂x + (∂y/∂b + (1/Δ) ∂y/∂ḃ) G⁻¹ C ∂f/∂x
 //! ```
 //!
-//! with the exact derivatives of the film. G of an earlier iteration serves as long as it contracts.
+//! with the exact derivatives of the film, for each input x, a and ȧ among them. G of an earlier iteration serves as long as
+//! it contracts.
 
 use crate::error::{FilmError, SourceError};
 use crate::film::{Film, Work};
-use crate::inputs::{SHAPE_FORCE, SUPPLY};
+use crate::inputs::{ECCENTRICITY, FORCE, RATE, SHAPE_FORCE, SPIN, SUPPLY, TILT_RATE};
 
 /// Most rounds of Newton's method.
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 200;
 /// Largest change of an amplitude that ends the rounds, as a share of the clearance.
 const GOAL: f64 = 1e-13;
 /// Largest ratio of two residuals that keeps G.
 const CONTRACTION: f64 = 0.1;
-/// Largest change of an amplitude in a round, as a share of the clearance: a larger one could close the gap.
+/// Largest change of an amplitude in a round, as a share of the way that it may go: a longer one could close the gap.
 const LONGEST: f64 = 0.5;
+/// Least speed of the surfaces that a search counts with (m/s).
+const LEAST_SPEED: f64 = 1e-3;
+/// Growth of the changes beyond which a shorter one is tried.
+const GROWTH: f64 = 1.5;
+/// Least share of a change that a search tries.
+const LEAST_SHARE: f64 = 0.05;
 
 /// A film with a compliance of its shapes.
 #[derive(Clone, Debug)]
@@ -31,6 +38,8 @@ pub struct Elastic {
     film: Film,
     /// C, row by row, m/N.
     compliance: Vec<f64>,
+    /// Whether the body that carries the surface moves it: a and ȧ are inputs, and the forces of the shapes outputs.
+    carried: bool,
 }
 
 /// Memory for solutions of an elastic film.
@@ -38,17 +47,22 @@ pub struct Elastic {
 pub struct ElasticWork {
     /// Memory of the film, with its last solution.
     pub film: Work,
+    /// The inputs of the film at the last solution, and their given part.
     inputs: Vec<f64>,
+    given: Vec<f64>,
     outputs: Vec<f64>,
     slopes: Vec<f64>,
     /// Factors of G, and the order of its rows.
     matrix: Vec<f64>,
     order: Vec<usize>,
     factored: bool,
-    /// Amplitudes of the last solution, and at the beginning of its step.
+    /// The part of the amplitudes that follows the forces: at the last solution, and at the begin of its step.
     amplitudes: Vec<f64>,
     before: Vec<f64>,
     step: Option<f64>,
+    /// g at the last evaluation, and the change before it.
+    missed: Vec<f64>,
+    taken: Vec<f64>,
     residual: Vec<f64>,
     column: Vec<f64>,
     /// Rounds of the last solution.
@@ -61,6 +75,19 @@ impl Elastic {
     /// # Errors
     /// If the compliance is not square or not symmetric, or has a negative number on its diagonal.
     pub fn new(film: Film, compliance: Vec<f64>) -> Result<Elastic, SourceError> {
+        Self::of(film, compliance, false)
+    }
+
+    /// A film on a surface that a moving body carries: amplitudes and their rates follow the openings among the inputs, and
+    /// the forces of the shapes follow the torque among the outputs.
+    ///
+    /// # Errors
+    /// As [`Elastic::new`].
+    pub fn carried(film: Film, compliance: Vec<f64>) -> Result<Elastic, SourceError> {
+        Self::of(film, compliance, true)
+    }
+
+    fn of(film: Film, compliance: Vec<f64>, carried: bool) -> Result<Elastic, SourceError> {
         let count = film.source().shapes.len();
         let refuse = |value: f64, range: &'static str| SourceError::Range {
             name: "compliance of the surface",
@@ -86,7 +113,11 @@ impl Elastic {
                 }
             }
         }
-        Ok(Elastic { film, compliance })
+        Ok(Elastic {
+            film,
+            compliance,
+            carried,
+        })
     }
 
     /// Compliance of a thin ring that bends in its plane and stretches, for shapes without a change across (m/N; others
@@ -128,9 +159,36 @@ impl Elastic {
         self.film.source().shapes.len()
     }
 
-    /// Number of inputs: those of the film without amplitudes and their rates.
+    /// Number of inputs: those of the film. Without a body that carries the surface there are no amplitudes and rates among
+    /// them.
     #[must_use]
     pub fn inputs(&self) -> usize {
+        match self.carried {
+            true => self.film.inputs(),
+            false => self.plain_inputs(),
+        }
+    }
+
+    /// Number of outputs: force, moment and torque, and the forces of the shapes of a surface that a body carries.
+    #[must_use]
+    pub fn outputs(&self) -> usize {
+        match self.carried {
+            true => self.film.outputs(),
+            false => SHAPE_FORCE,
+        }
+    }
+
+    /// Number of shapes whose amplitudes are inputs.
+    #[must_use]
+    pub fn carried_shapes(&self) -> usize {
+        match self.carried {
+            true => self.shapes(),
+            false => 0,
+        }
+    }
+
+    /// Number of inputs before the amplitudes.
+    fn plain_inputs(&self) -> usize {
         SUPPLY + self.film.source().openings.len()
     }
 
@@ -147,6 +205,7 @@ impl Elastic {
         ElasticWork {
             film: self.film.work(),
             inputs: vec![0.0; self.film.inputs()],
+            given: vec![0.0; self.film.inputs()],
             outputs: vec![0.0; self.film.outputs()],
             slopes: vec![0.0; self.film.outputs() * self.film.inputs()],
             matrix: vec![0.0; count * count],
@@ -155,13 +214,15 @@ impl Elastic {
             amplitudes: vec![0.0; count],
             before: vec![0.0; count],
             step: None,
+            missed: vec![0.0; count],
+            taken: vec![0.0; count],
             residual: vec![0.0; count],
             column: vec![0.0; count],
             rounds: 0,
         }
     }
 
-    /// Solves the film and its surface, and writes force, moment and torque. `step` and `memory` are those of
+    /// Solves the film and its surface, and writes the outputs. `step` and `memory` are those of
     /// [`Film::solve`], with the amplitudes behind the content.
     ///
     /// # Errors
@@ -174,9 +235,9 @@ impl Elastic {
         work: &mut ElasticWork,
         outputs: &mut [f64],
     ) -> Result<(), FilmError> {
-        let (count, own) = (self.shapes(), self.inputs());
+        let (count, own, told) = (self.shapes(), self.inputs(), self.outputs());
         let (content, before) = memory.split_at(memory.len().min(self.film.memory()));
-        work.inputs[..own].copy_from_slice(inputs);
+        work.given[..own].copy_from_slice(inputs);
         work.step = step;
         if step.is_some() && work.before != before {
             // the search depends on the beginning of the step alone, so a run that continues from a checkpoint has
@@ -187,11 +248,13 @@ impl Elastic {
         }
         if count == 0 {
             self.evaluate(content, work)?;
-            outputs.copy_from_slice(&work.outputs[..SHAPE_FORCE]);
+            outputs.copy_from_slice(&work.outputs[..told]);
             return Ok(());
         }
         let clearance = self.film.source().clearance;
-        let mut last = f64::INFINITY;
+        let reach = LONGEST * self.reach(work);
+        // length of the last change, and the share of it that was made
+        let (mut last, mut share) = (f64::INFINITY, 1.0);
         for round in 1..=ROUNDS {
             let solved = self.evaluate(content, work);
             if let Err(error) = solved {
@@ -200,37 +263,30 @@ impl Elastic {
                 work.amplitudes.copy_from_slice(&work.before);
                 return Err(error);
             }
-            let size = work
-                .residual
-                .iter()
-                .fold(0.0_f64, |size, g| size.max(g.abs()));
-            if size > CONTRACTION * last {
+            let mut longest = self.change(work)?;
+            if longest > GROWTH * last && share > LEAST_SHARE {
+                // cells change sides on the way: a shorter one reduces the residual
+                share /= 2.0;
+                for (amplitude, change) in work.amplitudes.iter_mut().zip(&work.taken) {
+                    *amplitude += share * change;
+                }
+                continue;
+            }
+            if longest > CONTRACTION * last {
                 work.factored = false;
+                longest = self.change(work)?;
             }
-            if !work.factored {
-                self.factor(work)?;
-            }
-            last = size;
-            solve_factored(
-                &work.matrix,
-                &work.order,
-                &mut work.residual,
-                &mut work.column,
-            );
-            let longest = work
-                .residual
-                .iter()
-                .fold(0.0_f64, |size, g| size.max(g.abs()));
             if !longest.is_finite() {
                 break;
             }
             if longest <= GOAL * clearance {
                 work.rounds = round;
-                outputs.copy_from_slice(&work.outputs[..SHAPE_FORCE]);
+                outputs.copy_from_slice(&work.outputs[..told]);
                 return Ok(());
             }
-            let share = (LONGEST * clearance / longest).min(1.0);
-            for (amplitude, change) in work.amplitudes.iter_mut().zip(&work.residual) {
+            (last, share) = (longest, (reach / longest).min(1.0));
+            work.taken.copy_from_slice(&work.residual);
+            for (amplitude, change) in work.amplitudes.iter_mut().zip(&work.taken) {
                 *amplitude -= share * change;
             }
         }
@@ -239,22 +295,55 @@ impl Elastic {
         Err(FilmError::NoSurface { rounds: ROUNDS })
     }
 
+    /// The way of an amplitude (m) that a search may look at: the clearance, within a step the part of it that surfaces of these
+    /// velocities come along. Otherwise a short step asks for rates that leave the film behind.
+    fn reach(&self, work: &ElasticWork) -> f64 {
+        let source = self.film.source();
+        let x = &work.given;
+        let speed = |first: usize| libm::hypot(x[first], x[first + 1]);
+        let approach = speed(RATE) + speed(TILT_RATE) * source.width / 2.0;
+        let swept = x[SPIN].abs() * source.clearance;
+        let step = work.step.unwrap_or(f64::INFINITY);
+        source
+            .clearance
+            .min(step * (swept + approach).max(LEAST_SPEED))
+    }
+
+    /// Newton's change of the amplitudes at the last evaluation, in place of g, and its length (m).
+    fn change(&self, work: &mut ElasticWork) -> Result<f64, FilmError> {
+        if !work.factored {
+            self.factor(work)?;
+        }
+        work.residual.copy_from_slice(&work.missed);
+        solve_factored(
+            &work.matrix,
+            &work.order,
+            &mut work.residual,
+            &mut work.column,
+        );
+        let longest = work.residual.iter().map(|change| change.abs());
+        Ok(longest.fold(0.0, f64::max))
+    }
+
     /// Solves the film at the present amplitudes, and g there.
     fn evaluate(&self, content: &[f64], work: &mut ElasticWork) -> Result<(), FilmError> {
-        let (count, own) = (self.shapes(), self.inputs());
+        let (count, own) = (self.shapes(), self.plain_inputs());
+        work.inputs.copy_from_slice(&work.given);
         let (amplitudes, rates) = work.inputs[own..].split_at_mut(count);
-        amplitudes.copy_from_slice(&work.amplitudes);
+        for (sum, amplitude) in amplitudes.iter_mut().zip(&work.amplitudes) {
+            *sum += amplitude;
+        }
         for (rate, (now, before)) in rates
             .iter_mut()
             .zip(work.amplitudes.iter().zip(&work.before))
         {
-            *rate = work.step.map_or(0.0, |step| (now - before) / step);
+            *rate += work.step.map_or(0.0, |step| (now - before) / step);
         }
         let (film, x) = (&mut work.film, &work.inputs);
         self.film
             .solve(x, work.step, content, film, &mut work.outputs)?;
         let forces = &work.outputs[SHAPE_FORCE..];
-        for (row, residual) in work.residual.iter_mut().enumerate() {
+        for (row, residual) in work.missed.iter_mut().enumerate() {
             let line = &self.compliance[row * count..(row + 1) * count];
             let yields: f64 = line.iter().zip(forces).map(|(c, f)| c * f).sum();
             *residual = work.amplitudes[row] - yields;
@@ -265,7 +354,7 @@ impl Elastic {
     /// Derivative of an output of the film by an amplitude, along with its rate.
     fn along(&self, work: &ElasticWork, output: usize, shape: usize) -> f64 {
         let row = &work.slopes[output * self.film.inputs()..][..self.film.inputs()];
-        let (count, own) = (self.shapes(), self.inputs());
+        let (count, own) = (self.shapes(), self.plain_inputs());
         row[own + shape]
             + work
                 .step
@@ -297,7 +386,7 @@ impl Elastic {
         }
     }
 
-    /// Derivatives of force, moment and torque by the inputs at the last solution, output by output.
+    /// Derivatives of the outputs by the inputs at the last solution, output by output.
     ///
     /// # Errors
     /// If the surface is unstable there.
@@ -327,12 +416,72 @@ impl Elastic {
                 &mut work.residual,
                 &mut work.column,
             );
-            for output in 0..SHAPE_FORCE {
+            for output in 0..self.outputs() {
                 let moved = (0..count).map(|k| self.along(work, output, k) * work.residual[k]);
                 dy_dx[output * own + input] += moved.sum::<f64>();
             }
         }
         Ok(())
+    }
+
+    /// Stiffness and damping for slow motions of the pin about the last solution: minus the slopes of the force by e and by ė
+    /// (xx, xy, yx, yy each), where the surface follows at once. With `b = B_e e + B_v ė` to the first order of the motion,
+    ///
+    /// ```text
+    /// B_e = G⁻¹ C ∂f/∂e      B_v = G⁻¹ C (∂f/∂ė + ∂f/∂ḃ B_e)      G = I − C ∂f/∂b
+    /// −K = ∂F/∂e + ∂F/∂b B_e      −D = ∂F/∂ė + ∂F/∂b B_v + ∂F/∂ḃ B_e
+    /// ```
+    ///
+    /// so they do not depend on the length of a step. A body that carries the surface is taken as at rest. The content of a
+    /// film with memory follows within its last step.
+    ///
+    /// # Errors
+    /// If the surface is unstable there.
+    pub fn stiffness_and_damping(&self, work: &mut ElasticWork) -> Result<[f64; 8], FilmError> {
+        let (count, inputs) = (self.shapes(), self.film.inputs());
+        self.film.tangent(&mut work.film, &mut work.slopes);
+        let step = work.step.take();
+        let factored = self.factor(work);
+        work.step = step;
+        work.factored = false;
+        factored?;
+        let (amplitude, rate) = (self.plain_inputs(), self.plain_inputs() + count);
+        let mut found = [0.0; 8];
+        let mut follows = vec![0.0; 2 * count];
+        for axis in 0..2 {
+            let (by_place, by_rate) = follows.split_at_mut(count);
+            let slope = |output: usize, input: usize| work.slopes[output * inputs + input];
+            let along = |output: usize, first: usize, changes: &[f64]| -> f64 {
+                let terms = changes.iter().enumerate();
+                terms.map(|(k, x)| slope(output, first + k) * x).sum()
+            };
+            for (sum, row) in by_place.iter_mut().zip(0..) {
+                *sum = self.yields(row, |shape| slope(SHAPE_FORCE + shape, ECCENTRICITY + axis));
+            }
+            solve_factored(&work.matrix, &work.order, by_place, &mut work.column);
+            for (sum, row) in by_rate.iter_mut().zip(0..) {
+                *sum = self.yields(row, |shape| {
+                    let output = SHAPE_FORCE + shape;
+                    slope(output, RATE + axis) + along(output, rate, by_place)
+                });
+            }
+            solve_factored(&work.matrix, &work.order, by_rate, &mut work.column);
+            for force in 0..2 {
+                let output = FORCE + force;
+                let place = slope(output, ECCENTRICITY + axis) + along(output, amplitude, by_place);
+                found[2 * force + axis] = -place;
+                let moved = along(output, amplitude, by_rate) + along(output, rate, by_place);
+                found[4 + 2 * force + axis] = -slope(output, RATE + axis) - moved;
+            }
+        }
+        Ok(found)
+    }
+
+    /// A row of C times forces of the shapes.
+    fn yields(&self, row: usize, force: impl Fn(usize) -> f64) -> f64 {
+        let count = self.shapes();
+        let line = self.compliance[row * count..(row + 1) * count].iter();
+        line.enumerate().map(|(shape, c)| c * force(shape)).sum()
     }
 
     /// Writes the content and the amplitudes of the last solution to the memory.
@@ -355,7 +504,7 @@ impl Elastic {
         let shapes = &self.film.source().shapes;
         let most = shapes.iter().map(|shape| shape.around).max().unwrap_or(0);
         let (mut last, mut all) = (0.0, 0.0);
-        for (shape, amplitude) in shapes.iter().zip(&work.amplitudes) {
+        for (shape, amplitude) in shapes.iter().zip(&work.inputs[self.plain_inputs()..]) {
             if shape.around == 0 {
                 continue;
             }

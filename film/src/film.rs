@@ -4,8 +4,9 @@ use crate::error::{FilmError, SourceError};
 use crate::grid::Grid;
 use crate::inputs::{END_PRESSURE, SHAPE_FORCE, SUPPLY, TILT, TILT_RATE, VISCOSITY};
 use crate::ring::RingMatrix;
-use crate::source::{Cavitation, Feed, FilmSource, Lines};
+use crate::source::{Cavitation, Feed, FilmSource, Lines, mean_over};
 use crate::surfaces::{OfGap, Surfaces};
+use crate::waves::Waves;
 
 /// Least numbers of cells of a coarse grid, which serves only for a first guess of the cavity's edge.
 const COARSEST: [usize; 2] = [12, 3];
@@ -29,9 +30,8 @@ pub(crate) struct Level {
     pub grid: Grid,
     /// For each cell the cell of the next coarser grid that contains its middle.
     below: Vec<usize>,
-    /// Values of the shapes at the links and in the middles of the cells, and their means over the cells; shape by
-    /// shape.
-    pub shapes: [Vec<f64>; 3],
+    /// The shapes at the links and in the middles of the cells, and their means over the sectors of the cells.
+    pub shapes: [Waves; 3],
 }
 
 /// Memory for solutions of one film. After a solution it holds the values that [`Film::tangent`], [`Film::accept`] and
@@ -158,7 +158,6 @@ impl Film {
                 Err(_) => break,
             }
         }
-        let half = source.width / 2.0;
         let mut levels = Vec::with_capacity(grids.len());
         for (at, grid) in grids.iter().enumerate() {
             let below = match grids.get(at + 1) {
@@ -169,24 +168,15 @@ impl Film {
                     .collect(),
                 None => Vec::new(),
             };
-            let mut shapes = [Vec::new(), Vec::new(), Vec::new()];
-            for shape in &source.shapes {
-                shapes[0].extend(
-                    grid.sites
-                        .iter()
-                        .map(|site| shape.value(site.angle, site.z / half)),
-                );
-                shapes[1].extend(
-                    grid.cells
-                        .iter()
-                        .map(|cell| shape.value(cell.angle, cell.z / half)),
-                );
-                shapes[2].extend(
-                    grid.cells
-                        .iter()
-                        .map(|c| shape.value(c.angle, c.z / half) * shape.mean(c.sector)),
-                );
-            }
+            let reach = source.shape_width / 2.0;
+            let cells = || grid.cells.iter().map(|cell| (cell.angle, cell.z / reach));
+            let links = grid.sites.iter().map(|site| (site.angle, site.z / reach));
+            let mean = |waves: u32, cell: usize| mean_over(waves, grid.cells[cell].sector);
+            let shapes = [
+                Waves::new(&source.shapes, links, |_, _| 1.0),
+                Waves::new(&source.shapes, cells(), |_, _| 1.0),
+                Waves::new(&source.shapes, cells(), mean),
+            ];
             levels.push(Level {
                 grid: grid.clone(),
                 below,

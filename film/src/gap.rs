@@ -37,18 +37,10 @@ impl Film {
         self.add_pin_profile(level, state, x);
         let shapes = self.source.shapes.len();
         let first = SUPPLY + self.source.openings.len();
-        for shape in 0..shapes {
-            let (amplitude, rate) = (x[first + shape], x[first + shapes + shape]);
-            let add = |sums: &mut [f64], factor: f64, values: &[f64]| {
-                let first = shape * sums.len();
-                for (sum, value) in sums.iter_mut().zip(&values[first..]) {
-                    *sum += factor * value;
-                }
-            };
-            add(&mut state.gaps[0], amplitude, &level.shapes[0]);
-            add(&mut state.gaps[1], amplitude, &level.shapes[1]);
-            add(&mut state.cell_rate, rate, &level.shapes[2]);
-        }
+        let (amplitudes, rates) = x[first..first + 2 * shapes].split_at(shapes);
+        level.shapes[0].add_sum(amplitudes, &mut state.gaps[0]);
+        level.shapes[1].add_sum(amplitudes, &mut state.gaps[1]);
+        level.shapes[2].add_sum(rates, &mut state.cell_rate);
         self.set_flow(level, state, x);
     }
 

@@ -51,11 +51,13 @@ mod ring;
 mod source;
 mod surfaces;
 mod tangent;
+mod waves;
 
 pub use elastic::{Elastic, ElasticWork};
+pub use eng_system::surface::SurfaceShape as Shape;
 pub use error::{FilmError, Place, SourceError};
 pub use film::{Film, Work};
 pub use inputs::Inputs;
 pub use results::{Quantity, Summary};
-pub use source::{Cavitation, Ends, Feed, FilmSource, Lines, Opening, Profile, Shape};
+pub use source::{Cavitation, Ends, Feed, FilmSource, Lines, Opening, Profile};
 pub use surfaces::{Roughness, Thinning};

@@ -59,6 +59,9 @@ pub struct Summary {
     pub rounds: usize,
 }
 
+/// Share of a pressure, or of the clearance, below which two extremes are equal, so that rounding does not choose their place.
+const TIE: f64 = 1e-9;
+
 /// A field over the cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -158,13 +161,9 @@ impl Film {
         outputs[FORCE..FORCE + 2].copy_from_slice(&[fx, fy]);
         outputs[MOMENT..MOMENT + 2].copy_from_slice(&[mx, my]);
         outputs[TORQUE] = torque;
-        let count = level.grid.cells.len();
-        for (shape, force) in outputs[SHAPE_FORCE..].iter_mut().enumerate() {
-            for (at, cell) in level.grid.cells.iter().enumerate() {
-                let pressure = state.pressure[at][0] + state.touching[at][0];
-                *force += cell.area * pressure * level.shapes[2][shape * count + at];
-            }
-        }
+        let load =
+            |at: usize| level.grid.cells[at].area * (state.pressure[at][0] + state.touching[at][0]);
+        level.shapes[2].add_moments(load, &mut outputs[SHAPE_FORCE..]);
         for output in outputs.iter_mut() {
             *output *= self.halves();
         }
@@ -301,7 +300,7 @@ impl Film {
         let pressure = |cell: usize| state.pressure[cell][0];
         let count = grid.cells.len();
         let top = (0..count).fold(0, |best, cell| {
-            if pressure(cell) > pressure(best) {
+            if pressure(cell) > pressure(best) * (1.0 + TIE) {
                 cell
             } else {
                 best
@@ -339,7 +338,8 @@ impl Film {
         (highest, at)
     }
 
-    /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is closest.
+    /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is closest. The place
+    /// of an aligned pin between plain surfaces is at mid width.
     /// For plain surfaces both are exact.
     fn thinnest(&self, state: &LevelWork, x: &[f64]) -> (f64, Place) {
         let grid = &self.levels[0].grid;
@@ -359,11 +359,16 @@ impl Film {
                 )
             };
             let (low, high) = (end(-half), end(half));
-            return if low.0 < high.0 { low } else { high };
+            let tie = (low.0 - high.0).abs() <= TIE * self.source.clearance;
+            return match low.0 < high.0 {
+                _ if tie => end(0.0),
+                true => low,
+                false => high,
+            };
         }
         let mut least = (f64::INFINITY, place(0.0, 0.0));
         let mut look = |gap: f64, angle: f64, z: f64| {
-            if gap < least.0 {
+            if gap < least.0 - TIE * self.source.clearance {
                 least = (gap, place(angle, z));
             }
         };
@@ -390,22 +395,14 @@ impl Film {
     /// Largest magnitude of the deflection by the shapes in the middle of a cell, m.
     pub(crate) fn deflection(&self, work: &Work) -> f64 {
         let level = &self.levels[0];
-        let (count, shapes) = (level.grid.cells.len(), self.source.shapes.len());
-        let amplitudes = &work.inputs[SUPPLY + self.source.openings.len()..][..shapes];
-        let mut most = 0.0_f64;
-        for cell in 0..count {
-            let values = amplitudes.iter().enumerate();
-            let sum: f64 = values
-                .map(|(shape, amplitude)| amplitude * level.shapes[1][shape * count + cell])
-                .sum();
-            most = most.max(sum.abs());
-        }
-        most
+        let amplitudes = &work.inputs[SUPPLY + self.source.openings.len()..];
+        level.shapes[1].largest(&amplitudes[..self.source.shapes.len()])
     }
 
     /// The gap at any place, m.
     fn gap_at(&self, x: &[f64], angle: f64, z: f64) -> f64 {
         let zeta = 2.0 * z / self.source.width;
+        let of_surface = 2.0 * z / self.source.shape_width;
         let (sin, cos) = libm::sincos(angle);
         let eccentric =
             (x[ECCENTRICITY] + z * x[TILT]) * cos + (x[ECCENTRICITY + 1] + z * x[TILT + 1]) * sin;
@@ -417,7 +414,7 @@ impl Film {
                 .pin_profile(angle - x[crate::inputs::TURN], zeta)
                 .0
             + shapes
-                .map(|(shape, amplitude)| amplitude * shape.value(angle, zeta))
+                .map(|(shape, amplitude)| amplitude * shape.value(angle, of_surface))
                 .sum::<f64>()
     }
 }

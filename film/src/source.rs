@@ -2,6 +2,8 @@
 
 use crate::error::SourceError;
 use crate::surfaces::{Roughness, Thinning};
+use crate::waves::DEGREES;
+use eng_system::surface::SurfaceShape as Shape;
 
 /// The rule where the pressure of the film would be negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,35 +149,9 @@ impl Profile {
     }
 }
 
-/// A radial deflection that is an input: `cos kθ` or `sin kθ` times Legendre's polynomial `P_l(ζ)`; positive
-/// opens the gap.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape {
-    /// k, waves around.
-    pub around: u32,
-    /// `sin` instead of `cos`.
-    pub sine: bool,
-    /// l, degree across.
-    pub across: u32,
-}
-
-impl Shape {
-    /// Value at an angle (rad) and ζ = 2z/B.
-    pub(crate) fn value(&self, angle: f64, zeta: f64) -> f64 {
-        let (sin, cos) = libm::sincos(f64::from(self.around) * angle);
-        let (mut before, mut legendre) = (0.0, 1.0);
-        for degree in 0..self.across {
-            let degree = f64::from(degree);
-            let next = ((2.0 * degree + 1.0) * zeta * legendre - degree * before) / (degree + 1.0);
-            (before, legendre) = (legendre, next);
-        }
-        legendre * if self.sine { sin } else { cos }
-    }
-
-    /// Mean over a sector of cells of this width (rad), as a share of the value in its middle.
-    pub(crate) fn mean(&self, sector: f64) -> f64 {
-        mean_of_wave(f64::from(self.around) * sector / 2.0)
-    }
+/// Mean of a wave of this number around over a sector of cells (rad), as a share of its value in the middle.
+pub(crate) fn mean_over(waves: u32, sector: f64) -> f64 {
+    mean_of_wave(f64::from(waves) * sector / 2.0)
 }
 
 /// `sin x/x`.
@@ -221,8 +197,10 @@ pub struct FilmSource {
     pub profile: Vec<Profile>,
     /// Sum of changes of the gap that turn with the pin; their angles count from the pin's x.
     pub pin_profile: Vec<Profile>,
-    /// Deflections that are inputs.
+    /// Radial deflections that are inputs; positive opens the gap.
     pub shapes: Vec<Shape>,
+    /// Width of the surface that the shapes belong to, m: their ζ is −1 and 1 at its ends, in the middle of which is z = 0.
+    pub shape_width: f64,
     /// Gap f (m) below which the equation of smooth surfaces has `f²/(2f − h)` instead of the gap h, which stays
     /// positive for every h. Only solutions with a gap above the floor have a meaning. With 0, surfaces that touch
     /// are an error. Rough surfaces have no floor.
@@ -261,6 +239,7 @@ impl FilmSource {
             profile: Vec::new(),
             pin_profile: Vec::new(),
             shapes: Vec::new(),
+            shape_width: width,
             floor: 0.0,
             piezo: 0.0,
             rough: None,
@@ -295,6 +274,7 @@ impl FilmSource {
             ("radius", self.radius),
             ("width", self.width),
             ("radial clearance", self.clearance),
+            ("width of the shapes", self.shape_width),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(SourceError::Range {
@@ -309,6 +289,17 @@ impl FilmSource {
                 name: "floor of the gap",
                 value: self.floor,
                 range: "0 or a part of the clearance",
+            });
+        }
+        if let Some(shape) = self
+            .shapes
+            .iter()
+            .find(|shape| shape.across as usize >= DEGREES)
+        {
+            return Err(SourceError::Range {
+                name: "degree across of a shape",
+                value: f64::from(shape.across),
+                range: "0 to 15",
             });
         }
         if !(self.piezo >= 0.0 && self.piezo.is_finite()) {

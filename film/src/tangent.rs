@@ -11,6 +11,7 @@ use crate::inputs::{
     TORQUE, TURN, VISCOSITY,
 };
 use crate::source::{Cavitation, Feed};
+use crate::waves::DEGREES;
 
 /// The solution at which the derivatives are wanted.
 struct Solution<'a> {
@@ -123,7 +124,7 @@ impl Film {
             MOMENT => cell.z * sin,
             3 => -cell.z * cos,
             TORQUE => state.pin_slope[at][0],
-            _ => level.shapes[2][(output - SHAPE_FORCE) * level.grid.cells.len() + at],
+            _ => level.shapes[2].value(at / level.grid.across, at, output - SHAPE_FORCE),
         };
         cell.area * part
     }
@@ -222,13 +223,17 @@ impl Film {
         let Solution {
             level, state, x, ..
         } = *solution;
-        let (count, links) = (level.grid.cells.len(), level.grid.links.len());
+        let count = level.grid.cells.len();
         let openings = self.source.openings.len();
         let first = SUPPLY + openings;
         let turning = !self.source.pin_profile.is_empty();
         let (mut by_spin, mut by_viscosity) = ([0.0; N], [0.0; N]);
         // sums of a run of links at one angle: by the gap, and by the gap times z
         let (mut normal, mut run) = ([0.0; 2], [[0.0; N]; 2]);
+        let (shapes, waves) = (self.source.shapes.len(), &level.shapes[0]);
+        let mut shaped = [[0.0; N]; DEGREES];
+        let mut ends = waves.runs().map(|places| places.end).enumerate();
+        let mut end = ends.next();
         for (at, (link, site)) in level.grid.links.iter().zip(&level.grid.sites).enumerate() {
             if site.normal != normal {
                 add_run(slopes, [ECCENTRICITY, TILT], normal, &mut run);
@@ -275,9 +280,11 @@ impl Film {
                     add(&mut slopes[place], by_pressure, &drop);
                 }
             }
-            for shape in 0..self.source.shapes.len() {
-                let value = level.shapes[0][shape * links + at];
-                add(&mut slopes[first + shape], value, &by_gap);
+            let Some((angle, last)) = end else { continue };
+            waves.gather(at, &by_gap, &mut shaped);
+            if at + 1 == last {
+                waves.spread(angle, &mut shaped, &mut slopes[first..first + shapes]);
+                end = ends.next();
             }
         }
         add_run(slopes, [ECCENTRICITY, TILT], normal, &mut run);
@@ -299,13 +306,14 @@ impl Film {
             x,
             past,
         } = *solution;
-        let (count, shapes) = (level.grid.cells.len(), self.source.shapes.len());
+        let shapes = self.source.shapes.len();
         let first = SUPPLY + self.source.openings.len();
         let speed = self.source.radius * self.source.radius;
         let turning = !self.source.pin_profile.is_empty();
         // of the torque alone: shear of μ = ω = 1
         let mut sheared = [0.0; 2];
         let (rough, boundary) = (self.surfaces.is_rough(), self.boundary(x[SPIN]));
+        let mut shaped = [[[0.0; N]; DEGREES]; 2];
         for (column, cells) in level.grid.cells.chunks(level.grid.across).enumerate() {
             // sums by the gap, by the rate, and by both times z
             let (mut gaps, mut rates) = ([[0.0; N]; 2], [[0.0; N]; 2]);
@@ -360,12 +368,16 @@ impl Film {
                     add(&mut slopes[TURN], state.cell_turn[at], &by_gap);
                     add(&mut slopes[TURN], -x[SPIN] * turned_slope, &by_rate);
                 }
-                for shape in 0..shapes {
-                    let value = level.shapes[1][shape * count + at];
-                    add(&mut slopes[first + shape], value, &by_gap);
-                    let mean = level.shapes[2][shape * count + at];
-                    add(&mut slopes[first + shapes + shape], mean, &by_rate);
+                if shapes > 0 {
+                    level.shapes[1].gather(at, &by_gap, &mut shaped[0]);
+                    level.shapes[2].gather(at, &by_rate, &mut shaped[1]);
                 }
+            }
+            if shapes > 0 {
+                let (by_amplitudes, by_rates) =
+                    slopes[first..first + 2 * shapes].split_at_mut(shapes);
+                level.shapes[1].spread(column, &mut shaped[0], by_amplitudes);
+                level.shapes[2].spread(column, &mut shaped[1], by_rates);
             }
             let angle = &cells[0];
             add_run(slopes, [ECCENTRICITY, TILT], angle.normal, &mut gaps);

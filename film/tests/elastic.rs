@@ -166,6 +166,160 @@ fn tangent_of_a_yielding_surface() {
     }
 }
 
+/// However short a step is, the surface finds its place from that at the begin of the step. In a short step a small change of an
+/// amplitude is a fast one, and Newton's way from the surface at rest would leave the film behind.
+#[test]
+fn short_steps_find_their_place() {
+    let mut source = FilmSource::plain(24e-3, 22e-3, 25e-6, Cavitation::Reynolds, [36, 5]);
+    source.shapes = waves(10);
+    source.floor = 25e-9;
+    let film = Film::new(source).expect("a film");
+    let compliance = Elastic::ring(&film, 32e-3, 210e9, 3.5e-4, 7.5e-9);
+    let elastic = Elastic::new(film, compliance).expect("a surface");
+    let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; 5]);
+    let mut state = 12345_u64;
+    let mut draw = || {
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (state >> 33) as f64 / (1_u64 << 31) as f64
+    };
+    let turn = std::f64::consts::TAU;
+    let mut most = 0;
+    for trial in 0..150 {
+        let (ratio, angle) = (1.02 * draw().sqrt(), turn * draw());
+        let place = [ratio * 25e-6 * angle.cos(), ratio * 25e-6 * angle.sin()];
+        let mut at = Inputs {
+            eccentricity: place,
+            spin: 419.0,
+            ..Inputs::still(7e-3)
+        };
+        let mut work = elastic.work();
+        elastic
+            .solve(&at.write(), None, &[], &mut work, &mut y)
+            .expect("a steady film");
+        elastic.accept(&work, &mut memory);
+        for step in [1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10] {
+            let (speed, angle) = (0.2 * draw() * draw(), turn * draw());
+            at.rate = [speed * angle.cos(), speed * angle.sin()];
+            let moved = f64::min(step, 1e-5);
+            at.eccentricity = [place[0] + moved * at.rate[0], place[1] + moved * at.rate[1]];
+            let mut work = elastic.work();
+            let solved = elastic.solve(&at.write(), Some(step), &memory, &mut work, &mut y);
+            assert!(
+                solved.is_ok(),
+                "{trial} ratio {ratio}, step {step}: {solved:?}"
+            );
+            most = most.max(work.rounds);
+        }
+    }
+    println!("{most} rounds at most");
+}
+
+/// A surface that is twice as wide as the film has half of a cone's slope in the film.
+#[test]
+fn a_surface_may_be_wider_than_its_film() {
+    let solved = |wider: f64| {
+        let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [48, 8]);
+        source.shapes = vec![Shape {
+            around: 2,
+            sine: false,
+            across: 1,
+        }];
+        source.shape_width = wider;
+        let film = Film::new(source).expect("a film");
+        let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
+        let x = Inputs {
+            eccentricity: [0.5, 0.2],
+            spin: 1.0,
+            deflection: &[0.1 * wider],
+            deflection_rate: &[0.0],
+            ..Inputs::still(1.0)
+        };
+        film.solve(&x.write(), None, &[], &mut work, &mut y)
+            .expect("a solution");
+        let summary = film.summary(&work);
+        y.truncate(5);
+        y.extend([summary.minimum_gap, summary.maximum_pressure]);
+        y
+    };
+    for (same, wider) in solved(1.0).iter().zip(solved(2.0)) {
+        assert!(
+            (same - wider).abs() < 1e-10 * same.abs().max(1e-3),
+            "{same} {wider}"
+        );
+    }
+}
+
+/// Stiffness and damping for slow motions are those of differences of films whose surface follows, and depend on no step.
+#[test]
+fn slow_motions_see_the_surface_follow() {
+    let all = reference();
+    let state = &all["elastic"][1];
+    let elastic = Elastic::new(film([48, 6]), reference_ring(state)).expect("a surface");
+    let place = [0.6, 0.1];
+    let mut work = elastic.work();
+    let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; 5]);
+    elastic
+        .solve(&inputs(place), None, &[], &mut work, &mut y)
+        .expect("a film");
+    let found = elastic.stiffness_and_damping(&mut work).expect("slopes");
+    elastic.accept(&work, &mut memory);
+    for step in [1e-3, 0.2] {
+        elastic
+            .solve(&inputs(place), Some(step), &memory, &mut work, &mut y)
+            .expect("a film");
+        let again = elastic.stiffness_and_damping(&mut work).expect("slopes");
+        for (x, y) in found.iter().zip(&again) {
+            assert!((x - y).abs() < 1e-8 * x.abs().max(1.0), "{step}: {x} {y}");
+        }
+    }
+    for axis in 0..2 {
+        let mut steady = |by: f64| {
+            let (mut at, mut y) = (place, [0.0; 5]);
+            at[axis] += by;
+            elastic
+                .solve(&inputs(at), None, &[], &mut work, &mut y)
+                .expect("a film");
+            y
+        };
+        let d = 1e-5;
+        let (up, down) = (steady(d), steady(-d));
+        // some steps of constant speed, the last of which ends at the place
+        let mut passing = |speed: f64| {
+            let (step, mut y) = (1.0, [0.0; 5]);
+            for k in (0..40).rev() {
+                let mut at = place;
+                at[axis] -= f64::from(k) * step * speed;
+                let mut x = inputs(at);
+                x[2 + axis] = speed;
+                let past = (k < 39).then_some(step);
+                elastic
+                    .solve(&x, past, &memory, &mut work, &mut y)
+                    .expect("a film");
+                elastic.accept(&work, &mut memory);
+            }
+            y
+        };
+        let v = 1e-6;
+        let (ahead, back) = (passing(v), passing(-v));
+        for force in 0..2 {
+            let stiffness = -(up[force] - down[force]) / (2.0 * d);
+            let damping = -(ahead[force] - back[force]) / (2.0 * v);
+            for (name, slope, value) in [
+                ("stiffness", stiffness, found[2 * force + axis]),
+                ("damping", damping, found[4 + 2 * force + axis]),
+            ] {
+                println!("{name} {force} {axis}: {value} {slope}");
+                assert!(
+                    (value - slope).abs() < 1e-5 * slope.abs().max(1.0),
+                    "{name} {force} {axis}: {value} {slope}"
+                );
+            }
+        }
+    }
+}
+
 /// A nearly rigid surface has the film of a rigid one, and the difference is proportional to its compliance.
 #[test]
 fn a_stiff_surface_is_the_rigid_one() {

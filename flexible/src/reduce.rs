@@ -4,9 +4,11 @@ mod candidates;
 mod interface;
 mod outline;
 mod report;
+mod surfaces;
 
 pub use outline::{Outline, outline};
 pub use report::{BodyMass, ModeReport, Report, Served, Unserved};
+pub use surfaces::SurfaceRequest;
 
 use crate::error::FlexibleError;
 use crate::fe::mass::rigid_motions;
@@ -84,6 +86,8 @@ pub struct Request {
     /// Stiffness and mass of another code in place of those of the elements. The elements then serve for
     /// pictures only.
     pub matrices: Option<ForeignMatrices>,
+    /// Markers with elastic surfaces.
+    pub surfaces: Vec<SurfaceRequest>,
     /// Loads at markers. [`Report::unserved`] lists those without a mode in the set.
     pub asked: Vec<Interface>,
 }
@@ -148,6 +152,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         None => None,
     };
     let places = place(&mut mesh, &request.markers)?;
+    let prepared = surfaces::prepare(&mesh, request, &places)?;
     // the mass matrix of another code includes its point masses
     let own = nodal.is_none();
     if own {
@@ -194,7 +199,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         report: &mut report,
     };
     let found = candidates
-        .find(&request.terms, &request.asked)
+        .find(&request.terms, &request.asked, prepared)
         .map_err(|error| at_node(error, &reduction))?;
     let set = ModeSet::new(&structure, found.candidates)?;
     report.sources.clone_from(&set.sources);
@@ -204,6 +209,10 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     }
     report.unserved = found.asked.unserved(&structure, &set);
     warn_of_rounding(request, &structure, &set, &mut report);
+    let mut surfaces = Vec::with_capacity(found.surfaces.len());
+    for surface in &found.surfaces {
+        surfaces.push(surface.beside(&structure, &set, &mut report.warnings)?);
+    }
 
     let shapes = reduction.expand(set.len(), &set.vectors);
     let frequencies = set.frequencies();
@@ -232,6 +241,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         invariants: constants,
         frequencies,
         markers,
+        surfaces,
     };
     body.damp(&Damping::Modal {
         ratio: request.damping_ratio,

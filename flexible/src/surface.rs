@@ -22,33 +22,15 @@ impl Surface {
     /// The surface of a mesh. Elements with missing nodes are left out.
     pub fn new(mesh: &Mesh) -> Surface {
         let mut surface = Surface::default();
-        // for each face, by its corners: number of occurrences, and the first element and face
-        let mut seen: BTreeMap<Vec<u32>, (u32, u32, usize)> = BTreeMap::new();
-        for (index, element) in (0..).zip(&mesh.elements) {
-            let nodes = mesh.nodes_of(element);
-            let corners = element.kind.corner_count();
-            let known = |node: &u32| (*node as usize) < mesh.nodes.len();
-            if nodes.len() < corners || !nodes.iter().take(corners).all(known) {
-                continue;
-            }
-            if let (ElementKind::Beam2, &[a, b]) = (element.kind, nodes) {
-                surface.lines.push([a, b]);
-            }
-            for (place, face) in element.kind.description().faces.iter().enumerate() {
-                let mut key: Vec<u32> =
-                    face.iter().filter_map(|c| nodes.get(*c).copied()).collect();
-                key.sort_unstable();
-                let entry = seen.entry(key).or_insert((0, index, place));
-                entry.0 += 1;
+        for element in &mesh.elements {
+            if let (ElementKind::Beam2, &[a, b]) = (element.kind, mesh.nodes_of(element)) {
+                let known = |node: u32| (node as usize) < mesh.nodes.len();
+                if known(a) && known(b) {
+                    surface.lines.push([a, b]);
+                }
             }
         }
-        let mut outer: Vec<(u32, usize)> = seen
-            .into_values()
-            .filter(|(count, ..)| *count == 1)
-            .map(|(_, element, face)| (element, face))
-            .collect();
-        outer.sort_unstable();
-        for (index, place) in outer {
+        for (index, place) in outer_faces(mesh) {
             let Some(element) = mesh.elements.get(index as usize) else {
                 continue;
             };
@@ -79,6 +61,34 @@ impl Surface {
         nodes.dedup();
         nodes
     }
+}
+
+/// The faces that belong to one element only, as element and place among its faces, ascending. Elements with missing nodes
+/// are left out.
+pub(crate) fn outer_faces(mesh: &Mesh) -> Vec<(u32, usize)> {
+    // for each face, by its corners: number of occurrences, and the first element and face
+    let mut seen: BTreeMap<Vec<u32>, (u32, u32, usize)> = BTreeMap::new();
+    for (index, element) in (0..).zip(&mesh.elements) {
+        let nodes = mesh.nodes_of(element);
+        let corners = element.kind.corner_count();
+        let known = |node: &u32| (*node as usize) < mesh.nodes.len();
+        if nodes.len() < corners || !nodes.iter().take(corners).all(known) {
+            continue;
+        }
+        for (place, face) in element.kind.description().faces.iter().enumerate() {
+            let mut key: Vec<u32> = face.iter().filter_map(|c| nodes.get(*c).copied()).collect();
+            key.sort_unstable();
+            let entry = seen.entry(key).or_insert((0, index, place));
+            entry.0 += 1;
+        }
+    }
+    let mut outer: Vec<(u32, usize)> = seen
+        .into_values()
+        .filter(|(count, ..)| *count == 1)
+        .map(|(_, element, face)| (element, face))
+        .collect();
+    outer.sort_unstable();
+    outer
 }
 
 /// Triangles of a face. Each corner comes with the mid-side node after it.

@@ -45,6 +45,7 @@ fn with_shapes(mesh: Mesh, fields: &[Field]) -> Reduced {
             invariants: Invariants::zero(n),
             frequencies: vec![0.0; n],
             markers: vec![],
+            surfaces: vec![],
         },
         shapes,
         freedoms: full.freedoms,

@@ -8,6 +8,7 @@ mod energy;
 mod levels;
 mod matrix;
 mod plan;
+mod surfaces;
 mod tangents;
 
 pub use plan::MatrixPlan;
@@ -25,6 +26,7 @@ use crate::rotation::{M3, V3};
 use crate::state::State;
 use eng_system::code::Function;
 use eng_system::layout::InputLayout;
+use surfaces::SurfaceWork;
 
 /// Bodies and markers at one position and velocity.
 #[derive(Clone, Debug)]
@@ -44,6 +46,8 @@ struct Placement {
     /// J of each marker in its reach, 6 × reach each.
     jacobians: Vec<f64>,
     jacobian_at: Vec<usize>,
+    /// Amplitudes of the elastic surfaces and their rates.
+    surfaces: Vec<f64>,
 }
 
 /// Memory that is reused between evaluations. Nothing in it outlives a call.
@@ -66,8 +70,13 @@ struct Workspace {
     line: Vec<f64>,
     /// That of the flexible bodies.
     bending: Work,
-    /// Wrenches that are not those of the last evaluation.
+    /// Wrenches and forces of shapes that are not those of the last evaluation.
     wrenches: Vec<f64>,
+    shape_forces: Vec<f64>,
+    /// Changes of the motion of surfaces.
+    surfaces: Vec<f64>,
+    /// That of the blocks of elastic surfaces.
+    surface: SurfaceWork,
 }
 
 /// All values at one state. They change together: a caller can read them, and only an evaluation writes them.
@@ -88,6 +97,8 @@ pub struct Dynamics {
     constraint_accelerations: Vec<f64>,
     /// Wrenches of the elements on their markers.
     wrenches: Vec<f64>,
+    /// Generalised forces of the shapes of elastic surfaces (N).
+    shape_forces: Vec<f64>,
     /// Rates of the states.
     rates: Vec<f64>,
     /// G of each element at its markers, row-major rows × 6 markers.
@@ -156,6 +167,7 @@ impl Dynamics {
             cached += curved.map(|shape| shape.length()).sum::<usize>();
         }
         let size = matrix_size(model);
+        let shapes = model.surfaces.iter().map(|surface| surface.shapes).sum();
         Dynamics {
             at: Placement {
                 time: 0.0,
@@ -167,6 +179,7 @@ impl Dynamics {
                 shape_at,
                 jacobians: vec![0.0; total],
                 jacobian_at,
+                surfaces: vec![0.0; 2 * shapes],
             },
             signals: Signals::new(model),
             batches: elements::batches(model, &dynamic, false),
@@ -175,6 +188,7 @@ impl Dynamics {
             constraint_rates: vec![0.0; model.rows],
             constraint_accelerations: vec![0.0; model.rows],
             wrenches: vec![0.0; model.wrenches],
+            shape_forces: vec![0.0; shapes],
             rates: vec![0.0; model.states],
             gradients: vec![0.0; model.gradients],
             work: Workspace {
@@ -188,6 +202,9 @@ impl Dynamics {
                 line: Vec::new(),
                 bending: Work::default(),
                 wrenches: vec![0.0; model.wrenches],
+                shape_forces: vec![0.0; shapes],
+                surfaces: vec![0.0; 2 * shapes],
+                surface: SurfaceWork::default(),
             },
         }
     }
@@ -287,6 +304,7 @@ impl Dynamics {
         for index in 0..model.markers.len() {
             self.place_marker(model, index, velocity);
         }
+        self.place_surfaces(model, velocity);
     }
 
     /// Sets frames and these markers alone, for outputs that see no other.
@@ -295,6 +313,7 @@ impl Dynamics {
         for index in markers {
             self.place_marker(model, *index, &state.velocity);
         }
+        self.place_surfaces(model, &state.velocity);
     }
 
     fn place_frames(&mut self, model: &Model, time: f64, pose: &[f64]) {
@@ -312,6 +331,7 @@ impl Dynamics {
         for index in 0..model.markers.len() {
             self.place_velocity(model, index, velocity);
         }
+        self.place_surfaces(model, velocity);
     }
 
     /// [`Dynamics::place_velocities`] of one marker.
@@ -398,6 +418,7 @@ impl Dynamics {
             rotations,
             moving: self.signals.values(),
             memory: Some(&self.memory),
+            surfaces: &self.at.surfaces,
         };
         for batch in &mut self.batches {
             elements::gather(model, batch, &from);
@@ -427,6 +448,7 @@ impl Dynamics {
             }
             let scratch = &mut self.work.elements;
             batch.solve_fields(model, self.at.time, Readings::None, scratch)?;
+            batch.shape_forces(model, &mut self.shape_forces);
             let layout = model.compiled.system.classes[batch.class].layout;
             let (rows, wrenches, states) = (
                 layout.rows as usize,
@@ -472,9 +494,10 @@ impl Dynamics {
         Ok(())
     }
 
-    /// `out += factor Σ Jᵀ W` of the last evaluation.
+    /// `out += factor (Σ Jᵀ W + Σ Ψᵀ f)` of the last evaluation.
     pub fn add_forces(&self, model: &Model, factor: f64, out: &mut [f64]) {
         self.add_wrenches(model, &self.wrenches, factor, out);
+        Self::add_shape_forces(model, &self.shape_forces, factor, out);
     }
 
     /// `out += factor Σ Jᵀ W` of given wrenches of the elements on their markers.

@@ -26,6 +26,8 @@ pub struct Inputs<'a> {
     pub moving: &'a [f64],
     /// Numbers that fields remember; without them fields are in balance.
     pub memory: Option<&'a Memory>,
+    /// Amplitudes of elastic surfaces and their rates ([`crate::surface::SurfaceModel::motion`]); empty for zeros.
+    pub surfaces: &'a [f64],
 }
 
 /// Instances of one class, two by two.
@@ -76,10 +78,16 @@ enum Solved {
 
 /// A field of the element in a lane, with its numbers at the gathered state.
 #[derive(Clone, Debug)]
-struct LaneField {
+pub(crate) struct LaneField {
     solver: Box<dyn FieldSolver>,
+    /// Those of the element, then the amplitudes of an elastic surface and their rates.
     drives: Vec<f64>,
+    /// Those for the element, then the forces of the shapes.
     answers: Vec<f64>,
+    /// Drives and answers of the element.
+    pub own: Own,
+    /// Index of the elastic surface.
+    pub surface: Option<usize>,
     readings: Vec<f64>,
     /// Derivatives of the answers by the drives, answer by answer.
     slopes: Vec<f64>,
@@ -103,6 +111,49 @@ impl Batch {
     /// Inputs of a pair, for writing.
     pub fn inputs_mut(&mut self, pair: usize) -> &mut [Pair] {
         &mut self.inputs[pair * self.stride..(pair + 1) * self.stride]
+    }
+}
+
+/// Numbers of drives and answers that an element has of a field.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Own {
+    pub drives: usize,
+    pub answers: usize,
+}
+
+impl LaneField {
+    /// Derivatives of the answers from `first` on by the drives, answer by answer.
+    pub fn slopes_from(&self, first: usize) -> impl Iterator<Item = &[f64]> {
+        self.slopes.chunks_exact(self.drives.len()).skip(first)
+    }
+
+    /// The forces of the shapes.
+    pub fn shape_forces(&self) -> &[f64] {
+        &self.answers[self.own.answers..]
+    }
+
+    /// The change of the answers from `first` on with changes of the drives of the element, and of the amplitudes of the
+    /// surface and their rates (empty for none).
+    pub fn changes<'a>(
+        &'a self,
+        first: usize,
+        drives: impl Fn(usize) -> f64 + 'a,
+        surface: &'a [f64],
+    ) -> impl Iterator<Item = f64> + 'a {
+        self.slopes_from(first).map(move |row| {
+            let (own, of_surface) = row.split_at(self.own.drives);
+            let by_element: f64 = own
+                .iter()
+                .enumerate()
+                .map(|(i, slope)| slope * drives(i))
+                .sum();
+            let by_surface: f64 = of_surface
+                .iter()
+                .zip(surface)
+                .map(|(slope, x)| slope * x)
+                .sum();
+            by_element + by_surface
+        })
     }
 }
 
@@ -174,13 +225,23 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
     let sources = &model.compiled.system.elements[element].fields;
     let kernels = &model.kernels[element];
     let mut memory = model.elements[element].memory;
-    (sources.iter().zip(kernels))
-        .filter_map(|(source, made)| {
+    (sources.iter().zip(kernels).enumerate())
+        .filter_map(|(field, (source, made))| {
             let kernel = KERNELS.get(source.kernel as usize)?;
             let drives: u32 = drives(kernel, source.openings)
                 .map(|(_, count)| count)
                 .sum();
-            let (drives, answers) = (drives as usize, kernel.answer_count() as usize);
+            let own = Own {
+                drives: drives as usize,
+                answers: kernel.answer_count() as usize,
+            };
+            let shapes = made.shapes();
+            let (drives, answers) = (own.drives + 2 * shapes, own.answers + shapes);
+            let surfaces = model.surfaces.iter();
+            let surface = surfaces
+                .enumerate()
+                .find(|(_, surface)| surface.element == element && surface.field == field)
+                .map(|(index, _)| index);
             let first = memory;
             memory += made.memory();
             Some(LaneField {
@@ -192,6 +253,8 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
                 answers: vec![0.0; answers],
                 readings: vec![0.0; kernel.reading_count() as usize],
                 slopes: vec![0.0; answers * drives],
+                own,
+                surface,
             })
         })
         .collect()
@@ -226,7 +289,8 @@ impl Batch {
                 let mut answer = layout.answer(0) as usize;
                 let mut reading = layout.reading(0) as usize;
                 for field in &mut self.fields[2 * pair + lane] {
-                    for (x, number) in field.drives.iter_mut().zip(&out[drive..]) {
+                    let own = &mut field.drives[..field.own.drives];
+                    for (x, number) in own.iter_mut().zip(&out[drive..]) {
                         *x = number[lane];
                     }
                     field.solve(model, element, time, readings)?;
@@ -238,10 +302,10 @@ impl Batch {
                             }
                         }
                     };
-                    put(answer, &field.answers);
+                    put(answer, &field.answers[..field.own.answers]);
                     put(reading, &field.readings);
-                    drive += field.drives.len();
-                    answer += field.answers.len();
+                    drive += field.own.drives;
+                    answer += field.own.answers;
                     reading += field.readings.len();
                 }
             }
@@ -285,25 +349,85 @@ impl Batch {
         Ok(())
     }
 
-    /// The change of each answer of a lane with changes of the drives: `put(answer, change)`.
-    fn answers_along(
+    /// The fields of a lane, each with the numbers of its first drive and of its first answer.
+    pub(crate) fn fields_of(
         &self,
         pair: usize,
         lane: usize,
+    ) -> impl Iterator<Item = (&LaneField, usize, usize)> {
+        let fields = self.fields.get(2 * pair + lane).into_iter().flatten();
+        fields.scan((0, 0), |(drive, answer), field| {
+            let found = (field, *drive, *answer);
+            *drive += field.own.drives;
+            *answer += field.own.answers;
+            Some(found)
+        })
+    }
+
+    /// The change of each answer of a lane with changes of the drives, and of the motion of all surfaces (empty for none):
+    /// `put(answer, change)`.
+    fn answers_along(
+        &self,
+        model: &Model,
+        (pair, lane): (usize, usize),
         change: impl Fn(usize) -> f64,
+        surfaces: &[f64],
         mut put: impl FnMut(usize, f64),
     ) {
-        let (mut drive, mut answer) = (0, 0);
-        for field in &self.fields[2 * pair + lane] {
-            let count = field.drives.len();
-            for row in field.slopes.chunks_exact(count) {
-                let sum = (0..count).map(|i| row[i] * change(drive + i)).sum();
-                put(answer, sum);
-                answer += 1;
+        for (field, drive, answer) in self.fields_of(pair, lane) {
+            let surface = motion_of(model, field, surfaces);
+            let changes = field.changes(0, |i| change(drive + i), surface);
+            for (k, sum) in changes.take(field.own.answers).enumerate() {
+                put(answer + k, sum);
             }
-            drive += count;
         }
     }
+
+    /// Writes the changes of the forces of shapes along the derivatives in `scratch.outputs`, and along the motion of the
+    /// surfaces, to their places.
+    pub fn shape_forces_along(
+        &self,
+        model: &Model,
+        pair: usize,
+        surfaces: &[f64],
+        scratch: &Scratch,
+        out: &mut [f64],
+    ) {
+        let first = model.compiled.system.classes[self.class].layout.drive(0) as usize;
+        for lane in 0..self.lanes(pair) {
+            for (field, drive, _) in self.fields_of(pair, lane) {
+                let Some(surface) = field.surface else {
+                    continue;
+                };
+                let change = |i: usize| scratch.outputs[first + drive + i][lane];
+                let motion = motion_of(model, field, surfaces);
+                let changes = field.changes(field.own.answers, change, motion);
+                for (place, sum) in out[model.surfaces[surface].forces()]
+                    .iter_mut()
+                    .zip(changes)
+                {
+                    *place = sum;
+                }
+            }
+        }
+    }
+
+    /// Writes the forces of the shapes of all elastic surfaces to their places.
+    pub fn shape_forces(&self, model: &Model, out: &mut [f64]) {
+        for field in self.fields.iter().flatten() {
+            if let Some(surface) = field.surface {
+                out[model.surfaces[surface].forces()].copy_from_slice(field.shape_forces());
+            }
+        }
+    }
+}
+
+/// The motion of a field's surface among that of all; empty without one.
+fn motion_of<'a>(model: &Model, field: &LaneField, surfaces: &'a [f64]) -> &'a [f64] {
+    let motion = field
+        .surface
+        .map(|surface| model.surfaces[surface].motion());
+    motion.and_then(|range| surfaces.get(range)).unwrap_or(&[])
 }
 
 impl LaneField {
@@ -359,6 +483,12 @@ pub fn gather(model: &Model, batch: &mut Batch, from: &Inputs) {
         field.since = past.map(|past| past.step);
         if let Some(past) = past {
             field.before.copy_from_slice(past.memory);
+        }
+        let motion = motion_of(model, field, from.surfaces);
+        let first = field.own.drives;
+        match motion.is_empty() {
+            true => field.drives[first..].fill(0.0),
+            false => field.drives[first..].copy_from_slice(motion),
         }
     }
     debug_assert_eq!(MARKER_WIDTH, 18);
@@ -508,7 +638,7 @@ pub fn differentiate(
         for d in directions.iter().cloned().flatten() {
             let (outputs, drives) = by_motion[d * length..(d + 1) * length].split_at_mut(drive);
             let change = |i: usize| drives[i][lane];
-            batch.answers_along(pair, lane, change, |answer, sum| {
+            batch.answers_along(model, (pair, lane), change, &[], |answer, sum| {
                 let slopes = &by_answers[answer * length..];
                 for (output, slope) in outputs.iter_mut().zip(slopes) {
                     output[lane] += slope[lane] * sum;
@@ -519,13 +649,14 @@ pub fn differentiate(
     Ok(())
 }
 
-/// Calls [`Function::Tangent`] with the seeds that `scratch` has behind its tape, at the inputs of a pair. Writes
-/// the derivatives to `scratch.outputs`.
+/// Calls [`Function::Tangent`] with the seeds that `scratch` has behind its tape, at the inputs of a pair, and with changes
+/// of the motion of all surfaces. Writes the derivatives to `scratch.outputs`.
 pub fn differentiate_along(
     model: &Model,
     batch: &mut Batch,
     pair: usize,
     time: f64,
+    surfaces: &[f64],
     scratch: &mut Scratch,
 ) -> Result<(), RuntimeError> {
     batch.slopes_of_fields(model, time, scratch)?;
@@ -555,7 +686,7 @@ pub fn differentiate_along(
     for lane in 0..batch.lanes(pair) {
         let (seeds, outputs) = (&mut scratch.tape, &scratch.outputs);
         let change = |i: usize| outputs[drive + i][lane];
-        batch.answers_along(pair, lane, change, |answer, sum| {
+        batch.answers_along(model, (pair, lane), change, surfaces, |answer, sum| {
             seeds[first + answer][lane] = sum;
         });
     }

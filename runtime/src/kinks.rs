@@ -183,6 +183,7 @@ impl Kinks {
                     rotations: &state.rotations,
                     moving: dynamics.moving(),
                     memory: None,
+                    surfaces: dynamics.surfaces(),
                 };
                 elements::gather(model, own, &from);
                 add_accelerations(model, dynamics, state, own);

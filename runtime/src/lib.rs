@@ -9,6 +9,7 @@
 //! | [`model`], [`state`] | numbers of one parameter set; the state on R³ × SO(3) × Rⁿ |
 //! | [`body`], [`chain`], [`shape`] | kinds of bodies: inertia, markers, generalised forces |
 //! | [`inputs`] | numbers that a program sets while a model runs |
+//! | [`surface`] | elastic surfaces of flexible bodies under fields |
 //! | [`joint`] | the kind of joint that a class of elements makes |
 //! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
@@ -70,6 +71,7 @@ pub mod simulation;
 pub mod singular;
 pub mod start;
 pub mod state;
+pub mod surface;
 pub mod topology;
 pub mod transient;
 

@@ -6,6 +6,7 @@ use crate::body::{BodyKind, BodyModel};
 pub use crate::chain::MarkerModel;
 use crate::error::NamedRow;
 use crate::rotation::V3;
+use crate::surface::SurfaceModel;
 use eng_system::code::Compiled;
 use eng_system::dimension::Dimension;
 use eng_system::field::FieldKernel;
@@ -64,6 +65,8 @@ pub struct Model {
     pub kernels: Vec<Vec<Arc<dyn FieldKernel>>>,
     /// Count of numbers that the fields remember.
     pub memory: usize,
+    /// Elastic surfaces that fields press on.
+    pub surfaces: Vec<SurfaceModel>,
     /// Gravity (m/s²).
     pub gravity: V3,
     /// Pose numbers.

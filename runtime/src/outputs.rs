@@ -168,6 +168,7 @@ impl Outputs {
             rotations: &state.rotations,
             moving: dynamics.moving(),
             memory: Some(dynamics.memory()),
+            surfaces: dynamics.surfaces(),
         };
         for batches in &mut self.levels {
             for batch in batches {

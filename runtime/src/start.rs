@@ -273,6 +273,7 @@ fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeEr
         rotations: &state.rotations,
         moving: dynamics.moving(),
         memory: None,
+        surfaces: dynamics.surfaces(),
     };
     let mut found = None;
     watch.violations(

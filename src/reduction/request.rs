@@ -4,7 +4,7 @@ use eng_flexible::fe::Rules;
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
 use eng_flexible::markers::MarkerRequest;
 use eng_flexible::read::matrix::read_modes;
-use eng_flexible::reduce::{Interface, Request, Term};
+use eng_flexible::reduce::{Interface, Request, SurfaceRequest, Term};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, Part};
@@ -50,6 +50,13 @@ pub(super) fn request(
         damping_up_to: f64::INFINITY,
         geometric_stiffness: source.geometric_stiffness,
         matrices,
+        surfaces: (0..)
+            .zip(&source.markers)
+            .filter_map(|(marker, source)| {
+                let shapes = source.surface?;
+                Some(SurfaceRequest { marker, shapes })
+            })
+            .collect(),
         asked: Vec::new(),
     })
 }
@@ -60,7 +67,7 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
     let markers: Vec<_> = source
         .markers
         .iter()
-        .map(|m| (&m.name, &m.place, m.tied, m.axes))
+        .map(|m| (&m.name, &m.place, m.tied, m.axes, m.surface))
         .collect();
     let matrix = |m: &Option<text::MatrixSource>| {
         m.as_ref()

@@ -6,6 +6,7 @@
 //! slices of SI numbers in the order of the kernel's row in [`KERNELS`].
 
 use crate::dimension::Dimension;
+use crate::reduced::ReducedSurface;
 use crate::system::FieldSource;
 use std::fmt;
 use std::sync::Arc;
@@ -27,6 +28,8 @@ pub enum Takes {
     Whole(i64, i64),
     /// A word of a choice among these; a change compiles again.
     Word(&'static [&'static str]),
+    /// A marker, whose surface yields to the field if the marker states one.
+    Surface,
 }
 
 /// An argument of a kernel.
@@ -187,6 +190,7 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         argument("ring_thickness", LENGTH, Takes::Setting, true),
         argument("ring_width", LENGTH, Takes::Setting, true),
         argument("ring_modulus", PRESSURE, Takes::Setting, true),
+        argument("surface", ONE, Takes::Surface, true),
         argument("around", ONE, Takes::Whole(12, 2000), false),
         argument("across", ONE, Takes::Whole(1, 500), false),
         argument(
@@ -250,6 +254,8 @@ pub struct FieldNumbers<'a> {
     pub source: &'a FieldSource,
     /// Numbers of the settings (SI), by the name of the argument.
     pub settings: Vec<(&'static str, Vec<f64>)>,
+    /// The elastic surface that the field presses on.
+    pub surface: Option<&'a ReducedSurface>,
 }
 
 impl FieldNumbers<'_> {
@@ -322,6 +328,9 @@ pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// Count of numbers that the field keeps from one moment to the next, such as the oil in the cells of a
     /// film.
     fn memory(&self) -> usize;
+    /// Count of shapes of an elastic surface that a body moves. Their amplitudes, then their rates, are drives behind those
+    /// of the kernel's row, and their forces are answers behind the others.
+    fn shapes(&self) -> usize;
 }
 
 /// The memory of a field at an earlier moment.

@@ -4,6 +4,7 @@
 //! Numbers are SI; all are known while compiling.
 
 use crate::mesh_files::{ElementRules, MatrixFormat, MeshFormat, MeshUnits, ShapeFormat};
+use crate::surface::SurfaceShapes;
 use crate::system::{Location, Origin};
 
 /// Freedoms of a marker: bits 0…5 are x, y, z and the rotations about them, along the marker's own axes.
@@ -117,6 +118,8 @@ pub struct MarkerSource {
     pub tied: bool,
     /// Rotation matrix marker → mesh, row-major. The columns are the directions of its freedoms.
     pub axes: [f64; 9],
+    /// The shapes of its surface, if the text states that the surface yields to the pressure of a film.
+    pub surface: Option<SurfaceShapes>,
 }
 
 /// The place of a marker on a mesh.

@@ -35,6 +35,7 @@ pub mod place;
 pub mod recorded;
 pub mod reduced;
 pub mod report;
+pub mod surface;
 pub mod system;
 pub mod table;
 pub mod turn;

@@ -12,6 +12,7 @@
 //! displacement.
 
 use crate::flexible::Damping;
+use crate::surface::SurfaceShapes;
 use serde::{Deserialize, Serialize};
 
 /// A square matrix of the modes, or three rows of them, row-major.
@@ -104,6 +105,36 @@ pub struct ReducedBody {
     pub frequencies: Vec<f64>,
     /// Markers.
     pub markers: Vec<ReducedMarker>,
+    /// Elastic surfaces of its markers.
+    pub surfaces: Vec<ReducedSurface>,
+}
+
+/// The elastic surface of a marker: its radial deflection relative to the marker's own rigid motion, in K shapes.
+///
+/// The amplitudes b (m, positive away from the axis) and the generalised forces `f_j = ∫ p ψ_j dA` (N) of a pressure p
+/// belong together: their product is work. A load that the modes of the body see deflects the surface by `Ψ a`; the rest of
+/// the static deflection follows the force at once:
+///
+/// ```text
+/// b = Ψ a + C f        modal force Ψᵀ f        C = Ψ_static − Ψ k⁻¹ Ψᵀ
+/// ```
+///
+/// with `Ψ_static` the amplitudes under unit forces and k the stiffness of the modes. C is symmetric and positive
+/// semi-definite.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct ReducedSurface {
+    /// Index of the marker.
+    pub marker: usize,
+    /// Its shapes.
+    pub shapes: SurfaceShapes,
+    /// Radius of the surface (m).
+    pub radius: f64,
+    /// Its width (m): ζ is −1 and 1 at its ends.
+    pub width: f64,
+    /// Ψ: amplitudes per unit of each mode's amplitude (K × n).
+    pub content: Block,
+    /// C (m/N; K × K).
+    pub compliance: Block,
 }
 
 impl ReducedBody {

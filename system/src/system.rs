@@ -322,6 +322,8 @@ pub struct FieldSource {
     pub wholes: Vec<(&'static str, i64)>,
     /// Words by the name of the argument.
     pub words: Vec<(&'static str, &'static str)>,
+    /// The marker of the element whose surface the field presses on.
+    pub surface: Option<u32>,
 }
 
 /// An unwrapped angle that an element measures.

@@ -335,6 +335,10 @@ impl<'p> Checker<'p> {
                 self.freedoms(value);
                 return;
             }
+            Takes::Surface => {
+                self.worded(scope, Place::Surface, value);
+                return;
+            }
         };
         due.unit = unit.map(str::to_owned);
         self.expect(scope, value, &ty, &due);

@@ -123,6 +123,7 @@ impl<'p> Checker<'p> {
             Takes::DrivePair => numbers(quantity, Some(2)),
             Takes::Drives | Takes::Settings => numbers(quantity, None),
             Takes::Whole(..) => Type::Int,
+            Takes::Surface => Type::Marker,
             Takes::Word(words) => {
                 self.word_of_kernel(scope, argument, words, given);
                 return;

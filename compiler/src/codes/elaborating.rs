@@ -168,7 +168,7 @@ eng_grammar::codes! {
         "No model should cause this: an earlier check should have reported the mistake. Please report it with the model. Until it is corrected, another form of the text at the named place may help.",
         "", "";
     UNUSED_MARKER = "W0501", "a marker is not used",
-        "Nothing refers to the marker. Perhaps another marker was used in its place; otherwise remove it. Markers inside components do not count.",
+        "Nothing refers to the marker. Perhaps another marker was used in its place; otherwise remove it. Markers inside components do not count. An elastic `surface` of a marker is not used if no film that is solved on cells has the marker as its shell.",
         "", "";
     ADVISED = "W0502", "an `advise` does not hold",
         "The model runs, but its class reports a probable mistake. The author of the class wrote the text.",

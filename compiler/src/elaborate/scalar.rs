@@ -144,6 +144,8 @@ pub(crate) struct FieldDraft {
     pub settings: Vec<(&'static str, Vec<Node>)>,
     pub wholes: Vec<(&'static str, i64)>,
     pub words: Vec<(&'static str, &'static str)>,
+    /// The local marker whose surface it presses on.
+    pub surface: Option<u32>,
 }
 
 impl FieldDraft {
@@ -160,6 +162,7 @@ impl FieldDraft {
                 .collect(),
             wholes: self.wholes,
             words: self.words,
+            surface: self.surface,
         }
     }
 }

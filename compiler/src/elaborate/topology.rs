@@ -8,6 +8,7 @@ use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::lint;
 use eng_system::system::{BodyRef, Location, Origin, Role};
+use std::collections::BTreeSet;
 
 impl Elaborator<'_, '_> {
     fn unused_markers(&self) -> Vec<(Location, Vec<&str>)> {
@@ -19,6 +20,30 @@ impl Elaborator<'_, '_> {
         );
         unused.sort_by_key(|(place, _)| (place.source, place.start));
         unused
+    }
+
+    /// Warnings about elastic surfaces that no field presses on.
+    fn unused_surfaces(&self) -> Vec<Diagnostic> {
+        let pressed: BTreeSet<u32> = (self.draft.elements.iter())
+            .flat_map(|element| {
+                let local = element.fields.iter().filter_map(|field| field.surface);
+                local.filter_map(|marker| element.markers.get(marker as usize).copied())
+            })
+            .collect();
+        let bodies = self.draft.flexible.iter().flatten();
+        let markers = bodies.flat_map(|body| body.source.markers.iter().zip(&body.markers));
+        markers
+            .filter(|(source, marker)| source.surface.is_some() && !pressed.contains(marker))
+            .filter_map(|(source, marker)| Some((source, self.draft.markers.get(*marker as usize)?)))
+            .map(|(source, marker)| {
+                Diagnostic::warning(
+                    codes::UNUSED_MARKER,
+                    format!("the elastic surface of {} is not used", marker.origin.path),
+                )
+                .at(span_of(source.at), "no film presses on it")
+                .with_help("take a law that solves its film, such as `Film`, with this marker as its shell; or leave `surface` out")
+            })
+            .collect()
     }
 
     /// The message about an element with equations whose markers are all on one rigid body. `bodies` are
@@ -249,6 +274,7 @@ impl Elaborator<'_, '_> {
             }
         }
         found.extend(self.idle_elements());
+        found.extend(self.unused_surfaces());
         for (place, paths) in self.unused_markers() {
             let (noun, verb) = match paths.len() {
                 1 => ("marker", "is"),

@@ -121,7 +121,7 @@ pub(super) struct Gradients {
 }
 
 /// Rows ∂x/∂ξ_i (m).
-pub(super) fn tangents(
+pub(crate) fn tangents(
     shape: &Shape,
     places: &[[f64; 3]; MOST_NODES],
     count: usize,

@@ -2,6 +2,7 @@
 
 use super::interface::{MarkerFreedom, MarkerFreedoms, at_marker};
 use super::report::{Report, Served, UNSERVED, Unserved};
+use super::surfaces::{Answered, Places, Prepared};
 use super::{Interface, Term};
 use crate::error::FlexibleError;
 use crate::fe::Reduction;
@@ -26,6 +27,7 @@ pub(super) struct Candidates<'a> {
 pub(super) struct Found {
     pub candidates: Vec<Candidate>,
     pub asked: Asked,
+    pub surfaces: Vec<Answered>,
 }
 
 /// Requested loads, each with twice its static strain energy (J).
@@ -64,7 +66,12 @@ impl Asked {
 impl Candidates<'_> {
     /// Computes the modes. All static answers come first and share one factor. Its memory is free before the
     /// normal modes need a factor of their own.
-    pub fn find(&mut self, terms: &[Term], asked: &[Interface]) -> Result<Found, FlexibleError> {
+    pub fn find(
+        &mut self,
+        terms: &[Term],
+        asked: &[Interface],
+        surfaces: Vec<Prepared>,
+    ) -> Result<Found, FlexibleError> {
         let size = self.structure.size().max(1);
         let mut loads = Vec::new();
         let mut jobs = Vec::new();
@@ -96,16 +103,19 @@ impl Candidates<'_> {
         let shares = terms
             .iter()
             .any(|term| matches!(term, Term::Normal { fixed, .. } if fixed.is_empty()));
-        let answers = if loads.is_empty() {
-            Vec::new()
-        } else {
-            if shares {
-                let (stiffness, mass) = (self.structure.stiffness, self.structure.mass);
-                // a failure is no error here: the computation that needs this factor reports it
-                factor = Shifted::new(stiffness, mass, &self.structure.analysis()?).ok();
-            }
-            attachment_modes_by(&mut factor, self.structure, &loads)?
+        if !surfaces.is_empty() || (shares && !loads.is_empty()) {
+            let (stiffness, mass) = (self.structure.stiffness, self.structure.mass);
+            // a failure is no error here: the computation that needs this factor reports it
+            factor = Shifted::new(stiffness, mass, &self.structure.analysis()?).ok();
+        }
+        let answers = match loads.is_empty() {
+            true => Vec::new(),
+            false => attachment_modes_by(&mut factor, self.structure, &loads)?,
         };
+        let surfaces = self.surfaces(surfaces, &mut factor)?;
+        if !shares {
+            factor = None;
+        }
         let answer = |index: usize| answers.get(index * size..(index + 1) * size).unwrap_or(&[]);
         let asked = asked
             .into_iter()
@@ -157,7 +167,28 @@ impl Candidates<'_> {
         Ok(Found {
             candidates,
             asked: Asked { loads: asked },
+            surfaces,
         })
+    }
+
+    /// The static answers of elastic surfaces. Those of one surface need room at a time.
+    fn surfaces(
+        &self,
+        prepared: Vec<Prepared>,
+        factor: &mut Option<Shifted>,
+    ) -> Result<Vec<Answered>, FlexibleError> {
+        let answered = prepared.into_iter().map(|surface| {
+            surface.answered(
+                self.structure,
+                &Places {
+                    mesh: self.mesh,
+                    markers: self.markers,
+                    reduction: self.reduction,
+                },
+                factor,
+            )
+        });
+        answered.collect()
     }
 
     /// Normal modes, computed or given.

@@ -33,7 +33,7 @@ pub(super) struct MarkerFreedom {
 const ALONG: f64 = 1e-12;
 
 /// The direction cosines of a marker's axis in the mesh, without rounding if it is an axis of the mesh.
-fn cosines(axes: &[f64; 9], axis: u8) -> [f64; 3] {
+pub(super) fn cosines(axes: &[f64; 9], axis: u8) -> [f64; 3] {
     [0, 1, 2].map(|row| {
         let x = axes
             .get(3 * row + usize::from(axis))

@@ -1,13 +1,13 @@
 //! A flexible body before its reduction: its mass, and the positions of its markers.
 
-use super::{Request, matrices};
+use super::{Request, matrices, surfaces};
 use crate::error::FlexibleError;
 use crate::fe::mass::RigidMass;
 use crate::markers::place;
 use crate::mesh::Mesh;
 use crate::reduce::Report;
 use crate::rotary::split_offsets;
-use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
+use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker, ReducedSurface};
 use serde::{Deserialize, Serialize};
 
 /// Frequency (Hz) of the motions of markers in [`Outline::loose`]: that of stiff static modes.
@@ -24,6 +24,8 @@ pub struct Outline {
     markers: Vec<(String, [f64; 3])>,
     /// Whether the node of each marker has rotations.
     pub turns: Vec<bool>,
+    /// Elastic surfaces, without compliance.
+    surfaces: Vec<ReducedSurface>,
 }
 
 /// The outline of a mesh in SI. It assembles elements and matrices and computes no modes.
@@ -37,6 +39,7 @@ pub fn outline(mut mesh: Mesh, request: &Request) -> Result<Outline, FlexibleErr
         None => None,
     };
     let places = place(&mut mesh, &request.markers)?;
+    let surfaces = surfaces::prepare(&mesh, request, &places)?;
     if nodal.is_none() {
         split_offsets(&mut mesh);
     }
@@ -50,6 +53,7 @@ pub fn outline(mut mesh: Mesh, request: &Request) -> Result<Outline, FlexibleErr
             .iter()
             .map(|node| full.freedoms.freedom(*node, 3).is_some())
             .collect(),
+        surfaces: surfaces.iter().map(|surface| surface.stiff(0)).collect(),
     })
 }
 
@@ -94,6 +98,12 @@ impl Outline {
                     position: *position,
                     translation: unit(index, 0),
                     rotation: unit(index, 3),
+                })
+                .collect(),
+            surfaces: (self.surfaces.iter())
+                .map(|surface| ReducedSurface {
+                    content: vec![0.0; surface.shapes.count() * modes],
+                    ..surface.clone()
                 })
                 .collect(),
             invariants,

@@ -312,6 +312,7 @@ fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         rotations: &state.rotations,
         moving: &[],
         memory: None,
+        surfaces: &[],
     };
     crate::outputs::Watch::new(model, |_| true).unwrap(model, &from, &mut angles)?;
 

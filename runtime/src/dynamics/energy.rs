@@ -1,6 +1,7 @@
 //! Energies of the bodies, powers of loads and constraints.
 
 use super::{Dynamics, frame_of};
+use crate::dense::dot;
 use crate::elements::{self, Batch, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -41,6 +42,10 @@ impl Dynamics {
                     loads += w[i] * m.velocity[i] + w[3 + i] * m.angular_velocity[i];
                 }
             }
+        }
+        for surface in &model.surfaces {
+            let rates = &self.at.surfaces[surface.motion()][surface.shapes..];
+            loads += dot(&self.shape_forces[surface.forces()], rates);
         }
         for batch in &self.batches {
             let class = &model.compiled.system.classes[batch.class];

@@ -16,40 +16,45 @@ type Turn<'a> = &'a dyn Fn(usize) -> M3;
 
 /// The numbers of a class, and one of its elements in a lane.
 #[derive(Clone, Copy)]
-struct Lane {
-    index: usize,
-    lane: usize,
-    markers: usize,
-    rows: usize,
-    states: usize,
-    length: usize,
+pub(super) struct Lane {
+    pub index: usize,
+    pub lane: usize,
+    pub markers: usize,
+    pub rows: usize,
+    pub states: usize,
+    pub length: usize,
+    /// First row of the drives of fields, and first direction of their answers.
+    pub drives: usize,
+    pub answers: usize,
     uses_twist: bool,
 }
 
 /// One marker of an element, on a body.
 #[derive(Clone, Copy)]
-struct Seen<'a> {
+pub(super) struct Seen<'a> {
     /// Its index among the element's markers.
-    own: usize,
+    pub own: usize,
     /// Its index among the model's markers.
-    marker: usize,
-    model: &'a MarkerModel,
+    pub marker: usize,
+    pub model: &'a MarkerModel,
     body: usize,
     /// The number of the body's motions that it sees.
-    reach: usize,
+    pub reach: usize,
     /// The number of all motions of the body.
-    width: usize,
+    pub width: usize,
 }
 
 /// The matrix during the addition of elements, with the parts of the dynamics that are read and written.
-struct Filling<'a> {
-    plan: &'a MatrixPlan,
-    model: &'a Model,
+pub(super) struct Filling<'a> {
+    pub plan: &'a MatrixPlan,
+    pub model: &'a Model,
     turn: Turn<'a>,
-    values: &'a mut [f64],
-    work: &'a mut Workspace,
-    at: &'a Placement,
+    pub values: &'a mut [f64],
+    pub work: &'a mut Workspace,
+    pub at: &'a Placement,
     wrenches: &'a [f64],
+    /// Weight of the velocities in the unknown.
+    pub velocity_weight: f64,
 }
 
 impl MatrixPlan {
@@ -94,6 +99,7 @@ impl MatrixPlan {
             work: &mut dynamics.work,
             at: &dynamics.at,
             wrenches: &dynamics.wrenches,
+            velocity_weight: weights.velocity,
         };
         for batch in &mut dynamics.batches {
             filling.batch(batch)?;
@@ -159,21 +165,25 @@ impl Filling<'_> {
                 &mut self.work.elements,
             )?;
             for lane in 0..batch.lanes(pair) {
-                self.element(Lane {
+                let lane = Lane {
                     index: batch.pairs[pair][lane],
                     lane,
                     markers,
                     rows: layout.rows as usize,
                     states,
                     length: layout.residual_len() as usize,
+                    drives: layout.drive(0) as usize,
+                    answers: layout.answer_direction(0) as usize,
                     uses_twist: class.uses_twist,
-                })?;
+                };
+                self.element(batch, pair, lane)?;
+                self.surfaces(batch, pair, lane);
             }
         }
         Ok(())
     }
 
-    fn element(&mut self, lane: Lane) -> Result<(), RuntimeError> {
+    fn element(&mut self, batch: &Batch, pair: usize, lane: Lane) -> Result<(), RuntimeError> {
         let model = self.model;
         for (own, marker) in model.elements[lane.index].markers.iter().enumerate() {
             let seen = &model.markers[*marker];
@@ -192,6 +202,7 @@ impl Filling<'_> {
             self.rows(lane, seen);
             self.states_by_body(lane, seen);
             self.forces(lane, seen);
+            self.surfaces_by_body(batch, pair, lane, seen);
             self.turning_wrench(lane, seen);
         }
         self.states_by_states(lane)
@@ -473,7 +484,13 @@ impl Along<'_> {
 }
 
 /// Rows over a marker's reach as rows over its body's velocities, in `line`; `shape`: see [`chain::expand`].
-fn expanded(shape: &[f64], block: &[f64], reach: usize, width: usize, line: &mut Vec<f64>) {
+pub(super) fn expanded(
+    shape: &[f64],
+    block: &[f64],
+    reach: usize,
+    width: usize,
+    line: &mut Vec<f64>,
+) {
     line.clear();
     line.resize(block.len() / reach * width, 0.0);
     chain::expand(shape, block, reach, width, line);
@@ -481,7 +498,7 @@ fn expanded(shape: &[f64], block: &[f64], reach: usize, width: usize, line: &mut
 
 /// Rows of a marker's reach, `width` long each, added to the rows of its body's velocities. No force acts
 /// along the numbers beyond the twelfth.
-fn expand_rows(shape: &[f64], block: &[f64], width: usize, out: &mut [f64]) {
+pub(super) fn expand_rows(shape: &[f64], block: &[f64], width: usize, out: &mut [f64]) {
     let (rigid, modal) = block.split_at(6 * width);
     let (rigid_out, modal_out) = out.split_at_mut(6 * width);
     add_scaled(rigid_out, 1.0, rigid);

@@ -2,6 +2,7 @@
 
 use crate::linear::{BlockTable, Pattern, PatternBuilder, Runs};
 use crate::model::Model;
+use crate::surface::SurfaceModel;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -17,6 +18,8 @@ pub struct MatrixPlan {
     pub(super) bodies: Vec<usize>,
     /// Blocks of each element; empty for an element that is not dynamic.
     pub(super) elements: Vec<ElementPlan>,
+    /// Blocks of each elastic surface.
+    pub(super) surfaces: Vec<SurfacePlan>,
     /// Pairs of bodies. The blocks of their markers are summed before the modes expand them.
     pub(super) couplings: Vec<Coupling>,
     /// Total length of these sums.
@@ -41,6 +44,19 @@ pub(super) struct Coupling {
     pub columns: usize,
     /// A marker of each body, and the beginning of their sum.
     pub markers: Vec<(usize, usize, usize)>,
+}
+
+/// Blocks of an elastic surface.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SurfacePlan {
+    /// Modes of its body by these modes.
+    pub modal: usize,
+    /// Modes by the body of each marker of the element, where it is on a body.
+    pub by_body: Vec<Option<usize>>,
+    /// Body of each marker by the modes.
+    pub of_body: Vec<Option<usize>>,
+    /// States of the element by the modes; modes by these states.
+    pub states: Option<[usize; 2]>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -189,6 +205,32 @@ impl Planner<'_> {
         })
     }
 
+    fn surface(&mut self, surface: &SurfaceModel) -> SurfacePlan {
+        let unknowns = self.unknowns;
+        let modes = surface.velocity..surface.velocity + surface.modes;
+        let mut plan = SurfacePlan {
+            modal: (self.table).find(&self.pattern, modes.start, modes.clone()),
+            ..SurfacePlan::default()
+        };
+        for marker in &unknowns.model.elements[surface.element].markers {
+            let body = unknowns.of_marker(*marker);
+            let of_body = body
+                .clone()
+                .map(|body| (self.table).find(&self.pattern, body.start, modes.clone()));
+            plan.of_body.push(of_body);
+            let by_body = body.map(|body| self.table.find(&self.pattern, modes.start, body));
+            plan.by_body.push(by_body);
+        }
+        let (_, states) = unknowns.of_element(surface.element);
+        if !states.is_empty() {
+            plan.states = Some([
+                self.table.find(&self.pattern, states.start, modes.clone()),
+                self.table.find(&self.pattern, modes.start, states),
+            ]);
+        }
+        plan
+    }
+
     fn couplings(&mut self) -> Vec<Coupling> {
         let unknowns = self.unknowns;
         std::mem::take(&mut self.summed)
@@ -227,6 +269,8 @@ impl MatrixPlan {
         let elements = (0..model.elements.len())
             .map(|index| planner.element(index))
             .collect();
+        let surfaces = model.surfaces.iter();
+        let surfaces = surfaces.map(|surface| planner.surface(surface)).collect();
         let couplings = planner.couplings();
         let diagonal = (0..unknowns.size())
             .map(|i| planner.pattern.block(i, i..i + 1).starts[0])
@@ -237,6 +281,7 @@ impl MatrixPlan {
             table: planner.table,
             bodies,
             elements,
+            surfaces,
             couplings,
             sums: planner.sums,
             diagonal,

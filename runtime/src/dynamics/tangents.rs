@@ -17,6 +17,8 @@ impl Dynamics {
         along: &[f64],
         out: &mut [f64],
     ) -> Result<(), RuntimeError> {
+        // a constraint does not depend on a field
+        self.work.surfaces.fill(0.0);
         self.tangents(
             model,
             along,
@@ -41,6 +43,7 @@ impl Dynamics {
     ) -> Result<(), RuntimeError> {
         let mut wrenches = std::mem::take(&mut self.work.wrenches);
         wrenches.fill(0.0);
+        self.rates_along(model, along);
         let done = self.tangents(
             model,
             along,
@@ -56,6 +59,7 @@ impl Dynamics {
         );
         if done.is_ok() {
             self.add_wrenches(model, &wrenches, factor, out);
+            Self::add_shape_forces(model, &self.work.shape_forces, factor, out);
         }
         self.work.wrenches = wrenches;
         done
@@ -71,6 +75,7 @@ impl Dynamics {
         direction: impl Fn(&InputLayout, u32) -> u32,
         mut put: impl FnMut(&ElementModel, &ElementClass, usize, &[Pair]),
     ) -> Result<(), RuntimeError> {
+        let time = self.at.time;
         for b in 0..self.batches.len() {
             let class_index = self.batches[b].class;
             let class = &model.compiled.system.classes[class_index];
@@ -99,7 +104,15 @@ impl Dynamics {
                 }
                 let scratch = &mut self.work.elements;
                 let batch = &mut self.batches[b];
-                elements::differentiate_along(model, batch, pair, self.at.time, scratch)?;
+                let surfaces = &self.work.surfaces;
+                elements::differentiate_along(model, batch, pair, time, surfaces, scratch)?;
+                batch.shape_forces_along(
+                    model,
+                    pair,
+                    surfaces,
+                    scratch,
+                    &mut self.work.shape_forces,
+                );
                 for lane in 0..self.batches[b].lanes(pair) {
                     let element = &model.elements[self.batches[b].pairs[pair][lane]];
                     put(element, class, lane, &self.work.elements.outputs[..length]);

@@ -6,9 +6,10 @@ use crate::error::RuntimeError;
 use crate::flexible::Flexible;
 use crate::rotation::{M3, V3, skew};
 use crate::shape::MarkerShape;
+use crate::surface::SurfaceModel;
 use eng_system::code::{Compiled, Function};
 use eng_system::field::{FieldKernel, FieldNumbers};
-use eng_system::reduced::ReducedBody;
+use eng_system::reduced::{ReducedBody, ReducedSurface};
 use eng_system::system::{
     Body, BodyInertia, BodyRef, Element, ElementClass, Marker, Role, Slot, System,
 };
@@ -105,6 +106,7 @@ impl Model {
             elements: Vec::with_capacity(system.elements.len()),
             kernels: Vec::with_capacity(system.elements.len()),
             memory: 0,
+            surfaces: Vec::new(),
             poses: 0,
             velocities: 0,
             states: 0,
@@ -127,7 +129,7 @@ impl Model {
         }
         for element in &system.elements {
             model.add_element(element, &slots)?;
-            let kernels = kernels(compiled, element, &slots)?;
+            let kernels = model.fields_of(element, &slots)?;
             let memory = kernels.iter().map(|kernel| kernel.memory()).sum::<usize>();
             if memory > 0 && element.role != Role::Dynamic {
                 return Err(RuntimeError::Field {
@@ -281,6 +283,60 @@ impl Model {
         Ok(())
     }
 
+    /// The kernels of the fields of the last element. Adds the elastic surfaces that they press on.
+    fn fields_of(
+        &mut self,
+        element: &Element,
+        slots: &Slots,
+    ) -> Result<Vec<Arc<dyn FieldKernel>>, RuntimeError> {
+        let index = self.elements.len() - 1;
+        let mut kernels: Vec<Arc<dyn FieldKernel>> = Vec::with_capacity(element.fields.len());
+        for (field, source) in element.fields.iter().enumerate() {
+            let mut settings = Vec::with_capacity(source.settings.len());
+            for (name, places) in &source.settings {
+                let values: Result<Vec<f64>, RuntimeError> =
+                    places.iter().map(|slot| slots.get(*slot)).collect();
+                settings.push((*name, values?));
+            }
+            let compiled = &self.compiled;
+            let marker = source.surface.and_then(|m| element.markers.get(m as usize));
+            let found = marker.and_then(|marker| surface_of(compiled, *marker as usize));
+            let made = compiled.fields.make(&FieldNumbers {
+                source,
+                settings,
+                surface: found.map(|(_, surface)| surface),
+            });
+            let kernel = made.map_err(|error| RuntimeError::Field {
+                origin: Box::new(element.origin.clone()),
+                message: error.to_string(),
+            })?;
+            if let (Some((body, surface)), shapes @ 1..) = (found, kernel.shapes()) {
+                let flexible = &self.bodies[body];
+                let modes = flexible.modes();
+                if surface.content.len() != shapes * modes {
+                    let path = &element.origin.path;
+                    return Err(malformed(format!(
+                        "{path}: its surface has other modes than its body"
+                    )));
+                }
+                let before = self.surfaces.last();
+                self.surfaces.push(SurfaceModel {
+                    element: index,
+                    field,
+                    body,
+                    modes,
+                    content: surface.content.clone(),
+                    pose: flexible.pose + 7,
+                    velocity: flexible.velocity + 6,
+                    first: before.map_or(0, |last| last.first + last.shapes),
+                    shapes,
+                });
+            }
+            kernels.push(kernel);
+        }
+        Ok(kernels)
+    }
+
     /// See [`Model::length`]; one if nothing has a size.
     fn largest_length(&self) -> f64 {
         let mut length: f64 = 0.0;
@@ -307,6 +363,21 @@ impl Model {
     }
 }
 
+/// The elastic surface of a marker, and its body.
+fn surface_of(compiled: &Compiled, marker: usize) -> Option<(usize, &ReducedSurface)> {
+    let system = &compiled.system;
+    let marker = system.markers.get(marker)?;
+    let BodyRef::Body(body) = marker.body else {
+        return None;
+    };
+    let BodyInertia::Flexible(index) = &system.bodies.get(body as usize)?.inertia else {
+        return None;
+    };
+    let reduced = compiled.reduced.get(*index as usize)?;
+    let own = |surface: &&ReducedSurface| Some(surface.marker as u32) == marker.shape;
+    Some((body as usize, reduced.surfaces.iter().find(own)?))
+}
+
 /// The position tolerance (m) of a model of this length (m).
 fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64, RuntimeError> {
     // a class can ask for finer positions than the model's length gives, never for coarser ones: it knows
@@ -317,29 +388,6 @@ fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64
         tolerance = tolerance.min(OF_RESOLUTION * slots.get(*resolution)?);
     }
     Ok(tolerance)
-}
-
-/// The kernels of an element's fields.
-fn kernels(
-    compiled: &Compiled,
-    element: &Element,
-    slots: &Slots,
-) -> Result<Vec<Arc<dyn FieldKernel>>, RuntimeError> {
-    let mut kernels = Vec::with_capacity(element.fields.len());
-    for source in &element.fields {
-        let mut settings = Vec::with_capacity(source.settings.len());
-        for (name, places) in &source.settings {
-            let values: Result<Vec<f64>, RuntimeError> =
-                places.iter().map(|slot| slots.get(*slot)).collect();
-            settings.push((*name, values?));
-        }
-        let made = compiled.fields.make(&FieldNumbers { source, settings });
-        kernels.push(made.map_err(|error| RuntimeError::Field {
-            origin: Box::new(element.origin.clone()),
-            message: error.to_string(),
-        })?);
-    }
-    Ok(kernels)
 }
 
 /// Checks that channels and the cycle read outputs that are there.

@@ -267,6 +267,7 @@ impl Simulation {
             rotations: &self.completed.rotations,
             moving: self.dynamics.moving(),
             memory: Some(self.dynamics.memory()),
+            surfaces: self.dynamics.surfaces(),
         };
         self.watch
             .unwrap(&self.model, &from, &mut state.rotations)?;
@@ -285,6 +286,7 @@ impl Simulation {
             rotations: &state.rotations,
             moving: self.dynamics.moving(),
             memory: Some(self.dynamics.memory()),
+            surfaces: self.dynamics.surfaces(),
         };
         let (model, advised, warnings) = (&self.model, &mut self.advised, &mut self.warnings);
         let mut touch = None;

@@ -429,6 +429,7 @@ impl<'a> Turning<'a> {
             rotations: &from.rotations,
             moving: self.dynamics.moving(),
             memory: None,
+            surfaces: self.dynamics.surfaces(),
         };
         let mut rotations = from.rotations.clone();
         self.watch.unwrap(model, &inputs, &mut rotations)?;

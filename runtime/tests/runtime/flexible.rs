@@ -113,6 +113,7 @@ impl Nodes {
             invariants: self.invariants(stiffness, damping),
             frequencies: vec![0.0; self.shapes.ncols()],
             markers: (0..self.places.len()).map(|i| self.marker(i)).collect(),
+            surfaces: Vec::new(),
         }
     }
 

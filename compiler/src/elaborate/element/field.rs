@@ -50,6 +50,7 @@ impl<'a> Elaborator<'a, '_> {
             settings: Vec::new(),
             wholes: Vec::new(),
             words: Vec::new(),
+            surface: None,
         };
         draft.openings = self.openings_of_field(kernel, &arguments, call.span, scope)?;
         for argument in kernel.arguments {
@@ -199,6 +200,16 @@ impl<'a> Elaborator<'a, '_> {
                     None => words.first().copied().unwrap_or(""),
                 };
                 draft.words.push((argument.name, word));
+            }
+            Takes::Surface => {
+                if let Some(given) = given {
+                    let marker = match self.evaluate(given, scope)? {
+                        Value::Marker(marker) => Some(marker),
+                        _ => None,
+                    };
+                    let marker = self.checked(marker, given.span, "no marker")?;
+                    draft.surface = Some(self.local_marker(marker, Some(given.span))?);
+                }
             }
         }
         Ok(())

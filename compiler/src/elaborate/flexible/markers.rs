@@ -8,7 +8,12 @@ use crate::codes;
 use crate::words::{Place, argument};
 use eng_grammar::{Diagnostic, ast};
 use eng_system::flexible::{MarkerPlace, MarkerSource, Selection, Spider};
+use eng_system::surface::SurfaceShapes;
 use eng_system::system::BodyRef;
+
+/// Most waves of a surface around, and its highest degree across.
+const MOST_WAVES: i64 = 40;
+const MOST_DEGREE: i64 = 8;
 
 impl<'a> Elaborator<'a, '_> {
     /// Markers of one declaration. `known` gets their names with the positions in their array.
@@ -26,6 +31,7 @@ impl<'a> Elaborator<'a, '_> {
         self.instances_of(declaration, scope, &mut |e, inner, position| {
             let text = format!("{name}{}", index_text(position));
             let (place, tied, axes) = e.place_on_mesh(value, inner)?;
+            let surface = e.surface_of_marker(value, inner)?;
             let shape = markers.len() as u32;
             let marker = e.marker_of_mesh(
                 body,
@@ -41,12 +47,47 @@ impl<'a> Elaborator<'a, '_> {
                     place,
                     tied,
                     axes,
+                    surface,
                 },
                 marker,
             ));
             known.push((name.clone(), position.to_vec()));
             Ok(Value::Marker(marker))
         })
+    }
+
+    /// The shapes of a marker's surface, if the text states one.
+    fn surface_of_marker(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<Option<SurfaceShapes>> {
+        let (word, arguments) = self.worded(Place::Marker, value)?;
+        let Some(stated) = argument(word, arguments, "surface") else {
+            return Ok(None);
+        };
+        let (word, arguments) = self.worded(Place::Surface, stated)?;
+        let mut count = |name: &str, most: i64| -> Eval<u32> {
+            let given = argument(word, arguments, name);
+            let given = self.checked(given, stated.span, "a surface without its shapes")?;
+            let number = self.integer(given, scope)?;
+            match u32::try_from(number) {
+                Ok(count) if number <= most => Ok(count),
+                _ => Err(self.report(
+                    Diagnostic::error(
+                        codes::FLEXIBLE_NUMBER,
+                        format!("`{name}` of `{}` is {number}", word.word),
+                    )
+                    .at(given.span, format!("it must be 0 to {most}")),
+                )),
+            }
+        };
+        let shapes = SurfaceShapes {
+            around: count("around", MOST_WAVES)?,
+            across: count("across", MOST_DEGREE)?,
+        };
+        // a number of waves that an analysis states can leave the surface rigid
+        Ok((shapes.around > 0).then_some(shapes))
     }
 
     /// The place of a marker, whether the text states its tie, and its axes.

@@ -271,6 +271,7 @@ impl Balance<'_> {
             rotations: &state.rotations,
             moving: self.dynamics.moving(),
             memory: None,
+            surfaces: self.dynamics.surfaces(),
         };
         let mut rotations = state.rotations.clone();
         self.watch.unwrap(self.model, &from, &mut rotations)?;

@@ -168,6 +168,7 @@ pub(super) fn unwrap(
         rotations: &references,
         moving: dynamics.moving(),
         memory: None,
+        surfaces: dynamics.surfaces(),
     };
     watch.unwrap(model, &from, &mut state.rotations)
 }

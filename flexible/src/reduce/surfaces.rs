@@ -1,0 +1,588 @@
+//! Elastic surfaces: the radial deflection of a round bore relative to its marker, in shapes, and its compliance.
+//!
+//! With the shapes ψ_j of the surface, the shape functions N of its faces and the direction n away from the axis, the
+//! amplitudes of a nodal displacement u are its least-squares fit `b = G⁻¹ ∫ ψ n·N u dA` with the Gram matrix `G_ij = ∫ ψ_i
+//! ψ_j dA`. The nodal loads `L = (G⁻¹ ∫ ψ n·N dA)ᵀ` of unit generalised forces are dual to them: `b = Lᵀ u`, and `Lᵀ` of a
+//! pressure's nodal loads is its generalised force `∫ p ψ dA` where the pressure lies in the shapes' span. The marker takes
+//! the resultant of each load back through its tie, so loads are in balance, amplitudes are relative to the marker's rigid
+//! motion, and the marker's wrench and these forces together are the pressure on the bore.
+//!
+//! Lengths are metres, forces newtons; vectors are over the free freedoms.
+
+use super::Request;
+use super::interface::{MarkerFreedoms, cosines};
+use crate::element::{ABSENT, ElementKind, MOST_NODES, Shape, quadrature};
+use crate::error::{FlexibleError, Part};
+use crate::fe::Reduction;
+use crate::fe::solid::tangents;
+use crate::fe::vector::{cross, dot, norm, subtract};
+use crate::markers::{MarkerPlace, Selection, Spider};
+use crate::mesh::{Mesh, Tie};
+use crate::modes::statics::attachment_modes_by;
+use crate::modes::{Load, ModeSet, Structure};
+use crate::solve::Shifted;
+use crate::solve::dense::{positive_inverse, symmetric_eigen};
+use crate::surface::outer_faces;
+use eng_system::reduced::ReducedSurface;
+use eng_system::surface::{SurfaceShape, SurfaceShapes};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A marker whose surface yields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurfaceRequest {
+    /// Index of the marker.
+    pub marker: usize,
+    /// The shapes of its surface.
+    pub shapes: SurfaceShapes,
+}
+
+/// Share of the round surface that the faces of the mesh must cover.
+const COVERED: f64 = 0.8;
+/// Share below which a warning tells the missing rest.
+const WHOLE: f64 = 0.97;
+/// Least part of a face's normal along the radius: other faces are ends of the bore.
+const RADIAL: f64 = 0.5;
+/// Fewest nodes that a wave around must have.
+const NODES_A_WAVE: f64 = 4.0;
+/// Least eigenvalue of the scaled Gram matrix, so that nodes tell the shapes apart.
+const APART: f64 = 1e-3;
+/// Negative eigenvalue of a compliance, as a share of the largest one, that is more than rounding.
+const NEGATIVE: f64 = 1e-6;
+/// Gauss points of a face in each direction.
+const POINTS: usize = 4;
+
+/// Nodes with their forces in the axes of the mesh (N).
+type NodalLoad = Vec<(u32, [f64; 3])>;
+
+/// The geometry of a surface: axis, zero angle and size.
+#[derive(Clone, Copy, Debug)]
+struct Bore {
+    middle: [f64; 3],
+    /// Unit vectors of θ = 0, θ = 90° and the axis.
+    axes: [[f64; 3]; 3],
+    radius: f64,
+    width: f64,
+}
+
+/// A surface on the mesh, before the computation of modes.
+pub(super) struct Prepared {
+    request: SurfaceRequest,
+    bore: Bore,
+    /// The share of the round surface that faces cover.
+    covered: f64,
+    /// For each shape the nodal loads of a unit generalised force (node, force in the mesh's axes).
+    loads: Vec<NodalLoad>,
+}
+
+fn refuse(marker: usize, problem: String, advice: &str) -> FlexibleError {
+    FlexibleError::Structure {
+        problem,
+        advice: advice.into(),
+    }
+    .of(Part::Marker(marker))
+}
+
+impl Bore {
+    fn new(request: &Request, surface: SurfaceRequest) -> Result<Bore, FlexibleError> {
+        let marker = request.markers.get(surface.marker);
+        let Some(marker) = marker else {
+            return Err(refuse(
+                surface.marker,
+                format!("there is no marker {}", surface.marker),
+                "",
+            ));
+        };
+        let refused = |problem: &str, advice: &str| {
+            refuse(
+                surface.marker,
+                format!("{}: {problem}", marker.name),
+                advice,
+            )
+        };
+        let MarkerPlace::Gathered {
+            nodes:
+                Selection::Ring {
+                    center,
+                    axis,
+                    radius,
+                    width,
+                    ..
+                },
+            tie,
+            ..
+        } = &marker.place
+        else {
+            return Err(refused(
+                "an elastic surface is a ring of nodes",
+                "gather the nodes by `ring(center:, axis:, radius:, width:)`",
+            ));
+        };
+        if *tie == Spider::Rigid {
+            return Err(refused(
+                "a rigid tie holds the surface round: it cannot yield",
+                "take `tie: averaging`, or leave the surface out",
+            ));
+        }
+        let axes = [0, 1, 2].map(|axis| cosines(&marker.axes, axis));
+        let along = dot(axes[2], *axis).abs() / norm(*axis);
+        if along.is_nan() || along < 1.0 - 1e-6 {
+            return Err(refused(
+                "the z axis of the marker is not the axis of its ring: the angles of the shapes count about z",
+                "turn the marker by `z:` to the axis of the ring",
+            ));
+        }
+        Ok(Bore {
+            middle: *center,
+            axes,
+            radius: *radius,
+            width: *width,
+        })
+    }
+
+    /// Angle, ζ and the direction away from the axis of a place.
+    fn seen(&self, place: [f64; 3]) -> (f64, f64, [f64; 3]) {
+        let from = subtract(place, self.middle);
+        let [x, y, z] = self.axes.map(|axis| dot(axis, from));
+        let distance = libm::hypot(x, y);
+        let [ex, ey, _] = self.axes;
+        let away = [0, 1, 2].map(|k| (x * ex[k] + y * ey[k]) / distance);
+        (libm::atan2(y, x), 2.0 * z / self.width, away)
+    }
+}
+
+/// The loads of all surfaces of a request.
+///
+/// # Errors
+/// Markers that are no ring with an averaging tie about their z axis; surfaces that the faces of the mesh do not cover, or
+/// whose nodes are too few for the shapes.
+pub(super) fn prepare(
+    mesh: &Mesh,
+    request: &Request,
+    places: &[u32],
+) -> Result<Vec<Prepared>, FlexibleError> {
+    if request.surfaces.is_empty() {
+        return Ok(Vec::new());
+    }
+    let faces = outer_faces(mesh);
+    let prepared = request.surfaces.iter().map(|surface| {
+        let bore = Bore::new(request, *surface)?;
+        let name = &request.markers[surface.marker].name;
+        let nodes = gathered(mesh, places.get(surface.marker));
+        enough_nodes(mesh, &nodes, &bore, *surface, name)?;
+        let each: Vec<SurfaceShape> = surface.shapes.each().collect();
+        let mut sums = Sums::new(each.len());
+        for face in &faces {
+            sums.add_face(mesh, *face, &nodes, &bore, &each);
+        }
+        let covered = sums.area / (std::f64::consts::TAU * bore.radius * bore.width);
+        if covered.is_nan() || covered < COVERED {
+            return Err(refuse(
+                surface.marker,
+                format!(
+                    "{name}: faces of the mesh cover {:.0} % of the ring's surface: a film's pressure would find no wall on the rest",
+                    100.0 * covered
+                ),
+                "check centre, radius and width of the ring, or widen its tolerance",
+            ));
+        }
+        Ok(Prepared {
+            request: *surface,
+            bore,
+            covered,
+            loads: sums.loads(*surface, name)?,
+        })
+    });
+    prepared.collect()
+}
+
+/// The nodes that the averaging tie of a marker gathers.
+fn gathered(mesh: &Mesh, place: Option<&u32>) -> BTreeSet<u32> {
+    let tied = mesh.ties.iter().filter_map(|tie| match tie {
+        Tie::Averaging {
+            reference,
+            independent,
+            ..
+        } if Some(reference) == place => Some(independent),
+        _ => None,
+    });
+    tied.flatten().map(|(node, ..)| *node).collect()
+}
+
+/// Refuses shapes that the nodes cannot tell apart: each wave needs some nodes, and each degree across a row of them.
+fn enough_nodes(
+    mesh: &Mesh,
+    nodes: &BTreeSet<u32>,
+    bore: &Bore,
+    surface: SurfaceRequest,
+    name: &str,
+) -> Result<(), FlexibleError> {
+    let seen: Vec<(f64, f64)> = nodes
+        .iter()
+        .filter_map(|node| mesh.nodes.get(*node as usize))
+        .map(|node| bore.seen(node.position))
+        .map(|(angle, zeta, _)| (angle, zeta))
+        .collect();
+    let different = |mut values: Vec<f64>, least: f64| {
+        values.sort_by(f64::total_cmp);
+        values.dedup_by(|b, a| (*b - *a).abs() < least);
+        values
+    };
+    let angles = different(seen.iter().map(|(angle, _)| *angle).collect(), 1e-3);
+    let turn = std::f64::consts::TAU;
+    let last = angles.last().copied().unwrap_or(0.0);
+    let around = angles.first().map_or(turn, |first| first + turn - last);
+    let widest = angles
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .fold(around, f64::max);
+    // rounding of positions does not count
+    let most = turn / (NODES_A_WAVE * widest) * (1.0 + 1e-6);
+    if f64::from(surface.shapes.around) > most {
+        return Err(refuse(
+            surface.marker,
+            format!(
+                "{name}: the mesh has a gap of {:.1}° between the nodes around the ring: that is too coarse for {} waves",
+                widest.to_degrees(),
+                surface.shapes.around
+            ),
+            &format!(
+                "state at most `around: {}`, or refine the mesh",
+                most as u32
+            ),
+        ));
+    }
+    let rows = different(seen.iter().map(|(_, zeta)| *zeta).collect(), 1e-2).len();
+    if surface.shapes.across as usize >= rows {
+        return Err(refuse(
+            surface.marker,
+            format!(
+                "{name}: the mesh has {rows} rows of nodes across the ring: that is too coarse for degree {}",
+                surface.shapes.across
+            ),
+            &format!(
+                "state at most `across: {}`, or refine the mesh",
+                rows.saturating_sub(1)
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// Integrals over the faces of a surface.
+struct Sums {
+    count: usize,
+    /// m².
+    area: f64,
+    /// ∫ ψ_i ψ_j dA, row by row.
+    gram: Vec<f64>,
+    /// ∫ ψ_j n N dA of each node, shape after shape.
+    nodal: BTreeMap<u32, Vec<[f64; 3]>>,
+}
+
+impl Sums {
+    fn new(count: usize) -> Sums {
+        Sums {
+            count,
+            area: 0.0,
+            gram: vec![0.0; count * count],
+            nodal: BTreeMap::new(),
+        }
+    }
+
+    /// Adds a face, if all of its nodes are on the surface.
+    fn add_face(
+        &mut self,
+        mesh: &Mesh,
+        (element, face): (u32, usize),
+        on_surface: &BTreeSet<u32>,
+        bore: &Bore,
+        shapes: &[SurfaceShape],
+    ) {
+        let Some((kind, nodes)) = face_nodes(mesh, element, face) else {
+            return;
+        };
+        let known = |node: &u32| *node == ABSENT || on_surface.contains(node);
+        if !nodes.iter().all(known) {
+            return;
+        }
+        let mut places = [[0.0; 3]; MOST_NODES];
+        for (place, node) in places.iter_mut().zip(&nodes) {
+            if let Some(node) = mesh.nodes.get(*node as usize) {
+                *place = node.position;
+            }
+        }
+        let points = match kind.corner_count() {
+            3 => quadrature::triangle(POINTS),
+            _ => quadrature::quadrilateral(POINTS),
+        };
+        for point in points {
+            let mut functions = Shape::at(kind, point.at);
+            for (local, node) in nodes.iter().enumerate() {
+                if *node == ABSENT {
+                    functions.remove_midside(kind, local);
+                }
+            }
+            let mut place = [0.0; 3];
+            for (value, node) in functions.values.iter().zip(&places).take(nodes.len()) {
+                for (x, y) in place.iter_mut().zip(node) {
+                    *x += value * y;
+                }
+            }
+            let [r, s, _] = tangents(&functions, &places, nodes.len());
+            let normal = cross(r, s);
+            let (angle, zeta, away) = bore.seen(place);
+            let size = norm(normal);
+            if dot(normal, away).abs() < RADIAL * size {
+                return;
+            }
+            let area = point.weight * size;
+            self.area += area;
+            let values: Vec<f64> = shapes
+                .iter()
+                .map(|shape| shape.value(angle, zeta))
+                .collect();
+            for (i, x) in values.iter().enumerate() {
+                for (j, y) in values.iter().enumerate() {
+                    self.gram[i * self.count + j] += x * y * area;
+                }
+            }
+            for (node, share) in nodes.iter().zip(functions.values) {
+                if *node == ABSENT {
+                    continue;
+                }
+                let count = self.count;
+                let own = (self.nodal.entry(*node)).or_insert_with(|| vec![[0.0; 3]; count]);
+                for (sum, value) in own.iter_mut().zip(&values) {
+                    for (x, direction) in sum.iter_mut().zip(away) {
+                        *x += value * share * direction * area;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The nodal loads of unit generalised forces.
+    fn loads(&self, surface: SurfaceRequest, name: &str) -> Result<Vec<NodalLoad>, FlexibleError> {
+        let count = self.count;
+        let inverse = positive_inverse(count, &self.gram, APART)?.map_err(|_| {
+            refuse(
+                surface.marker,
+                format!("{name}: the faces of the ring do not tell its shapes apart"),
+                "state fewer waves around or a lower degree across, or refine the mesh",
+            )
+        })?;
+        let load = |shape: usize| -> NodalLoad {
+            let of_node = |(node, sums): (&u32, &Vec<[f64; 3]>)| {
+                let mut force = [0.0; 3];
+                for (factor, sum) in inverse[shape * count..(shape + 1) * count].iter().zip(sums) {
+                    for (x, y) in force.iter_mut().zip(sum) {
+                        *x += factor * y;
+                    }
+                }
+                (*node, force)
+            };
+            self.nodal.iter().map(of_node).collect()
+        };
+        Ok((0..count).map(load).collect())
+    }
+}
+
+/// The element of a face, and its nodes: corners, then mid-side nodes, [`ABSENT`] where there is none.
+fn face_nodes(mesh: &Mesh, element: u32, face: usize) -> Option<(ElementKind, Vec<u32>)> {
+    let element = mesh.elements.get(element as usize)?;
+    let corners = element.kind.description().faces.get(face)?;
+    let ring = crate::element::around(element.kind, mesh.nodes_of(element), corners);
+    let middles: Vec<u32> = ring
+        .iter()
+        .map(|(_, middle)| middle.unwrap_or(ABSENT))
+        .collect();
+    let mut nodes: Vec<u32> = ring.iter().map(|(corner, _)| *corner).collect();
+    let curved = middles.iter().any(|node| *node != ABSENT);
+    let kind = match (nodes.len(), curved) {
+        (3, false) => ElementKind::Triangle3,
+        (3, true) => ElementKind::Triangle6,
+        (4, false) => ElementKind::Quadrilateral4,
+        (4, true) => ElementKind::Quadrilateral8,
+        _ => return None,
+    };
+    if curved {
+        nodes.extend(middles);
+    }
+    Some((kind, nodes))
+}
+
+/// A surface with the answers to its loads.
+pub(super) struct Answered {
+    prepared: Prepared,
+    rows: Vec<Load>,
+    /// Ψ_static, row by row (m/N).
+    compliance: Vec<f64>,
+}
+
+/// The mesh with its freedoms.
+pub(super) struct Places<'a> {
+    pub mesh: &'a Mesh,
+    pub markers: &'a MarkerFreedoms<'a>,
+    pub reduction: &'a Reduction,
+}
+
+impl Prepared {
+    /// The loads with the marker's reaction as rows over the free freedoms.
+    fn rows(&self, places: &Places<'_>) -> Vec<Load> {
+        let Places {
+            mesh,
+            markers,
+            reduction,
+        } = *places;
+        let node = markers.places.get(self.request.marker).copied();
+        let node = node.unwrap_or_default();
+        let middle = mesh
+            .nodes
+            .get(node as usize)
+            .map_or([0.0; 3], |node| node.position);
+        let rows = self.loads.iter().enumerate().map(|(shape, forces)| {
+            let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
+            let mut resultant = [0.0; 6];
+            let mut add = |node: u32, component: u8, force: f64| {
+                let Some(freedom) = markers.freedoms.freedom(node, component) else {
+                    return;
+                };
+                let (rows, factors) = reduction.row(freedom);
+                for (row, factor) in rows.iter().zip(factors) {
+                    *sum.entry(*row).or_insert(0.0) += factor * force;
+                }
+            };
+            for (node, force) in forces {
+                let place = mesh
+                    .nodes
+                    .get(*node as usize)
+                    .map_or(middle, |node| node.position);
+                let moment = cross(subtract(place, middle), *force);
+                for (x, y) in resultant.iter_mut().zip(force.iter().chain(&moment)) {
+                    *x += y;
+                }
+                for (component, force) in (0..).zip(force) {
+                    add(*node, component, *force);
+                }
+            }
+            for (component, force) in (0..).zip(resultant) {
+                add(node, component, -force);
+            }
+            Load {
+                label: format!("surface {shape}"),
+                entries: sum.into_iter().filter(|(_, x)| *x != 0.0).collect(),
+            }
+        });
+        rows.collect()
+    }
+
+    /// Solves the loads. `near` is a factor that serves all surfaces.
+    pub(super) fn answered(
+        self,
+        structure: &Structure,
+        places: &Places<'_>,
+        near: &mut Option<Shifted>,
+    ) -> Result<Answered, FlexibleError> {
+        let rows = self.rows(places);
+        let answers = attachment_modes_by(near, structure, &rows)?;
+        let size = structure.size().max(1);
+        let compliance = rows
+            .iter()
+            .flat_map(|row| {
+                answers
+                    .chunks_exact(size)
+                    .map(|answer| row.displacement(answer))
+            })
+            .collect();
+        Ok(Answered {
+            prepared: self,
+            rows,
+            compliance,
+        })
+    }
+
+    /// The surface before the computation of modes: without compliance, on `modes` modes that do not move it.
+    pub(super) fn stiff(&self, modes: usize) -> ReducedSurface {
+        let count = self.loads.len();
+        ReducedSurface {
+            marker: self.request.marker,
+            shapes: self.request.shapes,
+            radius: self.bore.radius,
+            width: self.bore.width,
+            content: vec![0.0; count * modes],
+            compliance: vec![0.0; count * count],
+        }
+    }
+}
+
+impl Answered {
+    /// The surface beside a set of modes, and a warning about faces that it lacks.
+    pub(super) fn beside(
+        &self,
+        structure: &Structure,
+        set: &ModeSet,
+        warnings: &mut Vec<String>,
+    ) -> Result<ReducedSurface, FlexibleError> {
+        let (count, size) = (self.rows.len(), structure.size().max(1));
+        let mut surface = self.prepared.stiff(set.len());
+        for (row, line) in self
+            .rows
+            .iter()
+            .zip(surface.content.chunks_exact_mut(set.len().max(1)))
+        {
+            for (x, mode) in line.iter_mut().zip(set.vectors.chunks_exact(size)) {
+                *x = row.displacement(mode);
+            }
+        }
+        let content = |shape: usize| &surface.content[shape * set.len()..(shape + 1) * set.len()];
+        let mut rest = vec![0.0; count * count];
+        for i in 0..count {
+            for j in 0..count {
+                let both = self.compliance[i * count + j] + self.compliance[j * count + i];
+                let spanned = content(i).iter().zip(content(j)).zip(&set.eigenvalues);
+                let spanned: f64 = spanned.map(|((x, y), lambda)| x * y / lambda).sum();
+                rest[i * count + j] = 0.5 * both - spanned;
+            }
+        }
+        surface.compliance = self.positive(rest)?;
+        if self.prepared.covered < WHOLE {
+            let marker = self.prepared.request.marker;
+            warnings.push(format!(
+                "faces of the mesh cover {:.0} % of the elastic surface of marker {marker}",
+                100.0 * self.prepared.covered
+            ));
+        }
+        Ok(surface)
+    }
+
+    /// The compliance without the negative eigenvalues that rounding leaves.
+    fn positive(&self, rest: Vec<f64>) -> Result<Vec<f64>, FlexibleError> {
+        let count = self.rows.len();
+        let largest = (0..count)
+            .map(|i| self.compliance[i * (count + 1)])
+            .fold(0.0, f64::max);
+        let (values, vectors) = symmetric_eigen(count, rest)?;
+        let least = values.iter().copied().fold(0.0, f64::min);
+        if least.is_nan() || least < -NEGATIVE * largest {
+            return Err(FlexibleError::Numerical {
+                problem: format!(
+                    "the compliance of an elastic surface has the eigenvalue {least:.1e} m/N: its modes yield more than its mesh"
+                ),
+                advice: "check the matrices of the body".into(),
+            }
+            .of(Part::Marker(self.prepared.request.marker)));
+        }
+        let mut sum = vec![0.0; count * count];
+        for (value, vector) in values.iter().zip(vectors.chunks_exact(count.max(1))) {
+            if *value <= 0.0 {
+                continue;
+            }
+            for (row, x) in sum.chunks_exact_mut(count).zip(vector) {
+                for (place, y) in row.iter_mut().zip(vector) {
+                    *place += value * x * y;
+                }
+            }
+        }
+        Ok(sum)
+    }
+}
