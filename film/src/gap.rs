@@ -6,6 +6,7 @@ use crate::grid::place;
 use crate::inputs::{
     ECCENTRICITY, END_PRESSURE, RATE, SPIN, SUPPLY, TILT, TILT_RATE, TURN, VISCOSITY,
 };
+use crate::results::THICKEST;
 use crate::source::{Cavitation, Feed};
 
 impl Film {
@@ -135,7 +136,11 @@ impl Film {
     fn transformed(&self, pressure: f64) -> f64 {
         match self.source.piezo {
             0.0 => pressure,
-            piezo => -libm::expm1(-piezo * pressure) / piezo,
+            piezo => {
+                let thickest = libm::log(THICKEST) / piezo;
+                let beyond = (pressure - thickest).max(0.0);
+                -libm::expm1(-piezo * pressure.min(thickest)) / piezo + beyond / THICKEST
+            }
         }
     }
 

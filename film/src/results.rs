@@ -8,8 +8,8 @@ use crate::inputs::{
 };
 use crate::source::{Cavitation, Ends, Feed};
 
-/// α q beyond which Barus' oil is refused.
-const PIEZO_LIMIT: f64 = 0.98;
+/// Viscosity of Barus' oil over that at rest, beyond which it rises no more: α q = 0.98.
+pub(crate) const THICKEST: f64 = 50.0;
 
 /// Results of a solution beside its outputs. Flows of the rule [`Cavitation::Half`] are those of its cut pressure
 /// and do not conserve oil.
@@ -81,17 +81,22 @@ impl Film {
         if self.source.half_width { 2.0 } else { 1.0 }
     }
 
-    /// Pressure of cells and fixed places from q.
+    /// Pressure of cells and fixed places from q. With a floor of the gap, for the iterates of a solver, oil beyond
+    /// [`THICKEST`] keeps this viscosity: its pressure goes on straight. Without a floor it is refused.
     pub(crate) fn set_pressure(&self, work: &mut Work) -> Result<(), FilmError> {
         let (piezo, state) = (self.source.piezo, &mut work.levels[0]);
+        let limit = 1.0 - 1.0 / THICKEST;
         for (at, (pressure, q)) in state.pressure.iter_mut().zip(&state.q).enumerate() {
             // pressures that the rule `half` cuts have no force and no slope
             *pressure = if *q <= 0.0 && self.source.cavitation == Cavitation::Half {
                 [0.0, 0.0]
             } else if piezo == 0.0 {
                 [*q, 1.0]
-            } else if piezo * q < PIEZO_LIMIT {
+            } else if piezo * q < limit {
                 [-libm::log1p(-piezo * q) / piezo, 1.0 / (1.0 - piezo * q)]
+            } else if self.source.floor > 0.0 {
+                let beyond = q - limit / piezo;
+                [libm::log(THICKEST) / piezo + THICKEST * beyond, THICKEST]
             } else {
                 let grid = &self.levels[0].grid;
                 let place = if at < grid.cells.len() {
@@ -106,6 +111,15 @@ impl Film {
             };
         }
         Ok(())
+    }
+
+    /// Slope of the logarithm of the viscosity by q, of a place where p has a slope by q.
+    pub(crate) fn thickening(&self, slope: f64) -> f64 {
+        if slope < THICKEST {
+            self.source.piezo * slope
+        } else {
+            0.0
+        }
     }
 
     /// Factor of the shear in a cell, `ϑ exp(α p)`; of rules without content, ϑ is 1, as is usual.

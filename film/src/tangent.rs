@@ -164,7 +164,8 @@ impl Film {
             };
             let slope = &mut slopes[SUPPLY + opening];
             add(slope, 1.0, &adjoint[at]);
-            let thicker = self.source.piezo * state.pressure[at][1];
+            let slope_by_q = state.pressure[at][1];
+            let thicker = self.thickening(slope_by_q);
             add(slope, self.shear(solution, at) * thicker, &group.torque);
         }
     }
@@ -194,7 +195,7 @@ impl Film {
             let slope = state.pressure[at][1];
             let shear = self.shear(solution, at);
             let (by_pressure, by_shear) = if state.full[at] {
-                (slope, shear * self.source.piezo * slope * slope)
+                (slope, shear * self.thickening(slope) * slope)
             } else {
                 (0.0, shear)
             };
@@ -275,7 +276,7 @@ impl Film {
                 };
                 if fixed == openings || self.source.openings[fixed].feed == Feed::Pressure {
                     // dq/dp of the fixed place
-                    let transform = 1.0 - self.source.piezo * state.q[side];
+                    let transform = 1.0 / state.pressure[side][1].max(1.0);
                     let by_pressure = -sign * state.conductance[at] * transform;
                     add(&mut slopes[place], by_pressure, &drop);
                 }

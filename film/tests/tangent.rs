@@ -171,6 +171,25 @@ fn rough(source: FilmSource) -> FilmSource {
     }
 }
 
+/// Oil by Barus' law of a film for iterates, part of which reaches fifty times its viscosity.
+fn too_thick(source: FilmSource) -> FilmSource {
+    let thick = FilmSource {
+        piezo: 20.0,
+        floor: 1e-3,
+        ..source
+    };
+    let film = Film::new(thick.clone()).expect("a film");
+    let (mut work, mut outputs) = (film.work(), vec![0.0; film.outputs()]);
+    film.solve(&moving().write(), None, &[], &mut work, &mut outputs)
+        .expect("a film");
+    let mut pressure = vec![0.0; film.cells()[0] * film.cells()[1]];
+    film.field(Quantity::Pressure, &work, &mut pressure);
+    let limit = 50.0_f64.ln() / thick.piezo;
+    let thickest = pressure.iter().filter(|p| **p > limit).count();
+    assert!(thickest > 3 && pressure.iter().any(|p| *p > 0.1 * limit && *p < limit));
+    thick
+}
+
 #[test]
 fn tangent_is_the_derivative() {
     for rule in [
@@ -187,6 +206,8 @@ fn tangent_is_the_derivative() {
         let mut piezo = everything(rule);
         piezo.piezo = 0.3;
         check(&format!("{rule:?}, Barus"), piezo, &moving().write(), None);
+        let thick = too_thick(everything(rule));
+        check(&format!("{rule:?}, thick"), thick, &moving().write(), None);
         check(
             &format!("{rule:?}, rough"),
             rough(everything(rule)),
