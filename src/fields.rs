@@ -2,10 +2,11 @@
 
 use eng_film::{
     Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Profile,
-    Roughness, Shape, Thinning,
+    Quantity, Roughness, Shape, Thinning,
 };
 use eng_system::field::{
-    FieldError, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, KERNELS, Past,
+    FILM_CELLS, FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, KERNELS,
+    Past,
 };
 use eng_system::reduced::ReducedSurface;
 use std::sync::Arc;
@@ -295,6 +296,43 @@ impl FieldKernel for Bearing {
     fn shapes(&self) -> usize {
         self.0.carried_shapes()
     }
+
+    fn grid(&self) -> FieldGrid {
+        let film = self.0.film();
+        let [around, across] = film.lines().map(<[f64]>::to_vec);
+        let openings = film.source().openings.iter();
+        FieldGrid {
+            around,
+            across,
+            openings: openings.map(|o| [o.around, o.across]).collect(),
+        }
+    }
+
+    fn refined(&self) -> Result<Arc<dyn FieldKernel>, FieldError> {
+        let refused = |error: eng_film::SourceError| FieldError(error.to_string());
+        let film = self.0.film();
+        let mut source = film.source().clone();
+        let [around, across] = film.cells();
+        source.around = Lines::Equal(2 * around);
+        source.across = Lines::Equal(2 * across);
+        let finer = Film::new(source).map_err(refused)?;
+        let elastic = self.0.with_film(finer).map_err(refused)?;
+        Ok(Arc::new(Bearing(Arc::new(elastic))))
+    }
+
+    fn memory_on(&self, grid: &FieldGrid, memory: &[f64]) -> Vec<f64> {
+        let (own, content) = (self.grid(), self.0.film().memory());
+        let (content, rest) = memory.split_at(content.min(memory.len()));
+        let [angles, places] = grid.middles();
+        let mut moved = Vec::with_capacity(grid.cells() + rest.len());
+        if !content.is_empty() {
+            for angle in angles {
+                moved.extend(places.iter().map(|z| content[own.cell_at(angle, *z)]));
+            }
+        }
+        moved.extend_from_slice(rest);
+        moved
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -380,6 +418,16 @@ impl FieldSolver for Solver {
         for (place, number) in readings[numbers.len()..].iter_mut().zip(slow) {
             *place = number;
         }
+    }
+
+    fn cells(&self, quantity: usize, out: &mut [f64]) {
+        let which = match FILM_CELLS.get(quantity).map_or("", |known| known.name) {
+            "gap" => Quantity::Gap,
+            "content" => Quantity::Content,
+            "asperity_pressure" => Quantity::Asperities,
+            _ => Quantity::Pressure,
+        };
+        self.film.film().field(which, &self.work.film, out);
     }
 
     fn boxed(&self) -> Box<dyn FieldSolver> {

@@ -472,6 +472,7 @@ mod tests {
 
     fn machine(period: Option<f64>) -> Machine {
         Machine {
+            fields: Vec::new(),
             journals: Vec::new(),
             summaries: Vec::new(),
             cycle_period: period,

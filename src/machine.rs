@@ -1,5 +1,6 @@
 //! The data of the machine behind results that tables and figures need: journals, summaries, cycle, firing order.
 
+use crate::recorded_field::RecordedField;
 use eng_report::figure::Upright;
 use eng_system::code::Bound;
 use eng_system::system::summary::{SummaryColumn, SummaryParameter};
@@ -18,6 +19,8 @@ pub struct Machine {
     pub periodic: bool,
     /// The shell axis that is drawn upwards.
     pub upright: Upright,
+    /// Fields of the elements with outputs, in the order of the text.
+    pub fields: Vec<RecordedField>,
     /// Firing dead centres: number of the cylinder, if it has one, and angle of the cycle (rad).
     pub firing: Vec<(Option<usize>, f64)>,
 }
@@ -60,7 +63,7 @@ pub struct SummarisedElement {
 }
 
 impl Machine {
-    /// From a model with its numbers, as an analysis of this kind runs it.
+    /// From a model with its numbers, as an analysis of this kind runs it, without its fields.
     pub(crate) fn new(system: &System, bound: &Bound, kind: &AnalysisKind) -> Machine {
         Machine {
             journals: journals(system, bound),
@@ -68,6 +71,7 @@ impl Machine {
             cycle_period: cycle_period(system, bound),
             periodic: kind.rows() == Rows::Cycle,
             upright: upright(system, bound),
+            fields: Vec::new(),
             firing: firing(system, bound),
         }
     }

@@ -9,6 +9,8 @@
 //! | `B.orientation.w`, `.x`, `.y`, `.z` | unit quaternion from the body's to the ground's axes |
 //! | `B.amplitude[1]`, … | modal amplitudes a of a flexible body: a node s is at r + A(s + Φ a) |
 //!
+//! The columns of oil films follow: see [`crate::RecordedField`].
+//!
 //! The motion covers the last whole cycle, or the whole run of a model without cycle. If it has more than
 //! [`SAMPLES`] intervals, it keeps every k-th sample and the last. The frame of a free flexible body is its
 //! mean axes, and that of a held one the axes of its supports.
@@ -77,4 +79,53 @@ impl BodyMotion {
 pub fn moments(motion: &Results) -> (Vec<f64>, Option<Vec<f64>>) {
     let values = |path| motion.column(path).map(|c| c.values.clone());
     (values(TIME).unwrap_or_default(), values(CYCLE_ANGLE))
+}
+
+/// A moment of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum At {
+    /// Crank angle (rad), in any cycle.
+    Angle(f64),
+    /// Time (s).
+    Time(f64),
+}
+
+impl At {
+    /// Index of the sample of `times` (s) and `angles` (°) that is nearest to the moment. `angles` may be
+    /// empty. `None` if the motion does not contain the moment.
+    pub(crate) fn nearest(
+        self,
+        times: &[f64],
+        angles: &[f64],
+        period: Option<f64>,
+    ) -> Option<usize> {
+        let (places, wanted, period) = match self {
+            At::Angle(angle) => (angles, angle.to_degrees(), period.map(f64::to_degrees)),
+            At::Time(time) => (times, time, None),
+        };
+        let (first, last) = (places.first()?, places.last()?);
+        let slack = (last - first) / places.len() as f64;
+        let distance = |place: f64| match period.filter(|p| *p > 0.0) {
+            Some(period) => {
+                let off = place - wanted;
+                (off - period * (off / period).round()).abs()
+            }
+            None => (place - wanted).abs(),
+        };
+        let (index, near) = places
+            .iter()
+            .map(|place| distance(*place))
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (near <= slack.abs()).then_some(index)
+    }
+}
+
+impl std::fmt::Display for At {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            At::Angle(angle) => write!(f, "{} °CA", angle.to_degrees()),
+            At::Time(time) => write!(f, "{} s", time),
+        }
+    }
 }

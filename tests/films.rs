@@ -1,7 +1,10 @@
 //! Films that are solved on cells, against the table of solved films, the kernel itself and the power that a drive needs.
 
+use arrow_array::{Array, FixedSizeListArray, Float32Array};
 use eng::Sources;
 use eng_film::{Cavitation, Film, FilmSource, Inputs};
+use eng_report::figure::{Figure, FilmMap, FilmPanel};
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 /// A rotor of 200 kg with an unbalance in one bearing; it does not tilt.
 fn rotor(law: &str) -> String {
@@ -363,4 +366,268 @@ fn an_elastic_eye_spreads_the_load() {
     assert!(reach > 1.0 && reach < 1.2, "{reach}");
     assert!(most(rigid("big_end.film_ratio")) < 1.0);
     assert!(most(elastic("big_end.deflection")) > 5e-6);
+}
+
+/// A fed rotor with three maps, in a run or in a cycle that repeats.
+fn mapped(rule: &str, analysis: &str) -> String {
+    let law = format!(
+        "Film(rotor.mid, seat, {BEARING}, around: 36, across: 8, cavitation: {rule},
+        openings: [axial_groove(at: 350 deg, length: 14 mm, width: 20 mm, diameter: 54 mm, pressure: 4 bar)])"
+    );
+    let text = rotor(&law).replace("{Film, Reynolds}", "{Film, axial_groove}");
+    let (model, _) = text.split_once("analysis").expect("an analysis");
+    format!(
+        "{model}analysis run = {analysis}
+report maps {{
+    figure pressed = film(run.main, pressure, at: 200 deg)
+    figure least = film(run.main, gap, at: minimum_at(last_cycle(run.main.minimum_film)))
+    figure oil = film(run.main, content, at: minimum_at(last_cycle(run.main.minimum_film)))
+    figure late = film(run.main, asperity_pressure, at: 9 s)
+}}
+"
+    )
+}
+
+/// The results of a run, and the maps of its report.
+fn maps(text: &str) -> (eng::Results, Vec<Result<FilmMap, String>>) {
+    let sources = Sources::from_text("m.eng", text);
+    let program = match eng::check(&sources, "m.eng").into_program() {
+        Ok(program) => program,
+        Err(report) => panic!("{report}"),
+    };
+    let run = program.analysis("run").expect("an analysis");
+    let outcome = run.run(&mut |_| {});
+    let outcome = outcome.unwrap_or_else(|failed| panic!("{}", failed.error));
+    let machine = run.machine().expect("its machine");
+    let of = |motion| {
+        let runs = [eng::post::Run::new(&outcome.results, &machine).with_motion(motion)];
+        let made = eng::post::evaluate(&program.reports()[0], &runs);
+        let entries = made.entries.into_iter().map(|entry| match entry.outcome {
+            Ok(eng::post::Outcome::Figure(figure)) => match *figure {
+                Figure::FilmMap(map) => Ok(map),
+                other => panic!("{}", other.title()),
+            },
+            Ok(other) => panic!("{other:?}"),
+            Err(error) => Err(error.to_string()),
+        });
+        entries.collect::<Vec<_>>()
+    };
+    let untold = |map: &Result<FilmMap, String>| {
+        let told = map.as_ref().err();
+        told.is_some_and(|told| told.contains("no motion was kept"))
+    };
+    assert!(of(None).iter().all(untold));
+    let maps = of(Some(&outcome.motion));
+    (outcome.results, maps)
+}
+
+/// The map of a film is solved again from the numbers that the motion keeps. Its pressure carries the recorded force, and its largest
+/// and least cells are next to the recorded extremes.
+#[test]
+fn a_map_carries_the_recorded_force() {
+    let transient = "transient(Rotor(), duration: 3 rev, sample: 10 deg)";
+    let periodic = "periodic(Rotor(), cycles: 60, sample: 10 deg)";
+    for (rule, analysis) in [
+        ("reynolds", transient),
+        ("mass_conserving", transient),
+        ("mass_conserving", periodic),
+    ] {
+        let (results, maps) = maps(&mapped(rule, analysis));
+        let [pressed, least, oil, late] = maps.as_slice() else {
+            panic!("{} maps", maps.len());
+        };
+        let told = late.as_ref().expect_err("no such moment");
+        assert!(told.contains("no moment at 9 s"), "{told}");
+        let of = |map: &Result<FilmMap, String>| map.clone().expect("a map");
+        let (pressed, least, oil) = (of(pressed), of(least), of(oil));
+        let column = |path: &str| results.column(path).expect("a column").values.clone();
+        let angles = column("cycle.angle");
+        // the same angle in the last turn
+        let last = angles.last().expect("samples");
+        let wanted = 200_f64.to_radians();
+        let wanted =
+            wanted + std::f64::consts::TAU * ((last - wanted) / std::f64::consts::TAU).floor();
+        let sample = angles.iter().position(|a| (a - wanted).abs() < 1e-6);
+        let sample = sample.expect("a sample at the angle");
+        let panel = &pressed.panels[0];
+        assert_eq!(
+            (pressed.unit.as_str(), panel.frame.as_str()),
+            ("MPa", "seat")
+        );
+        let force = force_of(panel);
+        for (found, path) in force.iter().zip(["main.force.x", "main.force.y"]) {
+            let recorded = column(path)[sample];
+            let size = column("main.radial_load")[sample];
+            assert!(
+                (found - recorded).abs() < 1e-9 * size,
+                "{rule} {analysis}: {found} {recorded}"
+            );
+        }
+        let highest = panel.values.iter().copied().fold(0.0, f64::max);
+        let recorded = column("main.maximum_pressure")[sample] / 1e6;
+        assert!(
+            highest <= recorded && highest > 0.95 * recorded,
+            "{highest} {recorded}"
+        );
+        assert_eq!(
+            panel.openings,
+            [[
+                [
+                    350.0 - 1.0_f64.to_degrees() * 20.0 / 54.0,
+                    350.0 + 1.0_f64.to_degrees() * 20.0 / 54.0,
+                ],
+                [-7.0, 7.0]
+            ]]
+        );
+        let thinnest = least.panels[0]
+            .values
+            .iter()
+            .copied()
+            .fold(f64::MAX, f64::min);
+        let recorded = column("main.minimum_film");
+        let recorded = recorded[recorded.len() - 36..]
+            .iter()
+            .copied()
+            .fold(f64::MAX, f64::min)
+            * 1e6;
+        assert!(
+            thinnest >= recorded && thinnest < 1.1 * recorded,
+            "{thinnest} {recorded}"
+        );
+        let content = &oil.panels[0].values;
+        assert!(content.iter().all(|share| (0.0..=1.0).contains(share)));
+        assert_eq!(
+            content.iter().any(|share| *share < 0.9),
+            rule == "mass_conserving"
+        );
+    }
+}
+
+/// `-int p n dA` of a panel (N).
+fn force_of(panel: &FilmPanel) -> [f64; 2] {
+    let rows = panel.across.len() - 1;
+    let mut force = [0.0; 2];
+    for (column, sides) in panel.values.chunks(rows).zip(panel.around.windows(2)) {
+        let [from, to] = [sides[0], sides[1]].map(f64::to_radians);
+        for (pressure, ends) in column.iter().zip(panel.across.windows(2)) {
+            let load = 1e6 * pressure * 27e-3 * 1e-3 * (ends[1] - ends[0]);
+            force[0] -= load * (to.sin() - from.sin());
+            force[1] += load * (to.cos() - from.cos());
+        }
+    }
+    force
+}
+
+/// The stated error of the cells is that against the table of `Reynolds`, which comes from extrapolated solutions: of the steady film the
+/// load is fixed, so the pin is too near to the middle by it.
+#[test]
+fn the_error_of_the_cells_is_told() {
+    let sources = |law: &str| {
+        let text = rotor(&format!("{law}(rotor.mid, seat, {BEARING})"))
+            .replace("center_of_mass = [50, 0, 0] um", "");
+        Sources::from_text("m.eng", text)
+    };
+    let of = |law: &str| {
+        let program = eng::check(&sources(law), "m.eng").into_program();
+        let program = program.unwrap_or_else(|report| panic!("{report}"));
+        let analysis = program.analysis("run").expect("an analysis");
+        let ran = eng::run::run(&analysis, true, &mut |_| {});
+        ran.unwrap_or_else(|failed| panic!("{}", failed.error))
+    };
+    let film = of("Film");
+    let table = of("Reynolds");
+    let last = |run: &eng::run::RunOutcome| {
+        *run.results
+            .column("main.minimum_film")
+            .expect("a film")
+            .values
+            .last()
+            .expect("samples")
+    };
+    let off = 1e6 * (last(&film) - last(&table));
+    let told: Vec<&String> = film
+        .facts
+        .iter()
+        .filter(|fact| fact.starts_with("cells of main"))
+        .collect();
+    println!("{off:.4} µm off; {told:?}");
+    let [told] = told.as_slice() else {
+        panic!("{:?}", film.facts);
+    };
+    let (_, end) = told.split_once("the least film of ").expect("a film");
+    let words: Vec<&str> = end.split_whitespace().collect();
+    let [_, "µm", stated, "µm", "too", "thick"] = words.as_slice() else {
+        panic!("{end}");
+    };
+    let stated: f64 = stated.parse().expect("a number");
+    assert!((stated / off - 1.0).abs() < 0.15, "{stated} {off}");
+    assert!(
+        told.contains("72 × 13 leave the load up to")
+            && told.contains("% too high, the highest pressure"),
+        "{told}"
+    );
+    assert!(table.facts.iter().all(|fact| !fact.starts_with("cells")));
+}
+
+/// The file of the cells has a list of all cells at each moment, and its pressure is highest where the run has its highest.
+#[test]
+fn a_file_has_the_cells_of_all_moments() {
+    let text = mapped(
+        "reynolds",
+        "transient(Rotor(), duration: 3 rev, sample: 10 deg)",
+    );
+    let sources = Sources::from_text("m.eng", &text);
+    let program = eng::check(&sources, "m.eng").into_program();
+    let program = program.unwrap_or_else(|report| panic!("{report}"));
+    let run = program.analysis("run").expect("an analysis");
+    let outcome = run.run(&mut |_| {});
+    let outcome = outcome.unwrap_or_else(|failed| panic!("{}", failed.error));
+    let mut described = program.describe(&[&outcome.results]).expect("the model");
+    let (results, motion) = (outcome.results, outcome.motion);
+    let moments = motion.samples();
+    let highest = results.column("main.maximum_pressure").expect("a column");
+    let last = &highest.values[highest.values.len() - moments..];
+    let highest = last.iter().copied().fold(0.0, f64::max) / 1e6;
+    let entry = eng::report::Entry::new(results, Some(motion), described.remove(0), Vec::new());
+    let folder = std::env::temp_dir().join(format!("eng-cells-{}", std::process::id()));
+    let path = eng::report::write_fields(&entry, &folder)
+        .expect("films")
+        .expect("a file");
+    assert!(path.ends_with("run.fields.parquet"));
+    let file = std::fs::File::open(&path).expect("the file");
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("a table");
+    let field = reader
+        .schema()
+        .field_with_name("main.pressure")
+        .expect("a column")
+        .clone();
+    let about = |key: &str| field.metadata().get(key).map(String::as_str);
+    assert_eq!(
+        (about("unit"), about("frame"), about("rows")),
+        (Some("MPa"), Some("seat"), Some("8"))
+    );
+    let batches: Vec<_> = reader
+        .build()
+        .expect("rows")
+        .collect::<Result<_, _>>()
+        .expect("rows");
+    assert_eq!(batches.iter().map(|b| b.num_rows()).sum::<usize>(), moments);
+    let mut most = 0.0_f32;
+    for batch in &batches {
+        let column = batch.column_by_name("main.pressure").expect("a column");
+        let lists = column
+            .as_any()
+            .downcast_ref::<FixedSizeListArray>()
+            .expect("lists");
+        assert_eq!(lists.value_length(), 36 * 8);
+        let values = lists
+            .values()
+            .as_any()
+            .downcast_ref::<Float32Array>()
+            .expect("numbers");
+        most = values.values().iter().copied().fold(most, f32::max);
+    }
+    let most = f64::from(most);
+    assert!(most <= highest && most > 0.95 * highest, "{most} {highest}");
+    std::fs::remove_dir_all(&folder).expect("removed");
 }

@@ -149,6 +149,14 @@ impl Elastic {
         compliance
     }
 
+    /// The same surface under another film of the same shapes.
+    ///
+    /// # Errors
+    /// As [`Elastic::new`].
+    pub fn with_film(&self, film: Film) -> Result<Elastic, SourceError> {
+        Self::of(film, self.compliance.clone(), self.carried)
+    }
+
     /// The film.
     #[must_use]
     pub fn film(&self) -> &Film {

@@ -99,6 +99,10 @@ pub(crate) struct LaneField {
 }
 
 impl Batch {
+    /// Whether its elements have fields.
+    pub fn has_fields(&self) -> bool {
+        !self.fields.is_empty()
+    }
     /// Number of different elements in a pair.
     pub fn lanes(&self, pair: usize) -> usize {
         let [a, b] = self.pairs[pair];
@@ -312,6 +316,16 @@ impl Batch {
         }
         self.solved = Solved::Answers;
         Ok(())
+    }
+
+    /// Appends for each field of a lane the numbers of its last solution: its drives, the time since the begin of the step
+    /// (s; zero in balance), and its memory at that begin.
+    pub fn solved_with(&self, pair: usize, lane: usize, numbers: &mut Vec<f64>) {
+        for field in self.fields.get(2 * pair + lane).into_iter().flatten() {
+            numbers.extend_from_slice(&field.drives);
+            numbers.push(field.since.unwrap_or(0.0));
+            numbers.extend_from_slice(&field.before);
+        }
     }
 
     /// Writes what the fields remember of their last solution to their places.

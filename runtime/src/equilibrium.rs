@@ -83,6 +83,7 @@ fn observe(mut simulation: Simulation, observer: &mut dyn Observer) -> Result<()
         pose: simulation.sampled_pose(),
         velocity: &simulation.sampled_state().velocity,
         states: &simulation.sampled_state().states,
+        fields: &simulation.sampled_fields(),
     });
     for warning in simulation.take_warnings() {
         observer.warning(&warning);

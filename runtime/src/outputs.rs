@@ -15,6 +15,8 @@ pub struct Outputs {
     levels: Vec<Vec<Batch>>,
     /// The markers of the elements, in order.
     markers: Vec<usize>,
+    /// The elements with fields, in order: element, level, batch, pair, lane.
+    fields: Vec<[usize; 5]>,
     scratch: Scratch,
     /// Accelerations of `markers`, at the places of the model's markers.
     accelerations: Vec<[f64; 6]>,
@@ -106,7 +108,7 @@ impl Outputs {
             }
         }
         let highest = level.iter().flatten().max().copied();
-        let levels = (0..highest.map_or(0, |h| h + 1))
+        let levels: Vec<Vec<Batch>> = (0..highest.map_or(0, |h| h + 1))
             .map(|l| {
                 let members: Vec<usize> =
                     (0..level.len()).filter(|e| level[*e] == Some(l)).collect();
@@ -122,6 +124,7 @@ impl Outputs {
             .flat_map(|element| model.elements[element].markers.iter().copied())
             .collect();
         Ok(Outputs {
+            fields: with_fields(&levels),
             levels,
             markers: markers.into_iter().collect(),
             scratch: Scratch::new(model),
@@ -133,6 +136,16 @@ impl Outputs {
             follows: Vec::new(),
             followed: Vec::new(),
         })
+    }
+
+    /// The numbers with which the fields of the elements were solved at the last evaluation, element by element: see
+    /// [`Batch::solved_with`].
+    pub fn fields(&self) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        for [_, level, batch, pair, lane] in &self.fields {
+            self.levels[*level][*batch].solved_with(*pair, *lane, &mut numbers);
+        }
+        numbers
     }
 
     /// The markers that the outputs read.
@@ -242,6 +255,22 @@ impl Outputs {
         }
         Ok(())
     }
+}
+
+/// The places of the elements with fields, in the order of the elements.
+fn with_fields(levels: &[Vec<Batch>]) -> Vec<[usize; 5]> {
+    let mut places = Vec::new();
+    for (level, batches) in levels.iter().enumerate() {
+        for (at, batch) in batches.iter().enumerate().filter(|(_, b)| b.has_fields()) {
+            for (pair, elements) in batch.pairs.iter().enumerate() {
+                for (lane, element) in elements.iter().enumerate().take(batch.lanes(pair)) {
+                    places.push([*element, level, at, pair, lane]);
+                }
+            }
+        }
+    }
+    places.sort_unstable();
+    places
 }
 
 /// A failed condition.

@@ -256,6 +256,7 @@ struct Record {
     poses: Vec<f64>,
     /// Velocities and states.
     motion: Vec<f64>,
+    fields: Vec<f64>,
 }
 
 impl Record {
@@ -271,6 +272,7 @@ impl Record {
         self.poses.extend_from_slice(sample.pose);
         self.motion.extend_from_slice(sample.velocity);
         self.motion.extend_from_slice(sample.states);
+        self.fields.extend_from_slice(sample.fields);
     }
 }
 
@@ -482,6 +484,7 @@ impl Cycles<'_> {
         let record = if whole { &self.last } else { &self.now };
         let width = record.poses.len() / record.heads.len().max(1);
         let motion = record.motion.len() / record.heads.len().max(1);
+        let fields = record.fields.len() / record.heads.len().max(1);
         for (i, (time, cycle_angle, cycle_rate, energy)) in record.heads.iter().enumerate() {
             let flow = self.observer.sample(&Sample {
                 time: *time,
@@ -493,6 +496,7 @@ impl Cycles<'_> {
                 pose: &record.poses[i * width..(i + 1) * width],
                 velocity: &record.motion[i * motion..i * motion + self.velocities],
                 states: &record.motion[i * motion + self.velocities..(i + 1) * motion],
+                fields: &record.fields[i * fields..(i + 1) * fields],
             });
             if flow.is_break() {
                 return;

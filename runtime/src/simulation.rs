@@ -373,6 +373,13 @@ impl Simulation {
         &self.completed.pose
     }
 
+    /// The numbers with which the fields were solved at the state of the last outputs: see [`Sample::fields`].
+    ///
+    /// [`Sample::fields`]: crate::transient::Sample::fields
+    pub fn sampled_fields(&self) -> Vec<f64> {
+        self.outputs.fields()
+    }
+
     /// Counts of work.
     pub fn statistics(&self) -> Statistics {
         self.integrator.statistics

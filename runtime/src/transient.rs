@@ -36,6 +36,10 @@ pub struct Sample<'a> {
     pub velocity: &'a [f64],
     /// States of elements (SI).
     pub states: &'a [f64],
+    /// For each element with fields and outputs, in the order of the system, and for each of its fields: the drives (SI),
+    /// the time since the begin of the step (s; zero for a field in balance), and the memory at that begin. A solver of the
+    /// field's kernel gives the field at the sample with them.
+    pub fields: &'a [f64],
 }
 
 /// The progress of a run after a step.
@@ -518,6 +522,7 @@ impl Run<'_> {
             pose: simulation.sampled_pose(),
             velocity: &simulation.sampled_state().velocity,
             states: &simulation.sampled_state().states,
+            fields: &simulation.sampled_fields(),
         })
     }
 

@@ -9,6 +9,7 @@ use crate::machine::{Machine, at};
 use crate::model::{Model, Parameter};
 use crate::places::{at_first, place, set_by};
 use crate::program::{Bodies, Program};
+use crate::recorded_field::RecordedField;
 use crate::results::{Recording, Results};
 use crate::significant::short;
 use crate::simulation::run_error_with;
@@ -331,7 +332,22 @@ impl Analysis {
     /// Parameters that the model refuses.
     pub fn machine(&self) -> Result<Machine, Error> {
         let system = &self.model.compiled().system;
-        Ok(Machine::new(system, &self.bound()?, &self.plan.kind))
+        Ok(Machine {
+            fields: self.fields()?,
+            ..Machine::new(system, &self.bound()?, &self.plan.kind)
+        })
+    }
+
+    /// The fields of its elements, with their kernels.
+    pub(crate) fn fields(&self) -> Result<Vec<RecordedField>, Error> {
+        let compiled = self.model.compiled();
+        let without = |element: &eng_system::system::Element| element.fields.is_empty();
+        if compiled.system.elements.iter().all(without) {
+            return Ok(Vec::new());
+        }
+        let bound = eng_runtime::model::Model::bind(compiled, &self.overrides);
+        let bound = bound.map_err(|cause| self.error(cause))?;
+        Ok(RecordedField::all(&bound))
     }
 
     /// Its model in the assembled position.

@@ -2,6 +2,7 @@
 
 use crate::machine::cycle_period;
 use crate::motion::{SAMPLES, SUFFIX};
+use crate::recorded_field::RecordedField;
 use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, Trail};
 use crate::{Analysis, Error};
 use eng_runtime::Sample;
@@ -12,7 +13,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// Slack (rad) in the search for the beginning of the last cycle.
 const SLACK: f64 = 1e-6;
 
-/// Positions, orientation and amplitudes during a run.
+/// Positions, orientation, amplitudes and the numbers of fields during a run.
 #[derive(Debug)]
 pub(super) struct Motion {
     period: Option<f64>,
@@ -25,17 +26,18 @@ pub(super) struct Motion {
 struct Moment {
     time: f64,
     cycle_angle: Option<f64>,
-    pose: Vec<f64>,
+    /// Poses of the bodies, then the numbers of the fields.
+    numbers: Vec<f64>,
 }
 
 impl Moment {
     /// A moment from the numbers of a trail.
     fn of_row(row: &[f64], with_cycle: bool) -> Moment {
-        let (head, pose) = row.split_at(row.len().min(1 + usize::from(with_cycle)));
+        let (head, numbers) = row.split_at(row.len().min(1 + usize::from(with_cycle)));
         Moment {
             time: head.first().copied().unwrap_or(f64::NAN),
             cycle_angle: head.get(1).copied(),
-            pose: pose.to_vec(),
+            numbers: numbers.to_vec(),
         }
     }
 }
@@ -93,13 +95,14 @@ impl Motion {
         if let Some(trail) = &mut self.trail {
             let row = std::iter::once(sample.time)
                 .chain(sample.cycle_angle)
-                .chain(sample.pose.iter().copied());
+                .chain(sample.pose.iter().copied())
+                .chain(sample.fields.iter().copied());
             trail.push(row)?;
         }
         self.keep(Moment {
             time: sample.time,
             cycle_angle: sample.cycle_angle,
-            pose: sample.pose.to_vec(),
+            numbers: [sample.pose, sample.fields].concat(),
         });
         Ok(())
     }
@@ -165,7 +168,7 @@ impl Motion {
             let value = |moment: &Moment| match index {
                 0 => Some(moment.time),
                 1 if head == 2 => moment.cycle_angle,
-                _ => moment.pose.get(index - head).copied(),
+                _ => moment.numbers.get(index - head).copied(),
             };
             results.push(Column {
                 values: kept
@@ -190,7 +193,8 @@ fn name_of(analysis: &Analysis) -> String {
     format!("{}{SUFFIX}", analysis.name())
 }
 
-/// The columns without values: time, the cycle's angle, and the columns of each body in the order of a pose.
+/// The columns without values: time, the cycle's angle, the columns of each body in the order of a pose, and those of the
+/// fields.
 fn columns_of(analysis: &Analysis) -> Result<Results, Error> {
     let compiled = analysis.model().compiled();
     let mut header = Results::new(name_of(analysis), analysis.model().name());
@@ -229,6 +233,15 @@ fn columns_of(analysis: &Analysis) -> Result<Results, Error> {
         for mode in 1..=modes {
             push(format!("amplitude[{mode}]"), Dimension::ONE, "1", "")?;
         }
+    }
+    for (path, dimension) in analysis.fields()?.iter().flat_map(RecordedField::columns) {
+        header.push(Column {
+            path,
+            dimension,
+            display: DisplayUnit::si(dimension),
+            frame: String::new(),
+            values: Vec::new(),
+        })?;
     }
     Ok(header)
 }

@@ -120,6 +120,9 @@ pub(super) struct ReportArguments {
     /// series for ParaView
     #[arg(long, value_name = "DIR")]
     pub vtu: Option<PathBuf>,
+    /// Write pressure, gap and content in the cells of each analysis' oil films into this folder, too
+    #[arg(long, value_name = "DIR")]
+    pub fields: Option<PathBuf>,
     /// Write each figure as SVG and PNG into this folder, too
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,

@@ -4,6 +4,7 @@ use super::arguments::RunArguments;
 use super::files::{draw, told_of};
 use super::terminal::Terminal;
 use super::{Refusal, Stop};
+use crate::motion::SUFFIX;
 use crate::post::{self, EvaluatedReport, Outcome, Run};
 use crate::program::Program;
 use crate::report::mixed;
@@ -80,10 +81,20 @@ pub(super) fn reports(
             }
         }
     }
-    let ran_now = outcomes.iter().map(|o| Run::new(&o.results, &o.machine));
-    let read = earlier.iter().zip(&described);
+    let motions = earlier.iter().map(|results| {
+        let name = format!("{}{SUFFIX}", results.analysis());
+        let path = folder.join(format!("{}.parquet", file_stem(&name)));
+        // a figure that needs a missing motion says so
+        Results::read_parquet(path).ok()
+    });
+    let motions: Vec<Option<Results>> = motions.collect();
+    let ran_now =
+        (outcomes.iter()).map(|o| Run::new(&o.results, &o.machine).with_motion(o.motion.as_ref()));
+    let read = earlier.iter().zip(&described).zip(&motions);
     let runs: Vec<Run<'_>> = ran_now
-        .chain(read.map(|(results, described)| Run::new(results, &described.machine)))
+        .chain(read.map(|((results, described), motion)| {
+            Run::new(results, &described.machine).with_motion(motion.as_ref())
+        }))
         .collect();
     let mut holds = true;
     for report in &reports {

@@ -10,7 +10,7 @@ use super::{Refusal, Stop, USAGE_OR_SYSTEM};
 use crate::Quantity;
 use crate::motion::SUFFIX;
 use crate::plot::write_svg_and_png;
-use crate::report::{At, Drawn, Entry, Made, Request, make, write_series};
+use crate::report::{At, Drawn, Entry, Made, Request, make, write_fields, write_series};
 use crate::results::{Results, ResultsError, file_stem, interrupted, replace_file};
 use eng_flexible::store::{content_hash, hexadecimal};
 use eng_system::Dimension;
@@ -30,6 +30,10 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
         console,
     )?;
     told_of(outputs::folder("--vtu", arguments.vtu.as_deref()), console)?;
+    told_of(
+        outputs::folder("--fields", arguments.fields.as_deref()),
+        console,
+    )?;
     let mut found = read(&names, &folder, console)?;
     refuse_missing(&found, arguments, &folder, console)?;
     let in_time = found.in_time.len();
@@ -211,6 +215,18 @@ fn write_all(
         for drawn in &made.figures {
             let paths = write_svg_and_png(&drawn.svg, folder, &drawn.name);
             written.extend(told_of(paths, console)?);
+        }
+    }
+    if let Some(folder) = &arguments.fields {
+        let count = written.len();
+        for entry in entries {
+            written.extend(told_of(write_fields(entry, folder), console)?);
+        }
+        if written.len() == count {
+            writeln!(
+                console.errors,
+                "warning: no analysis has films on cells with a motion: no cells are written"
+            )?;
         }
     }
     if let Some(folder) = &arguments.vtu {

@@ -204,6 +204,35 @@ pub enum PostError {
         /// The journal.
         path: String,
     },
+    /// No motion beside the results.
+    #[error("{0}: no motion was kept, and a film is drawn from it; run it again")]
+    NoMotion(String),
+    /// A journal without cells, or a motion without the numbers of its film.
+    #[error("the motion of {analysis} does not have the film of {path}; run it again")]
+    NoFilm {
+        /// The analysis.
+        analysis: String,
+        /// The journal.
+        path: String,
+    },
+    /// A moment that the motion does not have.
+    #[error("the motion of {analysis} has no moment at {moment}: it is that of the last cycle")]
+    NoMoment {
+        /// The analysis.
+        analysis: String,
+        /// The moment.
+        moment: String,
+    },
+    /// A film that cannot be solved as in the run.
+    #[error("the film of {path} in {analysis}: {source}")]
+    Film {
+        /// The analysis.
+        analysis: String,
+        /// The journal.
+        path: String,
+        /// The reason.
+        source: eng_system::field::FieldError,
+    },
     /// A signal that cannot be evaluated.
     #[error("{analysis}: {source}")]
     Signal {
@@ -230,12 +259,23 @@ pub enum PostError {
 pub struct Run<'r> {
     pub(crate) results: &'r Results,
     pub(crate) machine: &'r Machine,
+    pub(crate) motion: Option<&'r Results>,
 }
 
 impl<'r> Run<'r> {
     /// A run from computed results, or from results of a file.
     pub fn new(results: &'r Results, machine: &'r Machine) -> Run<'r> {
-        Run { results, machine }
+        Run {
+            results,
+            machine,
+            motion: None,
+        }
+    }
+
+    /// With the motion that the run kept: figures of films need it.
+    #[must_use]
+    pub fn with_motion(self, motion: Option<&'r Results>) -> Run<'r> {
+        Run { motion, ..self }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::drawn::drawn;
 use super::{Entry, ReportError, tables};
 use crate::figures::{distinct, histories, loads, orbits, spectrum};
+use crate::grid_error::{GridError, grid_errors};
 use crate::post::Run;
 use crate::run::RunOutcome;
 use eng_report::page::Section;
@@ -39,6 +40,13 @@ pub(super) fn section(
     }
     for table in tables::summaries(entry) {
         section = section.table(table);
+    }
+    let motion = entry.outcome.motion.as_ref();
+    if let Some(motion) = motion.filter(|_| !matches!(detail, Detail::Numbers)) {
+        let errors = grid_errors(&entry.described.machine, motion);
+        if !errors.is_empty() {
+            section = section.list(errors.iter().map(GridError::text));
+        }
     }
     let elsewhere: &[String] = match detail {
         Detail::Point(titles) => titles,

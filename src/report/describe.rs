@@ -174,7 +174,7 @@ impl Described {
                 let sifted = crate::lint::sift(analysis.findings()?.list, system);
                 crate::lint::accepted(system, &sifted.accepted)
             },
-            machine: Machine::new(system, &bound, analysis.kind()),
+            machine: analysis.machine()?,
             axes: axes(system, &bound),
             point: analysis.point().to_vec(),
             up: up(system, &bound),

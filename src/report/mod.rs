@@ -6,6 +6,7 @@
 mod analyses;
 mod describe;
 mod drawn;
+mod fields;
 mod last_cycle;
 mod loads;
 mod page;
@@ -19,11 +20,12 @@ mod surface;
 mod sweeps;
 mod tables;
 
+pub use crate::motion::At;
 pub use describe::{BodyPicture, Described, InputValue, JournalAxes, MarkerAxes, Matter, Spot};
+pub use fields::write_fields;
 pub use page::{Drawn, Made, Request, make};
 pub use series::write_series;
 pub(crate) use settings::mixed;
-pub use stress::At;
 
 use crate::repetition::Repetition;
 use crate::results::ResultsError;
@@ -55,6 +57,14 @@ pub enum ReportError {
         expected: usize,
         /// Amplitudes in the results.
         found: usize,
+    },
+    /// A film that cannot be solved as in the run.
+    #[error("the film of {path}: {source}")]
+    Film {
+        /// The element.
+        path: String,
+        /// The reason.
+        source: eng_system::field::FieldError,
     },
     /// No motion.
     #[error("{0}: no motion was kept; run the model again")]

@@ -5,8 +5,7 @@ use super::describe::Matter;
 use super::drawn::drawn;
 use super::last_cycle::of_last_cycle;
 use super::scene::{Scene, scene};
-use super::stress::At;
-use super::{Entry, ReportError, analyses, mixed, provenance, sweeps, tables};
+use super::{At, Entry, ReportError, analyses, mixed, provenance, sweeps, tables};
 use crate::Reduction;
 use crate::figures::{self, Wanted, distinct};
 use crate::post::{self, Run};
@@ -216,7 +215,10 @@ fn summary(entries: &[Entry], missing: &[String], warnings: &[String]) -> Sectio
 fn reported(reports: &[Report], entries: &[Entry]) -> Vec<Section> {
     let runs: Vec<Run<'_>> = entries
         .iter()
-        .map(|entry| Run::new(&entry.outcome.results, &entry.described.machine))
+        .map(|entry| {
+            Run::new(&entry.outcome.results, &entry.described.machine)
+                .with_motion(entry.outcome.motion.as_ref())
+        })
         .collect();
     reports
         .iter()

@@ -3,8 +3,8 @@
 
 use super::describe::{BodyPicture, Matter};
 use super::shapes::{outlined, solid};
-use super::stress::{self, At};
 use super::surface::{Thinned, thin};
+use super::{At, stress};
 use super::{Entry, ReportError};
 use crate::motion::{BodyMotion, moments};
 use crate::results::Results;

@@ -61,55 +61,6 @@ pub(super) fn at(
     Ok(found.into_iter().map(|p| (p.node, p.stress)).collect())
 }
 
-/// A moment of a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum At {
-    /// Crank angle (rad), in any cycle.
-    Angle(f64),
-    /// Time (s).
-    Time(f64),
-}
-
-impl At {
-    /// Index of the sample of `times` (s) and `angles` (°) that is nearest to the moment. `angles` may be
-    /// empty. `None` if the motion does not contain the moment.
-    pub(super) fn nearest(
-        self,
-        times: &[f64],
-        angles: &[f64],
-        period: Option<f64>,
-    ) -> Option<usize> {
-        let (places, wanted, period) = match self {
-            At::Angle(angle) => (angles, angle.to_degrees(), period.map(f64::to_degrees)),
-            At::Time(time) => (times, time, None),
-        };
-        let (first, last) = (places.first()?, places.last()?);
-        let slack = (last - first) / places.len() as f64;
-        let distance = |place: f64| match period.filter(|p| *p > 0.0) {
-            Some(period) => {
-                let off = place - wanted;
-                (off - period * (off / period).round()).abs()
-            }
-            None => (place - wanted).abs(),
-        };
-        let (index, near) = places
-            .iter()
-            .map(|place| distance(*place))
-            .enumerate()
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (near <= slack.abs()).then_some(index)
-    }
-}
-
-impl std::fmt::Display for At {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            At::Angle(angle) => write!(f, "{} °CA", angle.to_degrees()),
-            At::Time(time) => write!(f, "{} s", time),
-        }
-    }
-}
-
 /// The largest peaks that lie apart from each other, the largest first. `angle` gives the crank angle (°) of
 /// a time.
 pub(super) fn table(
@@ -202,7 +153,7 @@ pub(super) fn by_place(
 mod tests {
     use super::*;
     use crate::Sources;
-    use crate::motion::{BodyMotion, moments};
+    use crate::motion::{At, BodyMotion, moments};
 
     /// Bending of a beam: sigma = F (L - z) c/I, in the middle of a bar of 20 x 20 x 200 mm, far from both
     /// ends.

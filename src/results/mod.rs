@@ -2,6 +2,7 @@
 //!
 //! This module contains columns of numbers with unit, dimension and frame. It computes none of them.
 
+mod cells;
 mod column;
 mod csv;
 mod dimension_text;
@@ -18,6 +19,7 @@ mod table;
 mod trail;
 mod universal;
 
+pub(crate) use cells::{CellColumn, write_cells};
 pub use column::Column;
 pub use csv::CsvForm;
 pub(crate) use file::may_be_folder;

@@ -4,6 +4,7 @@
 mod patience;
 
 use crate::analysis::{Failed, Outcome};
+use crate::grid_error::{GridError, grid_errors};
 use crate::lint::{self, Finding};
 use crate::machine::Machine;
 use crate::repetition::Repetition;
@@ -254,7 +255,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             diagnostics.push(warning);
         }
     }
-    let mut machine = Machine::new(system, &bound, analysis.kind());
+    let mut machine = analysis.machine()?;
+    let errors = grid_errors(&machine, &outcome.motion);
+    facts.extend(errors.iter().map(GridError::text));
     if outcome.results.are_modes() {
         // modes have no orbits and no peaks
         machine.journals.clear();

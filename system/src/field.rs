@@ -58,6 +58,17 @@ pub struct KernelResult {
     pub size: f64,
 }
 
+/// A quantity in the cells of a kernel.
+#[derive(Clone, Copy, Debug)]
+pub struct CellQuantity {
+    /// Its name in the text.
+    pub name: &'static str,
+    /// Its dimension.
+    pub dimension: Dimension,
+    /// The unit in which it is shown, and its size (SI).
+    pub unit: (&'static str, f64),
+}
+
 /// A kernel that a text can name.
 #[derive(Debug)]
 pub struct Kernel {
@@ -71,6 +82,8 @@ pub struct Kernel {
     pub answers: &'static [KernelResult],
     /// Results that outputs and conditions alone may use.
     pub readings: &'static [KernelResult],
+    /// Quantities in its cells.
+    pub cells: &'static [CellQuantity],
 }
 
 impl Kernel {
@@ -143,6 +156,18 @@ const fn result(name: &'static str, dimension: Dimension, count: u32, size: f64)
         dimension,
         count,
         size,
+    }
+}
+
+const fn in_cells(
+    name: &'static str,
+    dimension: Dimension,
+    unit: (&'static str, f64),
+) -> CellQuantity {
+    CellQuantity {
+        name,
+        dimension,
+        unit,
     }
 }
 
@@ -228,7 +253,16 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("stiffness", of(0, 1, -2, 0), 4, 1.0),
         result("damping", of(0, 1, -1, 0), 4, 1.0),
     ],
+    cells: &FILM_CELLS,
 }];
+
+/// The quantities in the cells of a film. `figure … = film(…)` shows them.
+pub const FILM_CELLS: [CellQuantity; 4] = [
+    in_cells("pressure", PRESSURE, ("MPa", 1e6)),
+    in_cells("gap", LENGTH, ("um", 1e-6)),
+    in_cells("content", ONE, ("1", 1.0)),
+    in_cells("asperity_pressure", PRESSURE, ("MPa", 1e6)),
+];
 
 /// The drives of a field in the order of its kernel: for each argument that depends on the motion its name and
 /// its count of numbers for this number of openings.
@@ -321,6 +355,48 @@ impl FieldMaker for NoFields {
     }
 }
 
+/// The cells of a field: a grid around and across a bearing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FieldGrid {
+    /// Lines around (rad), from the shell's x about its z; the last is a turn after the first.
+    pub around: Vec<f64>,
+    /// Lines across (m), from mid width along the shell's z.
+    pub across: Vec<f64>,
+    /// Edges of each opening: around (rad), across (m).
+    pub openings: Vec<[[f64; 2]; 2]>,
+}
+
+impl FieldGrid {
+    /// Number of cells. A cell has the number `column*rows + row`, with columns around and rows across.
+    #[must_use]
+    pub fn cells(&self) -> usize {
+        self.around.len().saturating_sub(1) * self.across.len().saturating_sub(1)
+    }
+
+    /// Middles of the cells around (rad) and across (m).
+    #[must_use]
+    pub fn middles(&self) -> [Vec<f64>; 2] {
+        let between = |lines: &[f64]| -> Vec<f64> {
+            let pairs = lines.windows(2);
+            pairs.map(|pair| (pair[0] + pair[1]) / 2.0).collect()
+        };
+        [between(&self.around), between(&self.across)]
+    }
+
+    /// The cell at an angle (rad) and a place across (m); the nearest one for a place beyond the ends.
+    #[must_use]
+    pub fn cell_at(&self, angle: f64, across: f64) -> usize {
+        let first = self.around.first().copied().unwrap_or(0.0);
+        let angle = first + (angle - first).rem_euclid(std::f64::consts::TAU);
+        let within = |lines: &[f64], place: f64| {
+            let passed = lines.iter().take_while(|line| **line <= place).count();
+            passed.clamp(1, lines.len().saturating_sub(1).max(1)) - 1
+        };
+        let rows = self.across.len().saturating_sub(1);
+        within(&self.around, angle) * rows + within(&self.across, across)
+    }
+}
+
 /// The equations of one field. It holds no state.
 pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// A solver with memory of its own.
@@ -331,6 +407,15 @@ pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// Count of shapes of an elastic surface that a body moves. Their amplitudes, then their rates, are drives behind those
     /// of the kernel's row, and their forces are answers behind the others.
     fn shapes(&self) -> usize;
+    /// Its cells.
+    fn grid(&self) -> FieldGrid;
+    /// The same field on twice as many cells in both directions.
+    ///
+    /// # Errors
+    /// If there is none.
+    fn refined(&self) -> Result<Arc<dyn FieldKernel>, FieldError>;
+    /// A memory of this kernel on the cells of another grid of the same bearing.
+    fn memory_on(&self, grid: &FieldGrid, memory: &[f64]) -> Vec<f64>;
 }
 
 /// The memory of a field at an earlier moment.
@@ -364,6 +449,8 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// Readings of the last solution. Without `slopes` those that need derivatives of the answers may keep older
     /// numbers.
     fn read(&mut self, readings: &mut [f64], slopes: bool);
+    /// A quantity of [`Kernel::cells`] in the cells of the last solution (SI).
+    fn cells(&self, quantity: usize, out: &mut [f64]);
     /// A copy.
     fn boxed(&self) -> Box<dyn FieldSolver>;
 }

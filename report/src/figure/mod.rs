@@ -8,10 +8,12 @@
 mod abscissa;
 mod axes;
 mod decimate;
+mod film;
 mod font;
 mod history;
 mod key;
 mod legend;
+mod levels;
 mod marks;
 mod orbit;
 pub(crate) mod palette;
@@ -25,6 +27,7 @@ mod xy;
 
 pub use abscissa::Abscissa;
 pub use axes::Scale;
+pub use film::{FilmMap, FilmPanel};
 pub use font::FAMILY as FONT_FAMILY;
 pub use history::{Curve, History, Mark, Ordinate, Panel, journal_letter};
 pub use orbit::{Orbit, Orbits};
@@ -84,6 +87,8 @@ figures!(
     Campbell,
     /// Curves of one quantity over another one.
     Xy,
+    /// Colours over angle and width of bearings.
+    FilmMap,
 );
 
 impl Figure {

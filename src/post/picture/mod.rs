@@ -1,5 +1,6 @@
 //! Figures of reports.
 
+mod film;
 mod labels;
 mod orders;
 mod plane;
@@ -39,6 +40,7 @@ pub(super) fn figure(
         Picture::Waterfall(waterfall) => drawer.waterfall(waterfall),
         Picture::Campbell(campbell) => drawer.campbell(campbell),
         Picture::Xy(xy) => drawer.xy(xy),
+        Picture::Film(map) => drawer.film(map),
     }
 }
 

@@ -35,6 +35,10 @@ pub enum Takes {
     AmplitudesOfRunsOr(&'static str),
     /// Journals.
     Journals,
+    /// Journals whose films are solved on cells.
+    Films,
+    /// A number that is an angle of the cycle or a time.
+    Moment,
     /// Recorded vectors, or journals, whose loads are meant.
     Vectors,
     /// Linear analyses of the model of the first argument.
@@ -64,6 +68,10 @@ pub enum Value {
     Signals(Vec<Signals>),
     /// Journals.
     Journals(Journals),
+    /// Journals with films on cells, and whether all their models have a cycle.
+    Films(Journals, bool),
+    /// A moment, and whether it is a time.
+    Moment(Expression, bool),
     /// Vectors.
     Vectors(Vec<Vector>, Recorded),
     /// Names of analyses.

@@ -6,6 +6,7 @@
 
 mod argument;
 mod campbell;
+mod film;
 mod history;
 mod orbit;
 mod order_track;
@@ -16,6 +17,7 @@ mod xy;
 
 pub use argument::{Argument, Given, Journals, Recorded, Signals, Takes, Unplanned, Value};
 pub use campbell::Campbell;
+pub use film::FilmMap;
 pub use history::History;
 pub use orbit::Orbit;
 pub use order_track::OrderTrack;
@@ -38,6 +40,7 @@ pub const KINDS: &[FigureRow] = &[
     waterfall::ROW,
     campbell::ROW,
     xy::ROW,
+    film::ROW,
 ];
 
 /// The kind with a name.
@@ -99,6 +102,8 @@ pub enum Picture {
     Campbell(Campbell),
     /// Signals over other signals.
     Xy(Xy),
+    /// Cells of films.
+    Film(FilmMap),
 }
 
-dereferences!(Picture to Kind: History Spectrum Orbit Polar OrderTrack Waterfall Campbell Xy);
+dereferences!(Picture to Kind: History Spectrum Orbit Polar OrderTrack Waterfall Campbell Xy Film);

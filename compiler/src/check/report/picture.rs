@@ -70,6 +70,7 @@ impl<'a> Reporter<'a, '_> {
                     Value::Signals(vec![signals])
                 }
                 Takes::Journals => Value::Journals(self.journals(row, value, display)?),
+                Takes::Films => self.films(row, value, display)?,
                 Takes::Vectors => {
                     let (vectors, column) = self.vectors(row, value)?;
                     let typed = Typed::signals(Vec::new(), true, &column, SignalRows::Samples);
@@ -163,12 +164,14 @@ impl<'a> Reporter<'a, '_> {
                 Some(Value::Signals(vec![signals]))
             }
             Takes::LinearAnalyses => self.natural_modes(expr, of?).map(Value::Analyses),
+            Takes::Moment => self.moment(expr, &what),
             // arguments by place that nothing refers back from
             Takes::Ordinates
             | Takes::Amplitudes
             | Takes::AmplitudesOfRuns
             | Takes::AmplitudesOfRunsOr(_)
             | Takes::Journals
+            | Takes::Films
             | Takes::Vectors => None,
         }
     }
@@ -366,6 +369,61 @@ impl<'a> Reporter<'a, '_> {
             journals.push((place.plan.analysis.origin.path.clone(), place.path.clone()));
         }
         Some(journals)
+    }
+
+    /// Journals whose films have cells.
+    fn films(
+        &mut self,
+        row: &FigureRow,
+        expr: &'a Expr,
+        display: Option<&UnitExpr>,
+    ) -> Option<Value> {
+        if let Some(unit) = display {
+            self.tell(
+                Diagnostic::error(
+                    codes::DISPLAY,
+                    "cells of films are drawn in MPa, um or without a unit",
+                )
+                .at(unit.span, "another unit")
+                .with_help("omit `as`"),
+            );
+            return None;
+        }
+        let journals = self.journals(row, expr, None)?;
+        let places = self.places(expr)?;
+        for place in &places.found {
+            if place.journal().is_some_and(|journal| !journal.cells) {
+                let title = format!("the law of `{}` has no cells", place.path);
+                self.tell(
+                    Diagnostic::error(codes::REPORT_SHAPE, title)
+                        .at(expr.span, format!("`{}` draws {}", row.name, row.about))
+                        .with_help("a law with a `field` has them"),
+                );
+                return None;
+            }
+        }
+        let cycle = places.found.iter().all(|place| place.channels.cycle);
+        Some(Value::Films(journals, cycle))
+    }
+
+    /// A number that is an angle or a time.
+    fn moment(&mut self, expr: &'a Expr, what: &str) -> Option<Value> {
+        let of = self.expression(expr)?.settled();
+        self.shaped(expr, &of, Shape::Number, what)?;
+        let (quantity, time) = (of.quantity(), Quantity::hard(Dimension::TIME));
+        let by_time = quantity.dim.base != Dimension::ANGLE;
+        if by_time && let Err(misfit) = quantity.fits(&time) {
+            self.checker
+                .misfit(expr, misfit, &quantity, &time, &Due::new(what));
+            return None;
+        }
+        match of.members.as_slice() {
+            [one] if !of.list => Some(Value::Moment(one.expression.clone(), by_time)),
+            _ => {
+                self.refuse(expr, what, "one moment")?;
+                None
+            }
+        }
     }
 
     /// Recorded vectors or loads of journals, and the column of the first one's component along x.

@@ -26,6 +26,8 @@ pub(super) struct Journal {
     pub path: String,
     /// The channels of the force on its pin, along x and y of the shell.
     pub force: [String; 2],
+    /// Whether it is solved on cells.
+    pub cells: bool,
 }
 
 impl Channels {
@@ -113,6 +115,7 @@ impl<'a> Models<'a> {
                         Some(Journal {
                             path: element.origin.path.clone(),
                             force: [channel(j.force)?, channel(j.force + 1)?],
+                            cells: !element.fields.is_empty(),
                         })
                     })
                     .collect(),

@@ -1,8 +1,8 @@
 //! Colours over speed and frequency, with the lines of orders and of natural frequencies.
 
-use super::super::axes::{Area, LABEL, SMALL, Scaled, WIDTH};
-use super::super::font::text_width;
-use super::super::palette::{Color, LEVEL_COUNT};
+use super::super::axes::{Area, SMALL, Scaled, WIDTH};
+use super::super::levels::draw_levels;
+use super::super::palette::Color;
 use super::super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::super::ticks;
 use super::SweepFigure;
@@ -176,49 +176,4 @@ impl Campbell {
             svg.end_group();
         }
     }
-}
-
-/// The colours with their numbers.
-fn draw_levels(svg: &mut Svg<'_>, area: &Area, levels: &ticks::Ticks, label: &str) {
-    let (left, width) = (area.right() + 84.0, 20.0);
-    let height = area.height / LEVEL_COUNT as f64;
-    for level in 0..LEVEL_COUNT {
-        svg.area(
-            left,
-            area.bottom() - (level + 1) as f64 * height,
-            width,
-            height + 0.3,
-            Color::Level(level),
-        );
-    }
-    let exponent = ticks::exponent(levels.range);
-    let factor = libm::pow(10.0, f64::from(exponent));
-    let mut widest = 0.0f64;
-    for value in &levels.values {
-        let at = area.y(*value, levels);
-        let number = ticks::number(value / factor, levels.step / factor);
-        widest = widest.max(text_width(&number, SMALL, false));
-        svg.line(
-            (left + width, at),
-            (left + width + 5.0, at),
-            Stroke::solid(Color::Rule, 1.0),
-        );
-        svg.text(
-            left + width + 9.0,
-            at + SMALL * 0.36,
-            &number,
-            TextStyle::new(SMALL, Anchor::Start),
-        );
-    }
-    let label = if exponent == 0 {
-        label.to_owned()
-    } else {
-        format!("{} · {label}", ticks::power_of_ten(exponent))
-    };
-    svg.text(
-        left + width + 9.0 + widest + 22.0,
-        area.top + area.height / 2.0,
-        &label,
-        TextStyle::new(LABEL - 1.0, Anchor::Middle).upwards(),
-    );
 }

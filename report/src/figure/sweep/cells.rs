@@ -1,6 +1,7 @@
 //! The cells of a map: few enough to be drawn, none of the peaks lost.
 
 use super::super::axes::{Area, Scaled};
+use super::super::levels::level;
 use super::super::palette::{Color, LEVEL_COUNT};
 use super::super::svg::Svg;
 use super::SweepFigure;
@@ -110,26 +111,19 @@ pub(super) fn draw_cells(
     (x, y): (&Scaled, &Scaled),
     cells: &Cells,
     edges: &[f64],
-    (low, high): (f64, f64),
+    range: (f64, f64),
 ) {
-    let level = |value: f64| -> Option<usize> {
-        let share = (value - low) / (high - low);
-        share
-            .is_finite()
-            .then(|| (share.clamp(0.0, 1.0) * LEVEL_COUNT as f64) as usize)
-            .map(|level| level.min(LEVEL_COUNT - 1))
-    };
     let mut paths: Vec<Vec<(f64, f64, f64, f64)>> = vec![Vec::new(); LEVEL_COUNT];
     for (column, side) in cells.values.iter().zip(edges.windows(2)) {
         let [from, to] = side else { continue };
         let (left, right) = (area.x(*from, &x.ticks), area.x(*to, &x.ticks));
         let mut row = 0;
         while let Some(value) = column.get(row) {
-            let this = level(*value);
+            let this = level(*value, range);
             let run = column
                 .iter()
                 .skip(row)
-                .take_while(|v| level(**v) == this)
+                .take_while(|v| level(**v, range) == this)
                 .count();
             let bottom = cells.start + row as f64 * cells.step;
             let top = bottom + run as f64 * cells.step;

@@ -1,0 +1,133 @@
+//! The error of films by their cells: the same moments on twice as many cells in both directions.
+//!
+//! The error of a film is of second order in the cells, so twice as many leave a quarter of it. The difference of both
+//! times 4/3 is the error of the coarser one (Richardson, Phil. Trans. A 210 (1911) 307).
+
+use crate::machine::Machine;
+use crate::recorded_field::{RecordedField, Twice};
+use crate::results::Results;
+use crate::significant::significant;
+use eng_system::field::FieldGrid;
+
+/// Moments of the last cycle at which films are solved again.
+const MOMENTS: usize = 20;
+/// The error over the difference from twice as many cells.
+const WHOLE: f64 = 4.0 / 3.0;
+
+/// The error of a film by its cells.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct GridError {
+    /// The element: `main[3]`.
+    pub path: String,
+    /// Cells around and across.
+    pub cells: [usize; 2],
+    /// Moments that were solved again.
+    pub moments: usize,
+    /// Largest error of the load over the largest load of the moments; positive for a load that is too high.
+    pub load: f64,
+    /// Largest error of the highest pressure over the largest one of the moments.
+    pub pressure: f64,
+    /// At the moment of the least film: that film (m), and by how much it would be thinner (m) if it carried the same load
+    /// at the same rates without the error. `None` without a stiffness.
+    pub film: Option<[f64; 2]>,
+}
+
+impl GridError {
+    /// The error in words.
+    pub fn text(&self) -> String {
+        let percent = |share: f64| {
+            let side = if share < 0.0 { "low" } else { "high" };
+            format!("{} % too {side}", significant(100.0 * share.abs(), 2))
+        };
+        let film = match self.film {
+            Some([film, thinner]) => {
+                let side = if thinner < 0.0 { "thin" } else { "thick" };
+                format!(
+                    ", the least film of {} µm {} µm too {side}",
+                    significant(1e6 * film, 3),
+                    significant(1e6 * thinner.abs(), 2)
+                )
+            }
+            None => String::new(),
+        };
+        format!(
+            "cells of {}: by twice as many at {} moments, {} × {} leave the load up to {}, the highest pressure {}{film}",
+            self.path,
+            self.moments,
+            self.cells[0],
+            self.cells[1],
+            percent(self.load),
+            percent(self.pressure),
+        )
+    }
+}
+
+/// The errors of all films of a run, from its motion. A film that no finer grid solves is left out.
+pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError> {
+    let count = motion.samples();
+    let moments: Vec<usize> = match count {
+        0..=MOMENTS => (0..count).collect(),
+        // a cycle that repeats has one moment at both ends
+        _ => (0..MOMENTS)
+            .map(|k| (k + 1) * (count - 1) / MOMENTS)
+            .collect(),
+    };
+    let fields = machine.fields.iter();
+    fields
+        .filter_map(|field| of_field(field, motion, &moments))
+        .collect()
+}
+
+fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Option<GridError> {
+    let solved = field.twice(motion, moments).ok()?;
+    let forces = solved.iter().map(|twice| twice.result::<2>("force"));
+    let forces: Vec<[[f64; 2]; 2]> = forces.collect::<Option<_>>()?;
+    let pressures = solved.iter().map(|twice| twice.result("maximum_pressure"));
+    let pressures: Vec<[[f64; 1]; 2]> = pressures.collect::<Option<_>>()?;
+    let size = |force: [f64; 2]| libm::hypot(force[0], force[1]);
+    let loads: Vec<[f64; 2]> = forces.iter().map(|both| both.map(size)).collect();
+    let pressures: Vec<[f64; 2]> = pressures.iter().map(|both| both.map(|[p]| p)).collect();
+    let thinnest = solved
+        .iter()
+        .filter_map(|twice| Some((twice, twice.result::<1>("minimum_film")?)))
+        .min_by(|a, b| a.1[1][0].total_cmp(&b.1[1][0]));
+    let FieldGrid { around, across, .. } = field.grid();
+    Some(GridError {
+        path: field.path.clone(),
+        cells: [
+            around.len().saturating_sub(1),
+            across.len().saturating_sub(1),
+        ],
+        moments: solved.len(),
+        load: largest(&loads)?,
+        pressure: largest(&pressures)?,
+        film: thinnest.and_then(|(twice, film)| Some([film[0][0], thinner(twice)?])),
+    })
+}
+
+/// The largest error of a number, over the largest finer number.
+fn largest(both: &[[f64; 2]]) -> Option<f64> {
+    let most = both
+        .iter()
+        .fold(0.0_f64, |most, [_, finer]| most.max(finer.abs()));
+    let errors = both.iter().map(|[own, finer]| WHOLE * (own - finer));
+    let error = errors.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    (most > 0.0).then_some(error / most)
+}
+
+/// By how much the least film is thinner (m) where the finer film carries the load of the coarser one: the pin moves by
+/// `S⁻¹ (F' − F)` with the stiffness S, and the film changes by the part of it towards the least gap.
+fn thinner(twice: &Twice) -> Option<f64> {
+    let [own, finer] = twice.result::<2>("force")?;
+    let [_, [xx, xy, yx, yy]] = twice.result::<4>("stiffness")?;
+    let [_, [angle]] = twice.result::<1>("minimum_film_angle")?;
+    let [x, y] = [0, 1].map(|axis| WHOLE * (finer[axis] - own[axis]));
+    let determinant = xx * yy - xy * yx;
+    let moved = [
+        (yy * x - xy * y) / determinant,
+        (xx * y - yx * x) / determinant,
+    ];
+    let (sin, cos) = libm::sincos(angle);
+    let thinner = moved[0] * cos + moved[1] * sin;
+    thinner.is_finite().then_some(thinner)
+}

@@ -1,0 +1,269 @@
+//! Fields at the moments that a motion keeps, solved again by the same kernels.
+//!
+//! The motion has the numbers with which each field was solved. A film has its pressure, gap and content in its cells.
+//!
+//! Columns of a motion for a field `F` (`main[3].reynolds`: the element and its kernel), all in SI:
+//!
+//! | column | meaning |
+//! | --- | --- |
+//! | `F.eccentricity.x`, `F.spin`, `F.supply[1]`, … | the drives, by the names of the kernel's arguments |
+//! | `F.surface[1]`, …, `F.surface_rate[1]`, … | amplitudes of an elastic surface by the modes of its body, and their rates |
+//! | `F.step` | time since the begin of the step; 0 for a field in balance |
+//! | `F.memory[1]`, … | the numbers that the field remembered at that begin |
+
+use crate::results::{CellColumn, Results};
+use eng_runtime::model::Model;
+use eng_system::field::{
+    FieldError, FieldGrid, FieldKernel, FieldSolver, KERNELS, Kernel, Past, Takes, drives,
+};
+use eng_system::{Dimension, DisplayUnit};
+use std::sync::Arc;
+
+/// A field of an element with outputs.
+#[derive(Clone, Debug)]
+pub struct RecordedField {
+    /// The element: `main[3]`.
+    pub path: String,
+    /// The begin of its columns: `main[3].reynolds`.
+    name: String,
+    kernel: &'static Kernel,
+    openings: u32,
+    own: Arc<dyn FieldKernel>,
+}
+
+/// Names and sizes decide which numbers belong to a field.
+impl PartialEq for RecordedField {
+    fn eq(&self, other: &Self) -> bool {
+        let key = |field: &Self| (field.name.clone(), field.openings, field.own.memory());
+        key(self) == key(other)
+    }
+}
+
+/// The numbers with which a field was solved at a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SolvedWith {
+    drives: Vec<f64>,
+    step: f64,
+    memory: Vec<f64>,
+}
+
+impl RecordedField {
+    /// The fields of a bound model in the order of [`eng_runtime::Sample::fields`].
+    pub(crate) fn all(model: &Model) -> Vec<RecordedField> {
+        let system = &model.compiled.system;
+        let mut found: Vec<RecordedField> = Vec::new();
+        for (at, (element, kernels)) in system.elements.iter().zip(&model.kernels).enumerate() {
+            if system.channels.iter().all(|c| c.element as usize != at) {
+                continue;
+            }
+            for (source, own) in element.fields.iter().zip(kernels) {
+                let Some(kernel) = KERNELS.get(source.kernel as usize) else {
+                    continue;
+                };
+                let path = &element.origin.path;
+                let same = |field: &&RecordedField| {
+                    field.path == *path && std::ptr::eq(field.kernel, kernel)
+                };
+                let name = match found.iter().filter(same).count() {
+                    0 => format!("{path}.{}", kernel.name),
+                    before => format!("{path}.{}[{}]", kernel.name, before + 1),
+                };
+                found.push(RecordedField {
+                    path: path.clone(),
+                    name,
+                    kernel,
+                    openings: source.openings,
+                    own: Arc::clone(own),
+                });
+            }
+        }
+        found
+    }
+
+    /// Names and dimensions of its columns.
+    pub(crate) fn columns(&self) -> Vec<(String, Dimension)> {
+        let mut columns = Vec::new();
+        let name = &self.name;
+        for (argument, count) in drives(self.kernel, self.openings) {
+            let path = format!("{name}.{}", argument.name);
+            match argument.takes {
+                Takes::DrivePair => {
+                    columns.extend(["x", "y"].map(|a| (format!("{path}.{a}"), argument.dimension)));
+                }
+                Takes::Drives => {
+                    let all = 1..=count;
+                    columns.extend(all.map(|k| (format!("{path}[{k}]"), argument.dimension)));
+                }
+                _ => columns.push((path, argument.dimension)),
+            }
+        }
+        let speed = Dimension::LENGTH.over(Dimension::TIME);
+        for (motion, dimension) in [("surface", Dimension::LENGTH), ("surface_rate", speed)] {
+            let shapes = 1..=self.own.shapes();
+            columns.extend(shapes.map(|k| (format!("{name}.{motion}[{k}]"), dimension)));
+        }
+        columns.push((format!("{name}.step"), Dimension::TIME));
+        let memory = 1..=self.own.memory();
+        columns.extend(memory.map(|k| (format!("{name}.memory[{k}]"), Dimension::ONE)));
+        columns
+    }
+
+    /// Number of its answers, the forces of an elastic surface among them.
+    fn answer_count(&self) -> usize {
+        self.kernel.answer_count() as usize + self.own.shapes()
+    }
+
+    /// Its cells.
+    pub(crate) fn grid(&self) -> FieldGrid {
+        self.own.grid()
+    }
+
+    /// The numbers of a sample of a motion; `None` if the motion does not have them.
+    pub(crate) fn at(&self, motion: &Results, sample: usize) -> Option<SolvedWith> {
+        let value =
+            |(path, _): &(String, Dimension)| motion.column(path)?.values.get(sample).copied();
+        let mut drives: Vec<f64> = self.columns().iter().map(value).collect::<Option<_>>()?;
+        let memory = drives.split_off(drives.len().checked_sub(self.own.memory())?);
+        let step = drives.pop()?;
+        Some(SolvedWith {
+            drives,
+            step,
+            memory,
+        })
+    }
+
+    /// Solves the field as at a moment.
+    ///
+    /// # Errors
+    /// Those of the kernel.
+    pub(crate) fn solve(&self, with: &SolvedWith) -> Result<Box<dyn FieldSolver>, FieldError> {
+        let mut solver = self.own.solver();
+        let mut answers = vec![0.0; self.answer_count()];
+        solver.solve(&with.drives, with.past(), &mut answers)?;
+        Ok(solver)
+    }
+}
+
+impl RecordedField {
+    /// The quantities of the field in its cells at all moments of a motion; `None` if the motion does not have its numbers.
+    ///
+    /// # Errors
+    /// Those of the kernel.
+    pub(crate) fn cells(
+        &self,
+        motion: &Results,
+        frame: &str,
+    ) -> Result<Option<Vec<CellColumn>>, FieldError> {
+        let grid = self.grid();
+        // only further fields of an element need the kernel in their names
+        let first = self.name == format!("{}.{}", self.path, self.kernel.name);
+        let begin = if first { &self.path } else { &self.name };
+        let mut columns: Vec<CellColumn> = (self.kernel.cells.iter())
+            .map(|quantity| CellColumn {
+                path: format!("{begin}.{}", quantity.name),
+                dimension: quantity.dimension,
+                display: DisplayUnit {
+                    symbol: quantity.unit.0.to_owned(),
+                    scale: quantity.unit.1,
+                    offset: 0.0,
+                },
+                frame: frame.to_owned(),
+                grid: grid.clone(),
+                values: Vec::with_capacity(grid.cells() * motion.samples()),
+            })
+            .collect();
+        let mut solver = self.own.solver();
+        let mut answers = vec![0.0; self.answer_count()];
+        let mut values = vec![0.0; grid.cells()];
+        for sample in 0..motion.samples() {
+            let Some(with) = self.at(motion, sample) else {
+                return Ok(None);
+            };
+            solver.solve(&with.drives, with.past(), &mut answers)?;
+            for (quantity, column) in columns.iter_mut().enumerate() {
+                solver.cells(quantity, &mut values);
+                let shown = values.iter().map(|x| column.display.from_si(*x) as f32);
+                column.values.extend(shown);
+            }
+        }
+        Ok(Some(columns))
+    }
+}
+
+/// A field at a moment, on its own grid and on one of twice as many cells in both directions.
+pub(crate) struct Twice {
+    /// The kernel.
+    pub kernel: &'static Kernel,
+    /// Answers on its own grid and on the finer one.
+    pub answers: [Vec<f64>; 2],
+    /// Readings on both.
+    pub readings: [Vec<f64>; 2],
+}
+
+impl Twice {
+    /// Numbers of a result on both grids; `None` if the kernel has no such result.
+    pub fn result<const N: usize>(&self, name: &str) -> Option<[[f64; N]; 2]> {
+        let (_, first, answer) = self.kernel.result(name)?;
+        let [own, finer] = if answer {
+            &self.answers
+        } else {
+            &self.readings
+        };
+        let of = |numbers: &[f64]| -> Option<[f64; N]> {
+            let place = first as usize..first as usize + N;
+            numbers.get(place)?.try_into().ok()
+        };
+        Some([of(own)?, of(finer)?])
+    }
+}
+
+impl RecordedField {
+    /// The field at moments of a motion, on its own cells and on twice as many in both directions. Moments that the finer
+    /// grid does not solve are left out.
+    ///
+    /// # Errors
+    /// If there is no finer grid.
+    pub(crate) fn twice(
+        &self,
+        motion: &Results,
+        samples: &[usize],
+    ) -> Result<Vec<Twice>, FieldError> {
+        let finer = self.own.refined()?;
+        let grid = finer.grid();
+        let mut solvers = [self.own.solver(), finer.solver()];
+        let mut found = Vec::new();
+        for with in samples.iter().filter_map(|at| self.at(motion, *at)) {
+            let refined = SolvedWith {
+                memory: self.own.memory_on(&grid, &with.memory),
+                ..with.clone()
+            };
+            let blank = |count: usize| [vec![0.0; count], vec![0.0; count]];
+            let mut twice = Twice {
+                kernel: self.kernel,
+                answers: blank(self.answer_count()),
+                readings: blank(self.kernel.reading_count() as usize),
+            };
+            let solved = [&with, &refined].into_iter().zip(&mut solvers);
+            let solved = solved.zip(&mut twice.answers).zip(&mut twice.readings);
+            let mut solved = solved;
+            let solved = solved.try_for_each(|(((with, solver), answers), readings)| {
+                solver.solve(&with.drives, with.past(), answers)?;
+                solver.read(readings, true);
+                Ok::<(), FieldError>(())
+            });
+            if solved.is_ok() {
+                found.push(twice);
+            }
+        }
+        Ok(found)
+    }
+}
+
+impl SolvedWith {
+    fn past(&self) -> Option<Past<'_>> {
+        (self.step > 0.0).then_some(Past {
+            step: self.step,
+            memory: &self.memory,
+        })
+    }
+}
