@@ -55,13 +55,13 @@ fn the_film_does_not_depend_on_the_modes() {
         assert!((x / y - 1.0).abs() < 2e-4, "{path}: {x} {y}");
     }
     // a rigid bore has another film
-    let rigid = MODEL.replace(", surface: fourier(around: 5, across: 1)", "");
+    let rigid = MODEL.replace(", surface: fourier(waves_around: 5, degree_across: 1)", "");
     let (rigid, y) = (LastTurn::of(&rigid, MESH), many.mean("main.eccentricity.x"));
     assert!((rigid.mean("main.eccentricity.x") / y - 1.0).abs() > 0.2);
-    assert!(many.mean("main.deflection") > 4e-6);
+    assert!(many.mean("main.deflection") > 3e-6);
 }
 
-/// The drive gives what the film loses, with a bore that yields by a sixth of the clearance.
+/// The drive gives what the film loses, with a bore that yields by a seventh of the clearance.
 #[test]
 fn an_elastic_bore_takes_no_energy() {
     let run = LastTurn::of(MODEL, MESH);
@@ -131,8 +131,8 @@ fn a_free_ring_is_the_exact_one() {
             "    joint hold = Fixed(shell.bore, seat)\n    joint thrust",
         )
         .replace(
-            "fourier(around: 5, across: 1)",
-            "fourier(around: 5, across: 0)",
+            "fourier(waves_around: 5, degree_across: 1)",
+            "fourier(waves_around: 5, degree_across: 0)",
         );
     let run = LastTurn::of(&model, MESH);
     let mut source = FilmSource::plain(27e-3, 24e-3, 27e-6, Cavitation::Reynolds, [36, 7]);
@@ -144,6 +144,8 @@ fn a_free_ring_is_the_exact_one() {
         across: 0,
     };
     source.shapes = waves.iter().map(shape).collect();
+    // for the iterates of the surface
+    source.floor = 27e-9;
     let count = waves.len();
     let mut compliance = vec![0.0; count * count];
     for (at, (around, _)) in waves.iter().enumerate() {
@@ -208,23 +210,23 @@ fn wrong_surfaces_are_told() {
     };
     for (from, to, message) in [
         (
-            "fourier(around: 5,",
-            "fourier(around: 16,",
+            "fourier(waves_around: 5,",
+            "fourier(waves_around: 16,",
             "too coarse for 16 waves",
         ),
         ("across: 1)", "across: 6)", "too coarse for degree 6"),
         (
-            "fourier(around: 5,",
-            "fourier(around: -1,",
+            "fourier(waves_around: 5,",
+            "fourier(waves_around: -1,",
             "it must be 0 to 40",
         ),
         (
-            "fourier(around: 5, across: 1)",
-            "fourier(around: 5)",
+            "fourier(waves_around: 5, degree_across: 1)",
+            "fourier(waves_around: 5)",
             "across",
         ),
         (
-            "fourier(around: 5, across: 1)",
+            "fourier(waves_around: 5, degree_across: 1)",
             "chebyshev(5)",
             "not the `surface` of a marker",
         ),

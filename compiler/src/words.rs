@@ -355,8 +355,11 @@ pub(crate) const WORDS: &[Word] = &[
     Word {
         word: "fourier",
         place: Place::Surface,
-        arguments: &[named("around", Takes::Count), named("across", Takes::Count)],
-        example: "fourier(around: 8, across: 2)",
+        arguments: &[
+            named("waves_around", Takes::Count),
+            named("degree_across", Takes::Count),
+        ],
+        example: "fourier(waves_around: 8, degree_across: 2)",
     },
 ];
 

@@ -209,10 +209,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     }
     report.unserved = found.asked.unserved(&structure, &set);
     warn_of_rounding(request, &structure, &set, &mut report);
-    let mut surfaces = Vec::with_capacity(found.surfaces.len());
-    for surface in &found.surfaces {
-        surfaces.push(surface.beside(&structure, &set, &mut report.warnings)?);
-    }
+    let surfaces = surfaces::beside(&found.surfaces, &structure, &set, &mut report.warnings)?;
 
     let shapes = reduction.expand(set.len(), &set.vectors);
     let frequencies = set.frequencies();

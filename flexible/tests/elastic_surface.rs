@@ -263,12 +263,12 @@ fn surfaces_that_cannot_be_are_refused() {
     );
     let told = refused(mesh(), &request(bore(Spider::Averaging, WIDTH), 9, 0, 1));
     assert!(
-        told.contains("15.0°") && told.contains("`around: 6`"),
+        told.contains("15.0°") && told.contains("`waves_around: 6`"),
         "{told}"
     );
     let told = refused(mesh(), &request(bore(Spider::Averaging, WIDTH), 2, 3, 1));
     assert!(
-        told.contains("3 rows of nodes") && told.contains("`across: 2`"),
+        told.contains("3 rows of nodes") && told.contains("`degree_across: 2`"),
         "{told}"
     );
     let told = refused(

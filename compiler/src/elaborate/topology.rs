@@ -41,7 +41,7 @@ impl Elaborator<'_, '_> {
                     format!("the elastic surface of {} is not used", marker.origin.path),
                 )
                 .at(span_of(source.at), "no film presses on it")
-                .with_help("take a law that solves its film, such as `Film`, with this marker as its shell; or leave `surface` out")
+                .with_help("take a law that solves its film on cells, with this marker as its shell; or leave `surface` out")
             })
             .collect()
     }

@@ -246,7 +246,7 @@ fn enough_nodes(
                 surface.shapes.around
             ),
             &format!(
-                "state at most `around: {}`, or refine the mesh",
+                "state at most `waves_around: {}`, or refine the mesh",
                 most as u32
             ),
         ));
@@ -260,7 +260,7 @@ fn enough_nodes(
                 surface.shapes.across
             ),
             &format!(
-                "state at most `across: {}`, or refine the mesh",
+                "state at most `degree_across: {}`, or refine the mesh",
                 rows.saturating_sub(1)
             ),
         ));
@@ -515,9 +515,22 @@ impl Prepared {
     }
 }
 
+/// The surfaces beside a set of modes, and warnings about faces that they lack.
+pub(super) fn beside(
+    answered: &[Answered],
+    structure: &Structure,
+    set: &ModeSet,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<ReducedSurface>, FlexibleError> {
+    let surfaces = answered.iter();
+    surfaces
+        .map(|surface| surface.beside(structure, set, warnings))
+        .collect()
+}
+
 impl Answered {
     /// The surface beside a set of modes, and a warning about faces that it lacks.
-    pub(super) fn beside(
+    fn beside(
         &self,
         structure: &Structure,
         set: &ModeSet,

@@ -83,8 +83,8 @@ impl<'a> Elaborator<'a, '_> {
             }
         };
         let shapes = SurfaceShapes {
-            around: count("around", MOST_WAVES)?,
-            across: count("across", MOST_DEGREE)?,
+            around: count("waves_around", MOST_WAVES)?,
+            across: count("degree_across", MOST_DEGREE)?,
         };
         // a number of waves that an analysis states can leave the surface rigid
         Ok((shapes.around > 0).then_some(shapes))
