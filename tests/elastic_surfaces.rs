@@ -78,6 +78,12 @@ fn exact(k: u32) -> f64 {
         let deflection = a / young * ((b * b + a * a) / (b * b - a * a) + nu);
         return deflection / (2.0 * std::f64::consts::PI * a * width);
     }
+    let kappa = (3.0 - nu) / (1.0 + nu);
+    if k == 1 {
+        let factor = -0.25 / (a - f64::powi(b, 4) / f64::powi(a, 3));
+        let moved = factor * (kappa * a * a + f64::powi(b, 4) / (a * a)) * (1.0 + nu) / young;
+        return moved / (std::f64::consts::PI * a * width);
+    }
     let n = f64::from(k);
     let stresses = |r: f64| {
         [
@@ -106,14 +112,12 @@ fn exact(k: u32) -> f64 {
     });
     let side = nalgebra::Vector4::new(-1.0, 0.0, 0.0, 0.0);
     let factors = matrix.lu().solve(&side).expect("a solution");
-    let kappa = (3.0 - nu) / (1.0 + nu);
     let moved = nalgebra::Vector4::new(-n, n, kappa - n - 1.0, kappa + n - 1.0).dot(&factors);
     a * moved * (1.0 + nu) / young / (std::f64::consts::PI * a * width)
 }
 
 /// A free ring whose bore a joint holds by its mean motion: at the place of the pin that the run finds, a film on a ring with the
-/// exact compliance has the same pressure, gap and force. The wave 1 of the pressure is left to the joint, as in the ring's theory; the
-/// mesh has it too, so agreement is to the size of its small deflection.
+/// exact compliance has the same pressure, gap and force.
 #[test]
 fn a_free_ring_is_the_exact_one() {
     let model = MODEL
@@ -136,7 +140,7 @@ fn a_free_ring_is_the_exact_one() {
         );
     let run = LastTurn::of(&model, MESH);
     let mut source = FilmSource::plain(27e-3, 24e-3, 27e-6, Cavitation::Reynolds, [36, 7]);
-    let pairs = (2..=5).flat_map(|around| [(around, false), (around, true)]);
+    let pairs = (1..=5).flat_map(|around| [(around, false), (around, true)]);
     let waves: Vec<(u32, bool)> = std::iter::once((0, false)).chain(pairs).collect();
     let shape = |(around, sine): &(u32, bool)| Shape {
         around: *around,

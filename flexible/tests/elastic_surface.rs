@@ -143,12 +143,22 @@ fn all(body: &Reduced) -> Vec<f64> {
 /// Compliance of a ring in plane stress under a pressure of k waves on its inner wall, for a width of 1 m (m²/N).
 ///
 /// Michell's stress function has four terms of k waves, whose stresses and displacements are those of J. R. Barber, Elasticity, 3rd
-/// ed. (2010), tables 8.1 and 9.1; k = 0 is Lamé's solution.
+/// ed. (2010), tables 8.1 and 9.1; k = 0 is Lamé's solution, and of k = 1 the
+/// self-balanced part is left.
 fn exact(k: u32) -> f64 {
     let (a, b, nu) = (INNER, OUTER, POISSON);
     if k == 0 {
         let deflection = a / YOUNG * ((b * b + a * a) / (b * b - a * a) + nu);
         return deflection / (2.0 * std::f64::consts::PI * a);
+    }
+    let kappa = (3.0 - nu) / (1.0 + nu);
+    let shear = YOUNG / (2.0 * (1.0 + nu));
+    if k == 1 {
+        // the marker takes the resultant of `q cos` back as a uniform traction, so half of q is left in each direction: the terms r³
+        // and 1/r; the amplitude is relative to the mean motion of the wall
+        let factor = -0.25 / (a - b.powi(4) / a.powi(3));
+        let moved = factor * (kappa * a * a + b.powi(4) / (a * a)) / (2.0 * shear);
+        return moved / (std::f64::consts::PI * a);
     }
     let n = f64::from(k);
     // lengths are multiples of the inner radius
@@ -181,9 +191,7 @@ fn exact(k: u32) -> f64 {
         .lu()
         .solve(&nalgebra::Vector4::new(-1.0, 0.0, 0.0, 0.0))
         .unwrap();
-    let kappa = (3.0 - nu) / (1.0 + nu);
     let moved = nalgebra::Vector4::new(-n, n, kappa - n - 1.0, kappa + n - 1.0).dot(&factors);
-    let shear = YOUNG / (2.0 * (1.0 + nu));
     let deflection = a * moved / (2.0 * shear);
     deflection / (std::f64::consts::PI * a)
 }
@@ -197,13 +205,11 @@ fn a_ring_yields_as_the_exact_solution() {
     let found = all(&body);
     let shapes: Vec<SurfaceShape> = body.body.surfaces[0].shapes.each().collect();
     let count = shapes.len();
-    for (at, shape) in shapes
-        .iter()
-        .enumerate()
-        .filter(|(_, shape)| shape.around != 1)
-    {
+    for (at, shape) in shapes.iter().enumerate() {
         let ratio = found[at * (count + 1)] * WIDTH / exact(shape.around);
-        assert!((ratio - 1.0).abs() < 4e-3, "{shape:?}: {ratio}");
+        // the tie of the marker gives all nodes the same force, which on quadratic faces is no uniform traction
+        let most = if shape.around == 1 { 0.08 } else { 4e-3 };
+        assert!((ratio - 1.0).abs() < most, "{shape:?}: {ratio}");
         for other in (0..count).filter(|other| *other != at) {
             let size = (found[at * (count + 1)] * found[other * (count + 1)]).sqrt();
             assert!(
@@ -212,9 +218,6 @@ fn a_ring_yields_as_the_exact_solution() {
             );
         }
     }
-    // the marker takes the resultant of one wave, so what is left of it yields less than the ring breathes
-    let rest = found[count + 1];
-    assert!(rest > 0.0 && rest < found[0], "{rest} {}", found[0]);
 }
 
 /// The modes take their part of the deflection: the sum does not depend on them.
