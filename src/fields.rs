@@ -18,6 +18,9 @@ const FLOOR: f64 = 1e-3;
 /// Share of its radius by which a film may differ from the surface that it presses on: a thin shell may lie between them.
 const SAME_RADIUS: f64 = 0.15;
 
+/// Fewest cells that a wave of an elastic surface must have.
+const CELLS_A_WAVE: i64 = 3;
+
 /// Makes the kernels of this program.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Fields;
@@ -93,6 +96,7 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
         across: Lines::Equal(numbers.whole("across") as usize),
         half_width: false,
     };
+    resolves_shapes(&source.shapes, numbers)?;
     let film = Film::new(source).map_err(|error| FieldError(error.to_string()))?;
     nothing_ignored(numbers)?;
     let elastic = match surface {
@@ -104,6 +108,24 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
     };
     let elastic = elastic.map_err(|error| FieldError(error.to_string()))?;
     Ok(Arc::new(Bearing(Arc::new(elastic))))
+}
+
+/// Refuses cells that cannot follow the shapes of a surface.
+fn resolves_shapes(shapes: &[Shape], numbers: &FieldNumbers<'_>) -> Result<(), FieldError> {
+    let most = |of: fn(&Shape) -> u32| i64::from(shapes.iter().map(of).max().unwrap_or(0));
+    let least = [
+        ("around", CELLS_A_WAVE * most(|shape| shape.around)),
+        ("across", most(|shape| shape.across) + 1),
+    ];
+    for (name, least) in least {
+        let cells = numbers.whole(name);
+        if !shapes.is_empty() && cells < least {
+            return Err(FieldError(format!(
+                "{cells} cells {name} cannot follow the shapes of the elastic surface: take {least} or more"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses a film that is no film of the surface: of another radius, or wider.
@@ -309,29 +331,19 @@ impl FieldKernel for Bearing {
     }
 
     fn refined(&self) -> Result<Arc<dyn FieldKernel>, FieldError> {
-        let refused = |error: eng_film::SourceError| FieldError(error.to_string());
+        if self.memory() > 0 {
+            return Err(FieldError(
+                "a film with memory would continue on finer cells from that of coarser ones".into(),
+            ));
+        }
         let film = self.0.film();
         let mut source = film.source().clone();
         let [around, across] = film.cells();
         source.around = Lines::Equal(2 * around);
         source.across = Lines::Equal(2 * across);
-        let finer = Film::new(source).map_err(refused)?;
-        let elastic = self.0.with_film(finer).map_err(refused)?;
-        Ok(Arc::new(Bearing(Arc::new(elastic))))
-    }
-
-    fn memory_on(&self, grid: &FieldGrid, memory: &[f64]) -> Vec<f64> {
-        let (own, content) = (self.grid(), self.0.film().memory());
-        let (content, rest) = memory.split_at(content.min(memory.len()));
-        let [angles, places] = grid.middles();
-        let mut moved = Vec::with_capacity(grid.cells() + rest.len());
-        if !content.is_empty() {
-            for angle in angles {
-                moved.extend(places.iter().map(|z| content[own.cell_at(angle, *z)]));
-            }
-        }
-        moved.extend_from_slice(rest);
-        moved
+        let finer = Film::new(source).and_then(|finer| Elastic::new(finer, Vec::new()));
+        let finer = finer.map_err(|error| FieldError(error.to_string()))?;
+        Ok(Arc::new(Bearing(Arc::new(finer))))
     }
 }
 

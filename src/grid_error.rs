@@ -2,6 +2,9 @@
 //!
 //! The error of a film is of second order in the cells, so twice as many leave a quarter of it. The difference of both
 //! times 4/3 is the error of the coarser one (Richardson, Phil. Trans. A 210 (1911) 307).
+//!
+//! A film with memory has no such error here: the finer one would continue from the memory of the coarser one, and a single
+//! step does not show the difference of two films that were always apart.
 
 use crate::machine::Machine;
 use crate::recorded_field::{RecordedField, Twice};
@@ -51,18 +54,18 @@ impl GridError {
             None => String::new(),
         };
         format!(
-            "cells of {}: by twice as many at {} moments, {} × {} leave the load up to {}, the highest pressure {}{film}",
+            "cells of {}, {} × {}: against twice as many both ways at {} moments, the load is up to {}, the highest pressure {}{film}",
             self.path,
-            self.moments,
             self.cells[0],
             self.cells[1],
+            self.moments,
             percent(self.load),
             percent(self.pressure),
         )
     }
 }
 
-/// The errors of all films of a run, from its motion. A film that no finer grid solves is left out.
+/// The errors of all films of a run, from its motion. A film with memory, or one that no finer grid solves, is left out.
 pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError> {
     let count = motion.samples();
     let moments: Vec<usize> = match count {

@@ -11,12 +11,13 @@
 //! | `F.step` | time since the begin of the step; 0 for a field in balance |
 //! | `F.memory[1]`, … | the numbers that the field remembered at that begin |
 
-use crate::results::{CellColumn, Results};
+use crate::results::{CellColumn, Column, Results};
 use eng_runtime::model::Model;
 use eng_system::field::{
     FieldError, FieldGrid, FieldKernel, FieldSolver, KERNELS, Kernel, Past, Takes, drives,
 };
 use eng_system::{Dimension, DisplayUnit};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A field of an element with outputs.
@@ -34,8 +35,8 @@ pub struct RecordedField {
 /// Names and sizes decide which numbers belong to a field.
 impl PartialEq for RecordedField {
     fn eq(&self, other: &Self) -> bool {
-        let key = |field: &Self| (field.name.clone(), field.openings, field.own.memory());
-        key(self) == key(other)
+        let sizes = |field: &Self| (field.openings, field.own.memory());
+        self.name == other.name && sizes(self) == sizes(other)
     }
 }
 
@@ -118,11 +119,22 @@ impl RecordedField {
         self.own.grid()
     }
 
-    /// The numbers of a sample of a motion; `None` if the motion does not have them.
-    pub(crate) fn at(&self, motion: &Results, sample: usize) -> Option<SolvedWith> {
-        let value =
-            |(path, _): &(String, Dimension)| motion.column(path)?.values.get(sample).copied();
-        let mut drives: Vec<f64> = self.columns().iter().map(value).collect::<Option<_>>()?;
+    /// Its columns in a motion; `None` if the motion does not have them.
+    pub(crate) fn columns_of<'m>(&self, motion: &'m Results) -> Option<Vec<&'m Column>> {
+        let named: HashMap<&str, &Column> =
+            (motion.columns().iter().map(|c| (c.path.as_str(), c))).collect();
+        let own = self.columns();
+        own.iter()
+            .map(|(path, _)| named.get(path.as_str()).copied())
+            .collect()
+    }
+
+    /// The numbers of a sample in its columns.
+    pub(crate) fn at(&self, columns: &[&Column], sample: usize) -> Option<SolvedWith> {
+        let values = columns
+            .iter()
+            .map(|column| column.values.get(sample).copied());
+        let mut drives: Vec<f64> = values.collect::<Option<_>>()?;
         let memory = drives.split_off(drives.len().checked_sub(self.own.memory())?);
         let step = drives.pop()?;
         Some(SolvedWith {
@@ -172,11 +184,14 @@ impl RecordedField {
                 values: Vec::with_capacity(grid.cells() * motion.samples()),
             })
             .collect();
+        let Some(numbers) = self.columns_of(motion) else {
+            return Ok(None);
+        };
         let mut solver = self.own.solver();
         let mut answers = vec![0.0; self.answer_count()];
         let mut values = vec![0.0; grid.cells()];
         for sample in 0..motion.samples() {
-            let Some(with) = self.at(motion, sample) else {
+            let Some(with) = self.at(&numbers, sample) else {
                 return Ok(None);
             };
             solver.solve(&with.drives, with.past(), &mut answers)?;
@@ -196,7 +211,7 @@ pub(crate) struct Twice {
     pub kernel: &'static Kernel,
     /// Answers on its own grid and on the finer one.
     pub answers: [Vec<f64>; 2],
-    /// Readings on both.
+    /// Readings on both; those of the own grid without slopes.
     pub readings: [Vec<f64>; 2],
 }
 
@@ -229,26 +244,22 @@ impl RecordedField {
         samples: &[usize],
     ) -> Result<Vec<Twice>, FieldError> {
         let finer = self.own.refined()?;
-        let grid = finer.grid();
         let mut solvers = [self.own.solver(), finer.solver()];
         let mut found = Vec::new();
-        for with in samples.iter().filter_map(|at| self.at(motion, *at)) {
-            let refined = SolvedWith {
-                memory: self.own.memory_on(&grid, &with.memory),
-                ..with.clone()
-            };
+        let numbers = self.columns_of(motion).unwrap_or_default();
+        for with in samples.iter().filter_map(|at| self.at(&numbers, *at)) {
             let blank = |count: usize| [vec![0.0; count], vec![0.0; count]];
             let mut twice = Twice {
                 kernel: self.kernel,
                 answers: blank(self.answer_count()),
                 readings: blank(self.kernel.reading_count() as usize),
             };
-            let solved = [&with, &refined].into_iter().zip(&mut solvers);
-            let solved = solved.zip(&mut twice.answers).zip(&mut twice.readings);
-            let mut solved = solved;
-            let solved = solved.try_for_each(|(((with, solver), answers), readings)| {
+            // the finer one alone has the slopes
+            let both = [false, true].into_iter().zip(&mut solvers);
+            let mut both = both.zip(&mut twice.answers).zip(&mut twice.readings);
+            let solved = both.try_for_each(|(((slopes, solver), answers), readings)| {
                 solver.solve(&with.drives, with.past(), answers)?;
-                solver.read(readings, true);
+                solver.read(readings, slopes);
                 Ok::<(), FieldError>(())
             });
             if solved.is_ok() {

@@ -194,10 +194,24 @@ fn a_free_ring_is_the_exact_one() {
     }
 }
 
-/// Wrong surfaces are told at the check, with their place.
+/// A support that leaves the body no mode: the film and the rest of the deflection need none.
 #[test]
-fn wrong_surfaces_are_told() {
-    let told = |from: &str, to: &str| {
+fn a_body_without_a_free_mode_carries_a_film() {
+    let held = MODEL
+        .replace("support = foot", "support = bore")
+        .replace(" + normal(modes)", "");
+    assert_ne!(held, MODEL);
+    let run = LastTurn::of(
+        &held.replace("        marker foot = set(\"FOOT\", tie: rigid)\n", ""),
+        MESH,
+    );
+    assert!((run.mean("main.force.y") / (200.0 * 9.81) - 1.0).abs() < 1e-3);
+}
+
+/// `eng check` or the bind of the run refuses a wrong surface.
+#[test]
+fn wrong_surfaces_are_refused() {
+    let refused = |from: &str, to: &str| {
         let text = MODEL.replace(from, to);
         assert_ne!(text, MODEL, "{from}");
         match checked(&text, MESH) {
@@ -245,12 +259,22 @@ fn wrong_surfaces_are_told() {
             "it would press beside the surface",
         ),
         (
+            "    cycle angle",
+            "    journal second = Film(rotor.mid, shell.bore, diameter: 54 mm, width: 24 mm, radial_clearance: 27 um, viscosity: 8 mPa*s)\n    cycle angle",
+            "presses on the same elastic surface",
+        ),
+        (
+            "around: 36, across: 7",
+            "around: 14, across: 7",
+            "14 cells around cannot follow",
+        ),
+        (
             "diameter: 54 mm",
             "diameter: 84 mm",
             "and the surface of its shell one of 27 mm",
         ),
     ] {
-        let report = told(from, to);
+        let report = refused(from, to);
         assert!(report.contains(message), "{to}: {report}");
     }
 }

@@ -149,14 +149,6 @@ impl Elastic {
         compliance
     }
 
-    /// The same surface under another film of the same shapes.
-    ///
-    /// # Errors
-    /// As [`Elastic::new`].
-    pub fn with_film(&self, film: Film) -> Result<Elastic, SourceError> {
-        Self::of(film, self.compliance.clone(), self.carried)
-    }
-
     /// The film.
     #[must_use]
     pub fn film(&self) -> &Film {
@@ -243,24 +235,17 @@ impl Elastic {
         work: &mut ElasticWork,
         outputs: &mut [f64],
     ) -> Result<(), FilmError> {
-        let (count, own, told) = (self.shapes(), self.inputs(), self.outputs());
+        let (count, own, answers) = (self.shapes(), self.inputs(), self.outputs());
         let (content, before) = memory.split_at(memory.len().min(self.film.memory()));
         work.given[..own].copy_from_slice(inputs);
-        work.step = step;
-        if step.is_some() && work.before != before {
-            // the search depends on the beginning of the step alone, so a run that continues from a checkpoint has
-            // the same bits
-            work.before.copy_from_slice(before);
-            work.amplitudes.copy_from_slice(before);
-            work.factored = false;
-        }
+        Self::begin(work, step, before);
         if count == 0 {
             self.evaluate(content, work)?;
-            outputs.copy_from_slice(&work.outputs[..told]);
+            outputs.copy_from_slice(&work.outputs[..answers]);
             return Ok(());
         }
         let clearance = self.film.source().clearance;
-        let reach = LONGEST * self.reach(work);
+        let reach = self.reach(work);
         // length of the last change, and the share of it that was made
         let (mut last, mut share) = (f64::INFINITY, 1.0);
         for round in 1..=ROUNDS {
@@ -289,7 +274,7 @@ impl Elastic {
             }
             if longest <= GOAL * clearance {
                 work.rounds = round;
-                outputs.copy_from_slice(&work.outputs[..told]);
+                outputs.copy_from_slice(&work.outputs[..answers]);
                 return Ok(());
             }
             (last, share) = (longest, (reach / longest).min(1.0));
@@ -303,8 +288,28 @@ impl Elastic {
         Err(FilmError::NoSurface { rounds: ROUNDS })
     }
 
-    /// The way of an amplitude (m) that a search may look at: the clearance, within a step the part of it that surfaces of these
-    /// velocities come along. Otherwise a short step asks for rates that leave the film behind.
+    /// The amplitudes at which the search begins. It depends on the beginning of the step alone, so a run that continues from a
+    /// checkpoint has the same bits. For another length of the step the rates of the last solution remain, not its amplitudes:
+    /// a shorter step would ask for faster surfaces.
+    fn begin(work: &mut ElasticWork, step: Option<f64>, before: &[f64]) {
+        let earlier = std::mem::replace(&mut work.step, step);
+        let Some(step) = step else { return };
+        let share = match earlier {
+            Some(earlier) if work.before == before => step / earlier,
+            _ => 0.0,
+        };
+        if share == 1.0 {
+            return;
+        }
+        work.before.copy_from_slice(before);
+        for (amplitude, before) in work.amplitudes.iter_mut().zip(before) {
+            *amplitude = before + share * (*amplitude - before);
+        }
+        work.factored = false;
+    }
+
+    /// The largest change of an amplitude in a round (m): a share of the clearance, and within a step the same share of the way of
+    /// surfaces with these velocities if it is shorter. A larger change asks for rates that leave the film behind.
     fn reach(&self, work: &ElasticWork) -> f64 {
         let source = self.film.source();
         let x = &work.given;
@@ -312,9 +317,8 @@ impl Elastic {
         let approach = speed(RATE) + speed(TILT_RATE) * source.width / 2.0;
         let swept = x[SPIN].abs() * source.clearance;
         let step = work.step.unwrap_or(f64::INFINITY);
-        source
-            .clearance
-            .min(step * (swept + approach).max(LEAST_SPEED))
+        let way = step * (swept + approach).max(LEAST_SPEED);
+        LONGEST * source.clearance.min(way)
     }
 
     /// Newton's change of the amplitudes at the last evaluation, in place of g, and its length (m).

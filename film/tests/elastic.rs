@@ -199,12 +199,11 @@ fn short_steps_find_their_place() {
             .solve(&at.write(), None, &[], &mut work, &mut y)
             .expect("a steady film");
         elastic.accept(&work, &mut memory);
-        for step in [1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10] {
+        for step in [1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-5] {
             let (speed, angle) = (0.2 * draw() * draw(), turn * draw());
             at.rate = [speed * angle.cos(), speed * angle.sin()];
             let moved = f64::min(step, 1e-5);
             at.eccentricity = [place[0] + moved * at.rate[0], place[1] + moved * at.rate[1]];
-            let mut work = elastic.work();
             let solved = elastic.solve(&at.write(), Some(step), &memory, &mut work, &mut y);
             assert!(
                 solved.is_ok(),

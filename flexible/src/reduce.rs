@@ -348,7 +348,17 @@ fn reduced_markers(
 /// All freedoms of the nodes that an averaging tie gathers at a marker's node. (A rigid one holds them by the
 /// marker.)
 fn held_nodes(mesh: &Mesh, place: Option<&u32>) -> Vec<Support> {
-    let tied = mesh.ties.iter().filter_map(|tie| match tie {
+    gathered(mesh, place)
+        .map(|node| Support {
+            node,
+            components: 0b11_1111,
+        })
+        .collect()
+}
+
+/// The nodes that an averaging tie gathers at a marker's node.
+fn gathered(mesh: &Mesh, place: Option<&u32>) -> impl Iterator<Item = u32> {
+    let tied = mesh.ties.iter().filter_map(move |tie| match tie {
         Tie::Averaging {
             reference,
             independent,
@@ -356,12 +366,7 @@ fn held_nodes(mesh: &Mesh, place: Option<&u32>) -> Vec<Support> {
         } if Some(reference) == place => Some(independent),
         _ => None,
     });
-    tied.flatten()
-        .map(|(node, ..)| Support {
-            node: *node,
-            components: 0b11_1111,
-        })
-        .collect()
+    tied.flatten().map(|(node, ..)| *node)
 }
 
 /// The supports of the mesh's file.

@@ -326,7 +326,7 @@ impl Dynamics {
         }
     }
 
-    /// Gives the placed bodies other velocities. Only the twists of the markers depend on them.
+    /// Gives the placed bodies other velocities: twists of markers, rows of curved shapes and rates of surfaces follow.
     pub fn place_velocities(&mut self, model: &Model, velocity: &[f64]) {
         for index in 0..model.markers.len() {
             self.place_velocity(model, index, velocity);

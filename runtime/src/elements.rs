@@ -80,11 +80,11 @@ enum Solved {
 #[derive(Clone, Debug)]
 pub(crate) struct LaneField {
     solver: Box<dyn FieldSolver>,
-    /// Those of the element, then the amplitudes of an elastic surface and their rates.
+    /// Drives: those that the element computes, then the amplitudes of an elastic surface and their rates.
     drives: Vec<f64>,
-    /// Those for the element, then the forces of the shapes.
+    /// Answers: those that the element uses, then the forces of the shapes.
     answers: Vec<f64>,
-    /// Drives and answers of the element.
+    /// Counts of drives and answers without those of the surface.
     pub own: Own,
     /// Index of the elastic surface.
     pub surface: Option<usize>,
@@ -466,6 +466,9 @@ impl LaneField {
                 *because = Some(Box::new(Undefined::Field(cause)));
             }
             return Err(error);
+        }
+        if self.answers.iter().any(|x| !x.is_finite()) {
+            return Err(not_finite(model, element, time));
         }
         if readings != Readings::None {
             let slopes = readings == Readings::All;

@@ -15,6 +15,8 @@ pub struct SurfaceModel {
     pub field: usize,
     /// The flexible body.
     pub body: usize,
+    /// Index of the marker among those of the reduced body.
+    pub marker: usize,
     /// Its modes, n.
     pub modes: usize,
     /// Ψ, K × n, row-major (m per unit of amplitude).

@@ -85,9 +85,12 @@ pub(super) fn reports(
         let name = format!("{}{SUFFIX}", results.analysis());
         let path = folder.join(format!("{}.parquet", file_stem(&name)));
         // a figure that needs a missing motion says so
-        Results::read_parquet(path).ok()
+        match path.is_file() {
+            true => told_of(Results::read_parquet(&path), console).map(Some),
+            false => Ok(None),
+        }
     });
-    let motions: Vec<Option<Results>> = motions.collect();
+    let motions: Vec<Option<Results>> = motions.collect::<Result<_, _>>()?;
     let ran_now =
         (outcomes.iter()).map(|o| Run::new(&o.results, &o.machine).with_motion(o.motion.as_ref()));
     let read = earlier.iter().zip(&described).zip(&motions);

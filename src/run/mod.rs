@@ -256,7 +256,10 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         }
     }
     let mut machine = analysis.machine()?;
-    let errors = grid_errors(&machine, &outcome.motion);
+    let errors = match outcome.results.is_state() {
+        true => Vec::new(),
+        false => grid_errors(&machine, &outcome.motion),
+    };
     facts.extend(errors.iter().map(GridError::text));
     if outcome.results.are_modes() {
         // modes have no orbits and no peaks

@@ -382,19 +382,6 @@ impl FieldGrid {
         };
         [between(&self.around), between(&self.across)]
     }
-
-    /// The cell at an angle (rad) and a place across (m); the nearest one for a place beyond the ends.
-    #[must_use]
-    pub fn cell_at(&self, angle: f64, across: f64) -> usize {
-        let first = self.around.first().copied().unwrap_or(0.0);
-        let angle = first + (angle - first).rem_euclid(std::f64::consts::TAU);
-        let within = |lines: &[f64], place: f64| {
-            let passed = lines.iter().take_while(|line| **line <= place).count();
-            passed.clamp(1, lines.len().saturating_sub(1).max(1)) - 1
-        };
-        let rows = self.across.len().saturating_sub(1);
-        within(&self.around, angle) * rows + within(&self.across, across)
-    }
 }
 
 /// The equations of one field. It holds no state.
@@ -412,10 +399,8 @@ pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// The same field on twice as many cells in both directions.
     ///
     /// # Errors
-    /// If there is none.
+    /// If there is none, or if the field has memory.
     fn refined(&self) -> Result<Arc<dyn FieldKernel>, FieldError>;
-    /// A memory of this kernel on the cells of another grid of the same bearing.
-    fn memory_on(&self, grid: &FieldGrid, memory: &[f64]) -> Vec<f64>;
 }
 
 /// The memory of a field at an earlier moment.

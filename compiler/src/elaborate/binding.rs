@@ -206,7 +206,9 @@ impl<'a> Elaborator<'a, '_> {
                 Some(_) => Some(self.entry(plain, name, stated.span)?),
                 None => None,
             };
-            let by_default = default.is_some_and(|default| is_same(&default, &value));
+            // a stated number remains, even that of the default
+            let is_default = default.is_some_and(|default| is_same(&default, &value));
+            let by_default = is_default && argument(stated.expr, name).is_none();
             if !by_default {
                 self.define(plain, name, Entry::Value(value.clone()));
             }

@@ -5,11 +5,12 @@
 //! the turn.
 
 use super::binding::span_of;
-use super::scalar::{ElementBuilder, FOLLOWED, Scalar, Stage, TIME};
+use super::scalar::{ElementBuilder, FOLLOWED, PROVISIONAL, Scalar, Stage, TIME};
 use super::value::{ScopeId, Value};
 use super::{BindProgram, Check, Elaborator, Eval, MessagePart, Reported, element, location};
 use crate::codes;
 use crate::ir::Node;
+use crate::ir::differentiate::uses_fields;
 use eng_grammar::ast::Argument;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::system::{Origin, OutputInfo, Role, System};
@@ -69,12 +70,42 @@ impl<'a> Elaborator<'a, '_> {
                 ));
             }
             Stage::Bind => found,
-            Stage::Motion => self.followed(extreme, found.node, span)?,
+            Stage::Motion => {
+                self.refuse_fields_of_turn(found.node, x.span)?;
+                self.followed(extreme, found.node, span)?
+            }
         };
         if !within {
             self.element_of_turn(scope, span)?;
         }
         Ok(Value::Scalar(number))
+    }
+
+    /// Refuses results of fields: the pins of a machine without forces are in the middle of their shells.
+    fn refuse_fields_of_turn(&mut self, node: Node, span: Span) -> Eval<()> {
+        let Some(element) = self.bench.element.as_ref() else {
+            return Ok(());
+        };
+        let of_field = |channel: &u32| {
+            let source = self.draft.channels.get(*channel as usize);
+            let source = source.and_then(|c| self.draft.elements.get(c.element as usize));
+            source.is_some_and(|element| !element.fields.is_empty())
+        };
+        if !uses_fields(&element.graph, &[node], &PROVISIONAL, false)
+            && !element.signals.iter().any(of_field)
+        {
+            return Ok(());
+        }
+        Err(self.report(
+            Diagnostic::error(
+                codes::OF_TURN,
+                "the turn of a machine without forces has no films",
+            )
+            .at(span, "depends on the results of a field")
+            .with_help(
+                "compare it at every step of a run: `require`, or `advise` without an extreme",
+            ),
+        ))
     }
 
     /// The input of the bind graph that has the number of a quantity of the present element.

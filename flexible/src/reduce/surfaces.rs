@@ -9,15 +9,15 @@
 //!
 //! Lengths are metres, forces newtons; vectors are over the free freedoms.
 
-use super::Request;
 use super::interface::{MarkerFreedoms, cosines};
+use super::{Request, gathered};
 use crate::element::{ABSENT, ElementKind, MOST_NODES, Shape, quadrature};
 use crate::error::{FlexibleError, Part};
 use crate::fe::Reduction;
 use crate::fe::solid::tangents;
 use crate::fe::vector::{cross, dot, norm, subtract};
 use crate::markers::{MarkerPlace, Selection, Spider};
-use crate::mesh::{Mesh, Tie};
+use crate::mesh::Mesh;
 use crate::modes::statics::attachment_modes_by;
 use crate::modes::{Load, ModeSet, Structure};
 use crate::solve::Shifted;
@@ -167,8 +167,7 @@ pub(super) fn prepare(
     let prepared = request.surfaces.iter().map(|surface| {
         let bore = Bore::new(request, *surface)?;
         let name = &request.markers[surface.marker].name;
-        let nodes = gathered(mesh, places.get(surface.marker));
-        enough_nodes(mesh, &nodes, &bore, *surface, name)?;
+        let nodes: BTreeSet<u32> = gathered(mesh, places.get(surface.marker)).collect();
         let each: Vec<SurfaceShape> = surface.shapes.each().collect();
         let mut sums = Sums::new(each.len());
         for face in &faces {
@@ -185,6 +184,7 @@ pub(super) fn prepare(
                 "check centre, radius and width of the ring, or widen its tolerance",
             ));
         }
+        enough_nodes(mesh, &nodes, &bore, *surface, name)?;
         Ok(Prepared {
             request: *surface,
             bore,
@@ -193,19 +193,6 @@ pub(super) fn prepare(
         })
     });
     prepared.collect()
-}
-
-/// The nodes that the averaging tie of a marker gathers.
-fn gathered(mesh: &Mesh, place: Option<&u32>) -> BTreeSet<u32> {
-    let tied = mesh.ties.iter().filter_map(|tie| match tie {
-        Tie::Averaging {
-            reference,
-            independent,
-            ..
-        } if Some(reference) == place => Some(independent),
-        _ => None,
-    });
-    tied.flatten().map(|(node, ..)| *node).collect()
 }
 
 /// Refuses shapes that the nodes cannot tell apart: each wave needs some nodes, and each degree across a row of them.

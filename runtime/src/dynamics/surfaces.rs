@@ -60,10 +60,8 @@ impl Dynamics {
         }
     }
 
-    /// Writes the rates of the surfaces' amplitudes along a vector of body velocities to the room for changes of their motion,
-    /// and no change of the amplitudes.
+    /// Writes the change of the surfaces' motion along a vector of body velocities: rates, and no change of the amplitudes.
     pub(super) fn rates_along(&mut self, model: &Model, along: &[f64]) {
-        self.work.shape_forces.fill(0.0);
         for surface in &model.surfaces {
             let motion = &mut self.work.surfaces[surface.motion()];
             let (amplitudes, rates) = motion.split_at_mut(surface.shapes);
@@ -86,6 +84,11 @@ impl<'a> Filling<'a> {
     /// The surface of a field with its places.
     fn planned(&self, field: &LaneField) -> Option<(&'a SurfaceModel, &'a SurfacePlan)> {
         let index = field.surface?;
+        // a body whose support leaves it no mode has no block
+        self.model
+            .surfaces
+            .get(index)
+            .filter(|surface| surface.modes > 0)?;
         Some((
             self.model.surfaces.get(index)?,
             self.plan.surfaces.get(index)?,

@@ -43,6 +43,7 @@ impl Dynamics {
     ) -> Result<(), RuntimeError> {
         let mut wrenches = std::mem::take(&mut self.work.wrenches);
         wrenches.fill(0.0);
+        self.work.shape_forces.fill(0.0);
         self.rates_along(model, along);
         let done = self.tangents(
             model,

@@ -9,8 +9,8 @@ use eng_system::system::Origin;
 
 /// Contraction above which the matrix is computed again.
 const CONTRACTION_LIMIT: f64 = 0.3;
-/// Contraction, also that without secants, above which a step begins with a fresh matrix. A fresh matrix costs about
-/// four iterations, and samples are no better than the kept one.
+/// Contraction of the iteration, with or without secants, above which a step begins with a fresh matrix. Samples use
+/// the kept matrix without secants, so they need the limit too. A fresh matrix costs about four iterations.
 const RENEWAL: f64 = 0.12;
 /// Least contraction that is assumed of an old matrix.
 const OLD_CONTRACTION: f64 = 0.1;

@@ -21,7 +21,7 @@ const REPEATS: f64 = 1e-4;
 /// A correction that secants enlarge by more than this factor is left as it is.
 const LARGEST: f64 = 3.0;
 
-/// The last moves and the changes of corrections along them, newest first in a ring.
+/// The last moves and the changes of corrections along them, in a ring: `next` is the oldest when it is full.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Secants {
     size: usize,
@@ -71,6 +71,8 @@ impl Secants {
         }
         let length = libm::sqrt(dot(change, change));
         if !(length > 0.0 && length.is_finite()) {
+            // the oldest pair is overwritten, and nothing came in its place
+            (self.count, self.next) = (0, 0);
             return;
         }
         let scale = 1.0 / length;
@@ -166,7 +168,7 @@ impl Secants {
         let [count, next, missed, rest @ ..] = numbers else {
             return;
         };
-        (self.count, self.next) = (*count as usize, *next as usize);
+        (self.count, self.next) = ((*count as usize).min(PAIRS), *next as usize % PAIRS);
         self.missed = *missed;
         let (changes, rest) = rest.split_at(self.changes.len());
         let (errors, products) = rest.split_at(self.errors.len());

@@ -319,11 +319,24 @@ impl Model {
                         "{path}: its surface has other modes than its body"
                     )));
                 }
+                // each film finds the rest of the deflection for its own pressure alone
+                let same =
+                    |known: &&SurfaceModel| (known.body, known.marker) == (body, surface.marker);
+                if let Some(other) = self.surfaces.iter().find(same) {
+                    let other = &self.compiled.system.elements[other.element].origin.path;
+                    return Err(RuntimeError::Field {
+                        origin: Box::new(element.origin.clone()),
+                        message: format!(
+                            "{other} presses on the same elastic surface: a surface carries one film, so give each film a marker of its own"
+                        ),
+                    });
+                }
                 let before = self.surfaces.last();
                 self.surfaces.push(SurfaceModel {
                     element: index,
                     field,
                     body,
+                    marker: surface.marker,
                     modes,
                     content: surface.content.clone(),
                     pose: flexible.pose + 7,

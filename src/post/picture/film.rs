@@ -62,7 +62,8 @@ impl Drawer<'_> {
             analysis: analysis.to_owned(),
             moment: at.to_string(),
         })?;
-        let with = field.at(motion, sample).ok_or_else(no_film)?;
+        let numbers = field.columns_of(motion).ok_or_else(no_film)?;
+        let with = field.at(&numbers, sample).ok_or_else(no_film)?;
         let solver = field.solve(&with).map_err(|source| PostError::Film {
             analysis: analysis.to_owned(),
             path: path.to_owned(),
