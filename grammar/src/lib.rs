@@ -23,6 +23,7 @@ pub mod diagnostic;
 pub mod span;
 
 mod build;
+mod format;
 mod grammar;
 mod message;
 mod parse;
@@ -31,6 +32,7 @@ mod tokens;
 
 pub use codes::{CODES, Code};
 pub use diagnostic::{Diagnostic, Diagnostics, Fix, Label, Severity};
+pub use format::{FormatError, format};
 pub use message::{MessagePart, parse_message};
 pub use parse::{UnitWords, parse, parse_expression, parse_placeholder, parse_with_units};
 pub use span::{Source, SourceId, SourceMap, Span};

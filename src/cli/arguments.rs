@@ -45,8 +45,26 @@ pub(super) enum Command {
     Results(ResultsArguments),
     /// Write a result file in the format of another tool: CSV, universal file (58), MAT
     Export(ExportArguments),
+    /// Give texts the one form: blanks, indents, line ends
+    ///
+    /// Rewrites the files that differ from it and names them. Tokens, comments, numbers and line ends inside of an
+    /// item stay as written. A text that cannot be read is left as it is, and its messages are shown.
+    ///
+    /// Exit codes: 0 all have the form; 1 with `--check` a text differs, or a text has mistakes; 2 wrong usage, or
+    /// the operating system refused.
+    Fmt(FmtArguments),
     /// Explain a message code, such as E0301, an analysis or a figure, or a part of a model; list all codes without one
     Explain(ExplainArguments),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct FmtArguments {
+    /// Files, folders with `.eng` files, or `-` for the standard input, whose form goes to the output
+    #[arg(value_name = "PATH", required = true)]
+    pub paths: Vec<PathBuf>,
+    /// Change nothing; name the texts that differ from their form
+    #[arg(long)]
+    pub check: bool,
 }
 
 #[derive(Debug, Args)]

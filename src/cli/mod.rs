@@ -8,6 +8,7 @@ mod check;
 mod explain;
 mod export;
 mod files;
+mod fmt;
 mod open;
 mod outputs;
 mod post;
@@ -93,6 +94,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
         Command::Results(listing) => results::results(listing, console),
         Command::Export(export) => export::export(export, console),
         Command::Report(report) => report::report(report, console),
+        Command::Fmt(texts) => fmt::fmt(texts, console),
         Command::Explain(code) => explain::explain(code, console),
     };
     match done {

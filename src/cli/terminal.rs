@@ -43,6 +43,11 @@ impl Shown<'_> {
         self.writer.write_all(visible(&text.to_string()).as_bytes())
     }
 
+    /// Writes a text without a change of any character: the contents of a file.
+    pub fn write_all(&mut self, text: &[u8]) -> io::Result<()> {
+        self.writer.write_all(text)
+    }
+
     /// Prints messages, with colours if the output understands them. Their texts are escaped by the renderer.
     pub fn messages(&mut self, messages: &Diagnostics, sources: &SourceMap) -> io::Result<()> {
         let text = render::human(messages, sources, self.colors);
