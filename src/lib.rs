@@ -76,6 +76,7 @@ mod regular;
 mod repetition;
 pub mod report;
 pub mod run;
+pub mod server;
 mod significant;
 mod simulation;
 mod sources;

@@ -11,6 +11,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub struct Sources {
     kind: Kind,
     cache: Option<PathBuf>,
+    /// Texts of an editor, by the paths of their files.
+    unsaved: Arc<BTreeMap<PathBuf, String>>,
     /// The opened files of the folder. No output may replace one of them.
     opened: Arc<Mutex<BTreeSet<PathBuf>>>,
 }
@@ -38,6 +40,7 @@ impl Sources {
         Ok(Sources {
             kind: Kind::Folder(canonical),
             cache: None,
+            unsaved: Arc::default(),
             opened: Arc::default(),
         })
     }
@@ -52,6 +55,7 @@ impl Sources {
         Sources {
             kind: Kind::Texts(Arc::new(texts.into_iter().collect())),
             cache: None,
+            unsaved: Arc::default(),
             opened: Arc::default(),
         }
     }
@@ -62,6 +66,16 @@ impl Sources {
     /// its first use.
     pub fn with_cache(mut self, folder: impl Into<PathBuf>) -> Sources {
         self.cache = Some(folder.into());
+        self
+    }
+
+    /// Reads these texts in place of files of the folder: those that an editor has not saved. The paths are canonical;
+    /// a file need not be there yet.
+    pub(crate) fn with_unsaved(
+        mut self,
+        texts: impl IntoIterator<Item = (PathBuf, String)>,
+    ) -> Sources {
+        self.unsaved = Arc::new(texts.into_iter().collect());
         self
     }
 
@@ -140,8 +154,15 @@ impl Host for Sources {
                 .cloned()
                 .ok_or_else(|| HostError::NotFound(path.into())),
             Kind::Folder(folder) => {
-                let bytes = std::fs::read(self.place(folder, path)?)
-                    .map_err(|error| refused(path, &error))?;
+                let place = self.place(folder, path);
+                // a text that was never saved has no file
+                let real = place
+                    .as_deref()
+                    .map_or_else(|_| folder.join(path), Path::to_owned);
+                if let Some(text) = self.unsaved.get(&real) {
+                    return Ok(text.clone());
+                }
+                let bytes = std::fs::read(place?).map_err(|error| refused(path, &error))?;
                 String::from_utf8(bytes).map_err(|_| HostError::System {
                     path: path.into(),
                     message: "the file is not UTF-8 text".into(),

@@ -419,6 +419,11 @@ pub fn explained(name: &str) -> Option<(&'static str, &'static str)> {
     Some((row.1, row.2))
 }
 
+/// The functions with their names, forms and meanings, for people.
+pub fn all_explained() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    ABOUT.iter().copied()
+}
+
 /// The function with a name, if any expression can call it.
 pub(crate) fn find(name: &str) -> Option<&'static BuiltIn> {
     everywhere().find(|function| function.name == name)

@@ -29,6 +29,7 @@ mod message;
 mod parse;
 mod strings;
 mod tokens;
+mod words;
 
 pub use codes::{CODES, Code};
 pub use diagnostic::{Diagnostic, Diagnostics, Fix, Label, Severity};
@@ -36,3 +37,4 @@ pub use format::{FormatError, format};
 pub use message::{MessagePart, parse_message};
 pub use parse::{UnitWords, parse, parse_expression, parse_placeholder, parse_with_units};
 pub use span::{Source, SourceId, SourceMap, Span};
+pub use words::WORDS;

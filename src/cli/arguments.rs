@@ -53,6 +53,11 @@ pub(super) enum Command {
     /// Exit codes: 0 all have the form; 1 with `--check` a text differs, or a text has mistakes; 2 wrong usage, or
     /// the operating system refused.
     Fmt(FmtArguments),
+    /// Serve an editor: messages while typing, completion, definitions
+    ///
+    /// Speaks the Language Server Protocol on the standard input and output. An editor starts it; see
+    /// `docs/editor.md`.
+    Lsp,
     /// Explain a message code, such as E0301, an analysis or a figure, or a part of a model; list all codes without one
     Explain(ExplainArguments),
 }

@@ -9,6 +9,7 @@ mod explain;
 mod export;
 mod files;
 mod fmt;
+mod lsp;
 mod open;
 mod outputs;
 mod post;
@@ -44,7 +45,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         colored_output: color && std::io::stdout().is_terminal(),
         colored_errors: color && std::io::stderr().is_terminal(),
         live: std::io::stderr().is_terminal(),
-        output: &mut std::io::stdout().lock(),
+        // not locked: the language server writes from a thread of its own
+        output: &mut std::io::stdout(),
         errors: &mut std::io::stderr(),
     };
     ExitCode::from(run_on(arguments, &mut console))
@@ -95,6 +97,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
         Command::Export(export) => export::export(export, console),
         Command::Report(report) => report::report(report, console),
         Command::Fmt(texts) => fmt::fmt(texts, console),
+        Command::Lsp => lsp::lsp(console),
         Command::Explain(code) => explain::explain(code, console),
     };
     match done {

@@ -49,7 +49,7 @@ pub(super) fn checked(model: &Path, console: &mut Terminal<'_>) -> Result<Progra
 }
 
 /// The folder of reduced bodies: `ENG_CACHE` (empty for none), otherwise a folder of the user's caches.
-fn cache_folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
+pub(super) fn cache_folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
     if let Some(folder) = variable("ENG_CACHE") {
         return (!folder.is_empty()).then(|| PathBuf::from(folder));
     }

@@ -1,0 +1,149 @@
+//! An open text, and places in it as the protocol states them: lines and UTF-16 units.
+
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+pub(super) struct Document {
+    pub uri: String,
+    /// Absent for a text that is no file.
+    pub path: Option<PathBuf>,
+    pub text: String,
+}
+
+impl Document {
+    pub fn new(uri: &str, text: &str) -> Document {
+        Document {
+            uri: uri.to_owned(),
+            path: path(uri),
+            text: text.to_owned(),
+        }
+    }
+
+    /// The byte at a position; the end of the line or of the text if the position is behind it.
+    pub fn byte(&self, position: &Value) -> usize {
+        let number = |name: &str| {
+            let found = position[name].as_u64().unwrap_or(0);
+            usize::try_from(found).unwrap_or(usize::MAX)
+        };
+        let mut start = 0;
+        for _ in 0..number("line") {
+            match self.text.get(start..).and_then(|rest| rest.find('\n')) {
+                Some(end) => start += end + 1,
+                None => return self.text.len(),
+            }
+        }
+        let rest = self.text.get(start..).unwrap_or("");
+        let line = rest.split(['\n', '\r']).next().unwrap_or("");
+        let mut units = number("character");
+        for (at, letter) in line.char_indices() {
+            match units.checked_sub(letter.len_utf16()) {
+                Some(left) if units > 0 => units = left,
+                _ => return start + at,
+            }
+        }
+        start + line.len()
+    }
+}
+
+/// The position of a byte.
+pub(super) fn position(text: &str, byte: usize) -> Value {
+    let mut byte = byte.min(text.len());
+    while !text.is_char_boundary(byte) {
+        byte -= 1;
+    }
+    let before = text.get(..byte).unwrap_or("");
+    let start = before.rfind('\n').map_or(0, |end| end + 1);
+    let units: usize = before[start..].chars().map(char::len_utf16).sum();
+    json!({ "line": before.matches('\n').count(), "character": units })
+}
+
+pub(super) fn range(text: &str, start: usize, end: usize) -> Value {
+    json!({ "start": position(text, start), "end": position(text, end) })
+}
+
+/// The path of a `file:` URI, links followed.
+pub(super) fn path(uri: &str) -> Option<PathBuf> {
+    let rest = uri.strip_prefix("file://")?;
+    let rest = rest.strip_prefix("localhost").unwrap_or(rest);
+    let mut bytes = Vec::with_capacity(rest.len());
+    let mut at = 0;
+    while let Some(&byte) = rest.as_bytes().get(at) {
+        let hex = rest.get(at + 1..at + 3).filter(|_| byte == b'%');
+        match hex.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
+            Some(decoded) => {
+                bytes.push(decoded);
+                at += 3;
+            }
+            None => {
+                bytes.push(byte);
+                at += 1;
+            }
+        }
+    }
+    let decoded = String::from_utf8(bytes).ok()?;
+    // `/c:/model.eng` on Windows
+    let drive = decoded.as_bytes().get(2) == Some(&b':');
+    let path = PathBuf::from(match drive {
+        true => decoded.get(1..)?,
+        false => decoded.as_str(),
+    });
+    // a file that is not there yet may be in a folder behind a link
+    let real = path.canonicalize().or_else(|_| {
+        let folder = path.parent().unwrap_or(Path::new("/")).canonicalize()?;
+        Ok::<_, std::io::Error>(folder.join(path.file_name().unwrap_or_default()))
+    });
+    Some(real.unwrap_or(path))
+}
+
+/// The `file:` URI of a path.
+pub(super) fn uri(path: &Path) -> String {
+    let text = path.to_string_lossy().replace('\\', "/");
+    let mut uri = String::from("file://");
+    if !text.starts_with('/') {
+        uri.push('/');
+    }
+    for byte in text.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'_' | b'.' | b'~' => {
+                uri.push(byte as char)
+            }
+            _ => uri.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    uri
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_count_utf16_units() {
+        let document = Document::new("untitled:a", "a\u{1d70b}µ\r\nb");
+        for (byte, line, character) in [
+            (0, 0, 0),
+            (1, 0, 1),
+            (5, 0, 3),
+            (7, 0, 4),
+            (9, 1, 0),
+            (10, 1, 1),
+        ] {
+            let position = json!({ "line": line, "character": character });
+            assert_eq!(super::position(&document.text, byte), position);
+            assert_eq!(document.byte(&position), byte, "{position}");
+        }
+        // in the middle of a character, behind a line, behind the text
+        assert_eq!(document.byte(&json!({ "line": 0, "character": 2 })), 1);
+        assert_eq!(document.byte(&json!({ "line": 0, "character": 99 })), 7);
+        assert_eq!(document.byte(&json!({ "line": 9, "character": 0 })), 10);
+        assert_eq!(document.byte(&json!({ "line": -1 })), 0);
+    }
+
+    #[test]
+    fn paths_survive_a_uri() {
+        let folder = std::env::temp_dir().canonicalize().expect("a folder");
+        let file = folder.join("an engine %41 µ.eng");
+        assert_eq!(path(&uri(&file)), Some(file));
+        assert_eq!(path("untitled:Untitled-1"), None);
+    }
+}

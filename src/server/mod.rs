@@ -1,0 +1,386 @@
+//! A language server: messages while typing, hover, definitions, completion, symbols, forms.
+//!
+//! It speaks the Language Server Protocol (3.17) with full texts and places in UTF-16. A text is checked when its author
+//! pauses, with the unsaved texts of all open files. When it is opened or saved, its models are assembled, too, as `eng
+//! check` does. Questions about a text that does not parse are answered from the parts that do. A panic in a check or an
+//! answer ends neither: the message of it is an internal error.
+//!
+//! Requests and answers are plain JSON: the server uses some twenty of the thousand types of the protocol.
+
+mod completion;
+mod document;
+mod hover;
+mod index;
+mod place;
+mod symbols;
+mod told;
+
+use crate::Program;
+use crate::sources::Sources;
+use document::Document;
+use index::{Index, Library};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A pause in typing after which a text is checked.
+const PAUSE: Duration = Duration::from_millis(200);
+
+/// The folders that a server may use.
+#[derive(Clone, Debug, Default)]
+pub struct Folders {
+    /// The folder of reduced bodies.
+    pub cache: Option<PathBuf>,
+    /// The folder for copies of the library's texts, which editors open at a definition.
+    pub library: Option<PathBuf>,
+}
+
+/// Serves a client until it asks for the end. Returns whether the client ended in the order of the protocol.
+///
+/// # Errors
+/// The client breaks the protocol of the start or of the end, or the connection breaks.
+pub fn serve(connection: &Connection, folders: Folders) -> Result<(), lsp_server::ProtocolError> {
+    let (id, _) = connection.initialize_start()?;
+    let about = json!({
+        "capabilities": capabilities(),
+        "serverInfo": { "name": "eng", "version": env!("CARGO_PKG_VERSION") },
+    });
+    connection.initialize_finish(id, about)?;
+    let mut server = Server {
+        connection,
+        folders,
+        library: Library::read(),
+        documents: BTreeMap::new(),
+    };
+    server.run()
+}
+
+fn capabilities() -> Value {
+    json!({
+        // full texts
+        "textDocumentSync": { "openClose": true, "change": 1, "save": true },
+        "hoverProvider": true,
+        "definitionProvider": true,
+        "documentSymbolProvider": true,
+        "documentFormattingProvider": true,
+        "codeActionProvider": { "codeActionKinds": ["quickfix"] },
+        "completionProvider": { "triggerCharacters": [".", " ", "(", "{"] },
+    })
+}
+
+/// A text with the findings about it.
+struct Open {
+    document: Document,
+    /// When it is to be checked, and whether its models are to be assembled.
+    due: Option<(Instant, bool)>,
+    /// The last program without errors.
+    program: Option<Program>,
+    /// The changes that its messages propose: range, title, new text.
+    fixes: Vec<told::Change>,
+}
+
+struct Server<'c> {
+    connection: &'c Connection,
+    folders: Folders,
+    library: Library,
+    documents: BTreeMap<String, Open>,
+}
+
+/// The result of a piece of work, or the words of its panic.
+fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    // all that a panic could leave half-changed is made anew by the next check
+    catch_unwind(AssertUnwindSafe(work)).map_err(|cause| {
+        let words = cause.downcast_ref::<String>().map(String::as_str);
+        let words = words.or_else(|| cause.downcast_ref::<&str>().copied());
+        words.unwrap_or("a panic").to_owned()
+    })
+}
+
+impl Server<'_> {
+    fn run(&mut self) -> Result<(), lsp_server::ProtocolError> {
+        loop {
+            let due = self.documents.values().filter_map(|open| open.due);
+            let message = match due.map(|(at, _)| at).min() {
+                Some(at) => {
+                    let left = at.saturating_duration_since(Instant::now());
+                    match self.connection.receiver.recv_timeout(left) {
+                        Ok(message) => message,
+                        Err(error) if error.is_timeout() => {
+                            self.check_due();
+                            continue;
+                        }
+                        Err(_) => return Ok(()),
+                    }
+                }
+                None => match self.connection.receiver.recv() {
+                    Ok(message) => message,
+                    Err(_) => return Ok(()),
+                },
+            };
+            match message {
+                Message::Request(request) => {
+                    if self.connection.handle_shutdown(&request)? {
+                        return Ok(());
+                    }
+                    self.answer(request);
+                }
+                Message::Notification(told) if told.method == "exit" => return Ok(()),
+                Message::Notification(told) => self.hear(&told),
+                Message::Response(_) => {}
+            }
+        }
+    }
+
+    fn send(&self, message: impl Into<Message>) {
+        // a client that is gone is noticed by the next receipt
+        let _ = self.connection.sender.send(message.into());
+    }
+
+    fn hear(&mut self, told: &Notification) {
+        let at = &told.params["textDocument"];
+        let Some(uri) = at["uri"].as_str() else {
+            return;
+        };
+        match told.method.as_str() {
+            "textDocument/didOpen" => {
+                if let Some(text) = at["text"].as_str() {
+                    self.change(uri, text, true);
+                }
+            }
+            "textDocument/didChange" => {
+                let changes = told.params["contentChanges"].as_array();
+                // each is a full text; the last one counts
+                if let Some(text) = changes.and_then(|all| all.last()?["text"].as_str()) {
+                    self.change(uri, text, false);
+                }
+            }
+            "textDocument/didSave" => {
+                // a change of this file may mend or break the files that use it
+                let now = Instant::now();
+                for open in self.documents.values_mut() {
+                    open.due = Some((now, true));
+                }
+            }
+            "textDocument/didClose" if self.documents.remove(uri).is_some() => {
+                self.publish(uri, &[]);
+            }
+            _ => {}
+        }
+    }
+
+    fn change(&mut self, uri: &str, text: &str, whole: bool) {
+        let document = Document::new(uri, text);
+        let wait = if whole { Duration::ZERO } else { PAUSE };
+        let due = Some((Instant::now() + wait, whole));
+        match self.documents.get_mut(uri) {
+            Some(open) => {
+                open.document = document;
+                open.due = due;
+                // its ranges belong to the earlier text
+                open.fixes.clear();
+            }
+            None => {
+                let open = Open {
+                    document,
+                    due,
+                    program: None,
+                    fixes: Vec::new(),
+                };
+                self.documents.insert(uri.to_owned(), open);
+            }
+        }
+    }
+
+    /// Checks the text that has waited longest.
+    fn check_due(&mut self) {
+        let waiting = self.documents.iter();
+        let waiting = waiting.filter_map(|(uri, open)| Some((open.due?, uri)));
+        let Some(((_, whole), uri)) = waiting.min().map(|(due, uri)| (due, uri.clone())) else {
+            return;
+        };
+        let Some(open) = self.documents.get(&uri) else {
+            return;
+        };
+        let found = guarded(|| self.checked(&open.document, whole));
+        let (messages, program) = match found {
+            Ok(found) => found,
+            Err(words) => (told::Messages::internal(&words), None),
+        };
+        self.publish(&uri, &messages.diagnostics);
+        if let Some(open) = self.documents.get_mut(&uri) {
+            open.due = None;
+            open.fixes = messages.changes;
+            open.program = program.or(open.program.take());
+        }
+    }
+
+    /// The sources of a document, with all unsaved texts, and its name there.
+    fn sources(&self, document: &Document) -> (Sources, String) {
+        let memory = || {
+            let name = "untitled.eng".to_owned();
+            (
+                Sources::from_text(name.clone(), document.text.as_str()),
+                name,
+            )
+        };
+        let Some(path) = &document.path else {
+            return memory();
+        };
+        let name = path
+            .file_name()
+            .map(|name| name.to_string_lossy().into_owned());
+        let folder = path.parent().map(Sources::folder);
+        let (Some(name), Some(Ok(mut sources))) = (name, folder) else {
+            return memory();
+        };
+        if let Some(cache) = &self.folders.cache {
+            sources = sources.with_cache(cache);
+        }
+        let unsaved = self.documents.values().filter_map(|open| {
+            let path = open.document.path.clone()?;
+            Some((path, open.document.text.clone()))
+        });
+        (sources.with_unsaved(unsaved), name)
+    }
+
+    fn checked(&self, document: &Document, whole: bool) -> (told::Messages, Option<Program>) {
+        let (sources, name) = self.sources(document);
+        let checked = crate::check(&sources, &name);
+        let report = checked.report();
+        let mut messages = report.diagnostics().clone();
+        if whole
+            && let Some(program) = checked.program()
+            && let Ok(assembled) = program.assemble()
+        {
+            messages.extend(assembled.diagnostics);
+        }
+        let messages = told::Messages::of(&messages, report.texts(), &name, &document.uri);
+        (messages, checked.program().cloned())
+    }
+
+    fn publish(&self, uri: &str, diagnostics: &[Value]) {
+        let told = json!({ "uri": uri, "diagnostics": diagnostics });
+        self.send(Notification::new(
+            "textDocument/publishDiagnostics".to_owned(),
+            told,
+        ));
+    }
+
+    fn answer(&self, request: Request) {
+        let Request { id, method, params } = request;
+        let answered = guarded(|| self.answered(&method, &params));
+        let response = match answered {
+            Ok(Some(value)) => Response::new_ok(id, value),
+            Ok(None) => refusal(
+                id,
+                ErrorCode::MethodNotFound,
+                format!("there is no {method}"),
+            ),
+            Err(words) => refusal(id, ErrorCode::InternalError, words),
+        };
+        self.send(response);
+    }
+
+    /// The answer to a request; null where there is nothing to say. Nothing for a method that the server does not have.
+    fn answered(&self, method: &str, params: &Value) -> Option<Value> {
+        let known = [
+            "textDocument/hover",
+            "textDocument/definition",
+            "textDocument/completion",
+            "textDocument/documentSymbol",
+            "textDocument/formatting",
+            "textDocument/codeAction",
+        ];
+        if !known.contains(&method) {
+            return None;
+        }
+        let uri = params["textDocument"]["uri"].as_str().unwrap_or("");
+        let Some(open) = self.documents.get(uri) else {
+            return Some(Value::Null);
+        };
+        let document = &open.document;
+        let place = document.byte(&params["position"]);
+        let answer = match method {
+            "textDocument/documentSymbol" => symbols::symbols(document),
+            "textDocument/formatting" => formed(document),
+            "textDocument/codeAction" => told::actions(&open.fixes, &params["range"], uri),
+            "textDocument/hover" => {
+                let index = self.index(document);
+                hover::hover(&index, document, open.program.as_ref(), place).unwrap_or(Value::Null)
+            }
+            "textDocument/definition" => self.definition(document, place).unwrap_or(Value::Null),
+            _ => completion::completion(
+                &self.index(document),
+                document,
+                open.program.as_ref(),
+                place,
+            ),
+        };
+        Some(answer)
+    }
+
+    /// The definitions that a document sees.
+    fn index(&self, document: &Document) -> Index<'_> {
+        let (sources, _) = self.sources(document);
+        Index::new(&self.library, document, &sources)
+    }
+
+    fn definition(&self, document: &Document, place: usize) -> Option<Value> {
+        let index = self.index(document);
+        let path = place::path_at(&document.text, place)?;
+        let found = index.resolve(&path.names, place)?;
+        let module = index.module(found.module)?;
+        let span = found.name_span();
+        let range = document::range(&module.text, span.start as usize, span.end as usize);
+        let uri = match (&module.file_name, &document.path) {
+            (None, _) if found.module == index.own() => document.uri.clone(),
+            (Some(name), Some(path)) => document::uri(&path.parent()?.join(name)),
+            _ => document::uri(&self.library_file(&module.path, &module.text)?),
+        };
+        Some(json!({ "uri": uri, "range": range }))
+    }
+
+    /// A file with a text of the library.
+    fn library_file(&self, path: &str, text: &str) -> Option<PathBuf> {
+        let folder = self.folders.library.as_ref()?;
+        let file = folder.join(format!("{}.eng", path.replace('.', "/")));
+        if std::fs::read_to_string(&file).ok().as_deref() != Some(text) {
+            crate::results::replace_file(&file, |file| {
+                std::io::Write::write_all(file, text.as_bytes())
+            })
+            .ok()?;
+        }
+        Some(file)
+    }
+}
+
+fn refusal(id: RequestId, code: ErrorCode, words: String) -> Response {
+    Response::new_err(id, code as i32, words)
+}
+
+/// The change that gives a text its form; none for a text with mistakes.
+fn formed(document: &Document) -> Value {
+    match eng_grammar::format(&document.text, eng_grammar::SourceId(0)) {
+        Ok(formed) if formed != document.text => {
+            let range = document::range(&document.text, 0, document.text.len());
+            json!([{ "range": range, "newText": formed }])
+        }
+        _ => json!([]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::guarded;
+
+    #[test]
+    fn a_panic_is_an_error_with_its_words() {
+        assert_eq!(guarded(|| 3), Ok(3));
+        let number = 4;
+        let panicked: Result<(), String> = guarded(|| panic!("no {number}"));
+        assert_eq!(panicked, Err("no 4".to_owned()));
+    }
+}
