@@ -43,7 +43,7 @@ pub enum Code {
     CalculiX,
 }
 
-/// The integration of a solid as its file names it.
+/// The variant of an element as its file names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub enum Variant {
     /// The shape alone: `C3D8`, `CTETRA`. The code decides its meaning.
@@ -59,6 +59,8 @@ pub enum Variant {
         /// Full integration of the shear.
         full: bool,
     },
+    /// A shell whose membrane has rotations about the normal: `CTRIAR`, `CQUADR`.
+    Drilling,
 }
 
 /// Letters of element types that change the mechanics of a solid, in the order in which they are written:
@@ -109,15 +111,35 @@ pub struct Property {
 pub enum Section {
     /// A solid.
     Solid,
-    /// A shell with a thickness and an added mass per area.
-    Shell {
-        /// Thickness.
-        thickness: f64,
-        /// Mass per area in addition to the material's.
-        mass_per_area: f64,
-    },
+    /// A shell.
+    Shell(ShellSection),
     /// A beam.
     Beam(BeamSection),
+}
+
+/// Section of a shell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShellSection {
+    /// Thickness.
+    pub thickness: f64,
+    /// Mass per area in addition to the material's.
+    pub mass_per_area: f64,
+    /// Bending stiffness by that of a plate of the thickness: 12 I/t³.
+    pub bending: f64,
+    /// Thickness that resists shear across the plate, by the thickness. Zero means no shear flexibility.
+    pub shear: f64,
+}
+
+impl ShellSection {
+    /// A homogeneous plate of a thickness: shear factor 5/6, no added mass.
+    pub const fn plate(thickness: f64) -> Self {
+        ShellSection {
+            thickness,
+            mass_per_area: 0.0,
+            bending: 1.0,
+            shear: 5.0 / 6.0,
+        }
+    }
 }
 
 /// Section of a beam: x along the beam, y in the plane of the orientation vector.

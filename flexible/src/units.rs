@@ -1,6 +1,6 @@
 //! Units of finite-element files. The files do not state their units.
 
-use crate::mesh::{BeamSection, Mesh, Section, Tie};
+use crate::mesh::{BeamSection, Mesh, Section, ShellSection, Tie};
 
 pub use eng_system::mesh_files::MeshUnits;
 
@@ -21,10 +21,12 @@ impl Mesh {
         for property in &mut self.properties {
             match &mut property.section {
                 Section::Solid => {}
-                Section::Shell {
+                Section::Shell(ShellSection {
                     thickness,
                     mass_per_area,
-                } => {
+                    bending: _,
+                    shear: _,
+                }) => {
                     *thickness *= length;
                     *mass_per_area *= mass / (length * length);
                 }

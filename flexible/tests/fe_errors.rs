@@ -5,7 +5,8 @@ mod fe_meshes;
 use eng_flexible::FlexibleError;
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::mesh::{
-    BeamAxes, BeamSection, ElementKind, Material, Mesh, PointMass, Section, Spring, Tie,
+    BeamAxes, BeamSection, ElementKind, Material, Mesh, PointMass, Section, ShellSection, Spring,
+    Tie,
 };
 use fe_meshes::*;
 use proptest::prelude::*;
@@ -75,10 +76,7 @@ fn sections_must_make_sense() {
         refused(|mesh| {
             let mut property = mesh.properties[0].clone();
             property.name = "skin".into();
-            property.section = Section::Shell {
-                thickness,
-                mass_per_area: 0.0,
-            };
+            property.section = Section::Shell(ShellSection::plate(thickness));
             mesh.properties.push(property);
             add_element(mesh, ElementKind::Triangle3, 1, &[0, 1, 2]);
         })

@@ -11,7 +11,7 @@ use std::io::{self, Read};
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::foreign::{ForeignMatrices, MatrixFile, RowOrder};
 use eng_flexible::markers::{MarkerPlace, MarkerRequest};
-use eng_flexible::mesh::{Code, ElementKind, Mesh, Property, Section};
+use eng_flexible::mesh::{Code, ElementKind, Mesh, Property, Section, ShellSection};
 use eng_flexible::read::matrix::{
     ForeignFreedoms, ForeignMatrix, MatrixFormat, read_op2_matrix, read_op4,
 };
@@ -165,10 +165,7 @@ fn meshes() {
     shell.properties.push(Property {
         name: "skin".into(),
         material: Some(0),
-        section: Section::Shell {
-            thickness: 0.0,
-            mass_per_area: 0.0,
-        },
+        section: Section::Shell(ShellSection::plate(0.0)),
     });
     fe_meshes::add_element(&mut shell, ElementKind::Quadrilateral4, 1, &[0, 1, 2, 3]);
     answers.note("a shell without thickness", reduce(shell, &request()));

@@ -12,6 +12,7 @@ use super::freedoms::{FreedomMap, direction, is_isotropic};
 use super::mass::Mass;
 use super::pattern::{Layout, Pattern};
 use super::rules::{Rules, Table};
+use super::shell::{self, Plate, Shell, ShellMatrices};
 use super::solid::{self, PAIR, Present, pair};
 use super::surface;
 use crate::error::FlexibleError;
@@ -30,7 +31,7 @@ pub struct Structure {
     pub stiffness: SymmetricMatrix,
     /// Mass over full freedoms.
     pub mass: Mass,
-    /// Indices of elements that carry mass but no stiffness here: shells.
+    /// Indices of shells that carry mass but no stiffness here.
     pub without_stiffness: Vec<u32>,
     /// Indices of nodes that nothing uses; they have no freedoms.
     pub unused_nodes: Vec<u32>,
@@ -70,6 +71,7 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
     system.mass = vec![0.0; system.pattern.diagonal(freedoms.all_nodes() as u32)];
     system.add_areas(&parts.areas, rules, threads.clamp(1, 64))?;
     let mut general = Vec::new();
+    system.add_shells(&parts.shells, rules, &mut general)?;
     system.add_beams(&parts.beams, &mut general)?;
     system.add_springs();
     system.add_point_masses(&mut general);
@@ -102,44 +104,44 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
         freedoms,
         stiffness,
         mass,
-        without_stiffness: parts.shells,
+        without_stiffness: parts.coats,
         unused_nodes,
     })
 }
 
 /// Indices of the mesh's elements, by their kind of assembly.
+#[derive(Default)]
 struct Parts {
-    /// Solids, and shells with mass.
+    /// Solids, and surfaces with mass alone.
     areas: Vec<u32>,
-    beams: Vec<u32>,
     shells: Vec<u32>,
+    beams: Vec<u32>,
+    /// The surfaces with mass alone.
+    coats: Vec<u32>,
 }
 
 impl Parts {
     fn new(mesh: &Mesh) -> Self {
-        let (mut areas, mut beams, mut shells) = (Vec::new(), Vec::new(), Vec::new());
+        let mut parts = Parts::default();
         for (index, element) in mesh.elements.iter().enumerate() {
             let index = index as u32;
             match role(mesh, element) {
-                Some(Role::Solid(_)) => areas.push(index),
-                Some(Role::Shell(_)) => {
-                    areas.push(index);
-                    shells.push(index);
+                Some(Role::Solid(_)) => parts.areas.push(index),
+                Some(Role::Coat(_)) => {
+                    parts.areas.push(index);
+                    parts.coats.push(index);
                 }
-                Some(Role::Beam(_)) => beams.push(index),
+                Some(Role::Shell(..)) => parts.shells.push(index),
+                Some(Role::Beam(_)) => parts.beams.push(index),
                 Some(Role::Facet) | None => {}
             }
         }
-        Parts {
-            areas,
-            beams,
-            shells,
-        }
+        parts
     }
 
     fn pattern(&self, mesh: &Mesh, freedoms: &FreedomMap) -> Pattern {
         let (mut start, mut nodes) = (vec![0], Vec::new());
-        for &index in self.areas.iter().chain(&self.beams) {
+        for &index in self.areas.iter().chain(&self.shells).chain(&self.beams) {
             let element = &mesh.elements[index as usize];
             nodes.extend_from_slice(present(mesh, freedoms, element).nodes());
             start.push(nodes.len());
@@ -173,7 +175,7 @@ struct Computed {
 }
 
 impl System<'_> {
-    /// Adds solids and shells.
+    /// Adds solids and surfaces with mass alone.
     fn add_areas(
         &mut self,
         elements: &[u32],
@@ -317,6 +319,74 @@ impl System<'_> {
                 });
             }
         });
+    }
+
+    /// Adds shells. Their mass is the same in all directions, except for the rotary inertia.
+    fn add_shells(
+        &mut self,
+        shells: &[u32],
+        rules: &Rules,
+        mass: &mut Vec<(u32, u32, f64)>,
+    ) -> Result<(), FlexibleError> {
+        let mut faults = Vec::new();
+        for &index in shells {
+            let element = &self.mesh.elements[index as usize];
+            let Some(Role::Shell(section, material)) = role(self.mesh, element) else {
+                continue;
+            };
+            let present = present(self.mesh, self.freedoms, element);
+            let shell = Shell {
+                kind: element.kind,
+                places: &present.places(self.mesh),
+                drilling: element.variant == Variant::Drilling,
+                plate: &Plate::new(section, material),
+            };
+            match shell.matrices(rules.mass) {
+                Ok(matrices) => self.add_shell(present.nodes(), &matrices, mass),
+                Err(area) => faults.push((element.id, area)),
+            }
+        }
+        match faults.is_empty() {
+            true => Ok(()),
+            false => Err(shell::folded(&faults)),
+        }
+    }
+
+    fn add_shell(
+        &mut self,
+        nodes: &[u32],
+        matrices: &ShellMatrices,
+        mass: &mut Vec<(u32, u32, f64)>,
+    ) {
+        for (b, &second) in nodes.iter().enumerate() {
+            for (a, &first) in nodes.iter().enumerate() {
+                let (rows, columns) = (self.freedoms.of(first), self.freedoms.of(second));
+                if first < second {
+                    continue;
+                }
+                // one triangle is stored, so both halves of a pair of corners at one node are on its diagonal
+                let place = match first == second {
+                    true => Some(self.pattern.diagonal(first)),
+                    false => self.pattern.pair(second, first).map(|pair| pair.entry),
+                };
+                if let Some(place) = place {
+                    self.mass[place] += matrices.mass[a][b];
+                }
+                for (i, row) in rows.clone().enumerate() {
+                    for (j, column) in columns.clone().enumerate() {
+                        if row < column {
+                            continue;
+                        }
+                        let value = matrices.stiffness[6 * a + i][6 * b + j];
+                        self.add_stiffness(row, column, value);
+                        if i >= 3 && j >= 3 {
+                            let inertia = matrices.rotary[a][b][i - 3][j - 3];
+                            mass.push((row as u32, column as u32, inertia));
+                        }
+                    }
+                }
+            }
+        }
     }
 
     fn add_beams(
@@ -495,7 +565,7 @@ fn compute_run(
             Some(Role::Solid(material)) => {
                 solid::add_matrices(table, present, &places, material, blocks)
             }
-            Some(Role::Shell(mass)) => surface::add_matrices(table, present, &places, mass, blocks),
+            Some(Role::Coat(mass)) => surface::add_matrices(table, present, &places, mass, blocks),
             _ => Ok(()),
         };
         if let Err(jacobian) = result {

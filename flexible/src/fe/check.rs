@@ -3,7 +3,9 @@
 //! kernel uses indices without further tests.
 
 use crate::error::FlexibleError;
-use crate::mesh::{ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, Tie};
+use crate::mesh::{
+    ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, ShellSection, Tie,
+};
 
 /// Number of ids that a message names.
 const NAMED: usize = 10;
@@ -34,8 +36,10 @@ const BROKEN: &str = "the mesh refers to something it does not hold; read it aga
 pub(super) enum Role<'a> {
     /// Stiffness and mass of a volume.
     Solid(&'a Material),
+    /// A shell.
+    Shell(ShellSection, &'a Material),
     /// Mass per area (kg/m²), no stiffness.
-    Shell(f64),
+    Coat(f64),
     /// A beam.
     Beam(&'a Material),
     /// Shape only.
@@ -54,20 +58,17 @@ pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
         (ElementKind::Beam2, Section::Beam(_), Some(material)) => Some(Role::Beam(material)),
         (kind, section, material) if !kind.is_solid() && kind != ElementKind::Beam2 => {
             match (section, material) {
-                (
-                    Section::Shell {
-                        thickness,
-                        mass_per_area,
-                    },
-                    material,
-                ) => {
-                    let mass = material.map_or(0.0, |m| m.density * thickness) + mass_per_area;
-                    Some(if material.is_none() && mass == 0.0 {
-                        Role::Facet
-                    } else {
-                        Role::Shell(mass)
+                (Section::Shell(section), Some(material)) => {
+                    let mass = material.density * section.thickness + section.mass_per_area;
+                    Some(match kind == kind.linear() {
+                        true => Role::Shell(section, material),
+                        false => Role::Coat(mass),
                     })
                 }
+                (Section::Shell(section), None) => Some(match section.mass_per_area {
+                    0.0 => Role::Facet,
+                    mass => Role::Coat(mass),
+                }),
                 (Section::Solid, None) => Some(Role::Facet),
                 _ => None,
             }
@@ -91,25 +92,36 @@ fn material_fault(material: &Material) -> Option<String> {
     }
 }
 
+fn shell_fault(section: &ShellSection, role: Role) -> Option<String> {
+    let ShellSection {
+        thickness,
+        mass_per_area,
+        bending,
+        shear,
+    } = *section;
+    let stiff = matches!(role, Role::Shell(..));
+    let weightless = thickness == 0.0 && mass_per_area > 0.0 && !stiff;
+    if !(mass_per_area >= 0.0 && mass_per_area.is_finite()) {
+        Some(format!("a mass an area of {mass_per_area} kg/m²"))
+    } else if !(weightless || thickness > 0.0 && thickness.is_finite()) {
+        Some(format!(
+            "a thickness of {thickness} m; it must be above zero"
+        ))
+    } else if stiff && !(bending > 0.0 && bending.is_finite()) {
+        Some(format!(
+            "a bending stiffness of {bending} of its plate's; it must be above zero"
+        ))
+    } else if stiff && !(shear >= 0.0 && shear.is_finite()) {
+        Some(format!("a shear factor of {shear}; it can't be negative"))
+    } else {
+        None
+    }
+}
+
 fn section_fault(section: &Section, role: Role) -> Option<String> {
     match *section {
         Section::Solid => None,
-        Section::Shell {
-            thickness,
-            mass_per_area,
-        } => {
-            let needed = matches!(role, Role::Shell(_));
-            if needed && !(mass_per_area >= 0.0 && mass_per_area.is_finite()) {
-                Some(format!("a mass an area of {mass_per_area} kg/m²"))
-            } else if needed && !(thickness.is_finite() && (thickness > 0.0 || mass_per_area > 0.0))
-            {
-                Some(format!(
-                    "a thickness of {thickness} m; it must be above zero"
-                ))
-            } else {
-                None
-            }
-        }
+        Section::Shell(section) => shell_fault(&section, role),
         Section::Beam(BeamSection {
             area,
             moment_z,

@@ -129,7 +129,10 @@ impl Pieces {
 pub(super) fn check(mesh: &Mesh, freedoms: &FreedomMap) -> Result<(), FlexibleError> {
     let mut pieces = Pieces::new(mesh.nodes.len());
     for element in &mesh.elements {
-        if matches!(role(mesh, element), Some(Role::Solid(_) | Role::Beam(_))) {
+        if matches!(
+            role(mesh, element),
+            Some(Role::Solid(_) | Role::Beam(_) | Role::Shell(..))
+        ) {
             pieces.join(mesh.nodes_of(element).iter().copied());
         }
     }
@@ -141,7 +144,7 @@ pub(super) fn check(mesh: &Mesh, freedoms: &FreedomMap) -> Result<(), FlexibleEr
     pieces.finish(
         mesh,
         freedoms,
-        "shells carry no stiffness here, only mass on the nodes of solids; attach such nodes by ties, or leave them out",
+        "shells without a material and those of six or eight nodes carry mass and no stiffness; attach such nodes by ties, or leave them out",
     )
 }
 

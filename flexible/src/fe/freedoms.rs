@@ -7,12 +7,12 @@ use super::check::{Role, role, wrong};
 use super::form;
 use super::rules::StiffnessRule;
 use crate::error::FlexibleError;
-use crate::mesh::{ABSENT, ElementKind, Mesh, PointMass, Tie};
+use crate::mesh::{ABSENT, Mesh, PointMass, Tie};
 
 /// Position of each node's freedoms in a full vector: translations x, y, z (m), then rotations x, y, z (rad),
 /// in basic axes.
 ///
-/// These nodes have rotations: nodes of beams, the independent node of a rigid tie, the reference node of an
+/// These nodes have rotations: nodes of beams and shells, the independent node of a rigid tie, the reference node of an
 /// averaging tie, nodes of point masses with rotary inertia or an offset, and nodes whose rotation occurs in
 /// a spring or an equation. An unused node, such as a point that only gives a direction, has no freedoms.
 ///
@@ -42,13 +42,10 @@ impl FreedomMap {
             }
         };
         for element in &mesh.elements {
-            if role(mesh, element).is_none_or(|role| role == Role::Facet) {
-                continue;
-            }
-            let freedoms = if element.kind == ElementKind::Beam2 {
-                6
-            } else {
-                3
+            let freedoms = match role(mesh, element) {
+                Some(Role::Beam(_) | Role::Shell(..)) => 6,
+                Some(Role::Solid(_) | Role::Coat(_)) => 3,
+                Some(Role::Facet) | None => continue,
             };
             for &node in mesh.nodes_of(element) {
                 if node != ABSENT {

@@ -68,7 +68,16 @@ impl GeometricStiffness {
                     let columns = full.chunks_exact(size.max(1));
                     add_beam(mesh, element, freedoms, columns, &mut beams)?;
                 }
-                _ => {}
+                Some(Role::Shell(..)) => {
+                    return Err(wrong(
+                        format!(
+                            "the geometric stiffness of shells is not known, and element {} is one",
+                            element.id
+                        ),
+                        "leave geometric stiffness out for this body, or mesh it with solids",
+                    ));
+                }
+                Some(Role::Coat(_) | Role::Facet) | None => {}
             }
         }
         if !stressed {

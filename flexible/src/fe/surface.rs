@@ -1,4 +1,4 @@
-//! Mass of shells: consistent, of the middle surface, without rotary inertia. They carry no stiffness.
+//! Mass of surfaces without stiffness: consistent, without rotary inertia.
 
 use super::rules::Table;
 use super::solid::{Present, add_mass, tangents};

@@ -7,7 +7,7 @@ use super::model::Model;
 use super::scope::Block;
 use super::shapes::Shape;
 use crate::error::FileProblem;
-use crate::mesh::{BeamSection, Carries, Code, Material, Property, Section};
+use crate::mesh::{BeamSection, Carries, Code, Material, Property, Section, ShellSection};
 use crate::read::builder::Once;
 use crate::read::nastran::shapes;
 use crate::read::unread::UnreadCards;
@@ -137,10 +137,7 @@ impl<'m> Sections<'m> {
         let facets = |name: &str| Property {
             name: name.into(),
             material: None,
-            section: Section::Shell {
-                thickness: 0.0,
-                mass_per_area: 0.0,
-            },
+            section: Section::Shell(ShellSection::plate(0.0)),
         };
         let Some((place, block)) = block else {
             let property = match family {
@@ -169,10 +166,9 @@ impl<'m> Sections<'m> {
         };
         let section_of = match (family, keyword.key.as_str()) {
             (Family::Solid, "SOLIDSECTION") if !keyword.has("COMPOSITE") => Section::Solid,
-            (Family::Shell, "SHELLSECTION") if !keyword.has("COMPOSITE") => Section::Shell {
-                thickness: first_row(block)?.real(0, "the thickness")?,
-                mass_per_area: 0.0,
-            },
+            (Family::Shell, "SHELLSECTION") if !keyword.has("COMPOSITE") => Section::Shell(
+                ShellSection::plate(first_row(block)?.real(0, "the thickness")?),
+            ),
             (Family::Truss, "SOLIDSECTION") => rod(match first_row(block) {
                 Ok(row) => row.optional_real(0, "the area")?.unwrap_or(1.0),
                 Err(_) => 1.0,

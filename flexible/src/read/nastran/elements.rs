@@ -50,6 +50,8 @@ pub(super) struct ElementCard {
     pub first: usize,
     /// Thickness, beam.
     pub extra: Extra,
+    /// Whether its rotations about the normal belong to the membrane.
+    pub drilling: bool,
     /// Place of the card.
     pub at: At,
 }
@@ -159,6 +161,7 @@ impl Elements {
             property,
             first,
             extra,
+            drilling: matches!(card.name.as_str(), "CTRIAR" | "CQUADR"),
             at: card.at.clone(),
         });
     }

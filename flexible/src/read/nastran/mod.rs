@@ -34,7 +34,7 @@ mod ties;
 mod unread;
 
 use crate::error::{FileProblem, FlexibleError};
-use crate::mesh::{Carries, Code, ElementKind, Mesh};
+use crate::mesh::{Carries, Code, ElementKind, Mesh, Variant};
 use crate::read::builder::{NewElement, add_element};
 use crate::read::held::HoldingCards;
 use crate::read::{Files, number, vector};
@@ -294,7 +294,8 @@ impl Deck {
                 .all
                 .get(property as usize)
                 .is_some_and(|property| property.material.is_some());
-            if card.family == Family::Shell && stiff {
+            let quadratic = card.kind != card.kind.linear();
+            if card.family == Family::Shell && stiff && quadratic {
                 for name in card.kind.description().names.nastran.iter().take(1) {
                     self.unread.note(name, &card.at, Carries::Structure);
                 }
@@ -315,7 +316,10 @@ impl Deck {
             let new = NewElement {
                 id: card.id,
                 kind: card.kind,
-                variant: self.properties.variant(card.family, card.property),
+                variant: match card.drilling {
+                    true => Variant::Drilling,
+                    false => self.properties.variant(card.family, card.property),
+                },
                 property,
             };
             add_element(mesh, new, &nodes, axes).map_err(|e| e.at(&card.at))?;

@@ -9,7 +9,7 @@ use super::lines::At;
 use super::shapes;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
-use crate::mesh::{BeamSection, Carries, Material, Property, Section, Variant};
+use crate::mesh::{BeamSection, Carries, Material, Property, Section, ShellSection, Variant};
 use crate::read::builder::Once;
 
 /// A rod: only area, torsion constant and added mass per length.
@@ -39,10 +39,8 @@ fn mean(a: BeamSection, b: BeamSection) -> BeamSection {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Solid(Variant),
-    Shell {
-        thickness: Option<f64>,
-        mass: f64,
-    },
+    /// Without thickness if the elements state it.
+    Shell(Option<f64>, ShellSection),
     Line(BeamSection),
     /// A property that can't be expressed.
     Unreadable,
@@ -154,10 +152,7 @@ impl Properties {
                     card,
                     Family::Shell,
                     None,
-                    Kind::Shell {
-                        thickness: Some(0.0),
-                        mass: 0.0,
-                    },
+                    Kind::Shell(None, ShellSection::plate(0.0)),
                 )?;
             }
             "MAT2" | "MAT3" | "MAT8" | "MAT9" | "MAT10" | "MAT11" | "MATHE" | "MATORT" => {
@@ -178,7 +173,8 @@ impl Properties {
         self.insert(card, Family::Solid, Some(material), kind)
     }
 
-    /// `PSHELL PID MID1 T MID2 12I/T³ MID3 TS/T NSM / Z1 Z2 MID4`. Without any material it is a facet.
+    /// `PSHELL PID MID1 T MID2 12I/T³ MID3 TS/T NSM / Z1 Z2 MID4`. Without any material it is a facet, without
+    /// MID3 it has no shear flexibility.
     fn shell(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let membrane = card.optional_id(1, "MID1")?.filter(|id| *id > 0);
         // plane strain
@@ -189,10 +185,8 @@ impl Properties {
         let shear = card.optional_id(5, "MID3")?.filter(|id| *id > 0);
         let factor = card.optional_real(4, "12I/T**3")?.unwrap_or(1.0);
         let material = membrane.or(bending);
-        let plain = factor == 1.0
-            && card.is_blank(10)
-            && (shear.is_none() || shear == material)
-            && membrane == bending;
+        let plain =
+            card.is_blank(10) && (shear.is_none() || shear == material) && membrane == bending;
         if !plain && material.is_some() {
             unread.note(
                 "PSHELL of other than one material and section",
@@ -200,10 +194,16 @@ impl Properties {
                 Carries::Structure,
             );
         }
-        let kind = Kind::Shell {
-            thickness: card.optional_real(2, "T")?,
-            mass: card.real_or_zero(7, "NSM")?,
+        let section = ShellSection {
+            mass_per_area: card.real_or_zero(7, "NSM")?,
+            bending: factor,
+            shear: match shear {
+                Some(_) => card.optional_real(6, "TS/T")?.unwrap_or(5.0 / 6.0),
+                None => 0.0,
+            },
+            ..ShellSection::plate(0.0)
         };
+        let kind = Kind::Shell(card.optional_real(2, "T")?, section);
         self.insert(card, Family::Shell, material, kind)
     }
 
@@ -517,7 +517,7 @@ impl<'d> Made<'d> {
         let scale = self.mass_scale;
         let section = match card.kind {
             Kind::Solid(_) => Section::Solid,
-            Kind::Shell { thickness, mass } => Section::Shell {
+            Kind::Shell(thickness, plate) => Section::Shell(ShellSection {
                 thickness: match own_thickness.or(thickness) {
                     Some(thickness) => thickness,
                     None if card.material.is_none() => 0.0,
@@ -528,8 +528,9 @@ impl<'d> Made<'d> {
                         ));
                     }
                 },
-                mass_per_area: mass * scale,
-            },
+                mass_per_area: plate.mass_per_area * scale,
+                ..plate
+            }),
             Kind::Line(line) => Section::Beam(BeamSection {
                 mass_per_length: line.mass_per_length * scale,
                 ..line
