@@ -10,19 +10,26 @@
 //! dy/dx = ∂y/∂x + (∂y/∂b + (1/Δ) ∂y/∂ḃ) G⁻¹ C ∂f/∂x
 //! ```
 //!
-//! with the exact derivatives of the film, for each input x, a and ȧ among them. G of an earlier iteration serves as long as
-//! it contracts.
+//! with the exact derivatives of the film, for each input x, a and ȧ among them. G is made once in a step, because its
+//! derivatives cost as much as ten solutions of the film. Secants of earlier rounds make up for its error.
 
 use crate::error::{FilmError, SourceError};
+use crate::feedback::{Feedback, Slopes};
 use crate::film::{Film, Work};
 use crate::inputs::{ECCENTRICITY, FORCE, RATE, SHAPE_FORCE, SPIN, SUPPLY, TILT_RATE};
+use eng_system::dense::{add_scaled, dot};
 
 /// Most rounds of Newton's method.
 const ROUNDS: usize = 200;
-/// Largest change of an amplitude that ends the rounds, as a share of the clearance.
-const GOAL: f64 = 1e-13;
-/// Largest ratio of two residuals that keeps G.
-const CONTRACTION: f64 = 0.1;
+/// Largest change of an amplitude that ends the rounds, as a share of the clearance. The outputs follow this last change by
+/// their slopes, so its square and the age of the slopes alone are left.
+const GOAL: f64 = 1e-11;
+/// Ratio of two changes above which a round was slow, and the number of slow rounds after which G is made anew.
+const CONTRACTION: f64 = 0.3;
+const SLOW_ROUNDS: usize = 2;
+/// Rounds after which the search is careful: without secants, and G is made anew after each slow round. Where many cells change
+/// sides, earlier rounds tell little.
+const QUICK_ROUNDS: usize = 16;
 /// Largest change of an amplitude in a round, as a share of the way that it may go: a longer one could close the gap.
 const LONGEST: f64 = 0.5;
 /// Least speed of the surfaces that a search counts with (m/s).
@@ -52,19 +59,26 @@ pub struct ElasticWork {
     given: Vec<f64>,
     outputs: Vec<f64>,
     slopes: Vec<f64>,
-    /// Factors of G, and the order of its rows.
-    matrix: Vec<f64>,
-    order: Vec<usize>,
-    factored: bool,
+    /// Whether the slopes are those of the last solution of the film.
+    current: bool,
+    feedback: Feedback,
     /// The part of the amplitudes that follows the forces: at the last solution, and at the begin of its step.
     amplitudes: Vec<f64>,
     before: Vec<f64>,
     step: Option<f64>,
-    /// g at the last evaluation, and the change before it.
+    /// −g at the last evaluation.
     missed: Vec<f64>,
-    taken: Vec<f64>,
-    residual: Vec<f64>,
-    column: Vec<f64>,
+    /// Change of the amplitudes by G alone, and with the secants.
+    plain: Vec<f64>,
+    change: Vec<f64>,
+    /// The last move of the amplitudes, and the change by G before it.
+    moved: Vec<f64>,
+    earlier: Vec<f64>,
+    /// Change of the given inputs since the last solution, and of the forces along.
+    given_change: Vec<f64>,
+    forces: Vec<f64>,
+    /// `C ∂f/∂x`, replaced by the derivatives of the amplitudes by the inputs.
+    follows: Vec<f64>,
     /// Rounds of the last solution.
     pub rounds: usize,
 }
@@ -192,10 +206,10 @@ impl Elastic {
         SUPPLY + self.film.source().openings.len()
     }
 
-    /// Count of numbers in the memory: the content of the film's cells and the amplitudes.
+    /// Count of numbers in the memory: the content of the film's cells, the amplitudes and their rates.
     #[must_use]
     pub fn memory(&self) -> usize {
-        self.film.memory() + self.shapes()
+        self.film.memory() + 2 * self.shapes()
     }
 
     /// Memory for solutions.
@@ -208,22 +222,25 @@ impl Elastic {
             given: vec![0.0; self.film.inputs()],
             outputs: vec![0.0; self.film.outputs()],
             slopes: vec![0.0; self.film.outputs() * self.film.inputs()],
-            matrix: vec![0.0; count * count],
-            order: vec![0; count],
-            factored: false,
+            current: false,
+            feedback: Feedback::new(count),
             amplitudes: vec![0.0; count],
             before: vec![0.0; count],
             step: None,
             missed: vec![0.0; count],
-            taken: vec![0.0; count],
-            residual: vec![0.0; count],
-            column: vec![0.0; count],
+            plain: vec![0.0; count],
+            change: vec![0.0; count],
+            moved: vec![0.0; count],
+            earlier: vec![0.0; count],
+            given_change: vec![0.0; self.inputs()],
+            forces: vec![0.0; count],
+            follows: vec![0.0; count * self.inputs()],
             rounds: 0,
         }
     }
 
     /// Solves the film and its surface, and writes the outputs. `step` and `memory` are those of
-    /// [`Film::solve`], with the amplitudes behind the content.
+    /// [`Film::solve`], with the amplitudes and their rates behind the content.
     ///
     /// # Errors
     /// As [`Film::solve`], or if the surface finds no balance with the film.
@@ -237,75 +254,162 @@ impl Elastic {
     ) -> Result<(), FilmError> {
         let (count, own, answers) = (self.shapes(), self.inputs(), self.outputs());
         let (content, before) = memory.split_at(memory.len().min(self.film.memory()));
-        work.given[..own].copy_from_slice(inputs);
-        Self::begin(work, step, before);
         if count == 0 {
+            work.given[..own].copy_from_slice(inputs);
+            work.step = step;
             self.evaluate(content, work)?;
             outputs.copy_from_slice(&work.outputs[..answers]);
             return Ok(());
         }
+        let followed = match self.begin(work, step, before) {
+            true => self.follow(inputs, work),
+            false => {
+                work.given[..own].copy_from_slice(inputs);
+                0.0
+            }
+        };
+        let found = self.search(content, work, followed);
+        match found {
+            Ok(()) => {
+                outputs.copy_from_slice(&work.outputs[..answers]);
+                self.correct(work, outputs);
+            }
+            Err(_) => {
+                // the next search begins anew
+                work.feedback.forget();
+                work.amplitudes.copy_from_slice(&work.before);
+            }
+        }
+        found
+    }
+
+    /// Searches the amplitudes that are in balance with the film. They have followed the inputs by the length of the last move.
+    fn search(
+        &self,
+        content: &[f64],
+        work: &mut ElasticWork,
+        followed: f64,
+    ) -> Result<(), FilmError> {
         let clearance = self.film.source().clearance;
         let reach = self.reach(work);
-        // length of the last change, and the share of it that was made
-        let (mut last, mut share) = (f64::INFINITY, 1.0);
+        // length of the last change, the share of it that was made, and slow rounds since G was made
+        let (mut last, mut share, mut slow) = (f64::INFINITY, 1.0, 0);
+        let mut paired = false;
         for round in 1..=ROUNDS {
-            let solved = self.evaluate(content, work);
-            if let Err(error) = solved {
-                // the next search begins without factors
-                work.factored = false;
-                work.amplitudes.copy_from_slice(&work.before);
-                return Err(error);
+            self.evaluate(content, work)?;
+            let careful = round > QUICK_ROUNDS;
+            let mut longest = self.change(work, paired && !careful)?;
+            if round == 1 && followed > 0.0 && longest > followed {
+                // these slopes are of no use here
+                add_scaled(&mut work.amplitudes, -1.0, &work.moved);
+                continue;
             }
-            let mut longest = self.change(work)?;
             if longest > GROWTH * last && share > LEAST_SHARE {
                 // cells change sides on the way: a shorter one reduces the residual
                 share /= 2.0;
-                for (amplitude, change) in work.amplitudes.iter_mut().zip(&work.taken) {
-                    *amplitude += share * change;
-                }
+                work.moved.iter_mut().for_each(|moved| *moved /= 2.0);
+                add_scaled(&mut work.amplitudes, -1.0, &work.moved);
                 continue;
             }
-            if longest > CONTRACTION * last {
-                work.factored = false;
-                longest = self.change(work)?;
+            slow += usize::from(longest > CONTRACTION * last);
+            if slow >= if careful { 1 } else { SLOW_ROUNDS } {
+                slow = 0;
+                paired = false;
+                work.feedback.forget();
+                longest = self.change(work, paired)?;
             }
             if !longest.is_finite() {
                 break;
             }
             if longest <= GOAL * clearance {
                 work.rounds = round;
-                outputs.copy_from_slice(&work.outputs[..answers]);
                 return Ok(());
             }
-            (last, share) = (longest, (reach / longest).min(1.0));
-            work.taken.copy_from_slice(&work.residual);
-            for (amplitude, change) in work.amplitudes.iter_mut().zip(&work.taken) {
-                *amplitude -= share * change;
+            (last, share) = (longest, (reach / self::longest(&work.change)).min(1.0));
+            for (moved, change) in work.moved.iter_mut().zip(&work.change) {
+                *moved = share * change;
+            }
+            add_scaled(&mut work.amplitudes, 1.0, &work.moved);
+            work.earlier.copy_from_slice(&work.plain);
+            paired = true;
+            if round == QUICK_ROUNDS {
+                work.feedback.forget();
             }
         }
-        work.factored = false;
-        work.amplitudes[..count].copy_from_slice(&work.before);
         Err(FilmError::NoSurface { rounds: ROUNDS })
     }
 
-    /// The amplitudes at which the search begins. It depends on the beginning of the step alone, so a run that continues from a
-    /// checkpoint has the same bits. For another length of the step the rates of the last solution remain, not its amplitudes:
-    /// a shorter step would ask for faster surfaces.
-    fn begin(work: &mut ElasticWork, step: Option<f64>, before: &[f64]) {
+    /// The amplitudes at which the search begins, and whether they belong to the step and the inputs of the last solution. In a
+    /// new step they move on at the rates of the one before, and all else is forgotten: so a run that continues from a
+    /// checkpoint has the same bits. For another length of the step the rates of the last solution remain.
+    fn begin(&self, work: &mut ElasticWork, step: Option<f64>, memory: &[f64]) -> bool {
         let earlier = std::mem::replace(&mut work.step, step);
-        let Some(step) = step else { return };
-        let share = match earlier {
-            Some(earlier) if work.before == before => step / earlier,
-            _ => 0.0,
+        let Some(step) = step else {
+            return earlier.is_none() && work.feedback.is_made();
         };
-        if share == 1.0 {
-            return;
+        let (before, rates) = memory.split_at(self.shapes());
+        match earlier {
+            Some(earlier) if work.before == before => {
+                let share = step / earlier;
+                if share == 1.0 {
+                    return work.feedback.is_made();
+                }
+                for (amplitude, before) in work.amplitudes.iter_mut().zip(before) {
+                    *amplitude = before + share * (*amplitude - before);
+                }
+            }
+            _ => {
+                work.feedback.forget();
+                work.before.copy_from_slice(before);
+                work.amplitudes.copy_from_slice(before);
+                add_scaled(&mut work.amplitudes, step, rates);
+            }
         }
-        work.before.copy_from_slice(before);
-        for (amplitude, before) in work.amplitudes.iter_mut().zip(before) {
-            *amplitude = before + share * (*amplitude - before);
+        false
+    }
+
+    /// Takes new inputs, and lets the amplitudes follow them by the kept slopes, but no further than the search may go. Returns the length of
+    /// their change (m).
+    fn follow(&self, inputs: &[f64], work: &mut ElasticWork) -> f64 {
+        let own = self.inputs();
+        let count = self.shapes();
+        let changes = &mut work.given_change;
+        for (change, (now, before)) in changes.iter_mut().zip(inputs.iter().zip(&work.given)) {
+            *change = now - before;
         }
-        work.factored = false;
+        work.given[..own].copy_from_slice(inputs);
+        let rows = work
+            .slopes
+            .chunks_exact(self.film.inputs())
+            .skip(SHAPE_FORCE);
+        for (force, row) in work.forces.iter_mut().zip(rows) {
+            *force = dot(row, changes);
+        }
+        let lines = self.compliance.chunks_exact(count);
+        for (change, line) in work.change.iter_mut().zip(lines) {
+            *change = dot(line, &work.forces);
+        }
+        work.feedback.solve(&mut work.change, 1);
+        work.feedback.secants.improve(&mut work.change);
+        let longest = longest(&work.change);
+        if longest > self.reach(work) {
+            return 0.0;
+        }
+        work.moved.copy_from_slice(&work.change);
+        add_scaled(&mut work.amplitudes, 1.0, &work.moved);
+        longest
+    }
+
+    /// Adds the last change of the amplitudes, which ended the search, to them, and its effect to the outputs.
+    fn correct(&self, work: &mut ElasticWork, outputs: &mut [f64]) {
+        let amplitude = self.plain_inputs();
+        let by_step = work.step.map_or(0.0, |step| 1.0 / step);
+        let rows = work.slopes.chunks_exact(self.film.inputs());
+        for (output, row) in outputs.iter_mut().zip(rows) {
+            let (by_amplitude, by_rate) = row[amplitude..].split_at(self.shapes());
+            *output += dot(by_amplitude, &work.change) + by_step * dot(by_rate, &work.change);
+        }
+        add_scaled(&mut work.amplitudes, 1.0, &work.change);
     }
 
     /// The largest change of an amplitude in a round (m): a share of the clearance, and within a step the same share of the way of
@@ -321,20 +425,20 @@ impl Elastic {
         LONGEST * source.clearance.min(way)
     }
 
-    /// Newton's change of the amplitudes at the last evaluation, in place of g, and its length (m).
-    fn change(&self, work: &mut ElasticWork) -> Result<f64, FilmError> {
-        if !work.factored {
-            self.factor(work)?;
+    /// Newton's change of the amplitudes at the last evaluation. Returns its length without secants (m), which measures the
+    /// residual. After a move it makes a pair of the secants.
+    fn change(&self, work: &mut ElasticWork, paired: bool) -> Result<f64, FilmError> {
+        let kept = work.feedback.is_made();
+        self.factor(work)?;
+        work.plain.copy_from_slice(&work.missed);
+        work.feedback.solve(&mut work.plain, 1);
+        if paired && kept {
+            let secants = &mut work.feedback.secants;
+            secants.take(&work.moved, &work.earlier, &work.plain);
         }
-        work.residual.copy_from_slice(&work.missed);
-        solve_factored(
-            &work.matrix,
-            &work.order,
-            &mut work.residual,
-            &mut work.column,
-        );
-        let longest = work.residual.iter().map(|change| change.abs());
-        Ok(longest.fold(0.0, f64::max))
+        work.change.copy_from_slice(&work.plain);
+        work.feedback.secants.improve(&mut work.change);
+        Ok(longest(&work.plain))
     }
 
     /// Solves the film at the present amplitudes, and g there.
@@ -352,48 +456,45 @@ impl Elastic {
             *rate += work.step.map_or(0.0, |step| (now - before) / step);
         }
         let (film, x) = (&mut work.film, &work.inputs);
+        work.current = false;
         self.film
             .solve(x, work.step, content, film, &mut work.outputs)?;
         let forces = &work.outputs[SHAPE_FORCE..];
-        for (row, residual) in work.missed.iter_mut().enumerate() {
-            let line = &self.compliance[row * count..(row + 1) * count];
-            let yields: f64 = line.iter().zip(forces).map(|(c, f)| c * f).sum();
-            *residual = work.amplitudes[row] - yields;
+        let lines = self.compliance.chunks_exact(count.max(1));
+        for ((missed, line), amplitude) in work.missed.iter_mut().zip(lines).zip(&work.amplitudes) {
+            *missed = dot(line, forces) - amplitude;
         }
         Ok(())
     }
 
-    /// Derivative of an output of the film by an amplitude, along with its rate.
-    fn along(&self, work: &ElasticWork, output: usize, shape: usize) -> f64 {
-        let row = &work.slopes[output * self.film.inputs()..][..self.film.inputs()];
-        let (count, own) = (self.shapes(), self.plain_inputs());
-        row[own + shape]
-            + work
-                .step
-                .map_or(0.0, |step| row[own + count + shape] / step)
+    /// Makes the derivatives of the film at its last solution.
+    fn differentiate(&self, work: &mut ElasticWork) {
+        if !work.current {
+            self.film.tangent(&mut work.film, &mut work.slopes);
+            work.current = true;
+        }
     }
 
-    /// Makes G at the film's last solution, and factors it.
+    /// Makes G of the film's last solution.
+    fn renew(&self, work: &mut ElasticWork) {
+        self.differentiate(work);
+        let slopes = Slopes {
+            rows: &work.slopes,
+            inputs: self.film.inputs(),
+            force: SHAPE_FORCE,
+            amplitude: self.plain_inputs(),
+        };
+        work.feedback.make(&self.compliance, &slopes);
+    }
+
+    /// Factors G, and makes it before if it is not there.
     fn factor(&self, work: &mut ElasticWork) -> Result<(), FilmError> {
-        let count = self.shapes();
-        self.film.tangent(&mut work.film, &mut work.slopes);
-        for row in 0..count {
-            for column in 0..count {
-                let mut sum = if row == column { 1.0 } else { 0.0 };
-                for shape in 0..count {
-                    let compliance = self.compliance[row * count + shape];
-                    if compliance != 0.0 {
-                        sum -= compliance * self.along(work, SHAPE_FORCE + shape, column);
-                    }
-                }
-                work.matrix[row * count + column] = sum;
-            }
+        if !work.feedback.is_made() {
+            self.renew(work);
         }
-        match factor(&mut work.matrix, &mut work.order) {
-            true => {
-                work.factored = true;
-                Ok(())
-            }
+        let by_step = work.step.map_or(0.0, |step| 1.0 / step);
+        match work.feedback.factor(by_step) {
+            true => Ok(()),
             false => Err(FilmError::NoSurface { rounds: ROUNDS }),
         }
     }
@@ -408,29 +509,26 @@ impl Elastic {
             self.film.tangent(&mut work.film, dy_dx);
             return Ok(());
         }
+        self.renew(work);
         self.factor(work)?;
-        let inputs = self.film.inputs();
-        for (output, row) in dy_dx.chunks_exact_mut(own).enumerate() {
-            row.copy_from_slice(&work.slopes[output * inputs..output * inputs + own]);
-        }
-        for input in 0..own {
-            for row in 0..count {
-                let line = &self.compliance[row * count..(row + 1) * count];
-                let forces = line
-                    .iter()
-                    .enumerate()
-                    .map(|(shape, c)| c * work.slopes[(SHAPE_FORCE + shape) * inputs + input]);
-                work.residual[row] = forces.sum();
+        let (inputs, amplitude) = (self.film.inputs(), self.plain_inputs());
+        let by_step = work.step.map_or(0.0, |step| 1.0 / step);
+        let rows = |output: usize| &work.slopes[output * inputs..][..inputs];
+        work.follows.fill(0.0);
+        let lines = self.compliance.chunks_exact(count);
+        for (sums, line) in work.follows.chunks_exact_mut(own).zip(lines) {
+            for (shape, factor) in line.iter().enumerate() {
+                add_scaled(sums, *factor, &rows(SHAPE_FORCE + shape)[..own]);
             }
-            solve_factored(
-                &work.matrix,
-                &work.order,
-                &mut work.residual,
-                &mut work.column,
-            );
-            for output in 0..self.outputs() {
-                let moved = (0..count).map(|k| self.along(work, output, k) * work.residual[k]);
-                dy_dx[output * own + input] += moved.sum::<f64>();
+        }
+        work.feedback.solve(&mut work.follows, own);
+        for (output, sums) in dy_dx.chunks_exact_mut(own).enumerate() {
+            let row = rows(output);
+            sums.copy_from_slice(&row[..own]);
+            let (by_amplitude, by_rate) = row[amplitude..].split_at(count);
+            let along = by_amplitude.iter().zip(by_rate);
+            for ((a, r), follows) in along.zip(work.follows.chunks_exact(own)) {
+                add_scaled(sums, a + by_step * r, follows);
             }
         }
         Ok(())
@@ -451,12 +549,10 @@ impl Elastic {
     /// If the surface is unstable there.
     pub fn stiffness_and_damping(&self, work: &mut ElasticWork) -> Result<[f64; 8], FilmError> {
         let (count, inputs) = (self.shapes(), self.film.inputs());
-        self.film.tangent(&mut work.film, &mut work.slopes);
-        let step = work.step.take();
-        let factored = self.factor(work);
-        work.step = step;
-        work.factored = false;
-        factored?;
+        self.renew(work);
+        if !work.feedback.factor(0.0) {
+            return Err(FilmError::NoSurface { rounds: ROUNDS });
+        }
         let (amplitude, rate) = (self.plain_inputs(), self.plain_inputs() + count);
         let mut found = [0.0; 8];
         let mut follows = vec![0.0; 2 * count];
@@ -470,14 +566,14 @@ impl Elastic {
             for (sum, row) in by_place.iter_mut().zip(0..) {
                 *sum = self.yields(row, |shape| slope(SHAPE_FORCE + shape, ECCENTRICITY + axis));
             }
-            solve_factored(&work.matrix, &work.order, by_place, &mut work.column);
+            work.feedback.solve(by_place, 1);
             for (sum, row) in by_rate.iter_mut().zip(0..) {
                 *sum = self.yields(row, |shape| {
                     let output = SHAPE_FORCE + shape;
                     slope(output, RATE + axis) + along(output, rate, by_place)
                 });
             }
-            solve_factored(&work.matrix, &work.order, by_rate, &mut work.column);
+            work.feedback.solve(by_rate, 1);
             for force in 0..2 {
                 let output = FORCE + force;
                 let place = slope(output, ECCENTRICITY + axis) + along(output, amplitude, by_place);
@@ -496,10 +592,18 @@ impl Elastic {
         line.enumerate().map(|(shape, c)| c * force(shape)).sum()
     }
 
-    /// Writes the content and the amplitudes of the last solution to the memory.
+    /// Writes the content, and the amplitudes and their rates, of the last solution to the memory.
     pub fn accept(&self, work: &ElasticWork, memory: &mut [f64]) {
-        let (content, amplitudes) = memory.split_at_mut(self.film.memory());
+        let (content, surface) = memory.split_at_mut(self.film.memory());
         self.film.accept(&work.film, content);
+        let (amplitudes, rates) = surface.split_at_mut(self.shapes());
+        let by_step = work.step.map_or(0.0, |step| 1.0 / step);
+        for (rate, (now, before)) in rates
+            .iter_mut()
+            .zip(work.amplitudes.iter().zip(&work.before))
+        {
+            *rate = by_step * (now - before);
+        }
         amplitudes.copy_from_slice(&work.amplitudes);
     }
 
@@ -529,58 +633,8 @@ impl Elastic {
     }
 }
 
-/// Replaces a square matrix, row by row, by its factors with exchanged rows; `false` if it is singular.
-fn factor(matrix: &mut [f64], order: &mut [usize]) -> bool {
-    let count = order.len();
-    for (at, place) in order.iter_mut().enumerate() {
-        *place = at;
-    }
-    for column in 0..count {
-        let mut pivot = column;
-        for row in column + 1..count {
-            if matrix[row * count + column].abs() > matrix[pivot * count + column].abs() {
-                pivot = row;
-            }
-        }
-        let value = matrix[pivot * count + column];
-        if value == 0.0 || !value.is_finite() {
-            return false;
-        }
-        if pivot != column {
-            order.swap(pivot, column);
-            for at in 0..count {
-                matrix.swap(pivot * count + at, column * count + at);
-            }
-        }
-        for row in column + 1..count {
-            let factor = matrix[row * count + column] / value;
-            matrix[row * count + column] = factor;
-            if factor == 0.0 {
-                continue;
-            }
-            for at in column + 1..count {
-                matrix[row * count + at] -= factor * matrix[column * count + at];
-            }
-        }
-    }
-    true
-}
-
-/// Replaces the right-hand side by the solution.
-fn solve_factored(matrix: &[f64], order: &[usize], side: &mut [f64], room: &mut [f64]) {
-    let count = order.len();
-    for (place, row) in room.iter_mut().zip(order) {
-        *place = side[*row];
-    }
-    for row in 0..count {
-        let done: f64 = (0..row).map(|at| matrix[row * count + at] * room[at]).sum();
-        room[row] -= done;
-    }
-    for row in (0..count).rev() {
-        let done: f64 = (row + 1..count)
-            .map(|at| matrix[row * count + at] * room[at])
-            .sum();
-        room[row] = (room[row] - done) / matrix[row * count + row];
-    }
-    side.copy_from_slice(room);
+/// The largest magnitude.
+fn longest(changes: &[f64]) -> f64 {
+    let sizes = changes.iter().map(|change| change.abs());
+    sizes.fold(0.0, f64::max)
 }

@@ -41,6 +41,7 @@ mod active;
 mod block;
 mod elastic;
 mod error;
+mod feedback;
 mod film;
 mod gap;
 mod grid;

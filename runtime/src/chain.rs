@@ -24,9 +24,9 @@
 //! with δa at frozen ȧ.
 
 use crate::body::{BodyFrame, BodyModel};
-use crate::dense::add_six;
 use crate::rotation::{M3, V3, exponential, matrix, skew, tangent, tangent_along};
 use crate::shape::MarkerShape;
+use eng_system::dense::add_six;
 
 /// Size of the reach of a marker with a linear shape.
 pub const REACH: usize = 12;

@@ -15,7 +15,6 @@ pub use plan::MatrixPlan;
 
 use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, CURVED_REACH, MarkerKinematics, Motion, Placed, REACH};
-use crate::dense::add_scaled;
 use crate::elements::{self, Batch, Inputs, Readings, Scratch, undefined};
 use crate::error::RuntimeError;
 use crate::flexible::Work;
@@ -25,6 +24,7 @@ use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use crate::state::State;
 use eng_system::code::Function;
+use eng_system::dense::add_scaled;
 use eng_system::layout::InputLayout;
 use surfaces::SurfaceWork;
 
@@ -246,7 +246,7 @@ impl Dynamics {
         let numbers = self.memory.accept(time);
         for batch in &mut self.batches {
             batch.solve_fields(model, time, Readings::None, &mut self.work.elements)?;
-            batch.keep_memory(numbers);
+            batch.keep_memory(model, numbers);
         }
         Ok(())
     }

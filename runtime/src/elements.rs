@@ -89,6 +89,8 @@ pub(crate) struct LaneField {
     /// Index of the elastic surface.
     pub surface: Option<usize>,
     readings: Vec<f64>,
+    /// Whether the readings without derivatives are those of the last solution.
+    is_read: bool,
     /// Derivatives of the answers by the drives, answer by answer.
     slopes: Vec<f64>,
     /// First of the numbers that it remembers.
@@ -256,6 +258,7 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
                 drives: vec![0.0; drives],
                 answers: vec![0.0; answers],
                 readings: vec![0.0; kernel.reading_count() as usize],
+                is_read: false,
                 slopes: vec![0.0; answers * drives],
                 own,
                 surface,
@@ -274,8 +277,21 @@ impl Batch {
         readings: Readings,
         scratch: &mut Scratch,
     ) -> Result<(), RuntimeError> {
-        let known = self.solved > Solved::Nothing && readings == Readings::None;
-        if self.fields.is_empty() || known {
+        self.solve_fields_unless(model, time, readings, &[], scratch)
+    }
+
+    /// The same, but takes the solutions of other batches ([`Batch::keep_memory`]) whose fields have the same numbers.
+    pub fn solve_fields_unless(
+        &mut self,
+        model: &Model,
+        time: f64,
+        readings: Readings,
+        known: &[Batch],
+        scratch: &mut Scratch,
+    ) -> Result<(), RuntimeError> {
+        let class = self.class;
+        let solved = self.solved > Solved::Nothing && readings == Readings::None;
+        if self.fields.is_empty() || solved {
             return Ok(());
         }
         let layout = model.compiled.system.classes[self.class].layout;
@@ -292,12 +308,15 @@ impl Batch {
                 let mut drive = first_drive;
                 let mut answer = layout.answer(0) as usize;
                 let mut reading = layout.reading(0) as usize;
-                for field in &mut self.fields[2 * pair + lane] {
+                for (at, field) in self.fields[2 * pair + lane].iter_mut().enumerate() {
                     let own = &mut field.drives[..field.own.drives];
                     for (x, number) in own.iter_mut().zip(&out[drive..]) {
                         *x = number[lane];
                     }
-                    field.solve(model, element, time, readings)?;
+                    match field_of(known, class, element, at) {
+                        Some(same) if same.is_solved_as(field) => field.take(same),
+                        _ => field.solve(model, element, time, readings)?,
+                    }
                     let mut put = |at: usize, numbers: &[f64]| {
                         for (place, x) in inputs[at..].iter_mut().zip(numbers) {
                             place[lane] = *x;
@@ -328,9 +347,14 @@ impl Batch {
         }
     }
 
-    /// Writes what the fields remember of their last solution to their places.
-    pub fn keep_memory(&self, numbers: &mut [f64]) {
-        for field in self.fields.iter().flatten() {
+    /// Writes what the fields remember of their last solution to their places, and reads the numbers that conditions compare.
+    pub fn keep_memory(&mut self, model: &Model, numbers: &mut [f64]) {
+        let read = model.compiled.system.classes[self.class].conditions_read_fields;
+        for field in self.fields.iter_mut().flatten() {
+            if read {
+                field.solver.read(&mut field.readings, false);
+                field.is_read = true;
+            }
             let place = field.memory..field.memory + field.before.len();
             if let Some(place) = numbers.get_mut(place).filter(|place| !place.is_empty()) {
                 field.solver.accept(place);
@@ -436,6 +460,14 @@ impl Batch {
     }
 }
 
+/// A field of an element in one of several batches.
+fn field_of(batches: &[Batch], class: usize, element: usize, field: usize) -> Option<&LaneField> {
+    let own = batches.iter().filter(|batch| batch.class == class);
+    own.flat_map(|batch| batch.pairs.as_flattened().iter().zip(&batch.fields))
+        .find(|(member, _)| **member == element)
+        .and_then(|(_, fields)| fields.get(field))
+}
+
 /// The motion of a field's surface among that of all; empty without one.
 fn motion_of<'a>(model: &Model, field: &LaneField, surfaces: &'a [f64]) -> &'a [f64] {
     let motion = field
@@ -445,6 +477,21 @@ fn motion_of<'a>(model: &Model, field: &LaneField, surfaces: &'a [f64]) -> &'a [
 }
 
 impl LaneField {
+    /// Whether its solution and readings are those of a field with the numbers of another.
+    fn is_solved_as(&self, other: &LaneField) -> bool {
+        let numbers = |field: &LaneField| (field.since, field.memory);
+        self.is_read
+            && numbers(self) == numbers(other)
+            && self.drives == other.drives
+            && self.before == other.before
+    }
+
+    /// Takes the solution and the readings of another field.
+    fn take(&mut self, other: &LaneField) {
+        self.answers.copy_from_slice(&other.answers);
+        self.readings.copy_from_slice(&other.readings);
+    }
+
     fn solve(
         &mut self,
         model: &Model,
@@ -452,6 +499,7 @@ impl LaneField {
         time: f64,
         readings: Readings,
     ) -> Result<(), RuntimeError> {
+        self.is_read = false;
         // numbers that are none are the element's own, and it says which table they come from
         if self.drives.iter().any(|x| !x.is_finite()) {
             return Err(not_finite(model, element, time));
@@ -495,6 +543,7 @@ pub fn gather(model: &Model, batch: &mut Batch, from: &Inputs) {
     batch.solved = Solved::Nothing;
     let layout = model.compiled.system.classes[batch.class].layout;
     for field in batch.fields.iter_mut().flatten() {
+        field.is_read = false;
         let past = from.memory.filter(|_| !field.before.is_empty());
         let past = past.and_then(|all| all.past(from.time, field.memory, field.before.len()));
         field.since = past.map(|past| past.step);

@@ -32,9 +32,9 @@
 //! energy are kept. The centrifugal softening comes from H alone. Loads at markers change the stiffness by
 //! the second-order displacement of the markers: see [`crate::shape`].
 
-use crate::dense::{add_product, add_scaled, add_transposed, dot};
 use crate::frame::{BodyFrame, Weights};
 use crate::rotation::{M3, V3, skew};
+use eng_system::dense::{add_product, add_scaled, add_transposed, dot};
 use eng_system::reduced::{Block, Geometric, Invariants};
 use std::sync::Arc;
 

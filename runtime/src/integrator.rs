@@ -37,7 +37,6 @@
 mod dense;
 mod nearest;
 mod newton;
-mod secants;
 mod vibration;
 
 pub use newton::STATE_SHARE;
@@ -50,7 +49,7 @@ use crate::error::RuntimeError;
 use crate::linear::{BlockLu, LinearSolver};
 use crate::model::Model;
 use crate::state::{State, move_pose};
-use secants::Secants;
+use eng_system::secants::Secants;
 
 /// Share of the position tolerance that the error of one step may have. Accelerations and small reactions are
 /// second derivatives of the positions. In an engine with film bearings this share keeps them right within a

@@ -47,7 +47,6 @@ pub mod chain;
 pub mod checkpoint;
 pub mod control;
 pub mod decay;
-mod dense;
 pub mod dynamics;
 pub mod elements;
 pub mod equilibrium;

@@ -316,11 +316,12 @@ impl Watch {
     }
 
     /// Reports each condition of `which` that is not positive, with a function for the values of all entries
-    /// of its class's conditions. NaN counts as a failure.
+    /// of its class's conditions. NaN counts as a failure. Fields that `solved` has at the same numbers are not solved again.
     pub fn violations(
         &mut self,
         model: &Model,
         from: &Inputs,
+        solved: &[Batch],
         which: impl Fn(&ConditionKind) -> bool,
         mut report: impl FnMut(Violation, &dyn Fn(usize) -> f64),
     ) -> Result<(), RuntimeError> {
@@ -328,7 +329,8 @@ impl Watch {
             elements::gather(model, batch, from);
             let class = &model.compiled.system.classes[batch.class];
             if class.conditions_read_fields {
-                batch.solve_fields(model, from.time, Readings::Plain, &mut self.scratch)?;
+                let (time, scratch) = (from.time, &mut self.scratch);
+                batch.solve_fields_unless(model, time, Readings::Plain, solved, scratch)?;
             }
             let conditions = &class.conditions;
             for pair in 0..batch.pairs.len() {

@@ -15,8 +15,8 @@
 //! true position of the marker, and energy is kept between partners. Without such blocks all terms are
 //! linear.
 
-use crate::dense::{add_product, add_scaled, dot};
 use crate::rotation::V3;
+use eng_system::dense::{add_product, add_scaled, dot};
 use eng_system::reduced::{Block, MarkerStiffness, ReducedMarker};
 
 /// Numbers of displacement and rotation.

@@ -279,6 +279,7 @@ fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeEr
     watch.violations(
         model,
         &from,
+        &[],
         |kind| *kind == ConditionKind::Require,
         |violation, values| {
             let condition = &model.class(violation.element).conditions[violation.condition];

@@ -4,7 +4,7 @@
 //! those that the element computes. The generalised forces f of the shapes are answers behind the others, and `Ψᵀ f` acts on
 //! the modes ([`eng_system::reduced::ReducedSurface`]).
 
-use crate::dense::{add_scaled, add_transposed, dot};
+use eng_system::dense::{add_scaled, add_transposed, dot};
 
 /// A surface under a field.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! The contract between Eng's compiler and its runtime.
 //!
-//! The crate holds the types that pass from one to the other. It has no syntax, no files and no solver.
+//! The crate holds the types that pass from one to the other, and the small products and secants that the solvers of motions and
+//! of films share. It has no syntax, no files and no solver.
 
 #![forbid(unsafe_code)]
 // Tests may call the standard library's functions, to compare with them.
@@ -19,6 +20,7 @@
 
 pub mod analysis;
 pub mod code;
+pub mod dense;
 pub mod dimension;
 pub mod elementary;
 pub mod expression;
@@ -35,6 +37,7 @@ pub mod place;
 pub mod recorded;
 pub mod reduced;
 pub mod report;
+pub mod secants;
 pub mod surface;
 pub mod system;
 pub mod table;

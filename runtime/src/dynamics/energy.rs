@@ -1,11 +1,11 @@
 //! Energies of the bodies, powers of loads and constraints.
 
 use super::{Dynamics, frame_of};
-use crate::dense::dot;
 use crate::elements::{self, Batch, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use eng_system::code::Function;
+use eng_system::dense::dot;
 
 impl Dynamics {
     /// Kinetic energy, gravity's potential, strain energy (J), power lost in the bodies' own damping (W).

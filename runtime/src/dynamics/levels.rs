@@ -2,11 +2,11 @@
 
 use super::{Dynamics, shape_rows};
 use crate::chain::{self, CURVED_REACH, Motion};
-use crate::dense::{add_scaled, dot};
 use crate::elements::{self, not_finite, undefined};
 use crate::error::RuntimeError;
 use crate::model::{ElementModel, Model};
 use eng_system::code::Function;
+use eng_system::dense::{add_scaled, dot};
 
 /// Each marker of a dynamic element with constraints: the element, the marker, the element's rows, and where the
 /// marker's derivatives of the first row are among the gradients.

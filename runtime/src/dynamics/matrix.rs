@@ -4,12 +4,12 @@ use super::plan::{MatrixPlan, Place};
 use super::{Dynamics, Placement, Workspace, frame_of, shape_rows};
 use crate::body::Weights;
 use crate::chain::{self, CURVED_REACH, Motion, Placed, REACH};
-use crate::dense::{add_product_of_six, add_scaled};
 use crate::elements::{self, Batch, not_finite};
 use crate::error::RuntimeError;
 use crate::model::{MarkerModel, Model};
 use crate::rotation::{M3, V3};
 use eng_system::code::Pair;
+use eng_system::dense::{add_product_of_six, add_scaled};
 
 /// The tangents T of bodies: the derivative of a body's turn by its increment.
 type Turn<'a> = &'a dyn Fn(usize) -> M3;

@@ -13,10 +13,10 @@
 use super::matrix::{Filling, Lane, Seen, expand_rows, expanded};
 use super::plan::SurfacePlan;
 use super::{Dynamics, shape_rows};
-use crate::dense::{add_product_of_six, add_scaled};
 use crate::elements::{Batch, LaneField};
 use crate::model::Model;
 use crate::surface::SurfaceModel;
+use eng_system::dense::{add_product_of_six, add_scaled};
 
 /// Room for the blocks of one surface.
 #[derive(Clone, Debug, Default)]

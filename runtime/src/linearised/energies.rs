@@ -17,11 +17,11 @@
 use super::equations::Equations;
 use crate::body::BodyKind;
 use crate::chain::{self, CURVED_REACH, Motion, Placed};
-use crate::dense::dot;
 use crate::dynamics::Dynamics;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::state::State;
+use eng_system::dense::dot;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// A complex vector as its real and imaginary part.

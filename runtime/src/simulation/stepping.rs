@@ -293,6 +293,7 @@ impl Simulation {
         self.watch.violations(
             model,
             &from,
+            self.dynamics.batches(),
             |kind| matches!(kind, ConditionKind::Require | ConditionKind::Advise),
             |violation, values| {
                 let condition = &model.class(violation.element).conditions[violation.condition];

@@ -5,7 +5,8 @@ const LANES: usize = 4;
 
 /// `Σ a_i b_i`, as long as the shorter one. Four partial sums: the order is fixed, and the four sums do not wait
 /// for each other.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+#[inline]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
     let (a, rest_a) = a[..n].as_chunks::<LANES>();
     let (b, rest_b) = b[..n].as_chunks::<LANES>();
@@ -20,14 +21,16 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `out += factor x`.
-pub(crate) fn add_scaled(out: &mut [f64], factor: f64, x: &[f64]) {
+#[inline]
+pub fn add_scaled(out: &mut [f64], factor: f64, x: &[f64]) {
     for (y, x) in out.iter_mut().zip(x) {
         *y += factor * x;
     }
 }
 
 /// `out += factor · M x` for a square row-major block.
-pub(crate) fn add_product(out: &mut [f64], factor: f64, block: &[f64], x: &[f64]) {
+#[inline]
+pub fn add_product(out: &mut [f64], factor: f64, block: &[f64], x: &[f64]) {
     if x.is_empty() {
         return;
     }
@@ -37,7 +40,8 @@ pub(crate) fn add_product(out: &mut [f64], factor: f64, block: &[f64], x: &[f64]
 }
 
 /// `out += Mᵀ x` for a row-major block with as many columns as `out` is long.
-pub(crate) fn add_transposed(out: &mut [f64], block: &[f64], x: &[f64]) {
+#[inline]
+pub fn add_transposed(out: &mut [f64], block: &[f64], x: &[f64]) {
     if out.is_empty() {
         return;
     }
@@ -47,7 +51,8 @@ pub(crate) fn add_transposed(out: &mut [f64], block: &[f64], x: &[f64]) {
 }
 
 /// `out += Σ_k factors[k] · rows[k]` for six rows, one after the other in `rows`, as long as `out`.
-pub(crate) fn add_six(out: &mut [f64], factors: &[f64; 6], rows: &[f64]) {
+#[inline]
+pub fn add_six(out: &mut [f64], factors: &[f64; 6], rows: &[f64]) {
     let n = out.len();
     if n == 0 || rows.len() < 6 * n {
         return;
@@ -61,7 +66,8 @@ pub(crate) fn add_six(out: &mut [f64], factors: &[f64; 6], rows: &[f64]) {
 }
 
 /// `out += leftᵀ right` for six rows each, row-major: as many rows as `left` has columns, as long as those of `right`.
-pub(crate) fn add_product_of_six(out: &mut [f64], left: &[f64], right: &[f64]) {
+#[inline]
+pub fn add_product_of_six(out: &mut [f64], left: &[f64], right: &[f64]) {
     let (height, width) = (left.len() / 6, right.len() / 6);
     if width == 0 {
         return;

@@ -23,7 +23,7 @@ const LARGEST: f64 = 3.0;
 
 /// The last moves and the changes of corrections along them, in a ring: `next` is the oldest when it is full.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Secants {
+pub struct Secants {
     size: usize,
     /// Δz of unit length, and Δx + Δz in the same measure, pair after pair.
     changes: Vec<f64>,
