@@ -82,6 +82,22 @@ fn contacts_move_as_another_integrator_says() {
     }
 }
 
+/// The steps of an impact follow the tolerance, and its error does: a ball that touches a plate four times for 0.3 ms, with flights of
+/// up to 0.28 s that multiply each error of its speed. At thirty times the tolerance half of the steps are left.
+#[test]
+fn steps_of_an_impact_follow_the_tolerance() {
+    for (tolerance, most, limit) in [("1", 1200, 1e-4), ("30", 560, 5e-4)] {
+        let text = sampled("ball", &format!("50 ms, tolerance: {tolerance}"));
+        let (error, steps) = error(&text, "ball", "height");
+        println!(
+            "tolerance {tolerance}: {error:.1e} of the swing, {} steps an impact with its flight",
+            steps / 4
+        );
+        assert!(steps < most, "{tolerance}: {steps} steps");
+        assert!(error < limit, "{tolerance}: {error:.1e}");
+    }
+}
+
 /// The energy of the ball on the sheet after the impact is that before it: it returns, at any distance of samples.
 #[test]
 fn a_thin_sheet_is_not_stepped_over() {
