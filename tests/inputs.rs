@@ -350,6 +350,162 @@ fn a_function_of_time_drives_an_input() {
     assert_eq!(held.metadata().get("input.load"), None);
 }
 
+/// The oscillator with the rate of its input as the force: 0.5 s times `der(load)`.
+fn rated(interpolation: &str) -> String {
+    let text = text(interpolation);
+    text.replace(
+        "apply force (load - stiffness",
+        "apply force (0.5 s*der(load) - stiffness",
+    )
+    .replace(
+        "    output load_now: Force = load\n",
+        "    output load_now: Force = load\n    output rate_now = der(load) as N/s\n",
+    )
+}
+
+/// The rate of an input is that of its line or cubic: a force of half a second times the rate moves the oscillator as the
+/// closed form says. At a point of `cubic` it is the stated rate.
+#[test]
+fn a_rate_moves_an_oscillator_as_the_closed_form_says() {
+    for interpolation in ["linear", "cubic"] {
+        let model = done(program(&rated(interpolation)).model("Oscillator"));
+        let load = done(model.input("load"));
+        let run = |simulation: &mut Simulation| {
+            let (mut due, mut worst, mut most) = ([0.0, 0.0], 0.0_f64, 0.0_f64);
+            for k in 0..40 {
+                let (from, to) = (simulation.time(), f64::from(k + 1) * 0.1);
+                drive(simulation, load, interpolation, from, to);
+                let to = done(simulation.advance(to));
+                let [_, c1, c2, c3] = coefficients(interpolation, from, to);
+                let force = [0.5 * c1, c2, 1.5 * c3, 0.0];
+                due = exact(due, force, to - from);
+                worst = worst.max((value(&model, simulation, "x") - due[0]).abs());
+                most = most.max(due[0].abs());
+                if interpolation == "cubic" {
+                    let rate = value(&model, simulation, "spring.rate_now");
+                    assert!((rate - wanted(to).rate).abs() < 1e-9, "{rate} at {to}");
+                }
+            }
+            worst / most
+        };
+        let tight = run(&mut started(&model, 1e-4));
+        let [long, short] = [1e-3, 5e-4].map(|step| {
+            let mut simulation = done(model.simulation().fixed_step(step).start());
+            run(&mut simulation)
+        });
+        let order = (long / short).log2();
+        println!(
+            "{interpolation}: {tight:.1e} under control, {long:.1e} at 1 ms, order {order:.2}"
+        );
+        assert!(
+            tight < 2e-6 && long < 2e-4,
+            "{interpolation}: {tight:e}, {long:e}"
+        );
+        assert!(
+            (1.8..2.4).contains(&order),
+            "{interpolation}: order {order}"
+        );
+    }
+}
+
+/// The rate of a function of time that drives an input is its derivative, and that of a stated value zero.
+#[test]
+fn the_rate_of_a_driven_input_is_the_derivative_of_its_function() {
+    let program = program(&rated("linear"));
+    let outcome = done(program.analysis("waved")).run(&mut |_| {});
+    let results = outcome
+        .unwrap_or_else(|failed| panic!("{}", failed.error))
+        .results;
+    let column = |path: &str| results.column(path).expect("a column").values.clone();
+    let (time, x, rate) = (column("time"), column("x"), column("spring.rate_now"));
+    // force 0.5 s·12 N/s·cos 4t: x = 6 N/(k − 16 m) (cos 4t − cos ωt)
+    let size = 6.0 / (STIFFNESS - MASS * 16.0);
+    let omega = (STIFFNESS / MASS).sqrt();
+    for ((t, x), rate) in time.iter().zip(&x).zip(&rate) {
+        assert!(
+            (rate - 12.0 * (4.0 * t).cos()).abs() < 1e-12,
+            "{rate} at {t}"
+        );
+        let due = size * ((4.0 * t).cos() - (omega * t).cos());
+        assert!((x - due).abs() < 1e-5 * size, "{x} for {due} at {t}");
+    }
+    let analysis = done(program.analysis("waved"));
+    let load = done(analysis.model().parameter("load"));
+    let held = done(analysis.set(load, done("5 N".parse::<Quantity>().map_err(Error::from))));
+    let held = held
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error))
+        .results;
+    let rates = &held.column("spring.rate_now").expect("a column").values;
+    assert!(rates.iter().all(|rate| *rate == 0.0), "{rates:?}");
+    // the element's own argument, stated: it follows the input no more
+    let analysis = done(program.analysis("waved"));
+    let own = done(analysis.model().parameter("spring.load"));
+    let held = done(analysis.set(own, done("5 N".parse::<Quantity>().map_err(Error::from))));
+    let held = held
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error))
+        .results;
+    let rates = &held.column("spring.rate_now").expect("a column").values;
+    assert!(rates.iter().all(|rate| *rate == 0.0), "{rates:?}");
+}
+
+/// A force that acts while an input passes a narrow band: 1 kN at its middle, 10 mN to both sides, of an input that rises by 20 N/s. So
+/// it acts for 1 ms, and its impulse is 0.5 N s. Steps would be 10 ms long there.
+const BAND: &str = "
+force Gate(a: Marker, load: Force) {
+    let beside = load - 7.3 N + (1e-9 N/m)*dot(a.origin, ground.x)
+    let share = max(1 - abs(beside)/(10 mN), 0)
+    apply force 1 kN*share*ground.x on a
+}
+model Free {
+    input load: Force = 0 N, interpolation: linear
+    gravity = [0, 0, 0] m/s^2
+    body bob { mass = 2 kg; inertia = [1, 1, 1] kg*m^2 }
+    force gate = Gate(bob.origin, load: load)
+    output v = dot(bob.origin.velocity, ground.x)
+}
+fn rise(t: Time) -> Force = 20 N/s*t
+fn bent(t: Time) -> Force = 20 N/s^2*t^2
+analysis straight = transient(Free(load: rise), duration: 1 s, sample: 0.5 s)
+analysis curved = transient(Free(load: bent), duration: 1 s, sample: 0.5 s)
+";
+
+/// Steps end where a load bends because an input moves, whether a program or a function of time moves it.
+#[test]
+fn steps_end_at_kinks_of_inputs() {
+    let program = program(BAND);
+    let model = done(program.model("Free"));
+    let load = done(model.input("load"));
+    let mut simulation = started(&model, 1.0);
+    done(simulation.aim_input(load, 20.0));
+    done(simulation.advance(1.0));
+    let due = 0.5 / 2.0;
+    let found = value(&model, &mut simulation, "v");
+    assert!(simulation.statistics().kinks > 0);
+    assert!((found - due).abs() < 1e-3 * due, "{found} for {due}");
+    for (analysis, due) in [
+        ("straight", due),
+        // dt = dF/(2 √(20 N/s² F)), and the band is narrow: its share of second order is (0.01/7.3)²/16
+        ("curved", 1e3 * 0.01 / (2.0 * (20.0_f64 * 7.3).sqrt()) / 2.0),
+    ] {
+        let outcome = done(program.analysis(analysis)).run(&mut |_| {});
+        let results = outcome
+            .unwrap_or_else(|failed| panic!("{}", failed.error))
+            .results;
+        let found = *results
+            .column("v")
+            .expect("a column")
+            .values
+            .last()
+            .expect("an end");
+        assert!(
+            (found - due).abs() < 1e-3 * due,
+            "{analysis}: {found} for {due}"
+        );
+    }
+}
+
 /// A force that is held between its points lags by half an interval: first order.
 #[test]
 fn holding_is_of_first_order_in_the_interval() {

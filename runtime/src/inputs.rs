@@ -55,13 +55,20 @@ impl Segment {
         let Some(right) = self.right.filter(|_| self.to.is_finite()) else {
             return self.left;
         };
-        if time >= self.to {
-            return right;
-        }
         let h = self.to - self.from;
-        let s = ((time - self.from) / h).max(0.0);
         let (a, b) = (self.left, right);
         let rise = b.value - a.value;
+        if time >= self.to {
+            // the rate of a line at its end is that before it
+            return match interpolation {
+                Interpolation::Linear => Point {
+                    rate: rise / h,
+                    ..right
+                },
+                _ => right,
+            };
+        }
+        let s = ((time - self.from) / h).max(0.0);
         match interpolation {
             Interpolation::Hold => a,
             Interpolation::Linear => Point {
@@ -95,6 +102,8 @@ pub struct Signals {
     before: Vec<Segment>,
     /// Stated parameters, with the values of the inputs at `time`.
     overrides: Vec<Option<f64>>,
+    /// Rates of the parameters that are inputs which a program sets, at `time` (1/s).
+    rates: Vec<f64>,
     /// Values of the bind graph at `time`.
     nodes: Vec<Pair>,
     /// Values of the slots that move, at `time`.
@@ -125,6 +134,7 @@ impl Signals {
             inputs: system.inputs.clone(),
             before: now.clone(),
             now,
+            rates: vec![0.0; overrides.len()],
             overrides,
             nodes: model.nodes.clone(),
             values: moving.collect(),
@@ -148,10 +158,13 @@ impl Signals {
                 same = false;
                 continue;
             }
-            let value = Some(self.at(k, time).value);
-            if let Some(place) = self.overrides.get_mut(self.inputs[k].parameter as usize) {
-                same &= place.map(f64::to_bits) == value.map(f64::to_bits);
-                *place = value;
+            let Point { value, rate } = self.at(k, time);
+            let parameter = self.inputs[k].parameter as usize;
+            let places = (self.overrides.get_mut(parameter)).zip(self.rates.get_mut(parameter));
+            if let Some((stated, changing)) = places {
+                same &= stated.map(f64::to_bits) == Some(value.to_bits());
+                same &= changing.to_bits() == rate.to_bits();
+                (*stated, *changing) = (Some(value), rate);
             }
         }
         self.time = Some(time);
@@ -161,7 +174,7 @@ impl Signals {
         let (bind, tables) = (&model.compiled.bind, &model.compiled.system.tables);
         bind.renew(
             &mut self.nodes,
-            &self.overrides,
+            (&self.overrides, &self.rates),
             time,
             tables,
             &mut self.values,
@@ -393,8 +406,11 @@ impl Signals {
         Ok(())
     }
 
-    /// The next point is reached.
+    /// The next point is reached. From here on the rates are those of the next segments.
     pub fn arrive(&mut self) {
+        if self.aims() {
+            self.time = None;
+        }
         for (now, before) in self.now.iter_mut().zip(&mut self.before) {
             if let Some(right) = now.right {
                 *before = *now;
@@ -403,12 +419,13 @@ impl Signals {
         }
     }
 
-    /// Whether an input jumps at a time (s).
+    /// Whether an input jumps at a time (s), or the rate of one whose rate is read.
     pub fn jumps(&self, time: f64) -> bool {
         let pairs = self.now.iter().zip(&self.before).zip(&self.inputs);
         let mut pairs = pairs.filter(|((now, before), _)| now.from == time && before != now);
         pairs.any(|((now, before), input)| {
-            before.at(input.interpolation, time).value != now.left.value
+            let [before, now] = [before, now].map(|segment| segment.at(input.interpolation, time));
+            before.value != now.value || input.differentiated && before.rate != now.rate
         })
     }
 

@@ -24,7 +24,7 @@ eng_grammar::codes! {
         "const gaps = cylinders - cylinders\nlet pitch = 400 mm/gaps",
         "const gaps = cylinders - 1\nlet pitch = 400 mm/gaps";
     NO_RATE = "E0506", "a value has no known time derivative",
-        "Accelerations, reactions and states of other elements follow from the solution of the equations; their rates do not. Nobody states the rate of an input. Positions, angles and velocities have a `der`.",
+        "Accelerations, reactions and states of other elements follow from the solution of the equations; their rates do not. An input that holds its values jumps and has no rate; with `interpolation: linear` or `cubic` it has one. Positions, angles and velocities have a `der`.",
         "output jerk = der(pin.acceleration) in ground",
         "output acceleration = pin.acceleration in ground";
     LATE_ACCELERATION = "E0507", "an acceleration is used outside outputs, through a function or in a message",

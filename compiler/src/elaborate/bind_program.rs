@@ -1,13 +1,13 @@
 //! The bind graph as a program: evaluated once for each parameter set, it gives the slots and the messages of failed
 //! conditions.
 
-use super::scalar::{FIXED, FOLLOWED, TIME};
+use super::scalar::{FIXED, FOLLOWED, RATE, TIME};
 use crate::ir::{Function, Node, Op};
 use eng_system::DisplayUnit;
 use eng_system::code::{Advice, BindCode, BindError, Bound, Pair};
 use eng_system::system::{Location, Origin, Parameter, Slot};
 use eng_system::table::{Outside, Table};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The largest number that a model may hold (SI): its square is still a number.
 const LARGEST: f64 = 1e150;
@@ -43,6 +43,17 @@ pub struct Check {
     pub defined_at: Option<Location>,
 }
 
+/// Numbers that the bind graph gets from outside, beside the parameters.
+#[derive(Clone, Copy, Default)]
+struct Outer<'o> {
+    /// The time (s).
+    time: f64,
+    /// Rates of the parameters that are inputs with stated values (1/s); zero beyond the end.
+    rates: &'o [f64],
+    /// Numbers of a turn without forces.
+    followed: &'o [f64],
+}
+
 /// The bind graph as a program.
 #[derive(Clone, Debug, Default)]
 pub struct BindProgram {
@@ -54,6 +65,8 @@ pub struct BindProgram {
     pub slot_owners: Vec<String>,
     /// Defaults of the parameters.
     pub defaults: Vec<ParameterDefault>,
+    /// Rates of the defaults of parameters that follow inputs.
+    pub rates: BTreeMap<u32, Node>,
     /// Paths, units and limits of the parameters.
     pub parameters: Vec<Parameter>,
     /// Conditions.
@@ -176,17 +189,32 @@ impl BindProgram {
 }
 
 impl BindProgram {
-    /// The value of an operation with the values of those before it, at a time (s), and with numbers of a turn.
+    /// The value of an operation with the values of those before it.
     fn value(
         &self,
         op: Op,
         values: &[Pair],
         overrides: &[Option<f64>],
-        (time, followed): (f64, &[f64]),
+        outside: Outer<'_>,
         tables: &[Table],
     ) -> Pair {
+        let Outer {
+            time,
+            rates,
+            followed,
+        } = outside;
         let value = match op {
             Op::Input(TIME) => Some(time),
+            Op::Input(k) if k >= RATE => {
+                let k = k - RATE;
+                match overrides.get(k as usize).copied().flatten() {
+                    // a stated value has the rate of its input, if it is one
+                    Some(_) => Some(rates.get(k as usize).copied().unwrap_or(0.0)),
+                    None => (self.rates.get(&k))
+                        .and_then(|n| values.get(n.0 as usize))
+                        .map(|pair| pair[0]),
+                }
+            }
             Op::Input(k) if k >= FOLLOWED => followed.get((k - FOLLOWED) as usize).copied(),
             Op::Input(k) if k >= FIXED => self.fixed.get((k - FIXED) as usize).copied(),
             Op::Input(k) => {
@@ -297,7 +325,7 @@ impl BindCode for BindProgram {
         let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
         for op in nodes {
             // a run begins at the time zero
-            values.push(self.value(*op, &values, overrides, (0.0, &[]), tables));
+            values.push(self.value(*op, &values, overrides, Outer::default(), tables));
         }
         let at = |n: &Node| values.get(n.0 as usize).map_or(f64::NAN, |pair| pair[0]);
         let mut parameters = Vec::with_capacity(self.parameters.len());
@@ -343,18 +371,23 @@ impl BindCode for BindProgram {
     fn renew(
         &self,
         nodes: &mut [Pair],
-        overrides: &[Option<f64>],
+        (overrides, rates): (&[Option<f64>], &[f64]),
         time: f64,
         tables: &[Table],
         moving: &mut [f64],
     ) {
+        let outside = Outer {
+            time,
+            rates,
+            followed: &[],
+        };
         let operations = self.function.graph.nodes();
         for node in &self.moving {
             let at = node.0 as usize;
             if let Some(op) = operations.get(at)
                 && at < nodes.len()
             {
-                nodes[at] = self.value(*op, nodes, overrides, (time, &[]), tables);
+                nodes[at] = self.value(*op, nodes, overrides, outside, tables);
             }
         }
         let slots = self.moving_slots.iter().zip(moving);
@@ -373,8 +406,12 @@ impl BindCode for BindProgram {
     ) -> Vec<Advice> {
         let nodes = self.function.graph.nodes();
         let mut values: Vec<Pair> = Vec::with_capacity(nodes.len());
+        let outside = Outer {
+            followed,
+            ..Outer::default()
+        };
         for op in nodes {
-            values.push(self.value(*op, &values, overrides, (0.0, followed), tables));
+            values.push(self.value(*op, &values, overrides, outside, tables));
         }
         // the parameters of a failed `require`; these are lints
         let none = |_| f64::NAN;

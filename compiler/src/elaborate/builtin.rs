@@ -518,28 +518,28 @@ impl<'a> Elaborator<'a, '_> {
             }
             other => (vec![self.as_scalar(other, span)?], None),
         };
-        if let Some(input) = self.input_in(&components) {
-            let title = format!("the rate of the input `{input}` is not known");
-            return Err(self.report(
-                Diagnostic::error(codes::NO_RATE, title)
-                    .at(span, "depends on this input")
-                    .with_help("differentiate what does not depend on it; a rate that matters is an input of its own"),
-            ));
-        }
+        self.rates_known(&components, span)?;
         let nodes: Vec<Node> = components
             .iter()
             .map(|s| self.bench.lift(s.stage, s.node))
             .collect();
         let rates = self.context.rates.clone();
+        let changing = self.rates_of_constants(&nodes);
         let Some(element) = self.bench.element.as_mut() else {
-            // a value of parameters alone has no rate
-            let zero: Vec<Scalar> = components
+            // a value of parameters alone changes with inputs alone
+            let known: Vec<Scalar> = nodes
                 .iter()
-                .map(|_| self.bench.constant(0.0))
+                .map(|node| match self.rate_of_bound(*node) {
+                    Some(node) => Scalar {
+                        stage: Stage::Bind,
+                        node,
+                    },
+                    None => self.bench.constant(0.0),
+                })
                 .collect();
             return Ok(match sort {
-                None => Value::Scalar(zero[0]),
-                Some(sort) => Self::of_sort(zero, sort),
+                None => Value::Scalar(known[0]),
+                Some(sort) => Self::of_sort(known, sort),
             });
         };
         let derivative = crate::ir::differentiate::time_derivative(
@@ -547,6 +547,7 @@ impl<'a> Elaborator<'a, '_> {
             &super::scalar::PROVISIONAL,
             &nodes,
             rates.as_deref(),
+            &changing,
         );
         let derivative = match derivative {
             Ok(d) => d,

@@ -261,7 +261,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             self.bench.bind.owner.clone_from(&draft.origin.path);
             // the key of a class: its graph and its messages
             let key = format!(
-                "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+                "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
                 draft.class_name,
                 body.layout,
                 body.graph.nodes(),
@@ -272,6 +272,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 body.conditions,
                 body.rotations,
                 body.drives,
+                body.changing,
                 draft.meta,
             );
             let class = match class_of.get(&key) {
@@ -396,6 +397,9 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             fixed: bind.fixed,
             slot_owners: bind.owners,
             defaults: std::mem::take(&mut self.draft.parameter_defaults),
+            rates: (std::mem::take(&mut self.draft.parameter_rates).into_iter())
+                .filter_map(|(parameter, rate)| Some((parameter, rate?)))
+                .collect(),
             parameters: parameters.clone(),
             checks: std::mem::take(&mut self.draft.checks),
             turned: Vec::new(),

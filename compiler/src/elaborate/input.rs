@@ -10,7 +10,7 @@ use super::body::index_text;
 use super::finish::Structural;
 use super::output::Columns;
 use super::partial::Passed;
-use super::scalar::{ElementBuilder, PROVISIONAL, Scalar, Stage, TIME};
+use super::scalar::{ElementBuilder, PROVISIONAL, RATE, Scalar, Stage, TIME};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
@@ -85,6 +85,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.draft.inputs.push(Input {
                     parameter: parameter as u32,
                     interpolation: interpolation.unwrap_or_default(),
+                    differentiated: false,
                     signal: signal
                         .and_then(|id| self.program.item(id))
                         .and_then(name_of),
@@ -147,10 +148,11 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The path of an input that values depend on: those of the bind stage, or those of the present element.
-    pub fn input_in(&self, values: &[Scalar]) -> Option<&str> {
+    /// The indices of the inputs that values depend on, ascending: values of the bind stage, or of the present element.
+    pub fn inputs_in(&self, values: &[Scalar]) -> Vec<usize> {
+        let mut found = Vec::new();
         if self.draft.inputs.is_empty() {
-            return None;
+            return found;
         }
         let mut waiting: Vec<Node> = Vec::new();
         let mut motion: Vec<Node> = Vec::new();
@@ -180,17 +182,15 @@ impl<'a> Elaborator<'a, '_> {
             match graph.op(node) {
                 Op::Input(index) => {
                     let mut inputs = self.draft.inputs.iter();
-                    if inputs.any(|input| input.parameter == index) {
-                        let parameter = self.draft.parameters.get(index as usize)?;
-                        return Some(&parameter.origin.path);
-                    }
+                    found.extend(inputs.position(|input| input.parameter == index));
                     // an argument of a class is a parameter of its own, whose default reads the input
                     waiting.extend(self.draft.parameter_defaults.get(index as usize));
                 }
                 op => waiting.extend(op.operands()),
             }
         }
-        None
+        found.sort_unstable();
+        found
     }
 
     /// The channels of an input.
@@ -321,6 +321,12 @@ impl BindProgram {
         for op in nodes {
             let moved = match *op {
                 Op::Input(k) => {
+                    // a rate follows the inputs that its parameter follows
+                    let k = match k {
+                        TIME => k,
+                        RATE.. => k - RATE,
+                        k => k,
+                    };
                     let default = self.defaults.get(k as usize);
                     changes(k) || default.is_some_and(|default| known(&moves, *default))
                 }

@@ -27,6 +27,7 @@ mod names;
 mod output;
 mod partial;
 mod pending;
+mod rates;
 mod reference;
 mod repeat;
 mod requirement;

@@ -249,6 +249,10 @@ impl<'a> Elaborator<'a, '_> {
         source: Option<ElementSource<'a>>,
         draft: Draft,
     ) -> Eval<u32> {
+        let changing = match role {
+            Role::Dynamic => self.changing_constants(),
+            _ => Vec::new(),
+        };
         let Some(mut element) = self.bench.element.take() else {
             return Err(Reported);
         };
@@ -285,6 +289,7 @@ impl<'a> Elaborator<'a, '_> {
                 .flat_map(|field| field.drives.iter().map(at))
                 .collect(),
             turns: element.turns.iter().map(at).collect(),
+            changing,
             graph,
         };
         let index = self.draft.elements.len() as u32;

@@ -54,6 +54,9 @@ pub(crate) const FIXED: u32 = 1 << 24;
 /// First input of the bind graph that is a number of a turn without forces, known after the turn alone.
 pub(crate) const FOLLOWED: u32 = 1 << 25;
 
+/// First input of the bind graph that is the rate of a parameter: that of parameter k is `RATE + k`.
+pub(crate) const RATE: u32 = 1 << 26;
+
 /// Input of the bind graph that is the time (s), for functions of time that give values of inputs.
 pub(crate) const TIME: u32 = u32::MAX;
 

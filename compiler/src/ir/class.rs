@@ -9,6 +9,7 @@ use super::kinks::{self, KinkPlace};
 use super::linearise::linearise;
 use super::optimise::optimise;
 use eng_system::layout::InputLayout;
+use std::collections::BTreeMap;
 
 /// The lowered body of a class: values over the inputs of its [`InputLayout`].
 #[derive(Clone, Debug, Default)]
@@ -36,6 +37,9 @@ pub struct ClassBody {
     /// Operations whose comparisons count turns. Values that follow from the count have no kink, because they repeat
     /// with the turn.
     pub turns: Vec<Node>,
+    /// Constants that change with inputs between two points of time, and the constants that are their rates. Constraints
+    /// read none of them.
+    pub changing: Vec<(u32, u32)>,
 }
 
 /// The functions of a class, described at [`eng_system::code`].
@@ -108,18 +112,19 @@ impl ClassBody {
         }
         let mut graph = self.graph.clone();
         let residual = self.residual(&mut graph);
+        let still = BTreeMap::new();
         let position_rates = time_derivative_with(
             &mut graph,
             &layout,
             &self.rows,
-            Some(&self.rates),
+            (Some(&self.rates), &still),
             Accelerations::Zero,
         )?;
         let second = time_derivative_with(
             &mut graph,
             &layout,
             &position_rates,
-            Some(&self.rates),
+            (Some(&self.rates), &still),
             Accelerations::Zero,
         )?;
         let mut velocity = position_rates;
@@ -161,7 +166,11 @@ impl ClassBody {
             .chain(&self.drives)
             .copied()
             .collect();
-        let kinks = kinks::find(&mut graph, &layout, &loads, &self.rates, &self.turns)?;
+        let changing: BTreeMap<u32, Node> = (self.changing.iter())
+            .map(|(k, rate)| (layout.constant(*k), graph.input(layout.constant(*rate))))
+            .collect();
+        let known = (self.rates.as_slice(), &changing);
+        let kinks = kinks::find(&mut graph, &layout, &loads, known, &self.turns)?;
         let function = |name: &str, inputs: u32, outputs: Vec<Node>| Function {
             name: format!("{}.{name}", self.name),
             inputs,

@@ -360,22 +360,29 @@ pub(crate) enum Accelerations {
 }
 
 /// Rates along the motion: time runs at 1, x at ẋ, R at R ω~ (ω in marker axes), velocities at the
-/// acceleration inputs, states at `rates` or else at their rate inputs. Rotation references, constants and
-/// multipliers are constant.
+/// acceleration inputs, states at `rates` or else at their rate inputs, constants at `changing` by their inputs. Rotation
+/// references, other constants and multipliers are constant.
 pub fn time_derivative(
     graph: &mut Graph,
     layout: &InputLayout,
     nodes: &[Node],
     rates: Option<&[Node]>,
+    changing: &BTreeMap<u32, Node>,
 ) -> Result<Vec<Node>, DifferentiateError> {
-    time_derivative_with(graph, layout, nodes, rates, Accelerations::Inputs)
+    time_derivative_with(
+        graph,
+        layout,
+        nodes,
+        (rates, changing),
+        Accelerations::Inputs,
+    )
 }
 
 pub(crate) fn time_derivative_with(
     graph: &mut Graph,
     layout: &InputLayout,
     nodes: &[Node],
-    rates: Option<&[Node]>,
+    (rates, changing): (Option<&[Node]>, &BTreeMap<u32, Node>),
     accelerations: Accelerations,
 ) -> Result<Vec<Node>, DifferentiateError> {
     if let Some(rates) = rates
@@ -413,7 +420,7 @@ pub(crate) fn time_derivative_with(
                 Some(rates) => Some(rates[state as usize]),
                 None => Some(graph.input(layout.state_rate(state))),
             },
-            Place::Fixed => None,
+            Place::Fixed => changing.get(&input).copied(),
             Place::Answer(_) | Place::Reading => return Err(DifferentiateError::Field),
             Place::Acceleration => return Err(DifferentiateError::Acceleration),
             Place::Signal => return Err(DifferentiateError::Signal),
@@ -586,7 +593,7 @@ mod tests {
         let g = &mut Graph::new();
         let rate = |g: &mut Graph, input: u32, rates: Option<&[Node]>| {
             let node = g.input(input);
-            time_derivative(g, &l, &[node], rates).map(|d| d[0])
+            time_derivative(g, &l, &[node], rates, &BTreeMap::new()).map(|d| d[0])
         };
         let zero = g.constant(0.0);
         let one = g.constant(1.0);
@@ -622,14 +629,20 @@ mod tests {
         ] {
             let node = g.input(input);
             let sum = g.add(node, node);
-            assert_eq!(time_derivative(g, &l, &[sum], None), Err(error));
+            assert_eq!(
+                time_derivative(g, &l, &[sum], None, &BTreeMap::new()),
+                Err(error)
+            );
         }
         let node = g.input(0);
         let counts = DifferentiateError::Count {
             expected: 1,
             found: 0,
         };
-        assert_eq!(time_derivative(g, &l, &[node], Some(&[])), Err(counts));
+        assert_eq!(
+            time_derivative(g, &l, &[node], Some(&[]), &BTreeMap::new()),
+            Err(counts)
+        );
     }
 
     #[test]
@@ -637,7 +650,8 @@ mod tests {
         let l = layout();
         let mut g = Graph::new();
         let velocity = g.input(l.marker(0) + 12);
-        let rate = time_derivative(&mut g, &l, &[velocity], None).expect("a rate");
+        let rate =
+            time_derivative(&mut g, &l, &[velocity], None, &BTreeMap::new()).expect("a rate");
         let sine = g.unary(Elementary::Sin, rate[0]);
         assert!(uses_acceleration(&g, &[sine], &l));
         assert!(!uses_acceleration(&g, &[velocity], &l));

@@ -4,7 +4,7 @@
 //! argument of `abs` is zero, and at an end of a table of one argument. Each of these is a function of the
 //! motion that changes its sign at the kink. The functions come from the graph of the loads. So a kink counts in
 //! the text of the class, of a function that it calls, and of a library. A function of constants alone never
-//! changes and does not count.
+//! changes and does not count. A constant that follows an input between two points of time changes.
 
 use super::differentiate::{
     Accelerations, DifferentiateError, Place, inputs_of, known_in_outputs_only,
@@ -13,6 +13,7 @@ use super::differentiate::{
 use super::graph::{Function, Graph, Node, Op};
 use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
+use std::collections::BTreeMap;
 
 /// An operation with a kink, and which of its arguments this is; zero for all but tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,12 +38,12 @@ pub(crate) struct Kinks {
 }
 
 /// Finds the kink functions that loads and rates depend on, and adds their rates to the graph. The rate of a
-/// state is that of the class.
+/// state is that of the class; `changing` gives the rates of constants that follow inputs, by their inputs.
 pub(crate) fn find(
     graph: &mut Graph,
     layout: &InputLayout,
     loads: &[Node],
-    rates: &[Node],
+    (rates, changing): (&[Node], &BTreeMap<u32, Node>),
     turns: &[Node],
 ) -> Result<Kinks, DifferentiateError> {
     let watched: Vec<Node> = loads.iter().chain(rates).copied().collect();
@@ -77,7 +78,7 @@ pub(crate) fn find(
                 .zip(&handles)
                 .any(|known| known == (&value, &handle));
             if known
-                || !moves(graph, layout, value)
+                || !moves(graph, layout, value, changing)
                 || known_in_outputs_only(graph, &[value], layout)
                 // the answers of a field have no known rate
                 || uses_fields(graph, &[value], layout, false)
@@ -93,7 +94,13 @@ pub(crate) fn find(
     if values.is_empty() {
         return Ok(kinks);
     }
-    let slopes = time_derivative_with(graph, layout, &values, Some(rates), Accelerations::Inputs)?;
+    let slopes = time_derivative_with(
+        graph,
+        layout,
+        &values,
+        (Some(rates), changing),
+        Accelerations::Inputs,
+    )?;
     kinks.reads_accelerations = inputs_of(graph, &slopes)
         .into_iter()
         .any(|input| Place::of(layout, input) == Place::Acceleration);
@@ -117,17 +124,18 @@ fn smoothly_needed(graph: &Graph, watched: &[Node]) -> Vec<bool> {
     needed
 }
 
-/// Whether a value depends on the motion or on time.
-fn moves(graph: &Graph, layout: &InputLayout, value: Node) -> bool {
+/// Whether a value depends on the motion, on time or on a constant that changes.
+fn moves(graph: &Graph, layout: &InputLayout, value: Node, changing: &BTreeMap<u32, Node>) -> bool {
     inputs_of(graph, &[value]).into_iter().any(|input| {
-        matches!(
-            Place::of(layout, input),
-            Place::Time
-                | Place::Position { .. }
-                | Place::Orientation { .. }
-                | Place::Velocity { .. }
-                | Place::State(_)
-        )
+        changing.contains_key(&input)
+            || matches!(
+                Place::of(layout, input),
+                Place::Time
+                    | Place::Position { .. }
+                    | Place::Orientation { .. }
+                    | Place::Velocity { .. }
+                    | Place::State(_)
+            )
     })
 }
 

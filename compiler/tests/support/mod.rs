@@ -105,6 +105,7 @@ impl Builder {
             rotations: Vec::new(),
             drives: Vec::new(),
             turns: Vec::new(),
+            changing: Vec::new(),
         }
     }
 }

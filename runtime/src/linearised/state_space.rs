@@ -158,6 +158,13 @@ fn by_input(
             message: format!("there is no input {input}"),
         });
     };
+    if found.is_some_and(|input| input.differentiated) {
+        return Err(RuntimeError::Input {
+            origin: Box::new(parameter.origin.clone()),
+            message: "the model reads its rate by `der`, and B and D have no place for a rate: make the rate an input of its own"
+                .to_owned(),
+        });
+    }
     let at = |x: f64| -> Result<Answer, RuntimeError> {
         let mut overrides = model.overrides.clone();
         overrides.resize(system.parameters.len(), None);

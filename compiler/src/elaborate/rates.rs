@@ -1,0 +1,158 @@
+//! Rates of values that change with inputs.
+//!
+//! The rate of an expression of parameters is one more expression of the bind graph: the derivative of the expression, with the
+//! rates of the inputs as further inputs of the graph. An element that needs the rate gets it as a constant, so element code and
+//! layouts know nothing of inputs. The rate of a parameter is the rate of its default unless its value is stated: a stated value
+//! is constant. The default of an input that an analysis drives is a function of time, whose derivative is exact.
+
+use super::scalar::{FIXED, PROVISIONAL, RATE, Scalar, Stage, TIME};
+use super::{Elaborator, Eval};
+use crate::codes;
+use crate::ir::{Node, Op, dependencies, forward, inputs_of};
+use eng_grammar::{Diagnostic, Span};
+use eng_system::input::Interpolation;
+use std::collections::BTreeMap;
+
+impl Elaborator<'_, '_> {
+    /// The rate of a node of the bind graph; `None` if it is constant between two points of time.
+    pub(super) fn rate_of_bound(&mut self, node: Node) -> Option<Node> {
+        let mut seeds: BTreeMap<u32, Node> = BTreeMap::new();
+        for input in inputs_of(&self.bench.bind.graph, &[node]) {
+            let seed = match input {
+                TIME => Some(self.bench.bind.graph.constant(1.0)),
+                _ => self.rate_of_parameter(input),
+            };
+            if let Some(seed) = seed {
+                seeds.insert(input, seed);
+            }
+        }
+        if seeds.is_empty() {
+            return None;
+        }
+        let seed = |input: u32| seeds.get(&input).copied();
+        let rates = forward(&mut self.bench.bind.graph, &[node], &seed);
+        rates.first().copied()
+    }
+
+    /// The input of the bind graph that is the rate of a parameter; `None` if the parameter is constant between two points.
+    fn rate_of_parameter(&mut self, parameter: u32) -> Option<Node> {
+        if parameter >= FIXED {
+            return None;
+        }
+        if !self.draft.parameter_rates.contains_key(&parameter) {
+            let default = self.draft.parameter_defaults.get(parameter as usize);
+            let of_default = match default.copied() {
+                Some(default) => self.rate_of_bound(default),
+                None => None,
+            };
+            let mut inputs = self.draft.inputs.iter();
+            let moves = inputs.any(|input| {
+                input.parameter == parameter && input.interpolation != Interpolation::Hold
+            });
+            let rate = match (of_default, moves) {
+                (None, true) => Some(self.bench.bind.graph.constant(0.0)),
+                (rate, _) => rate,
+            };
+            self.draft.parameter_rates.insert(parameter, rate);
+        }
+        // the rate of the default is evaluated before, because its operations come first
+        self.draft
+            .parameter_rates
+            .get(&parameter)
+            .copied()
+            .flatten()?;
+        Some(self.bench.bind.graph.input(RATE + parameter))
+    }
+
+    /// The rates of the constants that nodes of the present element depend on: inputs of constants, and the bind nodes of the
+    /// rates.
+    fn followed_constants(&mut self, nodes: &[Node]) -> Vec<(u32, Node)> {
+        let Some(element) = &self.bench.element else {
+            return Vec::new();
+        };
+        if self.draft.inputs.is_empty() {
+            return Vec::new();
+        }
+        let needed = dependencies(&element.graph, nodes);
+        let used = element.graph.nodes().iter().zip(&needed);
+        let constants: Vec<(u32, Node)> = used
+            .filter(|(_, needed)| **needed)
+            .filter_map(|(op, _)| {
+                let Op::Input(input) = op else { return None };
+                let index = input.checked_sub(PROVISIONAL.constant(0))?;
+                Some((*input, *element.constants.get(index as usize)?))
+            })
+            .collect();
+        let rated = constants.into_iter();
+        rated
+            .filter_map(|(input, bound)| Some((input, self.rate_of_bound(bound)?)))
+            .collect()
+    }
+
+    /// The rates of the constants that nodes of the present element depend on, by the constant's input, as nodes of the element.
+    pub(super) fn rates_of_constants(&mut self, nodes: &[Node]) -> BTreeMap<u32, Node> {
+        let found = self.followed_constants(nodes).into_iter();
+        found
+            .map(|(input, rate)| (input, self.bench.lift(Stage::Bind, rate)))
+            .collect()
+    }
+
+    /// The constants that the present element's loads and rates depend on and that follow inputs, with the constants of their
+    /// rates: indices of constants.
+    pub(super) fn changing_constants(&mut self) -> Vec<(u32, u32)> {
+        let Some(element) = &self.bench.element else {
+            return Vec::new();
+        };
+        let rates = element.states.iter().filter_map(|state| state.rate);
+        let drives = element.fields.iter().flat_map(|field| &field.drives);
+        let nodes: Vec<Node> = (element.loads.iter().flatten())
+            .chain(drives)
+            .copied()
+            .chain(rates)
+            .collect();
+        let mut pairs = Vec::new();
+        for (input, rate) in self.followed_constants(&nodes) {
+            let rate = match self.bench.bind.graph.as_constant(rate) {
+                // the number must not be part of the code, because other elements of the class have others
+                Some(value) => self.bench.bind.fixed(value),
+                None => rate,
+            };
+            let Some(element) = self.bench.element.as_mut() else {
+                continue;
+            };
+            let node = element.constant(rate);
+            let first = PROVISIONAL.constant(0);
+            if let Op::Input(place) = element.graph.op(node) {
+                pairs.push((input - first, place - first));
+            }
+        }
+        pairs
+    }
+
+    /// Refuses the rate of an input that is held between two points. Marks the others, because a jump of their rates is one
+    /// of the loads.
+    pub(super) fn rates_known(&mut self, values: &[Scalar], span: Span) -> Eval<()> {
+        for index in self.inputs_in(values) {
+            let Some(input) = self.draft.inputs.get_mut(index) else {
+                continue;
+            };
+            if input.interpolation != Interpolation::Hold {
+                input.differentiated = true;
+                continue;
+            }
+            let parameter = self.draft.parameters.get(input.parameter as usize);
+            let path = parameter.map_or("", |parameter| &parameter.origin.path);
+            let title =
+                format!("the input `{path}` has no rate: it jumps between values that it holds");
+            let mut message =
+                Diagnostic::error(codes::NO_RATE, title).at(span, "depends on this input");
+            if let Some(declared) = parameter.and_then(|parameter| parameter.origin.used_at) {
+                message = message.also(super::binding::span_of(declared), "declared here");
+            }
+            return Err(self.report(message.with_help(
+                "declare it with `interpolation: linear` (its rate is the slope between two points) or `interpolation: cubic`",
+            )));
+        }
+        Ok(())
+    }
+}
