@@ -266,6 +266,7 @@ model Swing {
     joint pin = Revolute(bob.top, pivot)
     force one = Rub(bob.top, pivot, profile: Shape(lemon: lemon), others: [Known, Shape(lemon: 1 mm, high: 9 mm)])
     force two = Rub(bob.top, pivot, profile: Known)
+    force three = Rub(bob.top, pivot, profile: Shape(4 mm, 8 mm))
 }
 analysis r = transient(Swing(), duration: 1 ms, sample: 1 ms)";
     let program = program(text);
@@ -292,6 +293,11 @@ analysis r = transient(Swing(), duration: 1 ms, sample: 1 ms)";
     near(first(&[("one.profile.high", "1 mm")], "one.area"), 9e-6);
     near(first(&[("one.others[2].high", "1 mm")], "one.far"), 12e-3);
     near(first(&[("one.own.high", "2 mm")], "one.far"), 21e-3);
+    // a number that the text states stays, even if the default would be the same
+    near(
+        first(&[("three.profile.lemon", "6 mm")], "three.high"),
+        8e-3,
+    );
     // a constant of the file is another record in each element
     near(first(&[("two.profile.lemon", "1 mm")], "two.high"), 2e-3);
     near(first(&[("two.profile.lemon", "1 mm")], "one.far"), 20e-3);

@@ -65,7 +65,7 @@ codes! {
         "jiont big_end = Revolute(a, b)",
         "joint big_end = Revolute(a, b)";
     NESTED = "E0106", "nested too deep",
-        "More than 100 brackets are open at once, one sum has more than 250 terms, or an expression is more than 256 levels deep. Each bracket and each operator is a level. Give parts of the expression a name with `let`.",
+        "More than 100 brackets are open at once, one sum has more than 256 terms, or an expression is more than 256 levels deep. Each bracket and each operator is a level. Give parts of the expression a name with `let`.",
         "", "";
     NUMBER = "E0107", "a number or a unit is malformed",
         "A decimal point has digits on both sides. An exponent of a unit is a whole number or a fraction in parentheses.",

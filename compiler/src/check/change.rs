@@ -96,6 +96,15 @@ impl<'p> Checker<'p> {
                 }
                 self.infer(inside, target)
             }
+            ExprKind::Field { base, .. } => match self.infer(inside, base) {
+                // a number that the passed function brings along: elaboration knows it and its dimension
+                Type::Function(_) => {
+                    self.infer(scope, value);
+                    return;
+                }
+                Type::Error => Type::Error,
+                _ => self.infer(inside, target),
+            },
             _ => self.infer(inside, target),
         };
         let shown = Name {

@@ -164,6 +164,10 @@ eng_grammar::codes! {
         "`largest(x)`, `smallest(x)` and `where_largest(x)` are numbers of a turn of the machine through its cycle, by geometry alone. `eng check` knows them after this turn, so only `advise` and its message may use them, directly or through a `let`. A `require` is checked at every step of a run, so it reads the motion itself.",
         "joint liner = Translational(crown.axis, bore)\noutput stroke = largest(liner.travel) - smallest(liner.travel)",
         "joint liner = Translational(crown.axis, bore)\nadvise stroke: largest(liner.travel) - smallest(liner.travel) < 200 mm else \"a long stroke\"";
+    NO_UNKNOWN = "E0543", "an equation of `solve` does not depend on its unknown",
+        "`solve` changes the unknowns until each value of the function is zero. A value that depends on none of them never changes, and an unknown that no value depends on can have any value. The function perhaps reads another number in place of its argument.",
+        "fn distance(x: Length) -> Length = reach - 3 mm\nlet x = solve(distance, 1 mm)",
+        "fn distance(x: Length) -> Length = x - 3 mm\nlet x = solve(distance, 1 mm)";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should cause this: an earlier check should have reported the mistake. Please report it with the model. Until it is corrected, another form of the text at the named place may help.",
         "", "";

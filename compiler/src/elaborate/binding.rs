@@ -4,11 +4,12 @@ use super::element::is_structural;
 use super::scalar::{Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, location};
+use crate::codes;
 use crate::ir::Op;
 use crate::program::{DefinitionId, Unit};
 use crate::typed::settable;
-use eng_grammar::Span;
 use eng_grammar::ast;
+use eng_grammar::{Diagnostic, Span};
 use eng_system::system::{Location, Parameter};
 use eng_system::{Dimension, DisplayUnit};
 
@@ -43,13 +44,19 @@ fn element(list: &ast::Expr, index: usize) -> &ast::Expr {
     }
 }
 
-/// The argument of a call with a name.
-fn argument<'a>(call: &'a ast::Expr, name: &str) -> Option<&'a ast::Expr> {
+/// The argument of a call for a parameter with a name and a place among the parameters.
+fn argument<'a>(call: &'a ast::Expr, name: &str, place: usize) -> Option<&'a ast::Expr> {
     let ast::ExprKind::Call { arguments, .. } = &call.kind else {
         return None;
     };
     let named = |argument: &&ast::Argument| argument.name.as_ref().is_some_and(|n| n.text == name);
-    arguments.iter().find(named).map(|argument| &argument.value)
+    let by_place = || {
+        arguments
+            .get(place)
+            .filter(|argument| argument.name.is_none())
+    };
+    let found = arguments.iter().find(named).or_else(by_place);
+    found.map(|argument| &argument.value)
 }
 
 /// Whether two values are the same numbers.
@@ -77,6 +84,15 @@ impl<'a> Elaborator<'a, '_> {
         let limited = stated.scope;
         match self.changed(path) {
             Some((expr, scope)) => {
+                let found = self.dimension_at(expr.span, scope)?;
+                if found != stated.dimension {
+                    let title = format!("`{path}` is in {}, not in {found}", stated.dimension);
+                    return Err(self.report(
+                        Diagnostic::error(codes::CHANGE, title)
+                            .at(expr.span, format!("this is in {found}"))
+                            .also(stated.span, "the number that it changes"),
+                    ));
+                }
                 let value = self.changed_value(&value, expr, scope)?;
                 let stated = Stated {
                     expr,
@@ -199,8 +215,13 @@ impl<'a> Elaborator<'a, '_> {
         };
         let plain = self.record_scope(id);
         let made = self.record_scope(id);
-        for field in fields {
+        let makes = self.makes_record(stated.expr, id, stated.scope);
+        for (index, field) in fields.into_iter().enumerate() {
             let name = &field.name.text;
+            let written = match makes {
+                true => argument(stated.expr, name, index),
+                false => None,
+            };
             let value = self.entry(given, name, stated.span)?;
             let default = match &field.value {
                 Some(_) => Some(self.entry(plain, name, stated.span)?),
@@ -208,7 +229,7 @@ impl<'a> Elaborator<'a, '_> {
             };
             // a stated number remains, even that of the default
             let is_default = default.is_some_and(|default| is_same(&default, &value));
-            let by_default = is_default && argument(stated.expr, name).is_none();
+            let by_default = is_default && written.is_none();
             if !by_default {
                 self.define(plain, name, Entry::Value(value.clone()));
             }
@@ -226,7 +247,7 @@ impl<'a> Elaborator<'a, '_> {
             let value = match structural {
                 true => value,
                 false => {
-                    let expr = argument(stated.expr, name).or(field.value.as_ref());
+                    let expr = written.or(field.value.as_ref());
                     let of_field = Stated {
                         expr: expr.unwrap_or(stated.expr),
                         dimension: self.dimension_at(place, given)?,
@@ -239,6 +260,27 @@ impl<'a> Elaborator<'a, '_> {
             self.define(made, name, Entry::Value(value));
         }
         Ok(made)
+    }
+
+    /// Whether an expression is a call of a record, so that its arguments are the record's fields.
+    fn makes_record(&self, expr: &ast::Expr, record: DefinitionId, scope: ScopeId) -> bool {
+        let ast::ExprKind::Call { callee, .. } = &expr.kind else {
+            return false;
+        };
+        let called = match &callee.kind {
+            ast::ExprKind::Name(name) => name,
+            ast::ExprKind::Field { name, .. } => &name.text,
+            _ => return false,
+        };
+        let module = self.scope(scope).module;
+        match self.program.lookup(module, called) {
+            Some(found) => found == record,
+            // a record behind the path of its module
+            None => match self.program.item(record).map(|item| &item.kind) {
+                Some(ast::ItemKind::Declaration(own)) => own.name.text == *called,
+                _ => false,
+            },
+        }
     }
 
     /// The unit of a literal.

@@ -22,6 +22,8 @@ pub(crate) struct Change<'a> {
     value: &'a ast::Expr,
     /// The scope of the value.
     scope: ScopeId,
+    /// The name of the part that states it.
+    of: Span,
     at: Span,
     used: bool,
 }
@@ -42,8 +44,20 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 _ => continue,
             };
+            let path = format!("{path}.{inner}");
+            let twice = (self.draft.changes.iter())
+                .find(|earlier| earlier.path == path && earlier.of == declaration.name.span);
+            if let Some(earlier) = twice {
+                let message =
+                    Diagnostic::error(codes::CHANGE, format!("`{inner}` is changed twice"))
+                        .at(at, "the second change")
+                        .also(earlier.at, "the first")
+                        .with_help("leave one of them out");
+                return Err(self.report(message));
+            }
             self.draft.changes.push(Change {
-                path: format!("{path}.{inner}"),
+                path,
+                of: declaration.name.span,
                 value,
                 scope,
                 at,

@@ -30,6 +30,8 @@ pub(crate) struct Draft<'a> {
     pub parameters: Vec<Parameter>,
     pub parameter_defaults: Vec<Node>,
     pub inputs: Vec<Input>,
+    /// Elements and outputs of the quantities that lints of models and components follow through a turn.
+    pub turned: BTreeMap<String, (u32, u32)>,
     /// Rates of the defaults of parameters, as far as they were asked for; `None` for a constant.
     pub parameter_rates: BTreeMap<u32, Option<Node>>,
     /// Functions of time that the analysis gives to inputs, by the name of the input.

@@ -157,14 +157,53 @@ impl<'a> Elaborator<'a, '_> {
                 (input == *unknown).then_some(one)
             }));
         }
+        let graph = self.bench.graph(stage);
+        let no_slope = |node: &Node| graph.as_constant(*node) == Some(0.0);
+        let still = (0..inputs.len()).position(|row| {
+            columns
+                .iter()
+                .filter_map(|column| column.get(row))
+                .all(no_slope)
+        });
+        let unread = columns
+            .iter()
+            .position(|column| column.iter().all(no_slope));
         for row in 0..inputs.len() {
             nodes.extend(columns.iter().filter_map(|column| column.get(row)));
         }
+        self.depends_on_unknowns(asked, [still, unread], inputs.len())?;
         Ok(System {
             stage,
             inputs,
             nodes,
         })
+    }
+
+    /// Refuses an equation that no unknown changes, and an unknown that changes no equation.
+    fn depends_on_unknowns(
+        &mut self,
+        asked: &Asked<'a, '_>,
+        [still, unread]: [Option<usize>; 2],
+        count: usize,
+    ) -> Eval<()> {
+        let number = |k: usize| match count {
+            1 => String::new(),
+            _ => format!(" {}", k + 1),
+        };
+        let title = match (still, unread) {
+            (Some(k), _) => format!(
+                "equation{} does not depend on the unknown{}",
+                number(k),
+                if count > 1 { "s" } else { "" }
+            ),
+            (_, Some(k)) => format!("no equation depends on unknown{}", number(k)),
+            (None, None) => return Ok(()),
+        };
+        Err(self.report(
+            Diagnostic::error(codes::NO_UNKNOWN, title)
+                .at(asked.call, "`solve` changes the argument of its function until the function is zero")
+                .with_help("the function reads its argument: `fn distance(x: Length) -> Length = x - 3 mm`"),
+        ))
     }
 
     fn values_of(

@@ -264,6 +264,14 @@ impl Elaborator<'_, '_> {
             for message in idle_terms(&draft.terms, &loads, &source) {
                 self.diagnostics.push(message);
             }
+            let written = match (draft.terms.first(), draft.terms.last()) {
+                (Some(first), Some(last)) if first.span.source == last.span.source => Some(Span {
+                    start: first.span.start.min(last.span.start),
+                    end: first.span.end.max(last.span.end),
+                    ..first.span
+                }),
+                (first, _) => first.map(|first| first.span),
+            };
             for term in draft.terms {
                 let at: Vec<Interface> = term
                     .at
@@ -310,15 +318,28 @@ impl Elaborator<'_, '_> {
                 })
                 .collect();
             if !unserved.is_empty() {
+                let body = super::binding::span_of(source.modes_at);
+                // the terms may stand elsewhere, such as in the argument of an analysis
+                let place = written.filter(|at| {
+                    at.source != body.source || at.start < body.start || at.end > body.end
+                });
+                let message = Diagnostic::warning(
+                    codes::UNSERVED,
+                    format!(
+                        "no static mode of {} serves some of its loads",
+                        source.origin.path
+                    ),
+                )
+                .at(
+                    place.unwrap_or(body),
+                    "the body is stiffer there than its mesh",
+                );
+                let message = match place {
+                    Some(_) => message.also(body, "the modes of the body"),
+                    None => message,
+                };
                 self.diagnostics.push(
-                    Diagnostic::warning(
-                        codes::UNSERVED,
-                        format!("no static mode of {} serves some of its loads", source.origin.path),
-                    )
-                    .at(
-                        super::binding::span_of(source.modes_at),
-                        "the body is stiffer there than its mesh",
-                    )
+                    message
                     .with_note(format!("loads without a mode: {}", unserved.join(", ")))
                     .with_help("add `static(at: …)` with these markers; forces and torques that hardly bend the body may be left out"),
                 );

@@ -72,13 +72,65 @@ impl<'a> Elaborator<'a, '_> {
             Stage::Bind => found,
             Stage::Motion => {
                 self.refuse_fields_of_turn(found.node, x.span)?;
-                self.followed(extreme, found.node, span)?
+                let same = match within {
+                    false => self.same_quantity(found.node, scope),
+                    true => None,
+                };
+                if let Some(Ok(place)) = same {
+                    self.bench.element = None;
+                    return Ok(Value::Scalar(self.followed_at(extreme, place, span)));
+                }
+                let number = self.followed(extreme, found.node, span)?;
+                if let Some(Err(key)) = same {
+                    let element = self.draft.elements.len() as u32;
+                    self.draft.turned.insert(key, (element, 0));
+                }
+                number
             }
         };
         if !within {
             self.element_of_turn(scope, span)?;
         }
         Ok(Value::Scalar(number))
+    }
+
+    /// The element and output of the same quantity, if a lint of the model follows it already, or else the key of this
+    /// quantity. `None` for a quantity whose functions have conditions, because their messages name the call.
+    fn same_quantity(&self, node: Node, scope: ScopeId) -> Option<Result<(u32, u32), String>> {
+        let element = self.bench.element.as_ref()?;
+        if !element.asked.is_empty() {
+            return None;
+        }
+        let key = format!(
+            "{} {node:?}{:?}{:?}{:?}{:?}{:?}",
+            self.scope(scope).path,
+            element.graph.nodes(),
+            element.markers,
+            element.constants,
+            element.rotations,
+            element.signals,
+        );
+        Some(self.draft.turned.get(&key).copied().ok_or(key))
+    }
+
+    /// The input of the bind graph that has a number of a quantity which another lint follows.
+    fn followed_at(&mut self, extreme: Extreme, place: (u32, u32), span: Span) -> Scalar {
+        let same = |draft: &FollowedDraft| draft.place == Some(place) && draft.extreme == extreme;
+        let index = match self.draft.followed.iter().position(same) {
+            Some(known) => known,
+            None => {
+                self.draft.followed.push(FollowedDraft {
+                    extreme,
+                    place: Some(place),
+                    span,
+                });
+                self.draft.followed.len() - 1
+            }
+        };
+        Scalar {
+            stage: Stage::Bind,
+            node: self.bench.bind.graph.input(FOLLOWED + index as u32),
+        }
     }
 
     /// Refuses results of fields: the pins of a machine without forces are in the middle of their shells.

@@ -113,6 +113,8 @@ fn largest(angles: &[f64], values: &[f64]) -> (f64, f64) {
     let q = (fa / a - fb / b) / (a - b);
     let p = fa / a - q * a;
     let s = -p / (2.0 * q);
+    // a vertex beside a position by rounding is at the position
+    let s = if s.abs() <= ALIKE * (b - a) { 0.0 } else { s };
     if !(q < 0.0 && s.is_finite() && s.abs() <= a.abs().max(b.abs())) {
         return (angles[at], values[at]);
     }
