@@ -8,6 +8,7 @@ use eng_system::field::FieldGrid;
 use eng_system::{Dimension, DisplayUnit};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use std::collections::HashMap;
 use std::fs::File;
@@ -56,6 +57,26 @@ impl CellColumn {
     }
 }
 
+/// Whether a file has the name of one that holds cells.
+pub(super) fn is_cells(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy());
+    name.is_some_and(|name| name.ends_with(ENDING))
+}
+
+/// The end of the names of files that hold cells.
+const ENDING: &str = ".fields.parquet";
+
+/// Why a file cannot be read as results, if it holds cells.
+pub(super) fn refusal(schema: &Schema) -> Option<String> {
+    let lists = |field: &&Arc<Field>| matches!(field.data_type(), DataType::FixedSizeList(..));
+    let first = schema.fields().iter().find(lists)?;
+    Some(format!(
+        "it holds the cells of films, such as `{}`: one list of numbers a moment. pandas and pyarrow read it; the channels of its run are \
+         in the file without `.fields`",
+        first.name()
+    ))
+}
+
 /// Writes `ANALYSIS.fields.parquet` into a folder, with the time and the cycle's angle of each moment and the metadata of the
 /// run, and returns its path.
 pub(crate) fn write_cells(
@@ -64,7 +85,7 @@ pub(crate) fn write_cells(
     analysis: &str,
     cells: Vec<CellColumn>,
 ) -> Result<PathBuf, ResultsError> {
-    let path = folder.join(format!("{}.fields.parquet", file_stem(analysis)));
+    let path = folder.join(format!("{}{ENDING}", file_stem(analysis)));
     let written = replace_file(&path, |file: &mut File| write(file, motion, cells));
     match written {
         Ok(()) => Ok(path),
@@ -101,9 +122,13 @@ fn write(file: &mut File, motion: &Results, cells: Vec<CellColumn>) -> Result<()
     }
     let batch = RecordBatch::try_new(Arc::clone(&schema), arrays);
     let batch = batch.map_err(|error| refused(&error))?;
+    // tools other than pyarrow read the entries of the file, as with all results
+    let entries = schema::metadata(&header).into_iter();
+    let entries = entries.map(|(key, value)| KeyValue::new(key, value));
     let properties = WriterProperties::builder()
         .set_created_by(format!("eng {}", env!("CARGO_PKG_VERSION")))
         .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(entries.collect()))
         .build();
     let writer = ArrowWriter::try_new(file, schema, Some(properties));
     let mut writer = writer.map_err(|error| refused(&error))?;

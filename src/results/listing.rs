@@ -1,5 +1,6 @@
 //! Summaries of result files.
 
+use super::cells::is_cells;
 use super::recording::{is_partial, is_result};
 use super::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
 use std::path::{Path, PathBuf};
@@ -66,7 +67,8 @@ impl Column {
     }
 }
 
-/// The result files at a path: the file, or those of the folder in the order of their names.
+/// The result files at a path: the file, or those of the folder in the order of their names. Files of cells have no channels, so
+/// they are left out.
 pub fn listed(path: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     let refused = |source| ResultsError::File {
         path: path.to_owned(),
@@ -78,7 +80,7 @@ pub fn listed(path: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(refused)? {
         let file = entry.map_err(refused)?.path();
-        if is_result(&file) && !hidden(&file) {
+        if is_result(&file) && !is_cells(&file) && !hidden(&file) {
             files.push(file);
         }
     }

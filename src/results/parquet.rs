@@ -244,6 +244,9 @@ enum Refused {
 fn read(file: File, length: u64) -> Result<Results, Refused> {
     let damaged = |_: parquet::errors::ParquetError| Refused::Damage;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(damaged)?;
+    if let Some(refusal) = super::cells::refusal(builder.schema()) {
+        return Err(Refused::Foreign(refusal));
+    }
     if !is_sound(builder.metadata(), length) {
         return Err(Refused::Damage);
     }
