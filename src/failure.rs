@@ -169,6 +169,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::OverTime { elements, .. } => over_time(d(codes::TURNING), elements),
         R::Remembers { origin } => place(d(codes::TURNING), origin, "a film with memory")
             .with_help("a rigid film with the rule `reynolds` remembers nothing; `transient` and `periodic` follow the others"),
+        R::Undecided { origin, .. } => place(d(codes::TURNING), origin, "a film without pressure")
+            .with_help("linearise it under load, where its cavity has a place: leave out `start: assembled`, or state a load"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {

@@ -214,14 +214,15 @@ fn ring(film: &Film, numbers: &FieldNumbers<'_>) -> Result<Vec<f64>, FieldError>
     if film.source().shapes.is_empty() {
         return Ok(Vec::new());
     }
-    for (name, value) in [
-        ("thickness", thickness),
-        ("width", width),
-        ("modulus", modulus),
+    for (name, value, unit, size) in [
+        ("thickness", thickness, "mm", 1e-3),
+        ("width", width, "mm", 1e-3),
+        ("modulus", modulus, "GPa", 1e9),
     ] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(FieldError(format!(
-                "the {name} of the elastic ring is {value}: a ring with waves needs a positive one"
+                "the {name} of the elastic ring is {} {unit}: a ring with waves needs a positive one",
+                value / size
             )));
         }
     }
@@ -389,6 +390,10 @@ impl FieldSolver for Solver {
         volume.fill(self.film.film().volume(&self.work.film));
     }
 
+    fn undecided(&self) -> f64 {
+        self.film.film().undecided(&self.work.film)
+    }
+
     fn tangent(&mut self, slopes: &mut [f64]) {
         if self.film.tangent(&mut self.work, slopes).is_err() {
             slopes.fill(f64::NAN);
@@ -405,7 +410,6 @@ impl FieldSolver for Solver {
             summary.maximum_pressure,
             high.angle,
             high.across,
-            summary.outflow,
             summary.inflow,
             summary.supply_flow.iter().sum(),
             summary.shear_power,

@@ -21,7 +21,7 @@ const KNOWN: [(&str, &str); 3] = [
 
 /// Names of the library that are words of the language, too: members of reactions and of the cycle, attributes of
 /// bodies and of meshes, words of flexible bodies and figures, operations, the parameters of the weld.
-const WORDS: [&str; 13] = [
+const WORDS: [&str; 14] = [
     "a",
     "b",
     "angle",
@@ -31,6 +31,7 @@ const WORDS: [&str; 13] = [
     "damping",
     "stiffness",
     "length",
+    "density",
     "width",
     "load",
     "power",

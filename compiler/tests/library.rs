@@ -78,6 +78,7 @@ fn every_class_elaborates_with_its_number_of_equations() {
         ("k2", 0),
         ("k3", 0),
         ("k4", 0),
+        ("k5", 0),
     ] {
         let element = system
             .elements
@@ -88,7 +89,7 @@ fn every_class_elaborates_with_its_number_of_equations() {
         assert_eq!(class.rows.len(), rows, "{path} ({})", class.name);
         assert_eq!(class.applies_load, rows == 0, "{path} ({})", class.name);
     }
-    assert_eq!(system.journals.len(), 4);
+    assert_eq!(system.journals.len(), 5);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use eng_film::{
     Cavitation, Elastic, Feed, Film, FilmSource, Inputs, Opening, Roughness, Shape, Thinning,
+    inputs,
 };
 use std::time::Instant;
 
@@ -164,7 +165,7 @@ fn surfaces() {
         // the numbers make a ring whose ovality yields by a tenth of the clearance
         let compliance = Elastic::ring(&film, 1.0, 10.0, 1.0, 0.05);
         let elastic = Elastic::new(film, compliance).expect("a surface");
-        let (mut work, mut y) = (elastic.work(), [0.0; 5]);
+        let (mut work, mut y) = (elastic.work(), [0.0; inputs::SHAPE_FORCE]);
         let near = [0.0, 1e-6].map(|moved| {
             Inputs {
                 eccentricity: [0.8 + moved, 0.1],
@@ -185,7 +186,7 @@ fn surfaces() {
                 .solve(&near[call % 2], Some(0.1), &memory, &mut work, &mut y)
                 .expect("a film");
         });
-        let mut tangent = vec![0.0; 5 * elastic.inputs()];
+        let mut tangent = vec![0.0; inputs::SHAPE_FORCE * elastic.inputs()];
         let slopes = least(|| {
             // at a new solution: derivatives of the last one are kept
             call += 1;

@@ -13,7 +13,7 @@
 //! method on `min(p, 1 − ϑ)`, or on `min(p, outflow)`.
 
 use crate::error::FilmError;
-use crate::film::{Film, Level, LevelWork, Side};
+use crate::film::{Film, Level, LevelWork, Side, Work};
 use crate::grid::Grid;
 use crate::inputs::SPIN;
 use crate::ring::OWN;
@@ -88,6 +88,31 @@ impl Film {
             rounds: ROUNDS,
             place: grid.place(moving),
         })
+    }
+
+    /// Share of the area whose cells are at the edge of the cavity in the last solution: they have neither pressure nor
+    /// outflow, as all of a centred film at rest. There the outputs have other derivatives on both sides, and
+    /// [`Film::tangent`] has one of them. Known for the rule [`Cavitation::Reynolds`] alone, for others it is zero.
+    #[must_use]
+    pub fn undecided(&self, work: &Work) -> f64 {
+        let (level, state) = (&self.levels[0], &work.levels[0]);
+        if self.source.cavitation != Cavitation::Reynolds {
+            return 0.0;
+        }
+        let highest = state.q.iter().fold(0.0_f64, |high, q| high.max(q.abs()));
+        let (mut all, mut undecided) = (0.0, 0.0);
+        for (at, cell) in level.grid.cells.iter().enumerate() {
+            all += cell.area;
+            let [outflow, parts] = state.slack[at];
+            let edge = match state.full[at] {
+                true => state.q[at].abs() <= ROUNDING * highest,
+                false => outflow.abs() <= ROUNDING * parts,
+            };
+            if edge && cell.held.is_none() {
+                undecided += cell.area;
+            }
+        }
+        undecided / all
     }
 
     /// Matrix and right-hand side of the present set.

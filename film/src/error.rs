@@ -1,5 +1,6 @@
 //! Errors of film models and of their solution.
 
+use crate::inputs::SUPPLY;
 use thiserror::Error;
 
 /// A place in the film: angle from the shell's x about its z, and distance across from mid width.
@@ -18,11 +19,52 @@ impl std::fmt::Display for Place {
     }
 }
 
+/// A number with the unit in which texts state numbers of this name.
+fn shown(name: &str, si: f64) -> String {
+    let (unit, size) = match name {
+        "radius" | "width" | "width of the shapes" | "across" => (" mm", 1e-3),
+        "radial clearance" | "floor of the gap" | "roughness" | "gap" => (" um", 1e-6),
+        "viscosity" => (" mPa*s", 1e-3),
+        "pressure of an opening or end" => (" bar", 1e5),
+        "pressure coefficient" => (" GPa^-1", 1e-9),
+        "modulus of the asperities" => (" GPa", 1e9),
+        "shear rate" => (" s^-1", 1.0),
+        "step" => (" s", 1.0),
+        "around" => (" deg", std::f64::consts::PI / 180.0),
+        _ => ("", 1.0),
+    };
+    // twelve digits: the rest is the rounding of the unit
+    let rounded: f64 = format!("{:.11e}", si / size).parse().unwrap_or(si / size);
+    format!("{rounded}{unit}")
+}
+
+/// Name of an input.
+fn input_name(input: usize) -> &'static str {
+    const NAMES: [&str; SUPPLY] = [
+        "eccentricity (x)",
+        "eccentricity (y)",
+        "rate of the eccentricity (x)",
+        "rate of the eccentricity (y)",
+        "tilt (x)",
+        "tilt (y)",
+        "rate of the tilt (x)",
+        "rate of the tilt (y)",
+        "spin",
+        "turn",
+        "viscosity",
+        "pressure at the ends",
+    ];
+    NAMES
+        .get(input)
+        .copied()
+        .unwrap_or("pressure of an opening, or the deflection,")
+}
+
 /// A film that cannot be made of its data.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SourceError {
     /// A number out of its range.
-    #[error("the {name} of a film is {value}: it must be {range}")]
+    #[error("the {name} of a film is {}: it must be {range}", shown(name, *value))]
     Range {
         /// Name of the number.
         name: &'static str,
@@ -43,21 +85,24 @@ pub enum SourceError {
     },
     /// An opening without reach.
     #[error(
-        "opening {opening} of a film reaches from {from} to {to} {direction}: the second must lie above the first"
+        "opening {opening} of a film reaches from {} to {} {direction}: the second must lie above the first",
+        shown(direction, *from),
+        shown(direction, *to)
     )]
     EmptyOpening {
         /// Number of the opening, from 1.
         opening: usize,
-        /// `around (rad)` or `across (m)`.
+        /// `around` or `across`.
         direction: &'static str,
-        /// First edge.
+        /// First edge, rad or m.
         from: f64,
         /// Second edge.
         to: f64,
     },
     /// An opening beside the bearing.
     #[error(
-        "opening {opening} of a film lies beyond the ends of the bearing, whose width is {width} m"
+        "opening {opening} of a film lies beyond the ends of the bearing, whose width is {}",
+        shown("width", *width)
     )]
     BesideBearing {
         /// Number of the opening, from 1.
@@ -73,6 +118,16 @@ pub enum SourceError {
     OpeningAtEnd {
         /// Number of the opening, from 1.
         opening: usize,
+    },
+    /// Openings everywhere.
+    #[error(
+        "the openings of a film cover the whole bearing, so no film is left and nothing carries the pin: make them narrower than its \
+         width of {}",
+        shown("width", *width)
+    )]
+    AllOpen {
+        /// Width of the bearing, m.
+        width: f64,
     },
     /// Two openings at the same place.
     #[error("openings {first} and {second} of a film overlap: join them, or move one")]
@@ -94,7 +149,7 @@ pub enum SourceError {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FilmError {
     /// An input that is no number.
-    #[error("input {input} of a film is {value}")]
+    #[error("the {} of a film is {value}", input_name(*input))]
     NotFinite {
         /// Place of the input.
         input: usize,
@@ -102,7 +157,7 @@ pub enum FilmError {
         value: f64,
     },
     /// An input out of its range.
-    #[error("the {name} of a film is {value}: it must be {range}")]
+    #[error("the {name} of a film is {}: it must be {range}", shown(name, *value))]
     Range {
         /// Name of the input.
         name: &'static str,
@@ -112,7 +167,7 @@ pub enum FilmError {
         range: &'static str,
     },
     /// Surfaces that touch.
-    #[error("the surfaces touch: the gap is {gap} m at {place}")]
+    #[error("the surfaces touch: the gap is {} at {place}", shown("gap", *gap))]
     NoGap {
         /// The gap, m.
         gap: f64,
@@ -121,8 +176,8 @@ pub enum FilmError {
     },
     /// A mass-conserving film without supply.
     #[error(
-        "a mass-conserving film needs oil: no opening and no end has a pressure above the cavitation pressure, so the film runs \
-         dry and its steady state is not unique; state a supply pressure or flooded ends, or use the rule `reynolds`"
+        "a mass-conserving film needs oil: it has no opening that holds oil, and no end above the cavitation pressure, so the film \
+         runs dry and its steady state is not unique; state an opening or flooded ends, or use the rule `reynolds`"
     )]
     NoOil,
     /// A pressure at which oil by Barus' law is solid.

@@ -1,7 +1,7 @@
 //! A film: its grids, its solution at given inputs, its memory.
 
 use crate::error::{FilmError, SourceError};
-use crate::grid::Grid;
+use crate::grid::{Grid, Link};
 use crate::inputs::{END_PRESSURE, SHAPE_FORCE, SUPPLY, TILT, TILT_RATE, VISCOSITY};
 use crate::ring::RingMatrix;
 use crate::source::{Cavitation, Feed, FilmSource, Lines, mean_over};
@@ -11,8 +11,8 @@ use crate::waves::Waves;
 /// Least numbers of cells of a coarse grid, which serves only for a first guess of the cavity's edge.
 const COARSEST: [usize; 2] = [12, 3];
 
-/// Most outputs whose adjoints are solved together: the five of a film without shapes, and a free place.
-pub(crate) const TOGETHER: usize = 6;
+/// Most outputs whose adjoints are solved together: the seven of a film without shapes, and a free place.
+pub(crate) const TOGETHER: usize = 8;
 
 /// A film on its cells. It holds no state: the same film may be solved at many places at once, each with its
 /// own [`Work`].
@@ -111,6 +111,15 @@ pub(crate) struct LevelWork {
 }
 
 impl LevelWork {
+    /// Flow by pressure from a to b through a face (m³/s). The rule `half` cuts the pressure of a cell, and its q too.
+    pub(crate) fn pressed(&self, at: usize, link: &Link) -> f64 {
+        let q = |side: usize| match self.pressure[side][1] {
+            0.0 => 0.0,
+            _ => self.q[side],
+        };
+        self.conductance[at] * (q(link.a) - q(link.b))
+    }
+
     fn new(level: &Level, fixed: usize) -> Self {
         let (cells, links) = (level.grid.cells.len(), level.grid.links.len());
         LevelWork {
@@ -146,7 +155,13 @@ impl Film {
     /// If a number is out of its range, or the openings fit neither the bearing nor the cells.
     pub fn new(source: FilmSource) -> Result<Self, SourceError> {
         source.check()?;
-        let mut grids = vec![Grid::new(&source, &source.around, &source.across)?];
+        let finest = Grid::new(&source, &source.around, &source.across)?;
+        if finest.cells.iter().all(|cell| cell.held.is_some()) {
+            return Err(SourceError::AllOpen {
+                width: source.width,
+            });
+        }
+        let mut grids = vec![finest];
         while let Some(last) = grids.last() {
             let (around, across) = (last.around / 2, last.across.div_ceil(2));
             if around < COARSEST[0] || (last.across > 1 && across < COARSEST[1]) {
@@ -395,12 +410,13 @@ impl Film {
         if self.source.half_width && x[TILT..TILT_RATE + 2] != [0.0; 4] {
             return Err(FilmError::TiltOfHalf);
         }
-        let pressed = |(opening, pressure): (&crate::source::Opening, &f64)| match opening.feed {
-            Feed::Pressure => *pressure > 0.0,
+        // an opening at the pressure of the cavity is full of oil as well
+        let holds = |opening: &crate::source::Opening| match opening.feed {
+            Feed::Pressure => true,
             Feed::Content(content) => content > 0.0,
         };
         let flooded = self.source.ends == crate::source::Ends::Open && x[END_PRESSURE] > 0.0;
-        let oil = flooded || self.source.openings.iter().zip(&x[SUPPLY..]).any(pressed);
+        let oil = flooded || self.source.openings.iter().any(holds);
         if self.source.cavitation == Cavitation::MassConserving && work.step.is_none() && !oil {
             return Err(FilmError::NoOil);
         }

@@ -25,6 +25,17 @@ pub(crate) struct Link {
     pub carry: f64,
 }
 
+impl Link {
+    /// Sign with which a flow from a to b counts in the flow out of the ends: 0 inside, and where it enters.
+    pub fn outward(&self, ends: usize, flow: f64) -> f64 {
+        match (self.a == ends, self.b == ends) {
+            (_, true) if flow > 0.0 => 1.0,
+            (true, _) if flow < 0.0 => -1.0,
+            _ => 0.0,
+        }
+    }
+}
+
 /// Place of a link.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Site {

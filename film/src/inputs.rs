@@ -93,5 +93,9 @@ pub const FORCE: usize = 0;
 pub const MOMENT: usize = 2;
 /// Output of the torque that brakes a pin of positive spin, N m.
 pub const TORQUE: usize = 4;
+/// Output of the power that becomes heat, by shear, pressure flow and friction of asperities, W.
+pub const LOSS: usize = 5;
+/// Output of the flow out of both ends where it leaves, m³/s.
+pub const SIDE_FLOW: usize = 6;
 /// First output of the generalised forces `∫ p ψ dA` of the shapes, N.
-pub const SHAPE_FORCE: usize = 5;
+pub const SHAPE_FORCE: usize = 7;

@@ -4,7 +4,8 @@ use crate::error::{FilmError, Place};
 use crate::film::{Film, Level, LevelWork, Work};
 use crate::grid::place;
 use crate::inputs::{
-    ECCENTRICITY, END_PRESSURE, FORCE, MOMENT, SHAPE_FORCE, SPIN, SUPPLY, TILT, TORQUE, VISCOSITY,
+    ECCENTRICITY, END_PRESSURE, FORCE, LOSS, MOMENT, SHAPE_FORCE, SIDE_FLOW, SPIN, SUPPLY, TILT,
+    TORQUE, VISCOSITY,
 };
 use crate::source::{Cavitation, Ends, Feed};
 
@@ -143,7 +144,10 @@ impl Film {
     /// ```text
     /// F = −∫ (p + p_a) n dA     M_x = ∫ (p + p_a) z sin θ dA     M_y = −∫ (p + p_a) z cos θ dA
     /// T = μ₀ R² ω ∫ ϑ e^(α p)/h dA − ½ ∫ p ∂h/∂θ dA + ∫ (p + p_a) ∂s_p/∂θ dA + μ_b R sgn ω ∫ p_a dA
+    /// loss = ω (μ₀ R² ω ∫ ϑ e^(α p)/h dA + μ_b R sgn ω ∫ p_a dA) + ∫ h³/12μ |∇p|² dA
     /// ```
+    ///
+    /// The side flow is the sum of the flows through all faces at the ends where the oil leaves.
     ///
     /// The part `−½ ∫ p_a ∂h/∂θ dA` is left out: p_a is a function of h alone, so it vanishes around a closed ring.
     pub(crate) fn integrate(&self, work: &Work, outputs: &mut [f64]) {
@@ -152,6 +156,7 @@ impl Film {
         let shear = x[VISCOSITY] * self.source.radius * self.source.radius * x[SPIN];
         let boundary = self.boundary(x[SPIN])[0];
         let [mut fx, mut fy, mut mx, mut my, mut torque] = [0.0; 5];
+        let [mut rubbing, mut pressing, mut leaving] = [0.0; 3];
         for (at, cell) in level.grid.cells.iter().enumerate() {
             let touch = state.touching[at][0];
             let load = cell.area * (state.pressure[at][0] + touch);
@@ -161,20 +166,27 @@ impl Film {
             fy -= along_y;
             mx += along_y * cell.z;
             my -= along_x * cell.z;
-            torque += shear * self.shear_factor(state, at) * cell.area * state.shear[at].value
-                + load * state.pin_slope[at][0]
+            let rubbed = shear * self.shear_factor(state, at) * cell.area * state.shear[at].value
                 + boundary * cell.area * touch;
+            rubbing += rubbed;
+            torque += rubbed + load * state.pin_slope[at][0];
         }
         // −½ ∫ p ∂h/∂θ dA, summed by parts: the flow that the surfaces carry through a face against the pressure
-        for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
+        let ends = level.grid.ends(&self.source);
+        for (at, (link, gap)) in level.grid.links.iter().zip(&state.link_gap).enumerate() {
+            let drop = state.pressure[link.a][0] - state.pressure[link.b][0];
             if link.carry > 0.0 {
-                torque -=
-                    link.carry * gap * (state.pressure[link.a][0] - state.pressure[link.b][0]);
+                torque -= link.carry * gap * drop;
             }
+            let pressed = state.pressed(at, link);
+            pressing += pressed * drop;
+            leaving += link.outward(ends, pressed) * pressed;
         }
         outputs[FORCE..FORCE + 2].copy_from_slice(&[fx, fy]);
         outputs[MOMENT..MOMENT + 2].copy_from_slice(&[mx, my]);
         outputs[TORQUE] = torque;
+        outputs[LOSS] = rubbing * x[SPIN] + pressing;
+        outputs[SIDE_FLOW] = leaving;
         let load =
             |at: usize| level.grid.cells[at].area * (state.pressure[at][0] + state.touching[at][0]);
         level.shapes[2].add_moments(load, &mut outputs[SHAPE_FORCE..]);
@@ -263,15 +275,7 @@ impl Film {
         for (at, link) in level.grid.links.iter().enumerate() {
             let carried = x[SPIN] * link.carry * state.link_gap[at];
             let upwind = if carried >= 0.0 { link.a } else { link.b };
-            // the cut pressure of the rule `half` is the pressure, not q
-            let q = |side: usize| {
-                if state.pressure[side][1] == 0.0 {
-                    0.0
-                } else {
-                    state.q[side]
-                }
-            };
-            let pressed = state.conductance[at] * (q(link.a) - q(link.b));
+            let pressed = state.pressed(at, link);
             let flow = carried * state.content[upwind] + pressed;
             let drop = state.pressure[link.a][0] - state.pressure[link.b][0];
             summary.pressure_power += halves * pressed * drop;

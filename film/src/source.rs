@@ -356,7 +356,7 @@ impl FilmSource {
         if !(to >= from && to - from <= turn * (1.0 + 1e-12) && from.is_finite()) {
             return Err(SourceError::EmptyOpening {
                 opening: number,
-                direction: "around (rad)",
+                direction: "around",
                 from,
                 to,
             });
@@ -365,7 +365,7 @@ impl FilmSource {
         if !(high > low && low.is_finite() && high.is_finite()) {
             return Err(SourceError::EmptyOpening {
                 opening: number,
-                direction: "across (m)",
+                direction: "across",
                 from: low,
                 to: high,
             });

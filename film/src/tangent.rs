@@ -7,8 +7,8 @@
 use crate::block::add_lanes as add;
 use crate::film::{Film, Level, LevelWork, TOGETHER, Work};
 use crate::inputs::{
-    ECCENTRICITY, END_PRESSURE, FORCE, MOMENT, RATE, SHAPE_FORCE, SPIN, SUPPLY, TILT, TILT_RATE,
-    TORQUE, TURN, VISCOSITY,
+    ECCENTRICITY, END_PRESSURE, FORCE, LOSS, MOMENT, RATE, SHAPE_FORCE, SIDE_FLOW, SPIN, SUPPLY,
+    TILT, TILT_RATE, TORQUE, TURN, VISCOSITY,
 };
 use crate::source::{Cavitation, Feed};
 use crate::waves::DEGREES;
@@ -27,6 +27,34 @@ struct Group<const N: usize> {
     outputs: [Option<usize>; N],
     /// 1 at the torque, else 0.
     torque: [f64; N],
+    /// Derivatives of the outputs by the torque of shear and friction: 1 at the torque, ω at the loss.
+    rubbing: [f64; N],
+    /// 1 at the loss and at the side flow, else 0.
+    loss: [f64; N],
+    side_flow: [f64; N],
+}
+
+impl<const N: usize> Group<N> {
+    fn new(outputs: [Option<usize>; N], spin: f64) -> Self {
+        let lane = |which: usize| outputs.map(|output| f64::from(u8::from(output == Some(which))));
+        let [torque, loss, side_flow] = [TORQUE, LOSS, SIDE_FLOW].map(lane);
+        let mut rubbing = torque;
+        add(&mut rubbing, spin, &loss);
+        Group {
+            outputs,
+            torque,
+            rubbing,
+            loss,
+            side_flow,
+        }
+    }
+
+    /// Derivatives of the outputs by the flow that the pressure drives through a face, apart from those by the pressures.
+    fn by_flow(&self, p_drop: f64, outward: f64) -> [f64; N] {
+        let mut lanes = self.loss.map(|loss| p_drop * loss);
+        add(&mut lanes, outward, &self.side_flow);
+        lanes
+    }
 }
 
 impl Film {
@@ -58,8 +86,7 @@ impl Film {
         dy_dx: &mut [f64],
     ) {
         let outputs = [(); N].map(|()| left.next());
-        let torque = outputs.map(|output| if output == Some(TORQUE) { 1.0 } else { 0.0 });
-        let group = Group { outputs, torque };
+        let group = Group::new(outputs, work.inputs[SPIN]);
         let (level, inputs) = (&self.levels[0], self.inputs());
         let solution = Solution {
             level,
@@ -98,7 +125,7 @@ impl Film {
     ) {
         let Solution { level, state, .. } = *solution;
         adjoint.fill([0.0; N]);
-        let count = level.grid.cells.len();
+        let (count, ends) = (level.grid.cells.len(), level.grid.ends(&self.source));
         for (lane, output) in group.outputs.iter().enumerate() {
             let Some(output) = *output else { continue };
             for (at, adjoint) in adjoint[..count].iter_mut().enumerate() {
@@ -108,6 +135,26 @@ impl Film {
                 for (link, gap) in level.grid.links.iter().zip(&state.link_gap) {
                     adjoint[link.a][lane] -= link.carry * gap;
                     adjoint[link.b][lane] += link.carry * gap;
+                }
+            }
+            if output == LOSS || output == SIDE_FLOW {
+                for (at, link) in level.grid.links.iter().enumerate() {
+                    let pressed = state.pressed(at, link);
+                    let [own, conducted] = match output {
+                        LOSS => [
+                            pressed,
+                            state.pressure[link.a][0] - state.pressure[link.b][0],
+                        ],
+                        _ => [0.0, link.outward(ends, pressed)],
+                    };
+                    for (side, sign) in [(link.a, 1.0), (link.b, -1.0)] {
+                        // dq/dp; a pressure that the rule `half` cuts has none
+                        let slope = state.pressure[side][1];
+                        if slope > 0.0 {
+                            adjoint[side][lane] +=
+                                sign * (own + state.conductance[at] * conducted / slope);
+                        }
+                    }
                 }
             }
         }
@@ -124,6 +171,7 @@ impl Film {
             MOMENT => cell.z * sin,
             3 => -cell.z * cos,
             TORQUE => state.pin_slope[at][0],
+            LOSS | SIDE_FLOW => 0.0,
             _ => level.shapes[2].value(at / level.grid.across, at, output - SHAPE_FORCE),
         };
         cell.area * part
@@ -166,7 +214,7 @@ impl Film {
             add(slope, 1.0, &adjoint[at]);
             let slope_by_q = state.pressure[at][1];
             let thicker = self.thickening(slope_by_q);
-            add(slope, self.shear(solution, at) * thicker, &group.torque);
+            add(slope, self.shear(solution, at) * thicker, &group.rubbing);
         }
     }
 
@@ -200,7 +248,7 @@ impl Film {
                 (0.0, shear)
             };
             *own = own.map(|weight| by_pressure * weight);
-            add(own, by_shear, &group.torque);
+            add(own, by_shear, &group.rubbing);
         }
         adjoint[count..].fill([0.0; N]);
         state
@@ -257,6 +305,11 @@ impl Film {
             let mut by_gap = group
                 .torque
                 .map(|torque| -slope * link.carry * p_drop * torque);
+            let flowing = state.pressed(at, link);
+            let by_flow = group.by_flow(p_drop, link.outward(count + openings, flowing));
+            add(&mut by_gap, opens * flowing, &by_flow);
+            add(&mut by_spin, thins * flowing, &by_flow);
+            add(&mut by_viscosity, -flowing, &by_flow);
             add(&mut by_gap, -flow, &drop);
             add(&mut run[0], 1.0, &by_gap);
             add(&mut run[1], site.z, &by_gap);
@@ -328,7 +381,7 @@ impl Film {
                 sheared[0] += over;
                 sheared[1] += over + x[SPIN] * speed * area * shear.by_spin;
                 let thinner = x[VISCOSITY] * x[SPIN] * speed * area * shear.by_gap;
-                let mut by_gap = group.torque.map(|torque| thinner * torque);
+                let mut by_gap = group.rubbing.map(|rubbing| thinner * rubbing);
                 add(
                     &mut by_gap,
                     -rate_by_gap * cell.area * content,
@@ -349,12 +402,10 @@ impl Film {
                             by_gap[lane] += slope * self.weight(solution, output, at);
                         }
                     }
-                    add(&mut by_gap, boundary[0] * slope * cell.area, &group.torque);
-                    add(
-                        &mut slopes[SPIN],
-                        boundary[1] * touch * cell.area,
-                        &group.torque,
-                    );
+                    let load = touch * cell.area;
+                    add(&mut by_gap, boundary[0] * slope * cell.area, &group.rubbing);
+                    add(&mut slopes[SPIN], boundary[1] * load, &group.rubbing);
+                    add(&mut slopes[SPIN], boundary[0] * load, &group.loss);
                 }
                 add(&mut gaps[0], 1.0, &by_gap);
                 add(&mut gaps[1], cell.z, &by_gap);
@@ -384,8 +435,14 @@ impl Film {
             add_run(slopes, [ECCENTRICITY, TILT], angle.normal, &mut gaps);
             add_run(slopes, [RATE, TILT_RATE], angle.mean_normal, &mut rates);
         }
-        add(&mut slopes[SPIN], x[VISCOSITY] * sheared[1], &group.torque);
-        add(&mut slopes[VISCOSITY], x[SPIN] * sheared[0], &group.torque);
+        // the loss is the torque of the shear times ω, so ω acts twice
+        add(&mut slopes[SPIN], x[VISCOSITY] * sheared[1], &group.rubbing);
+        add(
+            &mut slopes[SPIN],
+            x[VISCOSITY] * x[SPIN] * sheared[0],
+            &group.loss,
+        );
+        add(&mut slopes[VISCOSITY], x[SPIN] * sheared[0], &group.rubbing);
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod states;
 
-use eng_film::{Cavitation, Elastic, Film, FilmSource, Inputs, Shape};
+use eng_film::{Cavitation, Elastic, Film, FilmSource, Inputs, Shape, inputs};
 use states::{number, pair, reference};
 
 /// Shapes that do not change across: a constant, and cosines and sines of 2 to `most` waves.
@@ -50,8 +50,8 @@ fn inputs(eccentricity: [f64; 2]) -> Vec<f64> {
 
 /// Place, least gap, highest pressure and flow under the load, by Newton's method with the tangent; and its rounds.
 fn under_load(elastic: &Elastic, load: [f64; 2]) -> ([f64; 5], usize) {
-    let (mut work, mut y) = (elastic.work(), [0.0; 5]);
-    let mut slopes = vec![0.0; 5 * elastic.inputs()];
+    let (mut work, mut y) = (elastic.work(), [0.0; inputs::SHAPE_FORCE]);
+    let mut slopes = vec![0.0; inputs::SHAPE_FORCE * elastic.inputs()];
     let mut e = [0.75, 0.3];
     for round in 1..40 {
         elastic
@@ -122,7 +122,7 @@ fn tangent_of_a_yielding_surface() {
     let state = &all["elastic"][1];
     let elastic = Elastic::new(film([48, 6]), reference_ring(state)).expect("a surface");
     let mut work = elastic.work();
-    let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; 5]);
+    let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; inputs::SHAPE_FORCE]);
     elastic
         .solve(&inputs([0.6, 0.1]), None, &[], &mut work, &mut y)
         .expect("a film");
@@ -140,11 +140,11 @@ fn tangent_of_a_yielding_surface() {
     elastic
         .solve(&x, step, &memory, &mut work, &mut y)
         .expect("a film");
-    let mut slopes = vec![0.0; 5 * elastic.inputs()];
+    let mut slopes = vec![0.0; inputs::SHAPE_FORCE * elastic.inputs()];
     elastic.tangent(&mut work, &mut slopes).expect("a tangent");
     for input in [0, 1, 2, 3, 8, 10, 11] {
         let mut at = |by: f64| {
-            let (mut moved, mut y) = (x.clone(), [0.0; 5]);
+            let (mut moved, mut y) = (x.clone(), [0.0; inputs::SHAPE_FORCE]);
             moved[input] += by;
             elastic
                 .solve(&moved, step, &memory, &mut work, &mut y)
@@ -176,7 +176,7 @@ fn short_steps_find_their_place() {
     let film = Film::new(source).expect("a film");
     let compliance = Elastic::ring(&film, 32e-3, 210e9, 3.5e-4, 7.5e-9);
     let elastic = Elastic::new(film, compliance).expect("a surface");
-    let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; 5]);
+    let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; inputs::SHAPE_FORCE]);
     let mut state = 12345_u64;
     let mut draw = || {
         state = state
@@ -258,7 +258,7 @@ fn slow_motions_see_the_surface_follow() {
     let elastic = Elastic::new(film([48, 6]), reference_ring(state)).expect("a surface");
     let place = [0.6, 0.1];
     let mut work = elastic.work();
-    let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; 5]);
+    let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; inputs::SHAPE_FORCE]);
     elastic
         .solve(&inputs(place), None, &[], &mut work, &mut y)
         .expect("a film");
@@ -275,7 +275,7 @@ fn slow_motions_see_the_surface_follow() {
     }
     for axis in 0..2 {
         let mut steady = |by: f64| {
-            let (mut at, mut y) = (place, [0.0; 5]);
+            let (mut at, mut y) = (place, [0.0; inputs::SHAPE_FORCE]);
             at[axis] += by;
             elastic
                 .solve(&inputs(at), None, &[], &mut work, &mut y)
@@ -286,7 +286,7 @@ fn slow_motions_see_the_surface_follow() {
         let (up, down) = (steady(d), steady(-d));
         // some steps of constant speed, the last of which ends at the place
         let mut passing = |speed: f64| {
-            let (step, mut y) = (1.0, [0.0; 5]);
+            let (step, mut y) = (1.0, [0.0; inputs::SHAPE_FORCE]);
             for k in (0..40).rev() {
                 let mut at = place;
                 at[axis] -= f64::from(k) * step * speed;
@@ -327,7 +327,7 @@ fn a_stiff_surface_is_the_rigid_one() {
     let force = |share: f64| {
         let compliance = soft.iter().map(|c| share * c).collect();
         let elastic = Elastic::new(film([48, 6]), compliance).expect("a surface");
-        let (mut work, mut y) = (elastic.work(), [0.0; 5]);
+        let (mut work, mut y) = (elastic.work(), [0.0; inputs::SHAPE_FORCE]);
         elastic
             .solve(&inputs([0.7, 0.1]), None, &[], &mut work, &mut y)
             .expect("a film");

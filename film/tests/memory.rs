@@ -2,7 +2,9 @@
 
 mod states;
 
-use eng_film::{Cavitation, Ends, Feed, Film, FilmSource, Inputs, Opening, Quantity, Shape};
+use eng_film::{
+    Cavitation, Ends, Feed, Film, FilmSource, Inputs, Opening, Quantity, Shape, inputs,
+};
 use serde_json::Value;
 use states::{number, pair, reference};
 
@@ -105,7 +107,7 @@ fn squeezed(exact: &Value, cells: usize, steps: usize) -> [f64; 3] {
         .expect("a film");
         film.accept(&work, &mut memory);
         // the strip is a quarter of four equal columns: lengths around are 2π
-        let load = y[5] / std::f64::consts::TAU;
+        let load = y[inputs::SHAPE_FORCE] / std::f64::consts::TAU;
         let missing: f64 = memory[..cells]
             .iter()
             .filter(|content| **content < 1.0)

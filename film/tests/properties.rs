@@ -4,7 +4,7 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Lines, Opening, Profile, Shape,
+    Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Lines, Opening, Profile, Shape, inputs,
 };
 use proptest::prelude::*;
 use states::{Solved, solved};
@@ -15,19 +15,18 @@ const RULES: [Cavitation; 3] = [
     Cavitation::MassConserving,
 ];
 
-/// Power of the shaft and of the supply minus power of shear and pressure flow, relative to the shear.
+/// Power of the shaft and of the supply minus the loss, relative to the shear.
 fn unbalanced(solved: &Solved, shapes: usize) -> f64 {
     let (x, y, summary) = (&solved.inputs, &solved.outputs, &solved.summary);
     let openings = x.len() - 12 - 2 * shapes;
     let first = 12 + openings + shapes;
     let moved: f64 = (0..shapes)
-        .map(|shape| y[5 + shape] * x[first + shape])
+        .map(|shape| y[inputs::SHAPE_FORCE + shape] * x[first + shape])
         .sum();
     // −F·ė − M·(ẑ × ṫ) + T ω: the tilt rate ṫ is the angular velocity (−ṫ_y, ṫ_x); a deflection that rises
     // takes power out
     let shaft = -y[0] * x[2] - y[1] * x[3] + y[2] * x[7] - y[3] * x[6] + y[4] * x[8] - moved;
-    (shaft + summary.pumping_power - summary.shear_power - summary.pressure_power)
-        / summary.shear_power
+    (shaft + summary.pumping_power - y[inputs::LOSS]) / summary.shear_power
 }
 
 fn grooved(rule: Cavitation, cells: [usize; 2]) -> FilmSource {
@@ -424,13 +423,21 @@ fn data_out_of_range_are_refused() {
         |openings: Vec<Opening>| message(&move |source| source.openings.clone_from(&openings));
     assert!(
         message(&|source| source.clearance = 0.0)
-            .contains("radial clearance of a film is 0: it must be a positive number")
+            .contains("radial clearance of a film is 0 um: it must be a positive number")
     );
     assert!(
         openings(vec![hole(0.0, -12e-3, 0.0)])
             .contains("opening 1 of a film ends exactly at an open end")
     );
-    assert!(openings(vec![hole(0.0, 13e-3, 15e-3)]).contains("lies beyond the ends"));
+    assert!(
+        openings(vec![hole(0.0, 13e-3, 15e-3)])
+            .contains("lies beyond the ends of the bearing, whose width is 24 mm")
+    );
+    let all_around = Opening {
+        around: [0.0, std::f64::consts::TAU],
+        ..hole(0.0, -13e-3, 13e-3)
+    };
+    assert!(openings(vec![all_around]).contains("so no film is left"));
     assert!(openings(vec![hole(0.0, 1e-3, 1e-3)]).contains("the second must lie above the first"));
     assert!(
         openings(vec![hole(0.0, 0.0, 2e-3), hole(6.2, 1e-3, 3e-3)])
@@ -469,6 +476,63 @@ fn data_out_of_range_are_refused() {
     );
 }
 
+/// In a centred film at rest all cells are at the edge of the cavity. Each motion of the pin ruptures the half that it leaves, so the
+/// force resists with the other half, and the derivative on a full film is twice as large. A loaded film has a place for its cavity.
+#[test]
+fn a_film_without_pressure_has_no_derivative() {
+    let film = |eccentricity: [f64; 2], rate: f64| {
+        let source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [48, 9]);
+        let inputs = Inputs {
+            eccentricity,
+            rate: [rate, 0.0],
+            spin: 1.0,
+            ..Inputs::still(1.0)
+        };
+        solved(source, inputs.write()).expect("a film")
+    };
+    let mut centred = film([0.0; 2], 0.0);
+    assert!((centred.film.undecided(&centred.work) - 1.0).abs() < 1e-12);
+    let mut tangent = vec![0.0; centred.film.outputs() * centred.film.inputs()];
+    centred.film.tangent(&mut centred.work, &mut tangent);
+    let two_sided = (film([0.0; 2], 1e-6).outputs[0] - film([0.0; 2], -1e-6).outputs[0]) / 2e-6;
+    let ratio = tangent[inputs::RATE] / two_sided;
+    assert!((ratio - 2.0).abs() < 0.2, "{ratio}");
+    let loaded = film([0.3, 0.1], 0.0);
+    assert_eq!(loaded.film.undecided(&loaded.work), 0.0);
+}
+
+/// An opening at the pressure of the cavity is full of oil: it feeds a mass-conserving film as one slightly above does.
+#[test]
+fn an_opening_without_pressure_feeds() {
+    let load = |pressure: f64| {
+        let source = FilmSource {
+            openings: vec![Opening {
+                around: [2.6, 3.3],
+                across: [-0.3, 0.35],
+                feed: Feed::Pressure,
+            }],
+            ..FilmSource::plain(1.0, 1.2, 1.0, Cavitation::MassConserving, [48, 12])
+        };
+        let supply = [pressure];
+        let inputs = Inputs {
+            eccentricity: [0.5, 0.2],
+            spin: 1.0,
+            supply: &supply,
+            ..Inputs::still(1.0)
+        };
+        solved(source, inputs.write()).expect("a film").outputs
+    };
+    let (none, little) = (load(0.0), load(1e-7));
+    for output in 0..inputs::SHAPE_FORCE {
+        let off = (none[output] - little[output]).abs();
+        assert!(
+            off < 1e-5 * none[0].hypot(none[1]),
+            "{output}: {none:?} {little:?}"
+        );
+    }
+    assert!(none[0].hypot(none[1]) > 0.1, "{none:?}");
+}
+
 #[test]
 fn inputs_out_of_range_are_refused() {
     let plain = |rule| FilmSource::plain(1.0, 1.0, 1.0, rule, [24, 5]);
@@ -488,13 +552,13 @@ fn inputs_out_of_range_are_refused() {
     assert!(
         touching
             .to_string()
-            .starts_with("the surfaces touch: the gap is -0.01"),
+            .starts_with("the surfaces touch: the gap is -10000 um"),
         "{touching}"
     );
     assert!(
         error(plain(Cavitation::Reynolds), spinning(f64::NAN))
             .to_string()
-            .contains("input 0 of a film is NaN")
+            .contains("the eccentricity (x) of a film is NaN")
     );
     let thin = Inputs {
         viscosity: 0.0,
@@ -503,7 +567,7 @@ fn inputs_out_of_range_are_refused() {
     assert!(
         error(plain(Cavitation::Reynolds), thin)
             .to_string()
-            .contains("viscosity of a film is 0")
+            .contains("viscosity of a film is 0 mPa*s")
     );
     let drawn = Inputs {
         end_pressure: -0.1,
@@ -544,7 +608,11 @@ fn inputs_out_of_range_are_refused() {
 fn a_gap_that_closes_within_a_step_fills() {
     let source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::MassConserving, [24, 5]);
     let film = Film::new(source).expect("a film");
-    let (mut work, mut y, mut memory) = (film.work(), vec![0.0; 5], vec![0.1; film.memory()]);
+    let (mut work, mut y, mut memory) = (
+        film.work(),
+        vec![0.0; film.outputs()],
+        vec![0.1; film.memory()],
+    );
     // the side that the pin leaves keeps oil, the other side has no room for less than all of its gap
     let fast = Inputs {
         eccentricity: [0.5, 0.0],

@@ -64,6 +64,18 @@ fn check(name: &str, source: FilmSource, x: &[f64], past: Option<(f64, Vec<f64>)
     let memory = past.map_or(&[][..], |(_, memory)| memory);
     film.solve(x, past.map(|(step, _)| step), memory, &mut work, &mut y)
         .expect("a film");
+    // the summary adds its powers and flows by itself
+    let summary = film.summary(&work);
+    let loss = summary.shear_power + summary.pressure_power + summary.boundary_power;
+    assert!(
+        (y[inputs::LOSS] - loss).abs() < 1e-13 * loss,
+        "{name}: {loss}"
+    );
+    let flow = summary.outflow;
+    assert!(
+        (y[inputs::SIDE_FLOW] - flow).abs() < 1e-13 * flow,
+        "{name}: {flow}"
+    );
     let mut tangent = vec![0.0; film.outputs() * film.inputs()];
     film.tangent(&mut work, &mut tangent);
     let mut worst = 0.0_f64;
@@ -314,7 +326,7 @@ fn stiffness_and_damping_of_the_reference() {
         // content converges with first order
         let fine = if row["rule"] == "jfo" { 2 } else { 1 };
         let (coarse, fine) = (on([144 * fine, 12 * fine]), on([288 * fine, 24 * fine]));
-        let inputs = coarse.len() / 5;
+        let inputs = coarse.len() / inputs::SHAPE_FORCE;
         for (name, place) in [("K", 0), ("C", 2)] {
             let entry = |output: usize, input: usize| {
                 let at = output * inputs + place + input;

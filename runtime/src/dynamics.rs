@@ -256,6 +256,11 @@ impl Dynamics {
         &self.at.markers
     }
 
+    /// The first element with a field whose derivatives differ on both sides at the evaluated state.
+    pub fn undecided(&self) -> Option<usize> {
+        self.batches.iter().find_map(Batch::undecided)
+    }
+
     /// The dynamic elements with their inputs.
     pub fn batches(&self) -> &[Batch] {
         &self.batches

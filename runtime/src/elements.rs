@@ -57,6 +57,10 @@ struct Moving {
     slot: usize,
 }
 
+/// Share of a field with one-sided derivatives above which its linearised equations are refused. The cells on the line where a
+/// pressure ends are a smaller share.
+const ONE_SIDED: f64 = 0.2;
+
 /// The readings of fields that a caller needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Readings {
@@ -345,6 +349,15 @@ impl Batch {
             numbers.push(field.since.unwrap_or(0.0));
             numbers.extend_from_slice(&field.before);
         }
+    }
+
+    /// The first element with a field whose derivatives differ on both sides at its last solution.
+    pub fn undecided(&self) -> Option<usize> {
+        let elements = self.pairs.iter().flatten();
+        let mut fields = elements.zip(&self.fields);
+        fields
+            .find(|(_, fields)| fields.iter().any(|f| f.solver.undecided() > ONE_SIDED))
+            .map(|(element, _)| *element)
     }
 
     /// Writes what the fields remember of their last solution to their places, and reads the numbers that conditions compare.

@@ -536,6 +536,14 @@ pub enum RuntimeError {
         /// The element.
         origin: Box<Origin>,
     },
+    /// A field has other derivatives on both sides of the state.
+    #[error("{}: at {moment} its film has no pressure, so each motion ruptures another part of it: it has no linear equations there", origin.path)]
+    Undecided {
+        /// The element.
+        origin: Box<Origin>,
+        /// When.
+        moment: Moment,
+    },
     /// The state is neither at rest nor in a steady motion.
     #[error("the motion at {moment} is neither rest nor steady: {} {}", body.origin.path, body.reason())]
     Unsteady {

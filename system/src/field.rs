@@ -229,6 +229,8 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("force", Dimension::FORCE, 2, 1.0),
         result("moment", TORQUE, 2, 1e-2),
         result("torque", TORQUE, 1, 5e-4),
+        result("loss", POWER, 1, 5e-2),
+        result("side_flow", FLOW, 1, 1e-9),
     ],
     readings: &[
         result("minimum_film", LENGTH, 1, 1e-6),
@@ -237,7 +239,6 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("maximum_pressure", PRESSURE, 1, 1e6),
         result("maximum_pressure_angle", ANGLE, 1, 1.0),
         result("maximum_pressure_across", LENGTH, 1, 1e-3),
-        result("side_flow", FLOW, 1, 1e-6),
         result("inflow", FLOW, 1, 1e-6),
         result("supply_flow", FLOW, 1, 1e-6),
         result("shear_power", POWER, 1, 1.0),
@@ -428,6 +429,9 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     ) -> Result<(), FieldError>;
     /// Writes the memory at the last solution.
     fn accept(&self, memory: &mut [f64]);
+    /// Share of the field at the last solution where its derivatives differ on both sides, such as a film without pressure,
+    /// whose cavity is undecided.
+    fn undecided(&self) -> f64;
     /// Derivatives of the answers by the drives at the last solution, answer by answer; not finite where there
     /// are none.
     fn tangent(&mut self, slopes: &mut [f64]);
@@ -453,7 +457,7 @@ mod tests {
     #[test]
     fn results_have_places_of_their_own() {
         let film = Kernel::named("reynolds").unwrap();
-        assert_eq!(film.answer_count(), 5);
+        assert_eq!(film.answer_count(), 7);
         let (row, first, answer) = film.result("torque").unwrap();
         assert_eq!((row.count, first, answer), (1, 4, true));
         let (row, first, answer) = film.result("damping").unwrap();

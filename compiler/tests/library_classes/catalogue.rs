@@ -91,8 +91,7 @@ const fn journal(class: &'static str, arguments: &'static str) -> Case {
     }
 }
 
-/// Every class of the library, some of them twice. One class of a model has a state, because no class of
-/// the library has one.
+/// Every class of the library, some of them twice, and a class with a state of a length.
 pub const CASES: &[Case] = &[
     joint("Fixed"),
     joint("Revolute"),
@@ -186,6 +185,16 @@ pub const CASES: &[Case] = &[
         "Film",
         "pin: a.m, shell: b.m, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s",
     ),
+    // the states of these tests are near absolute zero, where no oil of the library is liquid
+    Case {
+        definitions: "use std.oils.VogelOil\nconst flat = VogelOil(a: 1 mPa*s, b: 100 K, zero: 100 K)",
+        ..journal(
+            "ThermalFilm",
+            "pin: a.m, shell: b.m, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s, oil: flat, \
+             start_temperature: 300 K, supply_temperature: 290 K, density: 830 kg/m^3, specific_heat: 2.2 kJ/kg/K, capacity: 2 J/K, \
+             into_walls: 10 %, conductance: 3 W/K, wall_temperature: 310 K",
+        )
+    },
     Case {
         module: "",
         ..force(

@@ -312,6 +312,13 @@ impl Equations {
         dynamics.place(model, state.time, &state.pose, &state.velocity);
         dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
         dynamics.evaluate(model)?;
+        if let Some(element) = dynamics.undecided() {
+            let origin = &model.compiled.system.elements[element].origin;
+            return Err(RuntimeError::Undecided {
+                origin: Box::new(origin.clone()),
+                moment,
+            });
+        }
         let axes = GroundAxes::new(model, &dynamics, &state.velocity);
         let blocks = Blocks::new(model, &mut dynamics, state, &axes)?;
         let basis = allowed(model, &blocks.mass, &blocks.gradients, moment)?;
