@@ -114,8 +114,10 @@ impl Secants {
             for j in 0..i {
                 if kept[j] {
                     let share = factors[i][j] / factors[j][j];
-                    for k in j + 1..=i {
-                        factors[i][k] -= share * factors[k][j];
+                    let column = factors.map(|row| row[j]);
+                    let own = factors[i][j + 1..=i].iter_mut();
+                    for (factor, other) in own.zip(&column[j + 1..=i]) {
+                        *factor -= share * other;
                     }
                     shares[i] -= share * shares[j];
                 }
