@@ -278,3 +278,26 @@ fn wrong_surfaces_are_refused() {
         assert!(report.contains(message), "{to}: {report}");
     }
 }
+
+/// A run that continues from a checkpoint has the surface of the run that was never stopped, to the last bit.
+#[test]
+fn a_checkpoint_holds_the_surface() {
+    let program = checked(MODEL, MESH).unwrap_or_else(|report| panic!("{report}"));
+    let model = program.model("Shell").expect("a model");
+    let mut through = model.simulation().start().expect("a start");
+    for _ in 0..30 {
+        through.step().expect("a step");
+    }
+    let saved = through.checkpoint();
+    let mut resumed = model.simulation().resume(&saved).expect("a checkpoint");
+    for _ in 0..30 {
+        through.step().expect("a step");
+        resumed.step().expect("a step");
+    }
+    for path in ["main.force.x", "main.deflection"] {
+        let channel = model.channel(path).expect("a channel");
+        let both = [&mut through, &mut resumed].map(|s| s.value(channel).expect("a value"));
+        assert_eq!(both[0].to_bits(), both[1].to_bits(), "{path}");
+        assert!(both[0] != 0.0, "{path}");
+    }
+}

@@ -368,8 +368,8 @@ impl Elastic {
         false
     }
 
-    /// Takes new inputs, and lets the amplitudes follow them by the kept slopes, but no further than the search may go. Returns the length of
-    /// their change (m).
+    /// Takes new inputs, and lets the amplitudes follow them by the kept slopes, but no further than the search may go. Returns
+    /// the length of their change (m).
     fn follow(&self, inputs: &[f64], work: &mut ElasticWork) -> f64 {
         let own = self.inputs();
         let count = self.shapes();

@@ -148,7 +148,7 @@ fn readable(
     }
 }
 
-/// The form of a text; without one the reason is told.
+/// The form of a text, or the reason why it has none.
 fn formed(name: &str, text: &str, console: &mut Terminal<'_>) -> Result<Option<String>, Stop> {
     match eng_grammar::format(text, SourceId(0)) {
         Ok(formed) => Ok(Some(formed)),

@@ -1,4 +1,4 @@
-//! What a name is: its line of the text, its comment, and the numbers of its path.
+//! The meaning of a name: its line of the text, its comment, and the numbers of its path.
 
 use super::document::{Document, range};
 use super::index::{Found, Index, What};
