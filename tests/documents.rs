@@ -1,6 +1,5 @@
 //! README, tutorial, guides and reference are true: their models run, and their commands print the shown lines.
 
-#[path = "documents/page.rs"]
 mod page;
 
 use std::collections::BTreeSet;

@@ -1,16 +1,14 @@
 //! Derivatives, optimiser, interpreter and machine code against each other and against differences.
-#![allow(clippy::expect_used)]
 
-mod support;
-
+use crate::support;
+use crate::support::magnitudes::with_magnitudes;
+use crate::support::{Random, call, cases, product, rotation, tables};
 use eng_compiler::generate::compile_class;
 use eng_compiler::ir::{ClassFunctions, InterpretedClass, Op};
 use eng_system::code::{ElementCode, Function, Pair};
 use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
 use eng_system::table::Table;
-use support::magnitudes::with_magnitudes;
-use support::{Random, call, cases, product, rotation, tables};
 
 fn functions(build: fn(bool) -> eng_compiler::ir::ClassBody) -> ClassFunctions {
     build(false).functions().expect("a good class")

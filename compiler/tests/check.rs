@@ -1,9 +1,7 @@
 //! Correct texts pass and get their types: the library, the examples, and special cases of the
 //! language.
 
-mod check_support;
-
-use check_support::{Run, render, run, run_in};
+use crate::check_support::{Run, render, run, run_in};
 use eng_compiler::library::LIBRARY;
 use eng_compiler::program::{DefinitionId, ValueType};
 use eng_system::Dimension;

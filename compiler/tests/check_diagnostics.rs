@@ -1,9 +1,7 @@
 //! Messages about wrong texts: a folder of small wrong models, their messages as snapshots, and
 //! every code at least once.
 
-mod check_support;
-
-use check_support::{Run, elaborated_in, render, run_in};
+use crate::check_support::{Run, elaborated_in, render, run_in};
 use eng_compiler::codes;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,10 +1,9 @@
 //! Machine code of every class of the library: its size is far below the instruction cache, and it gives the
 //! interpreter's bits.
 #![cfg(feature = "jit")]
-#![allow(clippy::expect_used)]
 
-mod support;
-
+use crate::support;
+use crate::support::Random;
 use eng_compiler::elaborate::{Elaborated, analyses, elaborate};
 use eng_compiler::generate::compile_class;
 use eng_compiler::library::LIBRARY;
@@ -13,7 +12,6 @@ use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::{Function, Pair};
 use eng_system::host::{Host, HostError};
 use std::collections::BTreeSet;
-use support::Random;
 
 struct Texts;
 

@@ -1,9 +1,7 @@
 //! The role of an element in the results depends on the interface that its class fills, and on no
 //! name of a class or a parameter.
 
-#[allow(dead_code)]
-mod check_support;
-
+use crate::check_support;
 use eng_compiler::elaborate::{Elaborated, analyses, elaborate};
 use eng_compiler::library::LIBRARY;
 use eng_compiler::resolve::resolve;

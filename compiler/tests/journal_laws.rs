@@ -1,5 +1,4 @@
 //! The film laws of `stdlib/journals.eng` against closed forms, tables and the balance of the pair.
-#![allow(clippy::expect_used)]
 
 use eng_compiler::elaborate::{analyses, elaborate};
 use eng_compiler::generate::compile_class;

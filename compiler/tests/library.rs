@@ -1,5 +1,4 @@
 //! Every class and record of the library: it resolves, elaborates without a message, and its numbers are the published ones.
-#![allow(clippy::expect_used)]
 
 use eng_compiler::elaborate::{Elaborated, analyses, elaborate};
 use eng_compiler::library::LIBRARY;

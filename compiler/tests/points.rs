@@ -1,9 +1,6 @@
 //! Points and differences: a value that is declared as one is never accepted as the other.
 
-#[allow(dead_code)]
-mod check_support;
-
-use check_support::run_in;
+use crate::check_support::run_in;
 
 /// A point's dimension, names of its difference, a unit.
 const FAMILIES: [(&str, &[&str], &str); 3] = [

@@ -1,8 +1,6 @@
 //! Random expressions: forward, reverse and tape derivatives against differences, machine code against the interpreter.
-#![allow(clippy::expect_used)]
 
-mod support;
-
+use crate::support::{Random, call, tables};
 use eng_compiler::generate::compile_class;
 use eng_compiler::ir::{
     ClassBody, Function, Graph, InterpretedClass, Interpreter, Node, forward, gradient,
@@ -10,7 +8,6 @@ use eng_compiler::ir::{
 use eng_system::code::Function as Which;
 use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
-use support::{Random, call, tables};
 
 const INPUTS: u32 = 3;
 

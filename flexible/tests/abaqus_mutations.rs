@@ -1,12 +1,10 @@
 //! Input files with all kinds of damage: the Abaqus reader may refuse them, with a place, but never
 //! panics.
 
-mod nastran_deck;
-
+use crate::nastran_deck::{Memory, is_consistent};
 use eng_flexible::mesh::Code;
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::{FlexibleError, Place};
-use nastran_deck::{Memory, is_consistent};
 use proptest::prelude::*;
 
 /// A file with every keyword that is read.

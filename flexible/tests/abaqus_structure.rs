@@ -1,16 +1,14 @@
 //! Keywords as the reader of Abaqus and CalculiX input understands them, against results made by
 //! hand.
 
-mod nastran_deck;
-
+use crate::nastran_deck::{
+    Memory, close, close3, element_ids, ids, index, position, set, set_ids, unread,
+};
 use eng_flexible::mesh::{
     BeamSection, Carries, Code, ElementKind, Mesh, Section, ShellSection, Support, Tie,
 };
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::{FileProblem, FlexibleError, Place};
-use nastran_deck::{
-    Memory, close, close3, element_ids, ids, index, position, set, set_ids, unread,
-};
 
 fn mesh_of(files: &[(&str, &str)]) -> Mesh {
     match read_inp(&Memory::new(files), "deck.inp", Code::Abaqus) {

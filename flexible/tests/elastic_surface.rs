@@ -1,5 +1,4 @@
 //! Elastic surfaces of bores against the exact solution of a ring in plane stress, and against each other with different modes.
-#![allow(clippy::unwrap_used)]
 
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest, Selection, Spider};

@@ -1,10 +1,10 @@
 //! Elements that their code does not integrate in full: against CalculiX' frequencies, Abaqus' matrices and beam
 //! theory. Refused elements.
-#![allow(clippy::unwrap_used)]
 
-mod fe_meshes;
-mod nastran_deck;
+use crate::fe_meshes;
+use crate::nastran_deck;
 
+use crate::nastran_deck::Memory;
 use eng_flexible::Files;
 use eng_flexible::fe::{MassRule, Rules, assemble, form};
 use eng_flexible::mesh::{Code, ElementKind, Mesh, Variant};
@@ -13,7 +13,6 @@ use eng_flexible::recover::Recovery;
 use eng_flexible::reduce::{Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::store::{Key, StoredBody};
-use nastran_deck::Memory;
 use serde_json::Value;
 use std::io::Read;
 use std::path::Path;

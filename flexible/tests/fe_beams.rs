@@ -1,7 +1,6 @@
 //! Beams, springs and point masses against closed forms.
 
-mod fe_meshes;
-
+use crate::fe_meshes::*;
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
 use eng_flexible::mesh::{
@@ -9,7 +8,6 @@ use eng_flexible::mesh::{
     Support,
 };
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
-use fe_meshes::*;
 
 const AREA: f64 = 3e-4;
 const MOMENT_Z: f64 = 4e-9;

@@ -1,14 +1,12 @@
 //! Published benchmarks of solids.
 
-mod fe_meshes;
-
+use crate::fe_meshes::*;
 use eng_flexible::element::Shape;
 use eng_flexible::element::quadrature;
 use eng_flexible::fe::stress::von_mises;
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::mesh::{ElementKind, Mesh, Support};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
-use fe_meshes::*;
 
 /// Consistent nodal forces of a pressure on the faces of 20-node hexahedra at ζ = 1 that lie in a plane z = const, downwards.
 fn pressure(

@@ -1,14 +1,12 @@
 //! Meshes without meaning, and their errors.
 
-mod fe_meshes;
-
+use crate::fe_meshes::*;
 use eng_flexible::FlexibleError;
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::mesh::{
     BeamAxes, BeamSection, ElementKind, Material, Mesh, PointMass, Section, ShellSection, Spring,
     Tie,
 };
-use fe_meshes::*;
 use proptest::prelude::*;
 
 fn box_mesh() -> Mesh {

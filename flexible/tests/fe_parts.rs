@@ -1,12 +1,10 @@
 //! Whole parts: mass, frequencies and flexibility against matrices of CalculiX 2.20 and independent sparse solutions of them.
 
-mod fe_meshes;
-
+use crate::fe_meshes::*;
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::mesh::{Mesh, Tie};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
-use fe_meshes::*;
 
 /// Elastic frequencies [Hz] of a free bar from CalculiX' matrices, solved independently.
 const BAR20: [f64; 8] = [

@@ -1,13 +1,11 @@
 //! Solids: constant strain, rigid motion, rank, energy, exact mass.
 
-mod fe_meshes;
-
+use crate::fe_meshes::*;
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::stress::{ElementRecovery, stress};
 use eng_flexible::fe::{MassRule, Rules, assemble, assemble_on};
 use eng_flexible::mesh::{ABSENT, Code, ElementKind, Mesh, VARIANT_LETTERS, Variant};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
-use fe_meshes::*;
 
 /// u = A x + b with no symmetry in A.
 fn linear_field(x: [f64; 3]) -> [f64; 3] {

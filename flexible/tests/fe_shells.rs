@@ -1,13 +1,11 @@
 //! Shells: constant strains, rigid motions, rank, mass, and published problems with their convergence.
 
-mod fe_meshes;
-
+use crate::fe_meshes::*;
 use eng_flexible::Mesh;
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
 use eng_flexible::mesh::{ElementKind, Property, Section, ShellSection, Support, Variant};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
-use fe_meshes::*;
 use std::f64::consts::PI;
 
 const QUAD: Form = (ElementKind::Quadrilateral4, Variant::Plain);

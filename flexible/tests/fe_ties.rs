@@ -1,11 +1,9 @@
 //! Ties and supports: elimination, chains, frames, held averages.
 
-mod fe_meshes;
-
+use crate::fe_meshes::*;
 use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
 use eng_flexible::mesh::{ElementKind, Frame, Mesh, Support, Tie};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
-use fe_meshes::*;
 
 const ALL: u8 = 0b111111;
 

@@ -1,8 +1,6 @@
 //! Matrices of another code that make no body, and the messages about them.
-#![allow(clippy::unwrap_used)]
 
-mod foreign_files;
-
+use crate::foreign_files::mesh_of_nodes;
 use eng_flexible::foreign::{ForeignMatrices, RowOrder};
 use eng_flexible::mesh::Mesh;
 use eng_flexible::read::matrix::{ForeignFreedoms, ForeignMatrix, MatrixFormat, read_matrix};
@@ -11,7 +9,6 @@ use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
-use foreign_files::mesh_of_nodes;
 use std::io::{self, Read};
 
 struct Text(&'static str);

@@ -1,10 +1,8 @@
 //! Matrices of other codes: the numbers that are written are read, in every variant.
 
-mod foreign_files;
-
+use crate::foreign_files::*;
 use eng_flexible::read::matrix::*;
 use eng_flexible::{FileProblem, Place};
-use foreign_files::*;
 
 const LAYOUTS: [Layout; 3] = [Layout::Dense, Layout::Strings, Layout::Big];
 

@@ -1,10 +1,8 @@
 //! OP2 files, and mode shapes of other codes.
 
-mod foreign_files;
-
+use crate::foreign_files::*;
 use eng_flexible::FileProblem;
 use eng_flexible::read::matrix::*;
-use foreign_files::*;
 
 const NODES: [i64; 3] = [11, 12, 40];
 const MODES: [(i64, f64); 2] = [(1, 1024.0), (2, 4096.0)];

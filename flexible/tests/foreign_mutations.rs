@@ -1,11 +1,9 @@
 //! Files of matrices and modes with all kinds of damage: readers may refuse them, with the remedy,
 //! but never panic.
 
-mod foreign_files;
-
+use crate::foreign_files::*;
 use eng_flexible::read::matrix::*;
 use eng_flexible::{FileProblem, FlexibleError};
-use foreign_files::*;
 use proptest::prelude::*;
 
 const NODES: [i64; 3] = [11, 12, 40];

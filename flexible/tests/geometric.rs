@@ -1,5 +1,4 @@
 //! Geometric stiffness against turns, buckling loads, a rotating beam of the literature, and whirling discs.
-#![allow(clippy::unwrap_used)]
 
 use eng_flexible::fe::geometric::GeometricStiffness;
 use eng_flexible::fe::mass::rigid_motions;
@@ -13,8 +12,7 @@ use nalgebra::DMatrix;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-mod fe_meshes;
-use fe_meshes::*;
+use crate::fe_meshes::*;
 
 const ALL: u8 = 0b11_1111;
 

@@ -1,15 +1,13 @@
 //! Meshes of gmsh in all their formats, and damaged ones.
 
-mod nastran_deck;
-
 use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
+use crate::nastran_deck::{Memory, element_ids, is_consistent, set, set_ids, unread};
 use eng_flexible::mesh::{Carries, ElementKind, Mesh};
 use eng_flexible::read::gmsh::read_msh;
 use eng_flexible::{FileProblem, FlexibleError, Place};
-use nastran_deck::{Memory, element_ids, is_consistent, set, set_ids, unread};
 use proptest::prelude::*;
 
 fn try_read(bytes: &[u8]) -> Result<Mesh, FileProblem> {

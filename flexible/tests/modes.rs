@@ -1,8 +1,6 @@
 //! Mode sets of an elastic box against dense solutions of the whole structure.
-#![allow(clippy::unwrap_used)]
 
-mod systems;
-
+use crate::systems;
 use eng_flexible::modes::interface::Interface;
 use eng_flexible::modes::normal::normal_modes;
 use eng_flexible::modes::statics::{attachment_modes, constraint_modes};

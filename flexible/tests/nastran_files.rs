@@ -1,15 +1,14 @@
 //! Whole meshes through the Nastran reader.
 
-mod nastran_deck;
-
+use crate::nastran_deck;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::PathBuf;
 
+use crate::nastran_deck::{Memory, close};
 use eng_flexible::mesh::{ElementKind, Mesh, Tie};
 use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::{Files, Place};
-use nastran_deck::{Memory, close};
 
 /// The folder of test data, and one deck in memory.
 struct Data(Memory);

@@ -1,11 +1,9 @@
 //! Formats of the Nastran reader: fields, continuations, comments, sections, includes.
 
-mod nastran_deck;
-
+use crate::nastran_deck::*;
 use eng_flexible::Place;
 use eng_flexible::mesh::{Carries, ElementKind};
 use eng_flexible::read::nastran::read_bulk;
-use nastran_deck::*;
 
 /// Four grid points and the other cards of a tetrahedron.
 const CORNERS: &str = "GRID,1,,0.,0.,0.

@@ -1,12 +1,10 @@
 //! Grid points, coordinate systems, elements, properties and materials of the Nastran reader, by hand.
 
-mod nastran_deck;
-
 use std::f64::consts::PI;
 
+use crate::nastran_deck::*;
 use eng_flexible::Place;
 use eng_flexible::mesh::{BeamSection, Carries, ElementKind, Section, Support};
-use nastran_deck::*;
 
 /// Grid points 1 to `count` on a line that is nowhere straight, a solid property and its material.
 fn grids(count: u64) -> String {

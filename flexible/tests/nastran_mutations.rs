@@ -1,11 +1,9 @@
 //! Decks with all kinds of damage: the Nastran reader may refuse them, with a place, but never
 //! panics.
 
-mod nastran_deck;
-
+use crate::nastran_deck::{Memory, is_consistent};
 use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::{FlexibleError, Place};
-use nastran_deck::{Memory, is_consistent};
 use proptest::prelude::*;
 
 /// A deck with every card that is read.

@@ -1,10 +1,8 @@
 //! Masses, springs, ties, supports, interface and sets of the Nastran reader, by hand.
 
-mod nastran_deck;
-
+use crate::nastran_deck::*;
 use eng_flexible::Place;
 use eng_flexible::mesh::{Carries, Spring, Support, Tie};
-use nastran_deck::*;
 
 /// Six grid points; 6 has an analysis frame with x = y, y = −x.
 const GRIDS: &str = "CORD2R,2,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.

@@ -1,5 +1,4 @@
 //! Recovery from amplitudes: uniform strain, the whole finite-element model, time differences, turned frames.
-#![allow(clippy::unwrap_used)]
 
 use eng_flexible::fe::stress::{ElementRecovery, von_mises};
 use eng_flexible::fe::{Reduction, Rules, assemble};
@@ -10,8 +9,7 @@ use eng_flexible::reduce::{Interface, Reduced, Report, Request, Term, reduce};
 use eng_flexible::store::{Key, StoredBody};
 use eng_system::reduced::{Invariants, ReducedBody};
 
-mod fe_meshes;
-use fe_meshes::*;
+use crate::fe_meshes::*;
 
 const STRAIN: [[f64; 3]; 3] = [
     [1.1e-3, 0.4e-3, -0.2e-3],

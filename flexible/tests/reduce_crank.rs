@@ -1,5 +1,4 @@
 //! A crankshaft's mesh, reduced: mass, frequencies and static answers against independent solutions.
-#![allow(clippy::unwrap_used)]
 
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};

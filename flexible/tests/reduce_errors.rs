@@ -1,13 +1,13 @@
 //! Messages and advice about bad meshes, matrices and shapes, as a user reads them.
-#![allow(clippy::unwrap_used)]
 
-mod fe_meshes;
-mod foreign_files;
+use crate::fe_meshes;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::{self, Read};
 
+use crate::fe_meshes::bar;
+use crate::foreign_files::{Dense, Layout, Op2, op4_binary};
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::foreign::{ForeignMatrices, MatrixFile, RowOrder};
 use eng_flexible::markers::{MarkerPlace, MarkerRequest};
@@ -21,8 +21,6 @@ use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
-use fe_meshes::bar;
-use foreign_files::{Dense, Layout, Op2, op4_binary};
 
 /// Every name gives this file.
 struct One(Vec<u8>);

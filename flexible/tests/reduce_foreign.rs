@@ -1,12 +1,12 @@
 //! Bodies reduced from matrices and mode shapes of files: our own written in every format, and CalculiX's.
-#![allow(clippy::unwrap_used)]
-
-mod foreign_files;
 
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::path::PathBuf;
 
+use crate::foreign_files::{
+    Dense, Layout, Op2, dmig, format_of, mesh_of_nodes, op4_binary, op4_text,
+};
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile, RowOrder};
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
@@ -22,7 +22,6 @@ use eng_flexible::sparse::SymmetricMatrix;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
-use foreign_files::{Dense, Layout, Op2, dmig, format_of, mesh_of_nodes, op4_binary, op4_text};
 
 struct Data;
 

@@ -1,14 +1,12 @@
 //! Averaging ties as interfaces: to hold one is a support there, and its constraint modes span the same space
 //! as its static modes.
-#![allow(clippy::unwrap_used)]
 
-mod fe_meshes;
-
+use crate::fe_meshes;
+use crate::fe_meshes::read;
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::mesh::Mesh;
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
-use fe_meshes::read;
 
 /// A bar held at one end by a rigid spider, with an averaging one around its middle and one at the other end.
 fn markers() -> Vec<MarkerRequest> {

@@ -1,5 +1,4 @@
 //! Supports: all nodes of a marker, the mean motion of an averaging one, the deck's own.
-#![allow(clippy::unwrap_used)]
 
 use eng_flexible::Files;
 use eng_flexible::fe::Rules;

@@ -1,5 +1,4 @@
 //! Point masses with rotary inertia and beside their nodes: the constants' energy against that of the turned body.
-#![allow(clippy::unwrap_used)]
 
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MarkerPlace, MarkerRequest};
@@ -9,8 +8,7 @@ use eng_flexible::rotary::split_offsets;
 use eng_flexible::solve::Modes;
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-mod fe_meshes;
-use fe_meshes::*;
+use crate::fe_meshes::*;
 
 const PLACE: [f64; 3] = [0.3, 0.05, -0.02];
 const MASS: f64 = 1.7;

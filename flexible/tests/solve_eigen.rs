@@ -1,15 +1,13 @@
 //! Lowest modes against closed forms and dense solutions.
 
-mod systems;
-
+use crate::systems::{
+    chain, chain_eigenvalues, chain_entries, dense_eigenvalues, diagonal, elastic_box, laplacian,
+    laplacian_eigenvalues, matrix,
+};
 use eng_flexible::FlexibleError;
 use eng_flexible::solve::{Analysis, EigenOptions, EigenSolution, Modes, lowest_modes, shifted};
 use eng_flexible::sparse::{SymmetricMatrix, SymmetricOperator};
 use std::sync::Arc;
-use systems::{
-    chain, chain_eigenvalues, chain_entries, dense_eigenvalues, diagonal, elastic_box, laplacian,
-    laplacian_eigenvalues, matrix,
-};
 
 fn find(
     stiffness: &SymmetricMatrix,

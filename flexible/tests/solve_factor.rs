@@ -1,16 +1,15 @@
 //! Factors of sparse matrices against dense ones, their inertia, and matrices without factors.
 
-mod systems;
-
+use crate::systems;
+use crate::systems::{
+    Numbers, chain, chain_eigenvalues, dense, dense_eigenvalues, diagonal, elastic_box, laplacian,
+    laplacian_eigenvalues, matrix, random_sparse,
+};
 use eng_flexible::FlexibleError;
 use eng_flexible::solve::{Analysis, Definiteness, Factorization, Method, Ordering, shifted};
 use eng_flexible::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::linalg::solvers::Solve;
 use std::sync::Arc;
-use systems::{
-    Numbers, chain, chain_eigenvalues, dense, dense_eigenvalues, diagonal, elastic_box, laplacian,
-    laplacian_eigenvalues, matrix, random_sparse,
-};
 
 fn factor(matrix: &SymmetricMatrix, kind: Definiteness) -> Result<Factorization, FlexibleError> {
     Factorization::new(&Arc::new(Analysis::fill_reducing(matrix)?), matrix, kind)

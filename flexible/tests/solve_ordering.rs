@@ -1,10 +1,8 @@
 //! Orders of elimination are permutations, and good ones.
 
-mod systems;
-
+use crate::systems::{chain, diagonal, elastic_box, laplacian, matrix, random_sparse};
 use eng_flexible::solve::{Method, Ordering};
 use eng_flexible::sparse::SymmetricMatrix;
-use systems::{chain, diagonal, elastic_box, laplacian, matrix, random_sparse};
 
 fn check_permutation(matrix: &SymmetricMatrix, ordering: &Ordering) {
     let mut rows = ordering.forward().to_vec();

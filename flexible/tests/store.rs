@@ -1,6 +1,6 @@
 //! Stored bodies: the numbers that are written are read. Damaged files are errors.
-#![allow(clippy::unwrap_used)]
 
+use crate::fe_meshes;
 use std::sync::OnceLock;
 
 use eng_flexible::fe::Rules;
@@ -12,8 +12,7 @@ use eng_flexible::store::{FORMAT_VERSION, Key, StoreError, StoredBody, content_h
 use proptest::prelude::*;
 use sha2::{Digest, Sha256};
 
-mod fe_meshes;
-use fe_meshes::bar;
+use crate::fe_meshes::bar;
 
 /// A request as text: only equal requests have equal texts.
 fn text_of(request: &Request) -> String {

@@ -1,6 +1,6 @@
 //! A crankshaft of 31,000 nodes: stored, read at once, and recovered, with the time of each.
-#![allow(clippy::unwrap_used)]
 
+use crate::fe_meshes;
 use eng_flexible::fe::Rules;
 use eng_flexible::fe::stress::von_mises;
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
@@ -12,8 +12,6 @@ use eng_flexible::store::{Key, StoredBody, content_hash};
 use std::io::Read;
 use std::path::Path;
 use std::time::Instant;
-
-mod fe_meshes;
 
 struct Data;
 

@@ -1,9 +1,9 @@
 //! Generated code against the interpreter: the same bits, also where the number of instances is odd.
 
-use crate::double::Double;
-use crate::evaluate::evaluate;
-use crate::instance::Instance;
-use crate::states::doubles;
+use super::double::Double;
+use super::evaluate::evaluate;
+use super::instance::Instance;
+use super::states::doubles;
 use crate::support::Random;
 use crate::support::magnitudes::with_magnitudes;
 use eng_system::code::{Function, Pair};

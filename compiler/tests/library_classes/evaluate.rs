@@ -1,6 +1,6 @@
 //! Values of a function's graph in numbers of twice the precision, and the distance of its kinks.
 
-use crate::double::Double;
+use super::double::Double;
 use eng_compiler::ir::optimise::dependencies;
 use eng_compiler::ir::{Function, Graph, Node, Op};
 use eng_system::elementary::Elementary;

@@ -1,6 +1,6 @@
 //! A class as an element of an elaborated model: its code, generated and interpreted, and its numbers.
 
-use crate::catalogue::{CASES, Case};
+use super::catalogue::{CASES, Case};
 use eng_compiler::elaborate::{Elaborated, analyses, elaborate};
 use eng_compiler::generate::compile_class;
 use eng_compiler::ir::{ClassBody, ClassFunctions};

@@ -1,8 +1,8 @@
 //! `Linearize` and `Tangent` against differences of `Residual`, taken in numbers of twice the precision; reactions against G.
 
-use crate::evaluate::evaluate;
-use crate::instance::Instance;
-use crate::states::{doubles, slope};
+use super::evaluate::evaluate;
+use super::instance::Instance;
+use super::states::{doubles, slope};
 use crate::support::magnitudes::{with_magnitudes, with_magnitudes_from};
 use crate::support::{Random, call};
 use eng_compiler::ir::ClassFunctions;

@@ -1,10 +1,10 @@
 //! Newton's third law and the first law of thermodynamics: wrenches balance, work has a source, and heat is never
 //! negative.
 
-use crate::catalogue::Case;
-use crate::double::Double;
-use crate::instance::Instance;
-use crate::states::{Motion, cross, doubles, slope, turned};
+use super::catalogue::Case;
+use super::double::Double;
+use super::instance::Instance;
+use super::states::{Motion, cross, doubles, slope, turned};
 use crate::support::{Random, call};
 use eng_system::code::Function;
 
@@ -230,7 +230,7 @@ impl Two {
     fn spin(&self, s: &[f64]) -> [f64; 3] {
         let (a, b) = (Motion::read(s, self.a), Motion::read(s, self.b));
         let (wa, wb) = (turned(&a.r, a.w), turned(&b.r, b.w));
-        crate::states::turned_back(&b.r, [0, 1, 2].map(|i| wa[i] - wb[i]))
+        super::states::turned_back(&b.r, [0, 1, 2].map(|i| wa[i] - wb[i]))
     }
 }
 

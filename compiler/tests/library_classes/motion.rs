@@ -1,9 +1,9 @@
 //! Φ̇ and γ against Φ along smooth motions of the markers.
 
-use crate::evaluate::evaluate;
-use crate::instance::Instance;
-use crate::jacobian::columns;
-use crate::states::{curvature, doubles, slope};
+use super::evaluate::evaluate;
+use super::instance::Instance;
+use super::jacobian::columns;
+use super::states::{curvature, doubles, slope};
 use crate::support::{Random, call};
 use eng_system::code::Function;
 

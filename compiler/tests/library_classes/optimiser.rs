@@ -1,8 +1,8 @@
 //! Functions as they are compiled against the same without the optimiser, in a graph that neither folds nor shares.
 
-use crate::evaluate::plain;
-use crate::instance::Instance;
-use crate::jacobian::{columns, row_magnitudes};
+use super::evaluate::plain;
+use super::instance::Instance;
+use super::jacobian::{columns, row_magnitudes};
 use crate::support::magnitudes::with_magnitudes;
 use crate::support::{Random, call};
 use eng_compiler::generate::compile_class;

@@ -1,9 +1,9 @@
 //! Random states of an instance, and motions from them in numbers of twice the precision.
 
-use crate::catalogue::Poses;
-use crate::double::Double;
-use crate::evaluate::nearest_kink;
-use crate::instance::Instance;
+use super::catalogue::Poses;
+use super::double::Double;
+use super::evaluate::nearest_kink;
+use super::instance::Instance;
 use crate::support::{Random, product, rotation};
 use eng_system::layout::InputLayout;
 use eng_system::system::BodyRef;

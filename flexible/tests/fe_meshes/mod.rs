@@ -1,5 +1,4 @@
 //! Meshes made in code, meshes of the test data, and linear solutions on them.
-#![allow(dead_code, reason = "each test program uses its part")]
 
 use std::collections::BTreeMap;
 use std::fs::File;

@@ -1,5 +1,4 @@
 //! Writers of the matrix and mode files of other codes, in all their variants, for the tests of their readers.
-#![allow(dead_code, reason = "each test file uses its part")]
 
 use std::io::{self, Read};
 

@@ -1,5 +1,4 @@
 //! Decks in memory, and common checks of the tests of the Nastran reader.
-#![allow(dead_code, reason = "each test file uses its part")]
 
 use std::collections::BTreeMap;
 use std::io::{self, Read};

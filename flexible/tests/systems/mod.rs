@@ -1,5 +1,4 @@
 //! Matrices with known properties for the tests of the solver.
-#![allow(dead_code, reason = "each test program uses some of them")]
 
 use eng_flexible::sparse::SymmetricMatrix;
 

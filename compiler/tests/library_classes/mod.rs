@@ -1,5 +1,4 @@
 //! Every class of the library, at random states of oblique markers: generated code, derivatives, mechanics.
-#![allow(clippy::expect_used)]
 
 mod catalogue;
 mod code;
@@ -11,5 +10,3 @@ mod mechanics;
 mod motion;
 mod optimiser;
 mod states;
-#[path = "../support/mod.rs"]
-mod support;

@@ -1,0 +1,54 @@
+//! One program for all files of this folder: each further program would link the whole system again.
+//! `cargo test --test all NAME::` runs the tests of the file NAME.
+#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used)]
+
+mod accuracy;
+mod allocation;
+mod architecture;
+mod command;
+mod command_failures;
+mod commands_in_process;
+mod convergence;
+mod documents;
+mod elastic_surfaces;
+mod equilibrium;
+mod explain;
+mod factorization;
+mod films;
+mod flexible;
+mod flexible_slider_crank;
+mod flexible_validation;
+mod floquet;
+mod floquet_engine;
+mod frames;
+mod geometry;
+mod handles;
+mod inputs;
+mod interfaces;
+mod interrupted_runs;
+mod journal_orbit;
+mod kinks;
+mod language_server;
+mod library_names;
+mod linear;
+mod lints;
+mod mesh_diagnostics;
+mod mistakes;
+mod multibody_benchmarks;
+mod odd_programs;
+mod paper;
+mod paper_figures;
+mod periodic_decay;
+mod periodic_results;
+mod report;
+mod reports_of_a_text;
+mod run_command;
+mod run_diagnostics;
+mod solved;
+mod starts_and_cycles;
+mod states;
+mod step_jacobian;
+mod thermal_films;
+mod turning_shafts;
+mod validation;
+mod wrong_settings;
