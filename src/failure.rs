@@ -243,7 +243,7 @@ fn unsteady(message: Diagnostic, body: &eng_runtime::LeavingBody) -> Diagnostic 
         Leaving::Unbalanced(a) => format!("bodies gain speed by up to {} m/s^2", significant(a, 4)),
     };
     place(message, &body.origin, &label)
-        .with_help("linearise at rest: let `start: quasi_static` find the balance, or let the motion die out with a longer `after:`; where it repeats, `over:` with its period gives its modes; `frozen: true` holds the coefficients at this moment")
+        .with_help("linearise at rest: let `start: quasi_static` find the balance, without a `start` item that holds the freedom, or let the motion die out with a longer `after:`; where it repeats, `over:` with its period gives its modes; `frozen: true` holds the coefficients at this moment")
 }
 
 /// The remedy for a load that jumps.

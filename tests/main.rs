@@ -15,6 +15,7 @@ mod equilibrium;
 mod explain;
 mod factorization;
 mod films;
+mod first_models;
 mod flexible;
 mod flexible_slider_crank;
 mod flexible_validation;

@@ -1,6 +1,7 @@
 //! The arguments of the command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -58,6 +59,12 @@ pub(super) enum Command {
     /// Speaks the Language Server Protocol on the standard input and output. An editor starts it; see
     /// `docs/editor.md`.
     Lsp,
+    /// Write a first model into a new file: it checks, runs and has a report
+    New(NewArguments),
+    /// Print the script that completes the words of this command in a shell
+    Completions(CompletionsArguments),
+    /// Write the pages of the manual, for `man`
+    Manual(ManualArguments),
     /// Explain a message code, such as E0301, an analysis or a figure, or a part of a model; list all codes without one
     Explain(ExplainArguments),
 }
@@ -70,6 +77,41 @@ pub(super) struct FmtArguments {
     /// Change nothing; name the texts that differ from their form
     #[arg(long)]
     pub check: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct NewArguments {
+    /// Name of the file, with or without `.eng`; a file that exists is not replaced
+    #[arg(value_name = "NAME")]
+    pub name: PathBuf,
+    /// The kind of model
+    #[arg(long, value_enum, default_value_t = Template::Engine)]
+    pub from: Template,
+}
+
+/// A model to begin with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Template {
+    /// One cylinder: crank on two oil films, rod, piston, gas
+    Engine,
+    /// One cylinder with valves and the state of its gas
+    Compressor,
+    /// One body on one joint
+    Pendulum,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CompletionsArguments {
+    /// The shell
+    #[arg(value_name = "SHELL", value_enum)]
+    pub shell: Shell,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ManualArguments {
+    /// Write into this folder
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
 }
 
 #[derive(Debug, Args)]

@@ -10,6 +10,7 @@ mod export;
 mod files;
 mod fmt;
 mod lsp;
+mod new;
 mod open;
 mod outputs;
 mod post;
@@ -18,6 +19,7 @@ mod reduce;
 mod report;
 mod results;
 mod run;
+mod shell;
 mod terminal;
 mod told;
 
@@ -98,6 +100,9 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
         Command::Report(report) => report::report(report, console),
         Command::Fmt(texts) => fmt::fmt(texts, console),
         Command::Lsp => lsp::lsp(console),
+        Command::New(first) => new::new(first, console),
+        Command::Completions(shell) => shell::completions(shell, console),
+        Command::Manual(pages) => shell::manual(pages, console),
         Command::Explain(code) => explain::explain(code, console),
     };
     match done {
