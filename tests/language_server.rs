@@ -243,6 +243,47 @@ fn messages_follow_the_text() {
     editor.end();
 }
 
+/// A chain whose assembly takes a second or more.
+fn chain(links: usize) -> String {
+    format!(
+        "use std.joints.Revolute
+model Chain {{
+    gravity = [0, -9.81, 0] m/s^2
+    body link[i in 1..{links}] {{
+        mass = 1 kg
+        inertia = [1, 1, 1] g*m^2
+        marker left = [-50, 0, 0] mm
+        marker right = [50, 0, 0] mm
+    }}
+    joint first = Revolute(link[1].left, ground)
+    joint next[i in 2..{links}] = Revolute(link[i].left, link[i - 1].right)
+    output end = dot(link[{links}].right.origin, ground.y) as mm
+}}
+analysis fall = transient(Chain(), duration: 1 ms)
+"
+    )
+}
+
+#[test]
+fn answers_do_not_wait_for_an_assembly() {
+    let mut editor = Editor::start("waiting");
+    let uri = editor.open("swing.eng", SWING);
+    assert!(editor.messages(&uri).is_empty());
+    let long = chain(400);
+    let slow = editor.open("chain.eng", &long);
+    std::thread::sleep(Duration::from_millis(200));
+    let hover = editor.at("textDocument/hover", &uri, SWING, "length: Length", 2);
+    assert!(!hover.is_null());
+    assert_eq!(editor.told, Vec::<Value>::new(), "the assembly has ended");
+    // typing goes on, and its findings are told before those of the assembly, which are about an earlier text
+    editor.change(&slow, &long.replace("1 ms", "1 mss"));
+    assert!(!editor.messages(&slow).is_empty());
+    editor.change(&slow, &long);
+    assert!(editor.messages(&slow).is_empty());
+    // the end waits for no assembly either
+    editor.end();
+}
+
 #[test]
 fn unsaved_texts_of_other_files_count() {
     let mut editor = Editor::start("unsaved");

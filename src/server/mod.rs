@@ -2,11 +2,13 @@
 //!
 //! It speaks the Language Server Protocol (3.17) with full texts and places in UTF-16. A text is checked when its author
 //! pauses, with the unsaved texts of all open files. When it is opened or saved, its models are assembled, too, as `eng
-//! check` does. Questions about a text that does not parse are answered from the parts that do. A panic in a check or an
+//! check` does. Checks have threads of their own, so that answers do not wait for them; findings about an earlier text are
+//! dropped. Questions about a text that does not parse are answered from the parts that do. A panic in a check or an
 //! answer ends neither: the message of it is an internal error.
 //!
 //! Requests and answers are plain JSON: the server uses some twenty of the thousand types of the protocol.
 
+mod checks;
 mod completion;
 mod document;
 mod hover;
@@ -17,9 +19,13 @@ mod told;
 
 use crate::Program;
 use crate::sources::Sources;
+use checks::{Checker, Found, Job};
+use crossbeam_channel::{after, never, select};
 use document::Document;
 use index::{Index, Library};
-use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
+use lsp_server::{
+    Connection, ErrorCode, Message, Notification, ProtocolError, Request, RequestId, Response,
+};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -38,11 +44,22 @@ pub struct Folders {
     pub library: Option<PathBuf>,
 }
 
-/// Serves a client until it asks for the end. Returns whether the client ended in the order of the protocol.
+/// The reason for the end of a server.
+#[derive(Debug, thiserror::Error)]
+pub enum ServerError {
+    /// The client breaks the protocol, or the connection breaks.
+    #[error("the editor broke the protocol: {0}")]
+    Protocol(#[from] ProtocolError),
+    /// There is no thread for checks.
+    #[error("no thread for checks: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+/// Serves a client until it asks for the end.
 ///
 /// # Errors
-/// The client breaks the protocol of the start or of the end, or the connection breaks.
-pub fn serve(connection: &Connection, folders: Folders) -> Result<(), lsp_server::ProtocolError> {
+/// The client breaks the protocol of the start or of the end, the connection breaks, or there is no thread left.
+pub fn serve(connection: &Connection, folders: Folders) -> Result<(), ServerError> {
     let (id, _) = connection.initialize_start()?;
     let about = json!({
         "capabilities": capabilities(),
@@ -54,8 +71,11 @@ pub fn serve(connection: &Connection, folders: Folders) -> Result<(), lsp_server
         folders,
         library: Library::read(),
         documents: BTreeMap::new(),
+        editions: 0,
+        texts: Checker::start()?,
+        assemblies: Checker::start()?,
     };
-    server.run()
+    Ok(server.run()?)
 }
 
 fn capabilities() -> Value {
@@ -74,8 +94,12 @@ fn capabilities() -> Value {
 /// A text with the findings about it.
 struct Open {
     document: Document,
+    /// The number of this text among all that came.
+    edition: u64,
     /// When it is to be checked, and whether its models are to be assembled.
     due: Option<(Instant, bool)>,
+    /// The number of the text whose models were last assembled.
+    assembled: Option<u64>,
     /// The last program without errors.
     program: Option<Program>,
     /// The changes that its messages propose: range, title, new text.
@@ -87,6 +111,12 @@ struct Server<'c> {
     folders: Folders,
     library: Library,
     documents: BTreeMap<String, Open>,
+    /// The number of texts that came.
+    editions: u64,
+    /// Checks while typing.
+    texts: Checker,
+    /// Checks that assemble models, too: reading a mesh may take seconds, in which typing goes on.
+    assemblies: Checker,
 }
 
 /// The result of a piece of work, or the words of its panic.
@@ -100,25 +130,31 @@ fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
 }
 
 impl Server<'_> {
-    fn run(&mut self) -> Result<(), lsp_server::ProtocolError> {
+    fn run(&mut self) -> Result<(), ProtocolError> {
         loop {
-            let due = self.documents.values().filter_map(|open| open.due);
-            let message = match due.map(|(at, _)| at).min() {
-                Some(at) => {
-                    let left = at.saturating_duration_since(Instant::now());
-                    match self.connection.receiver.recv_timeout(left) {
-                        Ok(message) => message,
-                        Err(error) if error.is_timeout() => {
-                            self.check_due();
-                            continue;
-                        }
-                        Err(_) => return Ok(()),
-                    }
-                }
-                None => match self.connection.receiver.recv() {
+            let timer = match self.next_due() {
+                Some(at) => after(at.saturating_duration_since(Instant::now())),
+                None => never(),
+            };
+            let message = select! {
+                recv(self.connection.receiver) -> message => match message {
                     Ok(message) => message,
                     Err(_) => return Ok(()),
                 },
+                recv(self.texts.found) -> found => {
+                    self.texts.busy = false;
+                    self.tell(found.ok());
+                    continue;
+                }
+                recv(self.assemblies.found) -> found => {
+                    self.assemblies.busy = false;
+                    self.tell(found.ok());
+                    continue;
+                }
+                recv(timer) -> _ => {
+                    self.check_due();
+                    continue;
+                }
             };
             match message {
                 Message::Request(request) => {
@@ -173,11 +209,14 @@ impl Server<'_> {
 
     fn change(&mut self, uri: &str, text: &str, whole: bool) {
         let document = Document::new(uri, text);
+        self.editions += 1;
+        let edition = self.editions;
         let wait = if whole { Duration::ZERO } else { PAUSE };
         let due = Some((Instant::now() + wait, whole));
         match self.documents.get_mut(uri) {
             Some(open) => {
                 open.document = document;
+                open.edition = edition;
                 open.due = due;
                 // its ranges belong to the earlier text
                 open.fixes.clear();
@@ -185,7 +224,9 @@ impl Server<'_> {
             None => {
                 let open = Open {
                     document,
+                    edition,
                     due,
+                    assembled: None,
                     program: None,
                     fixes: Vec::new(),
                 };
@@ -194,27 +235,65 @@ impl Server<'_> {
         }
     }
 
-    /// Checks the text that has waited longest.
+    /// The text that is due first among those whose checker has nothing to do: its time, and its name.
+    fn first_due(&self) -> Option<(Instant, &str)> {
+        let due = self.documents.iter().filter_map(|(uri, open)| {
+            let (at, whole) = open.due?;
+            let checker = if whole { &self.assemblies } else { &self.texts };
+            (!checker.busy).then_some((at, uri.as_str()))
+        });
+        due.min()
+    }
+
+    fn next_due(&self) -> Option<Instant> {
+        self.first_due().map(|(at, _)| at)
+    }
+
+    /// Gives the text that has waited longest to its checker.
     fn check_due(&mut self) {
-        let waiting = self.documents.iter();
-        let waiting = waiting.filter_map(|(uri, open)| Some((open.due?, uri)));
-        let Some(((_, whole), uri)) = waiting.min().map(|(due, uri)| (due, uri.clone())) else {
+        let Some(uri) = self.first_due().map(|(_, uri)| uri.to_owned()) else {
             return;
         };
         let Some(open) = self.documents.get(&uri) else {
             return;
         };
-        let found = guarded(|| self.checked(&open.document, whole));
-        let (messages, program) = match found {
-            Ok(found) => found,
-            Err(words) => (told::Messages::internal(&words), None),
+        let (sources, name) = self.sources(&open.document);
+        let job = Job {
+            edition: open.edition,
+            whole: open.due.is_some_and(|(_, whole)| whole),
+            uri: uri.clone(),
+            sources,
+            name,
         };
-        self.publish(&uri, &messages.diagnostics);
+        let checker = match job.whole {
+            true => &mut self.assemblies,
+            false => &mut self.texts,
+        };
+        checker.make(job);
         if let Some(open) = self.documents.get_mut(&uri) {
             open.due = None;
-            open.fixes = messages.changes;
-            open.program = program.or(open.program.take());
         }
+    }
+
+    /// Tells the findings about a text, unless it has changed or was closed.
+    fn tell(&mut self, found: Option<Found>) {
+        let Some(found) = found else {
+            return;
+        };
+        let Some(open) = self.documents.get_mut(&found.uri) else {
+            return;
+        };
+        // the findings of an assembly are those of a check while typing, and more
+        let known = !found.whole && open.assembled == Some(found.edition);
+        if open.edition != found.edition || known {
+            return;
+        }
+        if found.whole {
+            open.assembled = Some(found.edition);
+        }
+        open.fixes = found.messages.changes;
+        open.program = found.program.or(open.program.take());
+        self.publish(&found.uri, &found.messages.diagnostics);
     }
 
     /// The sources of a document, with all unsaved texts, and its name there.
@@ -244,21 +323,6 @@ impl Server<'_> {
             Some((path, open.document.text.clone()))
         });
         (sources.with_unsaved(unsaved), name)
-    }
-
-    fn checked(&self, document: &Document, whole: bool) -> (told::Messages, Option<Program>) {
-        let (sources, name) = self.sources(document);
-        let checked = crate::check(&sources, &name);
-        let report = checked.report();
-        let mut messages = report.diagnostics().clone();
-        if whole
-            && let Some(program) = checked.program()
-            && let Ok(assembled) = program.assemble()
-        {
-            messages.extend(assembled.diagnostics);
-        }
-        let messages = told::Messages::of(&messages, report.texts(), &name, &document.uri);
-        (messages, checked.program().cloned())
     }
 
     fn publish(&self, uri: &str, diagnostics: &[Value]) {
