@@ -4,6 +4,7 @@ use crate::analysis::{Analysis, Findings};
 use crate::counted::counted;
 use crate::lint::{Covered, Finding, accepted, diagnostics, needed, needless, sift};
 use crate::program::{Bodies, Program};
+use crate::timings::{CheckTimings, Clock};
 use crate::{Error, RuntimeError, TopologyReport, codes, render};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_runtime::start::turn::Turned;
@@ -11,6 +12,7 @@ use eng_system::lint::Accepted;
 use eng_system::system::System;
 use serde::Serialize;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// The findings of an assembly of all models.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +22,8 @@ pub struct Assembled {
     /// A line for each model (`Inline4: 11 bodies …, 5 journals …`), and a line with the freedoms of each
     /// analysis.
     pub facts: Vec<String>,
+    /// Processor time of all phases of the check.
+    pub timings: CheckTimings,
 }
 
 /// Positions of the markers of an assembled model.
@@ -75,7 +79,11 @@ impl Program {
     /// # Errors
     /// Failures that no change of the text can repair: no memory for code.
     pub fn assemble(&self) -> Result<Assembled, Error> {
-        let mut found = Assembled::default();
+        let mut clock = Clock::new();
+        let mut found = Assembled {
+            timings: self.timings(),
+            ..Assembled::default()
+        };
         for name in self.models() {
             match self.outlined(name) {
                 Ok(model) => found.facts.push(model.summary()),
@@ -86,13 +94,16 @@ impl Program {
                 Err(other) => return Err(other),
             }
         }
+        found.timings.machine_code += clock.since();
         if found.diagnostics.has_errors() {
             return Ok(found);
         }
         let mut geometries = Vec::new();
         let mut heard = Heard::default();
         let names = self.analyses();
-        for (name, analysis) in names.iter().zip(self.analyses_with(&names, Bodies::Rigid)) {
+        let analyses = self.analyses_with(&names, Bodies::Rigid);
+        found.timings.machine_code += clock.since();
+        for (name, analysis) in names.iter().zip(analyses) {
             let analysis = match analysis {
                 Ok(analysis) => analysis,
                 Err(Error::Report(report)) => {
@@ -101,8 +112,16 @@ impl Program {
                 }
                 Err(other) => return Err(other),
             };
-            let turned = heard.take(&analysis);
-            match topology(self, name, &analysis) {
+            // the lints begin with the assembly; they leave out an analysis without one
+            let _ = analysis.assembled();
+            found.timings.assembly += clock.since();
+            let (turned, turning) = heard.take(&analysis);
+            found.timings.dry_turns += turning;
+            found.timings.turns += usize::from(turned.is_some());
+            found.timings.lints += clock.since().saturating_sub(turning);
+            let topology = topology(self, name, &analysis);
+            found.timings.assembly += clock.since();
+            match topology {
                 Ok((report, bends)) => {
                     found.tell(bends.iter().filter_map(|bends| bends.doubt.as_ref()));
                     let bends = bends.is_some();
@@ -116,13 +135,16 @@ impl Program {
                         found.tell(hanging.iter());
                         // a falling machine tumbles, so a lock in its turn would say nothing about its
                         // lengths
+                        found.timings.lints += clock.since();
                         if hanging.is_none() {
+                            found.timings.turns += usize::from(turned.is_none());
                             let lock = match turned {
                                 Some(turned) => analysis.lock(turned)?,
                                 None => analysis.dry_turn()?,
                             };
                             found.tell(lock.iter());
                         }
+                        found.timings.dry_turns += clock.since();
                     }
                     found.facts.push(assembles(&analysis, &report, bends));
                 }
@@ -133,6 +155,7 @@ impl Program {
             }
         }
         heard.tell(&mut found);
+        found.timings.lints += clock.since();
         Ok(found)
     }
 
@@ -248,13 +271,17 @@ struct Heard {
 }
 
 impl Heard {
-    /// Collects the findings of an analysis. Returns its dry turn if a lint made one. Another stage reports
-    /// unusable parameters.
-    fn take(&mut self, analysis: &Analysis) -> Option<Result<Turned, RuntimeError>> {
-        let Findings {
+    /// Collects the findings of an analysis. Returns its dry turn if a lint made one, and the time of this turn. Another
+    /// stage reports unusable parameters.
+    fn take(&mut self, analysis: &Analysis) -> (Option<Result<Turned, RuntimeError>>, Duration) {
+        let Ok(Findings {
             list: mut findings,
             turned,
-        } = analysis.findings().ok()?;
+            turning,
+        }) = analysis.findings()
+        else {
+            return (None, Duration::ZERO);
+        };
         findings.extend(analysis.findings_of_start());
         let system = &analysis.model().compiled().system;
         let sifted = sift(findings, system);
@@ -275,7 +302,7 @@ impl Heard {
             }
             None => self.models.push((Arc::clone(system), sifted.accepted)),
         }
-        turned
+        (turned, turning)
     }
 
     /// Adds each finding once, and the list of acceptances.

@@ -5,6 +5,7 @@ use crate::fields::Fields;
 use crate::model::Model;
 use crate::reduction::{Looks, Reducer, Reduction};
 use crate::sources::Sources;
+use crate::timings::{CheckTimings, Clock};
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses};
 use eng_compiler::models::SharedModels;
 use eng_compiler::program::{DefinitionId, Program as Resolved};
@@ -21,6 +22,7 @@ pub struct Checked {
     texts: Arc<SourceMap>,
     diagnostics: Diagnostics,
     program: Option<Program>,
+    timings: CheckTimings,
 }
 
 /// Parses and checks a file with all files that it uses: names, units, and every model with its default
@@ -33,6 +35,8 @@ pub struct Checked {
 /// # Ok::<(), eng::Report>(())
 /// ```
 pub fn check(sources: &Sources, file: &str) -> Checked {
+    let mut clock = Clock::new();
+    let mut spent = CheckTimings::default();
     let mut texts = SourceMap::new();
     let mut diagnostics = Diagnostics::new();
     let resolved = eng_compiler::resolve::resolve(
@@ -42,14 +46,17 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         &mut texts,
         &mut diagnostics,
     );
+    spent.reading = clock.since();
     if diagnostics.has_errors() {
         return Checked {
             texts: Arc::new(texts),
             diagnostics,
             program: None,
+            timings: spent,
         };
     }
     let typed = eng_compiler::check::check(resolved, &texts, &mut diagnostics);
+    spent.types = clock.since();
     let (shared, looks) = (SharedModels::default(), Looks::default());
     let mut plans = Vec::new();
     if !diagnostics.has_errors() {
@@ -57,11 +64,13 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         // errors that need instances: paths, indices, files, connections, meshes
         for model in models_of(&typed.program) {
             let made = shared.model(&typed, &mut texts, sources, model, &[], &mut diagnostics);
+            spent.elaboration += clock.since();
             for flexible in made.iter().flat_map(|made| &made.elaborated.flexible) {
                 for found in looks.inspect(sources, flexible) {
                     diagnostics.push(found);
                 }
             }
+            spent.meshes += clock.since();
         }
         // warnings about the arguments of an analysis, such as a mode set; its errors come with its run
         for plan in plans.iter().filter(|plan| !plan.constants.is_empty()) {
@@ -76,6 +85,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     if !diagnostics.has_errors() {
         shared.names(&typed, &mut texts, sources, &plans, &mut diagnostics);
     }
+    spent.elaboration += clock.since();
     let mut reports = Vec::new();
     if !diagnostics.has_errors() {
         reports = eng_compiler::check::reports(
@@ -87,6 +97,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             &mut diagnostics,
         );
     }
+    spent.reports = clock.since();
     let failed = diagnostics.has_errors();
     let texts = Arc::new(texts);
     let program = (!failed).then(|| Program {
@@ -100,12 +111,14 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             file: file.to_owned(),
             reducer: Reducer::default(),
             looks,
+            checked: spent,
         }),
     });
     Checked {
         texts,
         diagnostics,
         program,
+        timings: spent,
     }
 }
 
@@ -147,6 +160,11 @@ impl Checked {
         Report::new(Arc::clone(&self.texts), self.diagnostics.clone())
     }
 
+    /// Processor time of its phases so far; [`Program::assemble`] has the later ones.
+    pub fn timings(&self) -> CheckTimings {
+        self.timings
+    }
+
     /// The program, if there is no error.
     pub fn program(&self) -> Option<&Program> {
         self.program.as_ref()
@@ -172,6 +190,8 @@ struct Inner {
     file: String,
     reducer: Reducer,
     looks: Looks,
+    /// Processor time of its check.
+    checked: CheckTimings,
 }
 
 /// The form of the flexible bodies in a model.
@@ -207,6 +227,11 @@ impl Program {
             .iter()
             .map(|p| p.analysis.origin.path.as_str())
             .collect()
+    }
+
+    /// Processor time of the check.
+    pub(crate) fn timings(&self) -> CheckTimings {
+        self.inner.checked
     }
 
     /// The reports, in the order of the text; see [`crate::post::evaluate`].

@@ -125,6 +125,91 @@ fn a_thin_sheet_is_not_stepped_over() {
     }
 }
 
+/// A load that acts between two kinks alone and is zero at both: a pulse in time, a slab of force, by `if` and by `max`. Each gives the
+/// block an impulse of 1 N s or an energy of 1 J. No step may go from one kink to the other without a look between them.
+#[test]
+fn a_load_between_two_kinks_is_not_stepped_over() {
+    let slab = 3.0_f64.sqrt();
+    for (push, start, due, limit) in [
+        (
+            "if time > 0.1 s and time < 0.11 s then 100 N else 0 N",
+            0,
+            1.0,
+            1e-9,
+        ),
+        (
+            "if time >= 0.1 s and time <= 0.101 s then 1 kN else 0 N",
+            0,
+            1.0,
+            1e-9,
+        ),
+        (
+            "if time > 0.1 s and time < 0.1000001 s then 1e7 N else 0 N",
+            0,
+            1.0,
+            1e-8,
+        ),
+        (
+            "if time > 0 s and time < 1 ms then 1 kN else 0 N",
+            0,
+            1.0,
+            1e-5,
+        ),
+        (
+            "max(0 s, time - 0.1 s)*max(0 s, 0.101 s - time)*6e9 N/s^2",
+            0,
+            1.0,
+            1e-3,
+        ),
+        ("1 kN*max(0, 1 - abs(time - 0.1 s)/(1 ms))", 0, 1.0, 1e-4),
+        (
+            "if way > 50 mm and way < 51 mm then 1 kN else 0 N",
+            1,
+            slab,
+            5e-3,
+        ),
+        (
+            "max(0 mm, way - 50 mm)*max(0 mm, 51 mm - way)*6e9 N/m^2",
+            1,
+            slab,
+            1e-3,
+        ),
+        (
+            "max(0 mm, way - 50 mm)*max(0 mm, 50.01 mm - way)*6e15 N/m^2",
+            1,
+            slab,
+            1e-2,
+        ),
+    ] {
+        let text = format!(
+            "
+            use std.joints.Translational
+            force Law(a: Marker, b: Marker) {{
+                let way = dot(a.origin - b.origin, b.z) + 0*time*1 m/s
+                apply force ({push})*b.z on a against b
+                output at = way as mm
+            }}
+            model Bench {{
+                gravity = [0, 0, 0] m/s^2
+                marker rail = [0, 0, 0] mm
+                body block {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; start velocity = [0, 0, {start}] m/s }}
+                joint guide = Translational(block.origin, rail)
+                force law = Law(block.origin, rail)
+                output speed = dot(block.origin.velocity, ground.z)
+            }}
+            analysis run = transient(Bench(), duration: 0.2 s, sample: 50 ms)"
+        );
+        let outcome = program(&text)
+            .analysis("run")
+            .expect("an analysis")
+            .run(&mut |_| {})
+            .unwrap_or_else(|failed| panic!("{}", failed.error));
+        let found = outcome.results.column("speed").expect("a column").values[4];
+        println!("{push}: {found} m/s for {due} m/s");
+        assert!((found - due).abs() < limit * due, "{push}: {found} m/s");
+    }
+}
+
 /// The kink functions of a class are those of its loads: each condition, `min`, `max`, `abs` and held end of a table that depends on the
 /// motion, with its text and dimension, and no other.
 #[test]
@@ -196,7 +281,29 @@ fn kinks_of_a_class_are_those_of_its_loads() {
 /// A simulation that is resumed just before and just behind a kink gives the bits of one that is not interrupted.
 #[test]
 fn a_checkpoint_beside_a_kink_keeps_the_bits() {
-    let model = model("Ball");
+    let pulse = program(
+        "
+        force Push(a: Marker) {
+            state heat: Energy = 1 J
+            der(heat) = if time > 0.02 s then 1 W else 0 W
+            apply force (if time > 0.01 s and time < 0.011 s then 1 kN else 0 N)*ground.x on a
+            output heat_now = heat as J
+        }
+        model Pulse {
+            gravity = [0, 0, 0] m/s^2
+            body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }
+            force push = Push(block.origin)
+        }",
+    );
+    let pulse = pulse
+        .model("Pulse")
+        .unwrap_or_else(|error| panic!("{error}"));
+    for model in [model("Ball"), pulse] {
+        checkpoints_keep_the_bits(&model);
+    }
+}
+
+fn checkpoints_keep_the_bits(model: &Model) {
     let builder = || model.simulation();
     let mut whole = builder().start().unwrap_or_else(|error| panic!("{error}"));
     let mut passed = 0;

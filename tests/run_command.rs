@@ -391,6 +391,70 @@ fn help_tells_where_results_go_and_the_exit_codes() {
     }
 }
 
+/// The phases of a check. The turn without forces is one of them, and the lints of a turn do not make it longer than the check.
+#[test]
+fn timings_of_a_check_tell_every_phase() {
+    let lines = TURNED
+        .lines()
+        .filter(|line| !line.starts_with("analysis cold"));
+    let model = lines
+        .collect::<Vec<_>>()
+        .join("\n")
+        .replace("SPEED", "3000 rpm");
+    let folder = Folder::new("check-timings", &model);
+    let plain = folder.eng(&["check", "model.eng"]);
+    assert!(plain.status.success(), "{}", errors(&plain));
+    assert!(!text(&plain).contains("processor time"), "{}", text(&plain));
+    let begin = std::time::Instant::now();
+    let output = folder.eng(&["check", "model.eng", "--timings"]);
+    let passed = begin.elapsed().as_secs_f64();
+    assert!(output.status.success(), "{}", errors(&output));
+    let told = text(&output);
+    let line = told
+        .lines()
+        .find(|line| line.starts_with("processor time: "));
+    let line = line.unwrap_or_else(|| panic!("{told}"));
+    assert!(told.starts_with(&text(&plain)), "{told}");
+    let mut sum = 0.0;
+    for phase in [
+        "reading",
+        "types",
+        "elaboration",
+        "meshes",
+        "reports",
+        "machine code",
+        "assembly",
+        "dry turns",
+        "lints",
+    ] {
+        let (_, rest) = line.split_once(&format!(" {phase} ")).unwrap();
+        let seconds: f64 = rest.split_once(" s").unwrap().0.parse().unwrap();
+        if ["types", "assembly", "dry turns"].contains(&phase) {
+            assert!(seconds > 0.0, "{phase}: {line}");
+        }
+        sum += seconds;
+    }
+    assert!(
+        sum > 0.0 && sum < passed + 0.01,
+        "{sum} of {passed}: {line}"
+    );
+    // a text with mistakes has the first phases alone
+    let wrong = Folder::new("check-timings-wrong", "model M { let x = 3 mm + 1 s }");
+    let output = wrong.eng(&["check", "model.eng", "--timings"]);
+    assert!(
+        text(&output).contains("0 dry turns 0.000 s"),
+        "{}",
+        text(&output)
+    );
+    let output = folder.eng(&["check", "model.eng", "--timings", "--format", "json"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        errors(&output).contains("--timings prints no JSON"),
+        "{}",
+        errors(&output)
+    );
+}
+
 /// The times are those of the process: their sum is below the time that it takes.
 #[test]
 fn timings_tell_every_phase_and_change_no_result() {

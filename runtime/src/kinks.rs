@@ -317,6 +317,29 @@ impl Kinks {
             .copied()
     }
 
+    /// Whether a kink is a moment, at which loads may jump whatever the motion is.
+    pub fn is_moment(&self, item: usize) -> bool {
+        (self.items.get(item)).is_some_and(|item| item.limit == Limit::Time)
+    }
+
+    /// A kink that a trial reaches at its end, at a time (s), and not before.
+    pub fn reached(&self, time: f64, factor: f64) -> Option<usize> {
+        let mut pairs = self.now.iter().zip(&self.next).enumerate();
+        let found = pairs.find(|(item, (from, to))| {
+            let limit = self.limit(*item, time, factor);
+            to[1] != 0.0 && to[0].abs() <= limit && from[0].abs() > limit
+        });
+        found.map(|(item, _)| item)
+    }
+
+    /// Whether a step begins at another kink than this one, at a time (s).
+    pub fn begins_at_other(&self, kink: usize, time: f64, factor: f64) -> bool {
+        let mut functions = self.now.iter().enumerate();
+        functions.any(|(item, [value, rate])| {
+            item != kink && *rate != 0.0 && value.abs() <= self.limit(item, time, factor)
+        })
+    }
+
     /// The first time within a step h (s) at which a function would change its sign at its present rate. The step
     /// begins at a time (s). A function within its limit is at its kink already.
     pub fn foreseen(&self, h: f64, time: f64, factor: f64) -> Option<(f64, usize)> {

@@ -13,7 +13,7 @@ use crate::recorded_field::RecordedField;
 use crate::results::{Recording, Results};
 use crate::significant::short;
 use crate::simulation::run_error_with;
-use crate::timings::Timings;
+use crate::timings::{Clock, Timings};
 use crate::{Error, Quantity, RuntimeError};
 use eng_compiler::elaborate::{AnalysisPlan, Structural};
 use eng_runtime::start::turn::{Turned, turn};
@@ -24,6 +24,7 @@ use eng_runtime::{
 use eng_system::code::BindError;
 use eng_system::system::{AnalysisKind, BodyRef, Extent, PointValue, Start, StepControl};
 use std::sync::OnceLock;
+use std::time::Duration;
 
 /// An analysis, ready to run.
 #[derive(Clone, Debug)]
@@ -51,6 +52,8 @@ pub(crate) struct Findings {
     pub list: Vec<Finding>,
     /// The dry turn of the lints of cylinders, if there are cylinders.
     pub turned: Option<Result<Turned, RuntimeError>>,
+    /// Processor time of the dry turn with its lints.
+    pub turning: Duration,
 }
 
 /// Number of steps, and part of a run. A cycle that has turned by less than this part after these steps is at
@@ -351,7 +354,7 @@ impl Analysis {
     }
 
     /// Its model in the assembled position.
-    fn assembled(&self) -> Result<&Assembled, RuntimeError> {
+    pub(crate) fn assembled(&self) -> Result<&Assembled, RuntimeError> {
         let assembled = self
             .assembled
             .get_or_init(|| Assembled::new(self.model.compiled(), &self.overrides));
@@ -364,7 +367,7 @@ impl Analysis {
         let (compiled, overrides) = (self.model.compiled(), &self.overrides);
         let bound = self.bound()?;
         let mut list = lint::of_numbers(compiled, overrides, &bound);
-        let mut turned = None;
+        let (mut turned, mut turning) = (None, Duration::ZERO);
         if let Ok(assembled) = self.assembled() {
             let (model, state) = (assembled.model(), assembled.state());
             let origin = &self.plan.origin;
@@ -372,12 +375,18 @@ impl Analysis {
             // the dry turn is the same for all points of a sweep
             let first = self.plan.point.is_empty() || self.plan.origin.path.ends_with("[1]");
             if first {
+                let mut clock = Clock::new();
                 let (found, turn) = lint::of_turn(assembled, &bound);
+                turning = clock.since();
                 list.extend(found);
                 turned = turn;
             }
         }
-        Ok(Findings { list, turned })
+        Ok(Findings {
+            list,
+            turned,
+            turning,
+        })
     }
 
     /// Assembled positions of the stated markers and of the bodies' origins: body, path and position (m,

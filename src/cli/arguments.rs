@@ -269,6 +269,9 @@ pub(super) struct CheckArguments {
     /// List the positions of all markers at the start of each analysis, as assembled
     #[arg(long)]
     pub positions: bool,
+    /// Print the processor time of each phase: reading, types, elaboration, machine code, assembly, dry turn, lints
+    #[arg(long)]
+    pub timings: bool,
     /// Form of the messages
     #[arg(long, value_enum, default_value_t = Format::Human)]
     pub format: Format,

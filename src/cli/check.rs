@@ -1,16 +1,22 @@
 //! `eng check`.
 
 use super::arguments::{CheckArguments, Format};
+use super::files::told_of;
 use super::open::open;
 use super::terminal::Terminal;
 use super::{MODEL_WRONG, Refusal, Stop};
 use crate::assembled::{Positions, json_with_positions};
 use crate::render;
 use crate::tables::Table;
+use crate::timings;
 use eng_grammar::{Diagnostics, SourceMap};
 
 pub(super) fn check(arguments: &CheckArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     let format = arguments.format;
+    if arguments.timings && format == Format::Json {
+        let refused = "--timings prints no JSON: leave out `--format json`";
+        return told_of(Err(refused), console);
+    }
     let checked = open(&arguments.model)
         .map_err(|error| refuse(&error, &SourceMap::new(), format, console))?;
     let report = checked.report();
@@ -18,11 +24,13 @@ pub(super) fn check(arguments: &CheckArguments, console: &mut Terminal<'_>) -> R
     let mut messages = report.diagnostics().clone();
     let mut facts = Vec::new();
     let mut positions = Vec::new();
+    let mut spent = checked.timings();
     if let Some(program) = checked.program() {
         let assembled = program
             .assemble()
             .map_err(|error| refuse(&error.into(), sources, format, console))?;
         facts = assembled.facts;
+        spent = assembled.timings;
         messages.extend(assembled.diagnostics);
         // a model that does not assemble has no positions, and its messages give the reason
         if arguments.positions && !messages.has_errors() {
@@ -43,6 +51,9 @@ pub(super) fn check(arguments: &CheckArguments, console: &mut Terminal<'_>) -> R
             human(&messages, sources, &facts, console)?;
             for positions in &positions {
                 write!(console.output, "{}", listing(positions))?;
+            }
+            if arguments.timings {
+                writeln!(console.output, "{}", timings::line(&spent.phases()))?;
             }
         }
     }

@@ -18,7 +18,7 @@ use crate::render::visible_name;
 use crate::results::{Last, Recording, Selection, stem_of, writable};
 use crate::run::{Event, RunOutcome, run_many};
 use crate::tables::{modes, sweep};
-use crate::timings::Clock;
+use crate::timings::{self, Clock};
 use eng_grammar::Diagnostics;
 use eng_system::Dimension;
 use eng_system::system::StepControl;
@@ -75,13 +75,12 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     }
     let holds = post::reports(&outcomes, arguments, &program, &folder, console)?;
     if arguments.timings && !arguments.quiet {
-        writeln!(
-            console.output,
-            "processor time: check {:.3} s, machine code {:.3} s, tables, pictures and reports {:.3} s",
-            check.as_secs_f64(),
-            code.as_secs_f64(),
-            clock.since().as_secs_f64()
-        )?;
+        let phases = [
+            ("check", check),
+            ("machine code", code),
+            ("tables, pictures and reports", clock.since()),
+        ];
+        writeln!(console.output, "{}", timings::line(&phases))?;
     }
     if !failures.is_empty() || !holds {
         return Err(Stop::Code(MODEL_WRONG));

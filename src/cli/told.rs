@@ -10,6 +10,7 @@ use crate::post::Run;
 use crate::program::Program;
 use crate::run::RunOutcome;
 use crate::tables::{SummaryTable, modes, state};
+use crate::timings;
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::path::Path;
 
@@ -155,14 +156,7 @@ fn summary(outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop>
         writeln!(console.output, "  {fact}")?;
     }
     if let Some(spent) = &outcome.timings {
-        writeln!(
-            console.output,
-            "  processor time: start {:.3} s, steps {:.3} s, samples {:.3} s, files {:.3} s",
-            spent.start.as_secs_f64(),
-            spent.steps.as_secs_f64(),
-            spent.samples.as_secs_f64(),
-            spent.files.as_secs_f64()
-        )?;
+        writeln!(console.output, "  {}", timings::line(&spent.phases()))?;
     }
     if !outcome.point.is_empty() {
         return Ok(());

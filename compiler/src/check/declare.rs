@@ -296,7 +296,8 @@ impl<'p> Checker<'p> {
     /// Refuses a `param` in an expression for a count, because counts must be known while compiling.
     pub(super) fn structural(&mut self, scope: &Scope<'p>, expr: &Expr) {
         let mut names: Vec<(String, Span)> = Vec::new();
-        collect_names(expr, &mut names);
+        // the length of an array is known, whatever its elements are
+        collect(expr, false, &mut names);
         for (name, span) in names {
             let binding = match self.find(scope, &name) {
                 Some(Found::Member(_, Member::Binding(binding))) => Some(binding),
@@ -333,8 +334,13 @@ impl<'p> Checker<'p> {
                 binding.name.span,
                 format!("declared as `{}` here", super::input::word(binding)),
             );
-            let message = self.const_instead(message, binding);
-            self.report(message);
+            let of_interface = (scope.definition.and_then(|id| self.declaration(id)))
+                .is_some_and(|around| around.kind == Kind::Interface);
+            self.report(match of_interface {
+                true => message
+                    .with_help("make it an `Int`, or count the elements of an array: `length(…)`"),
+                false => self.const_instead(message, binding),
+            });
         }
     }
 
@@ -424,6 +430,9 @@ impl<'p> Checker<'p> {
             self.display(&scope, &ty, display);
         }
         if binding.kind == BindingKind::State {
+            if !self.single_state(binding, &ty) {
+                return Type::Error;
+            }
             self.scale_of_state(&scope, binding, &ty);
         }
         if binding.kind == BindingKind::Input {
@@ -684,55 +693,62 @@ impl<'p> Checker<'p> {
 
 /// All names that an expression reads.
 pub(super) fn collect_names(expr: &Expr, names: &mut Vec<(String, Span)>) {
+    collect(expr, true, names);
+}
+
+/// Collects the names in an expression; without `lengths`, not those in `length(…)`.
+fn collect(expr: &Expr, lengths: bool, names: &mut Vec<(String, Span)>) {
     match &expr.kind {
         ExprKind::Name(name) => names.push((name.clone(), expr.span)),
-        ExprKind::List { items, .. } => items.iter().for_each(|item| collect_names(item, names)),
+        ExprKind::List { items, .. } => items.iter().for_each(|item| collect(item, lengths, names)),
         ExprKind::Comprehension { body, binders, .. } => {
             let mut inner = Vec::new();
-            collect_names(body, &mut inner);
+            collect(body, lengths, &mut inner);
             inner.retain(|(name, _)| binders.iter().all(|binder| binder.name.text != *name));
             names.extend(inner);
             binders
                 .iter()
-                .for_each(|binder| collect_names(&binder.range, names));
+                .for_each(|binder| collect(&binder.range, lengths, names));
         }
-        ExprKind::Paren { inner, .. } => collect_names(inner, names),
-        ExprKind::Field { base, .. } => collect_names(base, names),
+        ExprKind::Paren { inner, .. } => collect(inner, lengths, names),
+        ExprKind::Field { base, .. } => collect(base, lengths, names),
+        ExprKind::Call { callee, .. }
+            if !lengths && matches!(&callee.kind, ExprKind::Name(name) if name == "length") => {}
         ExprKind::Call { callee, arguments } => {
-            collect_names(callee, names);
+            collect(callee, lengths, names);
             arguments
                 .iter()
-                .for_each(|argument| collect_names(&argument.value, names));
+                .for_each(|argument| collect(&argument.value, lengths, names));
         }
         ExprKind::Index { base, indices } => {
-            collect_names(base, names);
+            collect(base, lengths, names);
             for index in indices {
                 if let IndexArgument::At(at) = index {
-                    collect_names(at, names);
+                    collect(at, lengths, names);
                 }
             }
         }
-        ExprKind::Unary { operand, .. } => collect_names(operand, names),
+        ExprKind::Unary { operand, .. } => collect(operand, lengths, names),
         ExprKind::Binary { left, right, .. } => {
-            collect_names(left, names);
-            collect_names(right, names);
+            collect(left, lengths, names);
+            collect(right, lengths, names);
         }
         ExprKind::If {
             condition,
             then,
             otherwise,
         } => {
-            collect_names(condition, names);
-            collect_names(then, names);
+            collect(condition, lengths, names);
+            collect(then, lengths, names);
             if let Some(otherwise) = otherwise {
-                collect_names(otherwise, names);
+                collect(otherwise, lengths, names);
             }
         }
         ExprKind::Range { from, to, by } => {
-            collect_names(from, names);
-            collect_names(to, names);
+            collect(from, lengths, names);
+            collect(to, lengths, names);
             if let Some(by) = by {
-                collect_names(by, names);
+                collect(by, lengths, names);
             }
         }
         ExprKind::Number { .. } | ExprKind::Text(_) | ExprKind::Bool(_) | ExprKind::Error => {}

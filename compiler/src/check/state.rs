@@ -85,6 +85,39 @@ impl<'p> Checker<'p> {
         }
     }
 
+    /// Refuses a state that is no single number with a dimension. Whole numbers do not change steadily.
+    pub(super) fn single_state(&mut self, binding: &Binding, ty: &Type) -> bool {
+        let name = &binding.name.text;
+        if let Some(index) = binding.index.first() {
+            self.report(
+                Diagnostic::error(codes::STATE, format!("the state `{name}` has an index"))
+                    .at(index.name.span, "a state is a single number")
+                    .with_help("write a state for each number, with a name and a rate of its own"),
+            );
+            return false;
+        }
+        if ty.is_error() || matches!(ty, Type::Scalar(_)) {
+            return true;
+        }
+        let found = self.describe(ty);
+        let place = (binding.ty.as_ref().map(|ty| ty.span))
+            .or(binding.value.as_ref().map(|value| value.span))
+            .unwrap_or(binding.name.span);
+        let help = match ty {
+            Type::Int => format!("a number without a unit has the type 1: `state {name}: 1 = …`"),
+            _ => "write a state for each number, with a name and a rate of its own".to_owned(),
+        };
+        self.report(
+            Diagnostic::error(
+                codes::WRONG_TYPE,
+                format!("the state `{name}` is a single number, not {found}"),
+            )
+            .at(place, format!("this is {found}"))
+            .with_help(help),
+        );
+        false
+    }
+
     /// Checks the scale of a state, which is a difference of its values. A state that starts at zero must
     /// state a scale.
     pub(super) fn scale_of_state(&mut self, scope: &Scope<'p>, binding: &Binding, ty: &Type) {

@@ -145,17 +145,7 @@ impl<'p> Checker<'p> {
                 plain.push(&given.value);
                 continue;
             };
-            if let Some(first) = seen.iter().find(|n| n.text == name.text) {
-                let first = first.span;
-                self.report(
-                    Diagnostic::error(
-                        codes::ARGUMENT_TWICE,
-                        format!("`{}` is given twice", name.text),
-                    )
-                    .at(name.span, "again here")
-                    .also(first, "first here"),
-                );
-            }
+            self.clash(&seen, name, parameters.len() == 1);
             seen.push(name);
             match parameters {
                 [argument] => self.option_of_curve(scope, source, name, &given.value, argument),
@@ -358,6 +348,34 @@ impl<'p> Checker<'p> {
             ..quantity
         });
         self.expect(scope, value, &period, &Due::new("the period of this table"));
+    }
+
+    /// Refuses an option that is given twice, and an extrapolation of a periodic table, which has values everywhere. A table of
+    /// several arguments states its continuations in another form.
+    fn clash(&mut self, seen: &[&Name], name: &Name, of_curve: bool) {
+        if let Some(first) = seen.iter().find(|n| n.text == name.text) {
+            self.report(
+                Diagnostic::error(
+                    codes::ARGUMENT_TWICE,
+                    format!("`{}` is given twice", name.text),
+                )
+                .at(name.span, "again here")
+                .also(first.span, "first here"),
+            );
+        }
+        let other = match name.text.as_str() {
+            "periodic" if of_curve => "extrapolation",
+            "extrapolation" if of_curve => "periodic",
+            _ => return,
+        };
+        if let Some(first) = seen.iter().find(|name| name.text == other) {
+            self.report(
+                Diagnostic::error(codes::TABLE, "a periodic table has no outside")
+                    .at(name.span, "contradicts the other")
+                    .also(first.span, "stated here")
+                    .with_help("leave out `extrapolation:`, or `periodic:`"),
+            );
+        }
     }
 
     fn option_of_curve(

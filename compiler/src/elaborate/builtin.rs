@@ -117,6 +117,7 @@ impl<'a> Elaborator<'a, '_> {
         loop {
             self.note_kink(stage, node, 0, span, span, scope)?;
             let before = match (stage, self.bench.element.as_ref()) {
+                (Stage::Bind, _) => self.bench.bind.graph.op(node),
                 (Stage::Motion, Some(element)) => element.graph.op(node),
                 _ => return Ok(value),
             };

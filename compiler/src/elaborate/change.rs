@@ -53,6 +53,10 @@ impl<'a> Elaborator<'a, '_> {
                         .at(at, "the second change")
                         .also(earlier.at, "the first")
                         .with_help("leave one of them out");
+                // the part is not made, so it uses none of them
+                for change in &mut self.draft.changes {
+                    change.used |= change.of == declaration.name.span;
+                }
                 return Err(self.report(message));
             }
             self.draft.changes.push(Change {

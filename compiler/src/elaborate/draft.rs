@@ -111,6 +111,8 @@ pub(crate) struct ClassMeta {
     pub conditions: Vec<Condition>,
     /// Texts of operations that may have a kink.
     pub kinks: BTreeMap<KinkPlace, Kink>,
+    /// Texts of the kinks of constants that follow inputs.
+    pub bound_kinks: Vec<Kink>,
 }
 
 /// The data to evaluate an element's names once more.

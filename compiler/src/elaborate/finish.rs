@@ -44,11 +44,14 @@ struct Shared {
 
 /// The kinks of a class, with the texts that are known.
 fn kinks_of(functions: &ClassFunctions, meta: &ClassMeta) -> Vec<Kink> {
-    (functions.kink_places.iter())
+    let of_motion = (functions.kink_places.iter())
+        .map(|place| meta.kinks.get(place).cloned().unwrap_or_default());
+    of_motion
+        .chain(meta.bound_kinks.iter().cloned())
         .zip(&functions.kinks_of_tables)
-        .map(|(place, table)| Kink {
-            table: table.then_some(place.argument),
-            ..meta.kinks.get(place).cloned().unwrap_or_default()
+        .map(|(kink, table)| Kink {
+            table: table.then_some(0),
+            ..kink
         })
         .collect()
 }
@@ -261,7 +264,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             self.bench.bind.owner.clone_from(&draft.origin.path);
             // the key of a class: its graph and its messages
             let key = format!(
-                "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
+                "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
                 draft.class_name,
                 body.layout,
                 body.graph.nodes(),
@@ -273,6 +276,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 body.rotations,
                 body.drives,
                 body.changing,
+                body.bound_kinks,
                 draft.meta,
             );
             let class = match class_of.get(&key) {

@@ -249,10 +249,11 @@ impl<'a> Elaborator<'a, '_> {
         source: Option<ElementSource<'a>>,
         draft: Draft,
     ) -> Eval<u32> {
-        let changing = match role {
+        let (changing, bound_kinks) = match role {
             Role::Dynamic => self.changing_constants(),
-            _ => Vec::new(),
+            _ => Default::default(),
         };
+        let (bound_kinks, bound_texts) = bound_kinks.into_iter().unzip();
         let Some(mut element) = self.bench.element.take() else {
             return Err(Reported);
         };
@@ -290,6 +291,7 @@ impl<'a> Elaborator<'a, '_> {
                 .collect(),
             turns: element.turns.iter().map(at).collect(),
             changing,
+            bound_kinks,
             graph,
         };
         let index = self.draft.elements.len() as u32;
@@ -317,6 +319,7 @@ impl<'a> Elaborator<'a, '_> {
                     (KinkPlace { node, ..place }, kink)
                 })
                 .collect(),
+            bound_kinks: bound_texts,
         };
         self.draft.elements.push(ElementDraft {
             origin,

@@ -8,10 +8,15 @@
 use super::scalar::{FIXED, PROVISIONAL, RATE, Scalar, Stage, TIME};
 use super::{Elaborator, Eval};
 use crate::codes;
-use crate::ir::{Node, Op, dependencies, forward, inputs_of};
+use crate::ir::kinks::{function_of, smoothly_needed};
+use crate::ir::{BoundKink, KinkPlace, Node, Op, dependencies, forward, inputs_of};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::input::Interpolation;
-use std::collections::BTreeMap;
+use eng_system::system::Kink;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Constants that follow inputs, with the constants of their rates; the kinks of these constants, with their texts.
+pub(super) type Changing = (Vec<(u32, u32)>, Vec<(BoundKink, Kink)>);
 
 impl Elaborator<'_, '_> {
     /// The rate of a node of the bind graph; `None` if it is constant between two points of time.
@@ -98,10 +103,10 @@ impl Elaborator<'_, '_> {
     }
 
     /// The constants that the present element's loads and rates depend on and that follow inputs, with the constants of their
-    /// rates: indices of constants.
-    pub(super) fn changing_constants(&mut self) -> Vec<(u32, u32)> {
+    /// rates: indices of constants. Then the kinks of these constants, with their texts.
+    pub(super) fn changing_constants(&mut self) -> Changing {
         let Some(element) = &self.bench.element else {
-            return Vec::new();
+            return Default::default();
         };
         let rates = element.states.iter().filter_map(|state| state.rate);
         let drives = element.fields.iter().flat_map(|field| &field.drives);
@@ -110,23 +115,92 @@ impl Elaborator<'_, '_> {
             .copied()
             .chain(rates)
             .collect();
+        let followed = self.followed_constants(&nodes);
+        let constants = self.bench.element.as_ref().map(|e| e.constants.clone());
+        let constants = constants.unwrap_or_default();
+        let mut bound = Vec::new();
         let mut pairs = Vec::new();
-        for (input, rate) in self.followed_constants(&nodes) {
-            let rate = match self.bench.bind.graph.as_constant(rate) {
-                // the number must not be part of the code, because other elements of the class have others
-                Some(value) => self.bench.bind.fixed(value),
-                None => rate,
-            };
-            let Some(element) = self.bench.element.as_mut() else {
-                continue;
-            };
-            let node = element.constant(rate);
-            let first = PROVISIONAL.constant(0);
-            if let Op::Input(place) = element.graph.op(node) {
-                pairs.push((input - first, place - first));
+        for (input, rate) in followed {
+            let index = input - PROVISIONAL.constant(0);
+            bound.extend(constants.get(index as usize).copied());
+            if let Some(rate) = self.constant_of_rate(rate) {
+                pairs.push((index, rate));
             }
         }
-        pairs
+        (pairs, self.kinks_of_constants(bound))
+    }
+
+    /// The constant of the present element that is a rate.
+    fn constant_of_rate(&mut self, rate: Node) -> Option<u32> {
+        let rate = match self.bench.bind.graph.as_constant(rate) {
+            // the number must not be part of the code, because other elements of the class have others
+            Some(value) => self.bench.bind.fixed(value),
+            None => rate,
+        };
+        self.constant_of_bound(rate)
+    }
+
+    /// The index of the present element's constant with the value of a node of the bind graph.
+    fn constant_of_bound(&mut self, bound: Node) -> Option<u32> {
+        let element = self.bench.element.as_mut()?;
+        let node = element.constant(bound);
+        match element.graph.op(node) {
+            Op::Input(place) => place.checked_sub(PROVISIONAL.constant(0)),
+            _ => None,
+        }
+    }
+
+    /// The kinks of nodes of the bind graph that follow inputs, as constants of the present element. An input that an analysis
+    /// drives also has those of its function of time.
+    fn kinks_of_constants(&mut self, nodes: Vec<Node>) -> Vec<(BoundKink, Kink)> {
+        let mut found = Vec::new();
+        let mut known = BTreeSet::new();
+        for (node, op) in self.bound_operations(nodes) {
+            let Some((value, table)) = function_of(&mut self.bench.bind.graph, op) else {
+                continue;
+            };
+            if !known.insert((value, table)) {
+                continue;
+            }
+            let Some(rate) = self.rate_of_bound(value) else {
+                continue;
+            };
+            let place = KinkPlace { node, argument: 0 };
+            let text = self.bench.bind.kinks.get(&place).cloned();
+            let handle = table.map(|table| self.constant_of_bound(table));
+            let constants = (self.constant_of_bound(value), self.constant_of_rate(rate));
+            if let (Some(value), Some(rate)) = constants {
+                let table = handle.flatten();
+                found.push((BoundKink { value, rate, table }, text.unwrap_or_default()));
+            }
+        }
+        found
+    }
+
+    /// The operations of the bind graph that nodes depend on, also through the defaults of parameters.
+    fn bound_operations(&self, mut nodes: Vec<Node>) -> Vec<(Node, Op)> {
+        let graph = &self.bench.bind.graph;
+        let mut parameters = BTreeSet::new();
+        loop {
+            let needed = smoothly_needed(graph, &nodes);
+            let operations = (0..).map(Node).zip(graph.nodes().iter().copied());
+            let operations = operations.zip(needed);
+            let used: Vec<(Node, Op)> = operations
+                .filter_map(|(operation, needed)| needed.then_some(operation))
+                .collect();
+            let before = nodes.len();
+            for (_, op) in &used {
+                if let Op::Input(parameter) = op
+                    && parameters.insert(*parameter)
+                {
+                    let defaults = &self.draft.parameter_defaults;
+                    nodes.extend(defaults.get(*parameter as usize));
+                }
+            }
+            if nodes.len() == before {
+                return used;
+            }
+        }
     }
 
     /// Refuses the rate of an input that is held between two points. Marks the others, because a jump of their rates is one

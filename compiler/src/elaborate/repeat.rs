@@ -1,5 +1,6 @@
 //! Repetition over the values of an index: bodies, elements, analyses, members of lists.
 
+use super::body::index_text;
 use super::expression::Truth;
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, Reported};
@@ -7,6 +8,7 @@ use crate::codes;
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use std::collections::BTreeSet;
+use std::rc::Rc;
 
 /// The action for each combination of binders: it gets a scope with their values, and the combination's
 /// index.
@@ -42,7 +44,8 @@ impl<'a> Elaborator<'a, '_> {
             {
                 // the error about a path to it shows the condition
                 if !position.is_empty() {
-                    made.push((position.to_vec(), Value::Absent(declaration)));
+                    let path = e.path_in(scope, &declaration.name.text, position);
+                    made.push((position.to_vec(), Value::Absent(declaration, path)));
                 }
                 return Ok(());
             }
@@ -54,8 +57,20 @@ impl<'a> Elaborator<'a, '_> {
         }
         Ok(match made.pop() {
             Some((_, only)) => only,
-            None => Value::Absent(declaration),
+            None => {
+                let path = self.path_in(scope, &declaration.name.text, &[]);
+                Value::Absent(declaration, path)
+            }
         })
+    }
+
+    /// The path of an item of a scope: `arm[2].ring`.
+    fn path_in(&self, scope: ScopeId, name: &str, position: &[usize]) -> Rc<str> {
+        let index = index_text(position);
+        match self.scope(scope).path.as_str() {
+            "" => format!("{name}{index}").into(),
+            around => format!("{around}.{name}{index}").into(),
+        }
     }
 
     /// A condition that parameters do not change.
@@ -70,10 +85,9 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The error for the use of a part that does not exist.
-    pub fn absent(&mut self, declaration: &ast::Declaration, place: Span) -> Reported {
-        let name = &declaration.name;
-        let mut message = Diagnostic::error(codes::ABSENT, format!("`{}` is not there", name.text))
+    /// The error for the use of a part, with its path, that does not exist.
+    pub fn absent(&mut self, declaration: &ast::Declaration, path: &str, place: Span) -> Reported {
+        let mut message = Diagnostic::error(codes::ABSENT, format!("`{path}` is not there"))
             .at(place, "used here");
         if let Some(condition) = &declaration.condition {
             message = message.also(condition.span, "this does not hold");

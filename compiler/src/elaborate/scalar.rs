@@ -70,6 +70,8 @@ pub(crate) struct BindBuilder {
     pub owner: String,
     /// Path of the first user, by slot.
     pub owners: Vec<String>,
+    /// Texts of operations that may have a kink.
+    pub kinks: BTreeMap<KinkPlace, Kink>,
     slots: Vec<Node>,
     slot_of: HashMap<Node, u32>,
 }

@@ -130,7 +130,14 @@ impl<'a> Elaborator<'a, '_> {
         let moves = known.iter().chain(from).any(|s| s.stage == Stage::Motion);
         let stage = if moves { Stage::Motion } else { Stage::Bind };
         if known.len() != from.len() {
-            let title = format!("{} equations for {} unknowns", known.len(), from.len());
+            let several = |count: usize| if count == 1 { "" } else { "s" };
+            let title = format!(
+                "{} equation{} for {} unknown{}",
+                known.len(),
+                several(known.len()),
+                from.len(),
+                several(from.len())
+            );
             return Err(self.report(
                 Diagnostic::error(codes::LENGTHS, title)
                     .at(asked.call, "the function gives as many numbers as it takes"),

@@ -80,7 +80,7 @@ pub(crate) enum Value<'a> {
     /// A class with some of its arguments.
     Bound(Rc<BoundClass<'a>>),
     /// A part whose condition does not hold.
-    Absent(&'a ast::Declaration),
+    Absent(&'a ast::Declaration, Rc<str>),
     Cycle,
     ModeSet(Rc<Vec<super::ModePart>>),
     /// A word of a choice, by its place among the words.
@@ -144,7 +144,7 @@ pub(crate) fn present<'a>(
 impl Value<'_> {
     /// Whether it is a part whose condition does not hold.
     pub fn is_absent(&self) -> bool {
-        matches!(self, Value::Absent(_))
+        matches!(self, Value::Absent(..))
     }
 
     /// Whether it has several numbers: a vector or a list.
@@ -173,7 +173,7 @@ impl Value<'_> {
             Value::Closure(_) | Value::Partial(_) => "a function",
             Value::Table(_) => "a table",
             Value::Definition(_) | Value::Bound(_) => "a class",
-            Value::Absent(_) => "a part that is not there",
+            Value::Absent(..) => "a part that is not there",
             Value::Cycle => "the cycle",
             Value::ModeSet(_) => "a mode set",
             Value::Choice(..) => "a word of a choice",

@@ -5,7 +5,7 @@ use super::differentiate::{
     time_derivative_with, uses_fields,
 };
 use super::graph::{Function, Graph, Node};
-use super::kinks::{self, KinkPlace};
+use super::kinks::{self, BoundKink, KinkPlace};
 use super::linearise::linearise;
 use super::optimise::optimise;
 use eng_system::layout::InputLayout;
@@ -40,6 +40,8 @@ pub struct ClassBody {
     /// Constants that change with inputs between two points of time, and the constants that are their rates. Constraints
     /// read none of them.
     pub changing: Vec<(u32, u32)>,
+    /// Kinks of these constants.
+    pub bound_kinks: Vec<BoundKink>,
 }
 
 /// The functions of a class, described at [`eng_system::code`].
@@ -55,7 +57,7 @@ pub struct ClassFunctions {
     pub conditions: Function,
     pub rotations: Function,
     pub kinks: Function,
-    /// The operation of each kink function.
+    /// The operation of each kink function of the motion. Those of constants follow.
     pub kink_places: Vec<KinkPlace>,
     /// Whether each kink function is the argument of a table.
     pub kinks_of_tables: Vec<bool>,
@@ -170,7 +172,8 @@ impl ClassBody {
             .map(|(k, rate)| (layout.constant(*k), graph.input(layout.constant(*rate))))
             .collect();
         let known = (self.rates.as_slice(), &changing);
-        let kinks = kinks::find(&mut graph, &layout, &loads, known, &self.turns)?;
+        let besides = (self.turns.as_slice(), self.bound_kinks.as_slice());
+        let kinks = kinks::find(&mut graph, &layout, &loads, known, besides)?;
         let function = |name: &str, inputs: u32, outputs: Vec<Node>| Function {
             name: format!("{}.{name}", self.name),
             inputs,

@@ -5,6 +5,9 @@
 //! motion that changes its sign at the kink. The functions come from the graph of the loads. So a kink counts in
 //! the text of the class, of a function that it calls, and of a library. A function of constants alone never
 //! changes and does not count. A constant that follows an input between two points of time changes.
+//!
+//! An operation on parameters alone is no part of this graph, because the class reads its value as a constant. If such a
+//! value follows an input, the element has the kink function and its rate as two more constants ([`BoundKink`]).
 
 use super::differentiate::{
     Accelerations, DifferentiateError, Place, inputs_of, known_in_outputs_only,
@@ -24,10 +27,21 @@ pub struct KinkPlace {
     pub argument: u8,
 }
 
+/// A kink of a constant that follows inputs: indices of constants of the class.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoundKink {
+    /// The function that changes its sign.
+    pub value: u32,
+    /// Its rate.
+    pub rate: u32,
+    /// The handle of the table whose argument the function is.
+    pub table: Option<u32>,
+}
+
 /// The kink functions of a class.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kinks {
-    /// The operation of each function.
+    /// The operation of each function of the motion. Those of constants follow, in the order of the class.
     pub places: Vec<KinkPlace>,
     /// Whether each is the argument of a table.
     pub tables: Vec<bool>,
@@ -37,6 +51,22 @@ pub(crate) struct Kinks {
     pub reads_accelerations: bool,
 }
 
+/// The function that changes its sign at the kink of an operation, and the handle of its table.
+pub(crate) fn function_of(graph: &mut Graph, op: Op) -> Option<(Node, Option<Node>)> {
+    match op {
+        Op::Less(a, b) | Op::LessEqual(a, b) => Some((graph.subtract(b, a), None)),
+        Op::Minimum(a, b) | Op::Maximum(a, b) => Some((graph.subtract(a, b), None)),
+        Op::Abs(a) => Some((a, None)),
+        // an equation holds at single moments, or where another kink begins: it changes no sign
+        // tables of several arguments are charts of laws, which a motion leaves seldom: their ends cost more
+        // than the law itself
+        Op::Table(handle, arguments, orders) if orders.arguments() == 1 => {
+            Some((arguments[0], Some(handle)))
+        }
+        _ => None,
+    }
+}
+
 /// Finds the kink functions that loads and rates depend on, and adds their rates to the graph. The rate of a
 /// state is that of the class; `changing` gives the rates of constants that follow inputs, by their inputs.
 pub(crate) fn find(
@@ -44,7 +74,7 @@ pub(crate) fn find(
     layout: &InputLayout,
     loads: &[Node],
     (rates, changing): (&[Node], &BTreeMap<u32, Node>),
-    turns: &[Node],
+    (turns, bound): (&[Node], &[BoundKink]),
 ) -> Result<Kinks, DifferentiateError> {
     let watched: Vec<Node> = loads.iter().chain(rates).copied().collect();
     let needed = smoothly_needed(graph, &watched);
@@ -59,42 +89,31 @@ pub(crate) fn find(
     let mut values: Vec<Node> = Vec::new();
     let mut handles = Vec::new();
     for (node, op) in operations {
-        let functions: Vec<(Node, Option<Node>)> = match op {
-            Op::Less(a, b) | Op::LessEqual(a, b) => vec![(graph.subtract(b, a), None)],
-            Op::Minimum(a, b) | Op::Maximum(a, b) => vec![(graph.subtract(a, b), None)],
-            Op::Abs(a) => vec![(a, None)],
-            // an equation holds at single moments, or where another kink begins: it changes no sign
-            // tables of several arguments are charts of laws, which a motion leaves seldom: their ends cost more
-            // than the law itself
-            Op::Table(handle, arguments, orders) if orders.arguments() == 1 => {
-                vec![(arguments[0], Some(handle))]
-            }
-            _ => continue,
+        let Some((value, handle)) = function_of(graph, op) else {
+            continue;
         };
-        for (argument, (value, handle)) in (0..).zip(functions) {
-            let handle = handle.unwrap_or(nowhere);
-            let known = values
-                .iter()
-                .zip(&handles)
-                .any(|known| known == (&value, &handle));
-            if known
-                || !moves(graph, layout, value, changing)
-                || known_in_outputs_only(graph, &[value], layout)
-                // the answers of a field have no known rate
-                || uses_fields(graph, &[value], layout, false)
-            {
-                continue;
-            }
-            kinks.places.push(KinkPlace { node, argument });
-            kinks.tables.push(handle != nowhere);
-            values.push(value);
-            handles.push(handle);
+        let handle = handle.unwrap_or(nowhere);
+        let known = values
+            .iter()
+            .zip(&handles)
+            .any(|known| known == (&value, &handle));
+        if known
+            || !moves(graph, layout, value, changing)
+            || known_in_outputs_only(graph, &[value], layout)
+            // the answers of a field have no known rate
+            || uses_fields(graph, &[value], layout, false)
+        {
+            continue;
         }
+        kinks.places.push(KinkPlace { node, argument: 0 });
+        kinks.tables.push(handle != nowhere);
+        values.push(value);
+        handles.push(handle);
     }
-    if values.is_empty() {
+    if values.is_empty() && bound.is_empty() {
         return Ok(kinks);
     }
-    let slopes = time_derivative_with(
+    let mut slopes = time_derivative_with(
         graph,
         layout,
         &values,
@@ -104,12 +123,19 @@ pub(crate) fn find(
     kinks.reads_accelerations = inputs_of(graph, &slopes)
         .into_iter()
         .any(|input| Place::of(layout, input) == Place::Acceleration);
+    for kink in bound {
+        let mut constant = |index: u32| graph.input(layout.constant(index));
+        values.push(constant(kink.value));
+        slopes.push(constant(kink.rate));
+        handles.push(kink.table.map_or(nowhere, constant));
+        kinks.tables.push(kink.table.is_some());
+    }
     kinks.outputs = values.into_iter().chain(slopes).chain(handles).collect();
     Ok(kinks)
 }
 
 /// The operations that values depend on, without those of iterations: `held` passes no change on.
-fn smoothly_needed(graph: &Graph, watched: &[Node]) -> Vec<bool> {
+pub(crate) fn smoothly_needed(graph: &Graph, watched: &[Node]) -> Vec<bool> {
     let mut needed = vec![false; graph.nodes().len()];
     for node in watched {
         needed[node.0 as usize] = true;

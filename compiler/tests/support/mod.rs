@@ -106,6 +106,7 @@ impl Builder {
             drives: Vec::new(),
             turns: Vec::new(),
             changing: Vec::new(),
+            bound_kinks: Vec::new(),
         }
     }
 }

@@ -106,6 +106,13 @@ impl Simulation {
         if !unknown && !self.dynamics.signals().jumps(self.time()) {
             return Ok(());
         }
+        self.begin_anew()?;
+        self.dynamics.signals_mut().accept_jumps();
+        Ok(())
+    }
+
+    /// Begins the motion anew at the present state, because loads jump there.
+    pub(super) fn begin_anew(&mut self) -> Result<(), RuntimeError> {
         let moment = self.moment();
         // the constraints' compensation of the steps before, which does not depend on loads
         if !self.defect_of_step()? {
@@ -142,7 +149,6 @@ impl Simulation {
         self.integrator.previous.copy_from(current);
         self.cycle_at_ends = None;
         self.evaluated = None;
-        self.dynamics.signals_mut().accept_jumps();
         Ok(())
     }
 

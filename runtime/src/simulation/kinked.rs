@@ -15,6 +15,8 @@ const BEHIND: f64 = 1e-4;
 /// Largest deviation of accelerations and rates behind a kink from a straight line through the state at the
 /// kink. A jump deviates by all of its size.
 const STRAIGHT: f64 = 0.5;
+/// Difference of accelerations or rates on both sides of a moment that is a jump, as a share of the largest of them.
+const JUMP: f64 = 1e-9;
 /// Share of the step that the error allows behind a kink, and largest growth of the step there. Behind a kink a force may grow
 /// as t^(3/2), as Hertz' contact does. The first step h then has an error of the velocity of the order h^(5/2), which the
 /// error of positions does not show, and a long flight after the contact multiplies it by its duration.
@@ -44,20 +46,28 @@ impl Simulation {
     /// second or third trial may be necessary (the secant rule). If four of them do not end at the kink, the next
     /// ones end before it. A trial without solution may come from a stiff stop behind a kink, so it is repeated
     /// up to the kink that lies ahead.
+    ///
+    /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a pulse in time, a thin
+    /// sheet. So such a trial is first repeated up to the middle, where its end shows the load.
     pub(super) fn kink_within(
         &mut self,
         h: f64,
         factor: f64,
         trial: &Trial,
         tries: &mut usize,
-    ) -> Result<Option<(f64, usize)>, RuntimeError> {
+    ) -> Result<Option<(f64, Option<usize>)>, RuntimeError> {
         let begin = self.integrator.current.time;
         let passed = match trial {
             Trial::Solved { .. } => {
                 let end = self.integrator.trial_state();
                 self.kinks.evaluate(&self.model, &self.dynamics, end)?;
                 let passed = self.kinks.passed(h, begin + h, factor);
-                passed.map(|passed| (passed.time, passed.item))
+                let passed = passed.map(|passed| (passed.time, passed.item));
+                passed.or_else(|| {
+                    let kink = self.kinks.reached(begin + h, factor)?;
+                    let begins = self.kinks.begins_at_other(kink, begin, factor);
+                    begins.then_some((h, kink))
+                })
             }
             Trial::Failed(_) => self.kinks.foreseen(h, begin, factor),
         };
@@ -66,11 +76,60 @@ impl Simulation {
         };
         *tries += 1;
         let at = if *tries <= SECANTS { at } else { SHORT * at };
+        let (at, kink) = match self.kinks.begins_at_other(kink, begin, factor) {
+            true => (0.5 * at, None),
+            false => (self.before(kink, at), Some(kink)),
+        };
         if at >= h || begin + at == begin {
             return Ok(None);
         }
         self.integrator.statistics.kinks += 1;
         Ok(Some((at, kink)))
+    }
+
+    /// The time (s) of a step that ends at a kink after `at` (s). It ends before a moment, so that a load that begins or ends there
+    /// has its value before it.
+    fn before(&self, kink: usize, at: f64) -> f64 {
+        let begin = self.integrator.current.time;
+        match self.kinks.is_moment(kink) {
+            true => (begin + at).next_down().next_down() - begin,
+            false => at,
+        }
+    }
+
+    /// Begins the motion anew behind a moment at which a load or the rate of a state jumps.
+    ///
+    /// The step before ends just before this moment. Both sides are some roundings of the time away from it.
+    pub(super) fn after_jump_in_time(&mut self, kink: usize) -> Result<(), RuntimeError> {
+        if !self.kinks.is_moment(kink) {
+            return Ok(());
+        }
+        let moment = self.moment();
+        let time = self.integrator.current.time;
+        let behind = (0..4).fold(time, |time, _| time.next_up());
+        let before = time.next_down();
+        let mut sides = [before, behind].map(|time| {
+            let mut state = self.integrator.current.clone();
+            state.time = time;
+            state
+        });
+        for state in &mut sides {
+            let found = (self.system).accelerations(&self.model, &mut self.dynamics, state, moment);
+            // the next step tells what is wrong
+            if found.is_err() {
+                return Ok(());
+            }
+        }
+        let [near, far] = &sides;
+        let differ = |a: &[f64], b: &[f64]| {
+            let size = a.iter().chain(b).fold(0.0_f64, |most, x| most.max(x.abs()));
+            a.iter().zip(b).any(|(a, b)| (a - b).abs() > JUMP * size)
+        };
+        if differ(&near.acceleration, &far.acceleration) || differ(&near.rates, &far.rates) {
+            self.integrator.current.time = behind;
+            self.begin_anew()?;
+        }
+        Ok(())
     }
 
     /// Renews the rates of accelerations in the scheme, after a step h (s) that ended at a kink.
@@ -130,7 +189,10 @@ impl Simulation {
             &self.model.state_scales,
         );
         let [moves, states] = [moves, states].map(|(miss, size)| miss <= STRAIGHT * size);
-        if !states && let Some(kink) = self.at_kink {
+        if !states
+            && let Some(kink) = self.at_kink
+            && !self.kinks.is_moment(kink)
+        {
             self.kinks.ignore(kink);
         }
         if !(moves && states) {

@@ -9,6 +9,9 @@ use crate::state::{State, move_pose};
 /// `½ (1e-4 h)² v̇`.
 const SHORT: f64 = 1e-4;
 
+/// Roundings of the time that may be between two steps.
+const ROUNDINGS: f64 = 8.0;
+
 impl Simulation {
     /// Value of a channel at the last accepted state (SI). It uses projected positions and velocities. The
     /// integrator keeps its own.
@@ -210,14 +213,16 @@ impl Simulation {
 
     fn interpolate_at(&mut self, time: f64) -> Result<(), RuntimeError> {
         let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
-        if !(from..=to).contains(&time) {
+        // a motion that begins anew behind a moment leaves some roundings of the time between two steps
+        let begin = from - ROUNDINGS * f64::EPSILON * from.abs();
+        if !(begin..=to).contains(&time) {
             return Err(RuntimeError::OutsideStep { time, from, to });
         }
         self.evaluated = None;
         if time == to {
             self.completed.copy_from(&self.integrator.current);
         } else {
-            let fraction = (time - from) / (to - from);
+            let fraction = ((time - from) / (to - from)).max(0.0);
             self.integrator
                 .interpolate(&self.model, fraction, &mut self.work, &mut self.completed);
         }

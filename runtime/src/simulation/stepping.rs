@@ -390,6 +390,9 @@ impl Simulation {
             });
         }
         self.after_jumps()?;
+        if let Some(kink) = self.at_kink {
+            self.after_jump_in_time(kink)?;
+        }
         self.dynamics.memory_mut().begin_step();
         // behind a kink the powers before it say nothing about the power within the step
         let earlier_step = if self.at_kink.take().is_some() {
@@ -636,7 +639,7 @@ impl Simulation {
                 });
             }
             let trial = self.trial(h, Some(factor))?;
-            let ends_at = cut.map(|(_, kink)| kink);
+            let ends_at = cut.and_then(|(_, kink)| kink);
             cut = self.kink_within(h, factor, &trial, &mut tries)?;
             if cut.is_some() {
                 continue;

@@ -122,14 +122,19 @@ impl<'a> Elaborator<'a, '_> {
         text: Span,
         scope: ScopeId,
     ) -> Eval<()> {
-        if stage == Stage::Bind {
+        // a number that cannot change has no kink
+        if stage == Stage::Bind && self.bench.bind.graph.as_constant(node).is_some() {
             return Ok(());
         }
         let dimension = Some(self.dimension_at(of, scope)?);
         let text_as_written = self.sources.text(text).to_owned();
-        if let Some(element) = self.bench.element.as_mut() {
+        let kinks = match stage {
+            Stage::Bind => Some(&mut self.bench.bind.kinks),
+            Stage::Motion => self.bench.element.as_mut().map(|e| &mut e.kinks),
+        };
+        if let Some(kinks) = kinks {
             // the first text of an operation counts: later uses of the same operation share it
-            (element.kinks.entry(KinkPlace { node, argument })).or_insert(Kink {
+            (kinks.entry(KinkPlace { node, argument })).or_insert(Kink {
                 text: text_as_written,
                 dimension,
                 table: None,

@@ -126,8 +126,8 @@ impl<'a> Elaborator<'a, '_> {
         let mut chosen = Vec::with_capacity(places.len());
         for place in places {
             let element = self.element_of(value.clone(), place, span)?;
-            if let Value::Absent(declaration) = element {
-                return Err(self.absent(declaration, span));
+            if let Value::Absent(declaration, path) = element {
+                return Err(self.absent(declaration, &path, span));
             }
             chosen.push(match self.indexed(element, rest, scope)? {
                 Value::Family(members) => Value::List(present(members).map(|(_, v)| v).collect()),

@@ -29,7 +29,7 @@ impl<'a> Elaborator<'a, '_> {
     /// The value of an expression; a family keeps the indices of its members.
     fn evaluate_family(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
         match self.evaluate_any(expr, scope)? {
-            Value::Absent(declaration) => Err(self.absent(declaration, expr.span)),
+            Value::Absent(declaration, path) => Err(self.absent(declaration, &path, expr.span)),
             value => Ok(value),
         }
     }
