@@ -39,6 +39,7 @@ mod multibody_benchmarks;
 mod odd_programs;
 mod paper;
 mod paper_figures;
+mod paper_films;
 mod periodic_decay;
 mod periodic_results;
 mod report;

@@ -1,10 +1,17 @@
-//! The statements of the paper's figures, as numbers of the example's own runs. docs/paper.md shows the figures.
+//! The statements of the paper's figures, as numbers of the example's runs with the paper's own film law. docs/paper.md shows the
+//! figures.
 
 use eng::{Outcome, Program, Results, Sources, StartReport};
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// The example, and the numbers with which its figures are compared.
+/// The film law of the example, and the one of the paper.
+const LAWS: [&str; 2] = [
+    "const law: JournalLaw = Reynolds",
+    "const law: JournalLaw = Impedance",
+];
+
+/// Runs beside those of the example, with whose numbers its figures are compared.
 const ANALYSES: &str = "
 analysis steady = periodic(Engine())
 analysis quasi_static = transient(Engine(), duration: 90 deg, sample: 0.5 deg)
@@ -24,6 +31,13 @@ fn program() -> &'static Program {
             std::fs::copy(example.join(file), folder.join(file)).expect("a file of the example");
         }
         let text = std::fs::read_to_string(example.join("paper.eng")).expect("the example");
+        // the paper's law is the impedance method
+        let [own, of_the_paper] = LAWS;
+        assert_eq!(text.matches(own).count(), 1);
+        let text = text.replace(own, of_the_paper).replace(
+            "use std.journals.{Reynolds, JournalLaw}",
+            "use std.journals.{Impedance, JournalLaw}",
+        );
         std::fs::write(folder.join("paper.eng"), format!("{text}\n{ANALYSES}")).expect("a text");
         let cache = folder.join("reductions");
         let sources = Sources::folder(folder)
