@@ -172,6 +172,7 @@ fn cubes(cells: [u32; 3], is_there: impl Fn([u32; 3]) -> bool) -> Mesh {
             young: 1.1e11,
             poisson: 0.26,
             density: 7200.0,
+            sheet: None,
         }],
         properties: vec![Property {
             name: "block".into(),
@@ -235,6 +236,7 @@ fn cubes(cells: [u32; 3], is_there: impl Fn([u32; 3]) -> bool) -> Mesh {
                         property: 0,
                         first,
                         beam: None,
+                        shell: None,
                     });
                 }
             }

@@ -82,6 +82,40 @@ pub struct Element {
     pub first: u32,
     /// For a beam: index into [`Mesh::beam_axes`].
     pub beam: Option<u32>,
+    /// For a shell: index into [`Mesh::shell_shapes`]. Without one its nodes lie in its middle surface, its
+    /// thickness is that of its section, and the section's first axis lies along the side from its first node
+    /// to the second.
+    pub shell: Option<u32>,
+}
+
+/// Position, thickness and axes of a shell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShellShape {
+    /// From each corner to the middle surface, along the normal by which the nodes run counter-clockwise.
+    pub offsets: [f64; 4],
+    /// Thickness at the corners; `None`: that of the section.
+    pub thickness: Option<[f64; 4]>,
+    /// First axis of the section.
+    pub axis: ShellAxis,
+}
+
+impl Default for ShellShape {
+    fn default() -> Self {
+        ShellShape {
+            offsets: [0.0; 4],
+            thickness: None,
+            axis: ShellAxis::Side(0.0),
+        }
+    }
+}
+
+/// First axis of a shell's section, in the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ShellAxis {
+    /// The side from the first node to the second, turned by an angle (rad) about the normal.
+    Side(f64),
+    /// The part in the surface of a direction (basic frame), turned by an angle (rad) about the normal.
+    Direction([f64; 3], f64),
 }
 
 /// Position and direction of a beam's section.
@@ -106,6 +140,22 @@ pub struct Property {
     pub section: Section,
 }
 
+impl Property {
+    /// Indices of its materials.
+    pub(crate) fn materials(&self) -> impl Iterator<Item = u32> {
+        let others = match self.section {
+            Section::Shell(ShellSection {
+                layup: Layup::Apart { bending, shear },
+                ..
+            }) => [bending, shear],
+            _ => [None, None],
+        };
+        self.material
+            .into_iter()
+            .chain(others.into_iter().flatten())
+    }
+}
+
 /// Section of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Section {
@@ -128,6 +178,24 @@ pub struct ShellSection {
     pub bending: f64,
     /// Thickness that resists shear across the plate, by the thickness. Zero means no shear flexibility.
     pub shear: f64,
+    /// Its materials.
+    pub layup: Layup,
+}
+
+/// Materials of a shell's section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Layup {
+    /// The property's material alone.
+    One,
+    /// The property's material stretches, others bend and shear.
+    Apart {
+        /// Index of the material that bends. Without one the section is a membrane: it resists no bending and
+        /// no shear across, and its nodes have no rotations.
+        bending: Option<u32>,
+        /// Index of the material that resists shear across the plate. Without one there is no shear
+        /// flexibility.
+        shear: Option<u32>,
+    },
 }
 
 impl ShellSection {
@@ -138,7 +206,13 @@ impl ShellSection {
             mass_per_area: 0.0,
             bending: 1.0,
             shear: 5.0 / 6.0,
+            layup: Layup::One,
         }
+    }
+
+    /// Whether it is a membrane.
+    pub const fn is_membrane(&self) -> bool {
+        matches!(self.layup, Layup::Apart { bending: None, .. })
     }
 }
 
@@ -161,17 +235,57 @@ pub struct BeamSection {
     pub mass_per_length: f64,
 }
 
-/// An isotropic linear elastic material.
+/// A linear elastic material, isotropic unless it is that of a sheet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// The file's number or name.
     pub name: String,
-    /// Young's modulus.
+    /// Young's modulus; that along the first axis of a sheet.
     pub young: f64,
     /// Poisson's ratio.
     pub poisson: f64,
     /// Density.
     pub density: f64,
+    /// Elasticity of an anisotropic sheet. Only shells can be made of it.
+    pub sheet: Option<SheetElasticity>,
+}
+
+/// Elasticity of a sheet in its own axes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SheetElasticity {
+    /// Stiffness in plane stress: 11, 22, 12 of stress for those of strain, with engineering shear.
+    pub plane: [[f64; 3]; 3],
+    /// Stiffness of the shear across the sheet along both axes; `None`: without shear flexibility.
+    pub across: Option<[[f64; 2]; 2]>,
+}
+
+impl SheetElasticity {
+    /// An orthotropic sheet of E₁, E₂, ν₁₂, G₁₂, and of G₁₃, G₂₃ across it, which are both zero without shear
+    /// flexibility: `Q₁₁ = E₁/(1 − ν₁₂ ν₂₁)`, `Q₁₂ = ν₂₁ Q₁₁`, `Q₂₂ = E₂/(1 − ν₁₂ ν₂₁)` with `ν₂₁ = ν₁₂ E₂/E₁` (R. M.
+    /// Jones, Mechanics of Composite Materials, 2nd ed., §2.4); `None` if some strain costs nothing.
+    pub fn orthotropic(
+        [first, second, poisson, shear]: [f64; 4],
+        [along, beside]: [f64; 2],
+    ) -> Option<Self> {
+        let other = poisson * second / first;
+        let rest = 1.0 - poisson * other;
+        let sound = [first, second, shear, rest]
+            .iter()
+            .all(|x| *x > 0.0 && x.is_finite());
+        let flexible = match (along, beside) {
+            (0.0, 0.0) => false,
+            (a, b) if a > 0.0 && b > 0.0 && a.is_finite() && b.is_finite() => true,
+            _ => return None,
+        };
+        sound.then_some(SheetElasticity {
+            plane: [
+                [first / rest, other * first / rest, 0.0],
+                [other * first / rest, second / rest, 0.0],
+                [0.0, 0.0, shear],
+            ],
+            across: flexible.then_some([[along, 0.0], [0.0, beside]]),
+        })
+    }
 }
 
 /// A mass at a node.
@@ -329,6 +443,8 @@ pub struct Mesh {
     pub connectivity: Vec<u32>,
     /// Axes of beams.
     pub beam_axes: Vec<BeamAxes>,
+    /// Positions, thicknesses and axes of shells.
+    pub shell_shapes: Vec<ShellShape>,
     /// Properties.
     pub properties: Vec<Property>,
     /// Materials.
@@ -413,6 +529,15 @@ impl Mesh {
             let mut lacking = false;
             for own in self.materials.iter_mut().filter(|own| own.density == 0.0) {
                 lacking = true;
+                if own.sheet.is_some() {
+                    return wrong(
+                        format!(
+                            "the mesh's material {} lacks a density, and is not isotropic",
+                            own.name
+                        ),
+                        "give the density in the file",
+                    );
+                }
                 if (own.young - young).abs() > 0.05 * young || (own.poisson - poisson).abs() > 0.05
                 {
                     return wrong(
@@ -451,6 +576,7 @@ impl Mesh {
             young,
             poisson,
             density,
+            sheet: None,
         });
         Ok(())
     }

@@ -14,8 +14,19 @@ impl Mesh {
         for axes in &mut self.beam_axes {
             axes.offsets = axes.offsets.map(|offset| offset.map(|x| x * length));
         }
+        for shape in &mut self.shell_shapes {
+            shape.offsets = shape.offsets.map(|x| x * length);
+            shape.thickness = shape.thickness.map(|own| own.map(|x| x * length));
+        }
         for material in &mut self.materials {
             material.young *= force / (length * length);
+            if let Some(sheet) = &mut material.sheet {
+                let stress = force / (length * length);
+                sheet.plane = sheet.plane.map(|row| row.map(|x| x * stress));
+                sheet.across = sheet
+                    .across
+                    .map(|own| own.map(|row| row.map(|x| x * stress)));
+            }
             material.density *= mass / (length * length * length);
         }
         for property in &mut self.properties {
@@ -26,6 +37,7 @@ impl Mesh {
                     mass_per_area,
                     bending: _,
                     shear: _,
+                    layup: _,
                 }) => {
                     *thickness *= length;
                     *mass_per_area *= mass / (length * length);

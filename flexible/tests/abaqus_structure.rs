@@ -318,6 +318,56 @@ a, b
     );
 }
 
+/// A square with shells of four and of three nodes.
+const SHELLS: &str = "\
+*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+*NSET, NSET=RIGHT
+2, 3
+*ELEMENT, TYPE=S4R, ELSET=FOUR
+1, 1, 2, 3, 4
+*ELEMENT, TYPE=S3, ELSET=THREE
+2, 1, 2, 3
+*MATERIAL, NAME=STEEL
+*ELASTIC
+2.1E11, 0.3
+";
+
+#[test]
+fn shells_beside_their_nodes_and_of_thicknesses_at_nodes() {
+    let mesh = mesh(&format!(
+        "{SHELLS}*NODAL THICKNESS
+ALL, .01
+RIGHT, .03
+*SHELL SECTION, ELSET=FOUR, MATERIAL=STEEL, NODAL THICKNESS, OFFSET=SPOS
+*SHELL SECTION, ELSET=THREE, MATERIAL=STEEL, OFFSET=-0.25
+.02
+"
+    ));
+    assert_eq!(unread(&mesh), []);
+    let shape = |i: usize| mesh.shell_shapes[mesh.elements[i].shell.expect("one") as usize];
+    assert_eq!(shape(0).thickness, Some([0.01, 0.03, 0.03, 0.01]));
+    // the nodes lie in the upper surface
+    assert_eq!(shape(0).offsets, [-0.005, -0.015, -0.015, -0.005]);
+    assert_eq!(shape(1).thickness, None);
+    assert_eq!(shape(1).offsets, [0.005; 4]);
+    let found = problem(&format!(
+        "{SHELLS}*NODAL THICKNESS
+RIGHT, .03
+*SHELL SECTION, ELSET=FOUR, MATERIAL=STEEL, NODAL THICKNESS
+"
+    ));
+    assert!(
+        found
+            .problem
+            .contains("element 1 has NODAL THICKNESS, and its node 1 has none"),
+        "{found}"
+    );
+}
+
 #[test]
 fn sections_and_materials() {
     let mesh = mesh(&format!(

@@ -353,6 +353,7 @@ fn a_rotating_angled_beam_stiffens_as_published() {
             young: number(&own["E"]),
             poisson: number(&own["nu"]),
             density: number(&own["rho"]),
+            sheet: None,
         });
         for element in elements..mesh.elements.len() {
             let property = mesh.elements[element].property as usize;
@@ -426,6 +427,7 @@ fn overhung(radius: f64, thickness: f64, length: f64, section: Section) -> Mesh 
         young: YOUNG,
         poisson: POISSON,
         density: 1e-3,
+        sheet: None,
     });
     for property in mesh.properties.iter_mut().skip(1) {
         property.material = Some(1);

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::nastran_deck::*;
 use eng_flexible::Place;
-use eng_flexible::mesh::{BeamSection, Carries, ElementKind, Section, Support};
+use eng_flexible::mesh::{BeamSection, Carries, ElementKind, Layup, Section, ShellAxis, Support};
 
 /// Grid points 1 to `count` on a line that is nowhere straight, a solid property and its material.
 fn grids(count: u64) -> String {
@@ -305,11 +305,16 @@ CTRIA6,8,1,1,2,3
     assert_eq!(thickness(0), (Some(0), 0.01, 2.5));
     assert_eq!(thickness(4), (Some(0), 0.02, 2.5));
     assert_eq!(thickness(5), (None, 0.0, 0.0));
-    // the stiffness of quadratic ones and offsets are not computed
+    // the angle means nothing to an isotropic shell
+    let shape = mesh.shell_shapes[mesh.elements[6].shell.expect("an offset") as usize];
+    assert_eq!(
+        (shape.offsets, shape.axis),
+        ([0.5; 4], ShellAxis::Side(0.0))
+    );
+    // the stiffness of quadratic ones is not computed
     assert_eq!(
         unread(&mesh),
         [
-            ("CQUAD4 offset", 1, Carries::Structure),
             ("CQUAD8", 1, Carries::Structure),
             ("CTRIA6", 1, Carries::Structure),
         ]
@@ -548,6 +553,21 @@ fn elements_that_miss_something() {
             "element 1 has no thickness",
         ),
         (
+            "PSHELL,5,8\nCTRIA3,1,5,1,2,3,,,\n,,,.1",
+            8,
+            "element 1 has no thickness at one of its grid points",
+        ),
+        (
+            "MAT8,5,1.,2.,.9,1.",
+            7,
+            "these constants are those of no elastic sheet",
+        ),
+        (
+            "MAT8,5,2.,1.,.3,1.\nCTETRA,17,5,1,2,3,4\nPSOLID,5,5",
+            7,
+            "MAT8 5, used by PSOLID 5, is not isotropic",
+        ),
+        (
             "SPOINT,50,THRU,60\nCTETRA,17,3,1,2,3,55",
             8,
             "uses 55, which is a scalar point",
@@ -563,6 +583,103 @@ fn elements_that_miss_something() {
         assert!(found.problem.contains(message), "{found}");
         assert!(!found.advice.is_empty());
     }
+}
+
+#[test]
+fn shells_of_several_materials_thicknesses_and_axes() {
+    let mesh = mesh(&format!(
+        "{}MAT1,9,7.+10,,.3,2700.
+MAT8,10,1.4+11,1.+10,.3,5.+9,4.+9,3.+9,1600.
+MAT2,11,3.,1.,0.,2.,0.,.5,5.
+CORD2R,7,,0.,0.,0.,1.,0.,0.\n,0.,0.,1.
+PSHELL,1,8,.01,9,2.,,
+PSHELL,2,8,.01
+PSHELL,3,10,.02,10,,11,1.
+PSHELL,4,8,.01,8,,8
+CQUAD4,1,1,1,2,3,4
+CQUAD4,2,2,1,2,3,4
+CQUAD4,3,3,1,2,3,4,30.
+CQUAD4,4,3,1,2,3,4,7,-.1
+CTRIA3,5,4,1,2,3,,,\n,,,.02,,.04
+CTRIA3,6,4,1,2,3,,,\n,,1,.5,2.,1.
+",
+        grids(4)
+    ));
+    assert_eq!(unread(&mesh), []);
+    let section = |element: usize| {
+        let property = &mesh.properties[mesh.elements[element].property as usize];
+        match property.section {
+            Section::Shell(section) => (property.material, section),
+            other => panic!("{other:?}"),
+        }
+    };
+    let name = |index: Option<u32>| index.map(|i| mesh.materials[i as usize].name.as_str());
+    let apart = |element: usize| match section(element).1.layup {
+        Layup::Apart { bending, shear } => [section(element).0, bending, shear].map(name),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(apart(0), [Some("8"), Some("9"), None]);
+    assert_eq!((section(0).1.bending, section(0).1.shear), (2.0, 0.0));
+    assert_eq!(apart(1), [Some("8"), None, None]);
+    assert!(section(1).1.is_membrane());
+    assert_eq!(apart(2), [Some("10"), Some("10"), Some("11")]);
+    let sheet = |index: Option<u32>| {
+        mesh.materials[index.expect("one") as usize]
+            .sheet
+            .expect("one")
+    };
+    let orthotropic = sheet(section(2).0);
+    let rest = 1.0 - 0.09 / 14.0;
+    close(orthotropic.plane[0][0], 1.4e11 / rest, 1e12);
+    close(orthotropic.plane[0][1], 0.3e10 / rest, 1e12);
+    close(orthotropic.plane[1][1], 1e10 / rest, 1e12);
+    assert_eq!(orthotropic.plane[2], [0.0, 0.0, 5e9]);
+    assert_eq!(orthotropic.across, Some([[4e9, 0.0], [0.0, 3e9]]));
+    let Layup::Apart { shear, .. } = section(2).1.layup else {
+        panic!("one material");
+    };
+    // as MID3 a MAT2 holds the stiffness of the shear across
+    assert_eq!(sheet(shear).across, Some([[3.0, 1.0], [1.0, 2.0]]));
+    let shape =
+        |element: usize| mesh.shell_shapes[mesh.elements[element].shell.expect("one") as usize];
+    assert_eq!(mesh.elements[0].shell, None);
+    assert_eq!(shape(2).axis, ShellAxis::Side(30f64.to_radians()));
+    // z along x, x along z
+    let ShellAxis::Direction(axis, turn) = shape(3).axis else {
+        panic!("{:?}", shape(3));
+    };
+    close3(axis, [0.0, 0.0, 1.0], 1.0);
+    assert_eq!((turn, shape(3).offsets), (0.0, [-0.1; 4]));
+    assert_eq!(shape(4).thickness, Some([0.02, 0.01, 0.04, 0.0]));
+    assert_eq!(shape(5).thickness, Some([0.005, 0.02, 0.01, 0.0]));
+}
+
+#[test]
+fn parts_of_shell_properties_that_are_not_read_are_listed() {
+    let mesh = mesh(&format!(
+        "{}PSHELL,1,8,.01,-1
+PSHELL,2,,.01,8,,8
+PSHELL,3,8,.01,8,,8,,,\n,,,8
+MAT8,10,1.4+11,1.+10,.3,5.+9
+CORD2C,7,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.
+PSHELL,4,10,.01,10
+CTRIA3,1,4,1,2,3,7
+",
+        grids(4)
+    ));
+    assert_eq!(
+        unread(&mesh),
+        [
+            (
+                "MCID of a cylindrical or spherical system",
+                1,
+                Carries::Structure
+            ),
+            ("PSHELL of plane strain", 1, Carries::Structure),
+            ("PSHELL with MID4", 1, Carries::Structure),
+            ("PSHELL without MID1", 1, Carries::Structure),
+        ]
+    );
 }
 
 #[test]

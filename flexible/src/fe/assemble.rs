@@ -331,16 +331,14 @@ impl System<'_> {
         let mut faults = Vec::new();
         for &index in shells {
             let element = &self.mesh.elements[index as usize];
-            let Some(Role::Shell(section, material)) = role(self.mesh, element) else {
+            let Some(Role::Shell(sheet)) = role(self.mesh, element) else {
                 continue;
             };
             let present = present(self.mesh, self.freedoms, element);
-            let shell = Shell {
-                kind: element.kind,
-                places: &present.places(self.mesh),
-                drilling: element.variant == Variant::Drilling,
-                plate: &Plate::new(section, material),
-            };
+            let places = present.places(self.mesh);
+            let plate = Plate::new(&sheet, &places);
+            let drilling = element.variant == Variant::Drilling;
+            let shell = Shell::new(element.kind, &places, drilling, &plate);
             match shell.matrices(rules.mass) {
                 Ok(matrices) => self.add_shell(present.nodes(), &matrices, mass),
                 Err(area) => faults.push((element.id, area)),
@@ -379,8 +377,13 @@ impl System<'_> {
                         }
                         let value = matrices.stiffness[6 * a + i][6 * b + j];
                         self.add_stiffness(row, column, value);
-                        if i >= 3 && j >= 3 {
-                            let inertia = matrices.rotary[a][b][i - 3][j - 3];
+                        let inertia = match (i.checked_sub(3), j.checked_sub(3)) {
+                            (Some(i), Some(j)) => Some(matrices.rotary[a][b][i][j]),
+                            (None, Some(j)) => matrices.coupling.map(|c| c[a][b][i][j]),
+                            (Some(i), None) => matrices.coupling.map(|c| c[b][a][j][i]),
+                            (None, None) => None,
+                        };
+                        if let Some(inertia) = inertia {
                             mass.push((row as u32, column as u32, inertia));
                         }
                     }

@@ -2,9 +2,11 @@
 //! in range, every place is finite, and every element has the section and the constants that it needs. So the
 //! kernel uses indices without further tests.
 
+use super::vector::{cross, determinant, norm, subtract};
 use crate::error::FlexibleError;
 use crate::mesh::{
-    ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, ShellSection, Tie,
+    ABSENT, BeamSection, Element, ElementKind, Layup, Material, Mesh, Section, SheetElasticity,
+    ShellAxis, ShellSection, ShellShape, Tie,
 };
 
 /// Number of ids that a message names.
@@ -37,13 +39,73 @@ pub(super) enum Role<'a> {
     /// Stiffness and mass of a volume.
     Solid(&'a Material),
     /// A shell.
-    Shell(ShellSection, &'a Material),
+    Shell(Sheet<'a>),
     /// Mass per area (kg/m²), no stiffness.
     Coat(f64),
     /// A beam.
     Beam(&'a Material),
     /// Shape only.
     Facet,
+}
+
+/// Section, materials and position of a shell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sheet<'a> {
+    pub section: ShellSection,
+    /// The material that stretches.
+    pub material: &'a Material,
+    /// With [`Layup::Apart`] the material that bends.
+    pub bending: Option<&'a Material>,
+    /// With [`Layup::Apart`] the material that resists shear across the plate.
+    pub shear: Option<&'a Material>,
+    pub shape: Option<&'a ShellShape>,
+}
+
+impl<'a> Sheet<'a> {
+    /// Whether the section has axes: an isotropic one has none.
+    pub fn is_directed(&self) -> bool {
+        let mut materials = [Some(self.material), self.bending, self.shear]
+            .into_iter()
+            .flatten();
+        materials.any(|material| material.sheet.is_some())
+    }
+
+    /// `None` for an index out of range.
+    fn new(
+        mesh: &'a Mesh,
+        element: &Element,
+        section: ShellSection,
+        material: &'a Material,
+    ) -> Option<Self> {
+        let named = |index: Option<u32>| match index {
+            Some(index) => mesh.materials.get(index as usize).map(Some),
+            None => Some(None),
+        };
+        let (bending, shear) = match section.layup {
+            Layup::One => (None, None),
+            Layup::Apart { bending, shear } => (named(bending)?, named(shear)?),
+        };
+        let shape = match element.shell {
+            Some(index) => Some(mesh.shell_shapes.get(index as usize)?),
+            None => None,
+        };
+        Some(Sheet {
+            section,
+            material,
+            bending,
+            shear,
+            shape,
+        })
+    }
+
+    /// Mass per area (kg/m²), with the mean of the thicknesses at `corners` nodes.
+    pub fn mass(&self, corners: usize) -> f64 {
+        let own = self.shape.and_then(|shape| shape.thickness);
+        let thickness = own.map_or(self.section.thickness, |own| {
+            own.iter().take(corners).sum::<f64>() / corners as f64
+        });
+        self.material.density * thickness + self.section.mass_per_area
+    }
 }
 
 /// The role of a checked element; `None` if its property does not fit it.
@@ -59,10 +121,10 @@ pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
         (kind, section, material) if !kind.is_solid() && kind != ElementKind::Beam2 => {
             match (section, material) {
                 (Section::Shell(section), Some(material)) => {
-                    let mass = material.density * section.thickness + section.mass_per_area;
+                    let sheet = Sheet::new(mesh, element, section, material)?;
                     Some(match kind == kind.linear() {
-                        true => Role::Shell(section, material),
-                        false => Role::Coat(mass),
+                        true => Role::Shell(sheet),
+                        false => Role::Coat(sheet.mass(kind.corner_count())),
                     })
                 }
                 (Section::Shell(section), None) => Some(match section.mass_per_area {
@@ -88,8 +150,62 @@ fn material_fault(material: &Material) -> Option<String> {
     } else if !(density >= 0.0 && density.is_finite()) {
         Some(format!("density {density} kg/m³; it can't be negative"))
     } else {
-        None
+        material.sheet.as_ref().and_then(sheet_fault)
     }
+}
+
+/// Both matrices must be symmetric and positive definite.
+fn sheet_fault(sheet: &SheetElasticity) -> Option<String> {
+    let [[a, b, c], [_, d, e], [_, _, f]] = sheet.plane;
+    let symmetric = (0..3).all(|i| (0..i).all(|j| sheet.plane[i][j] == sheet.plane[j][i]));
+    let stiff = a > 0.0 && a * d - b * b > 0.0 && determinant(&sheet.plane) > 0.0;
+    if !(symmetric && stiff && d.is_finite() && f.is_finite() && c.is_finite() && e.is_finite()) {
+        return Some(format!(
+            "a plane stiffness (Pa) of {a:.4e} {b:.4e} {c:.4e}, {d:.4e} {e:.4e}, {f:.4e}, which some strain costs nothing"
+        ));
+    }
+    let [[a, b], [c, d]] = sheet.across?;
+    let stiff = a > 0.0 && b == c && a * d - b * c > 0.0 && a.is_finite() && d.is_finite();
+    (!stiff).then(|| {
+        format!("a stiffness (Pa) of {a:.4e} {b:.4e}, {d:.4e} for shear across the sheet, which some shear costs nothing")
+    })
+}
+
+/// Unsound thickness, position or axes of a shell.
+fn shape_fault(mesh: &Mesh, element: &Element, sheet: &Sheet) -> Option<String> {
+    let shape = sheet.shape?;
+    let corners = element.kind.corner_count();
+    let own = shape.thickness.iter().flatten().take(corners);
+    if let Some(thickness) = own.copied().find(|t| !(*t > 0.0 && t.is_finite())) {
+        return Some(format!(
+            "a thickness of {thickness} m at a node; it must be above zero"
+        ));
+    }
+    let offsets = &shape.offsets[..corners.min(4)];
+    if let Some(offset) = offsets.iter().find(|x| !x.is_finite()) {
+        return Some(format!("an offset of {offset} m"));
+    }
+    if sheet.section.is_membrane() && offsets.iter().any(|x| *x != 0.0) {
+        return Some("an offset, but a section without bending stiffness: nothing takes the moment of the offset".into());
+    }
+    let ShellAxis::Direction(direction, _) = shape.axis else {
+        return None;
+    };
+    let place = |node: u32| mesh.nodes.get(node as usize).map(|node| node.position);
+    let nodes = mesh.nodes_of(element);
+    let (&[first, second, third], rest) = nodes.split_first_chunk()?;
+    let last = match rest {
+        [last, ..] if corners == 4 => *last,
+        _ => first,
+    };
+    let diagonals = [
+        subtract(place(third)?, place(first)?),
+        subtract(place(last)?, place(second)?),
+    ];
+    let normal = cross(diagonals[0], diagonals[1]);
+    let within = norm(cross(direction, normal));
+    (sheet.is_directed() && !(within > 1e-3 * norm(direction) * norm(normal)))
+        .then(|| "a first axis of its material that stands across its surface".into())
 }
 
 fn shell_fault(section: &ShellSection, role: Role) -> Option<String> {
@@ -98,6 +214,7 @@ fn shell_fault(section: &ShellSection, role: Role) -> Option<String> {
         mass_per_area,
         bending,
         shear,
+        layup: _,
     } = *section;
     let stiff = matches!(role, Role::Shell(..));
     let weightless = thickness == 0.0 && mass_per_area > 0.0 && !stiff;
@@ -223,6 +340,14 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
         if role == Role::Facet {
             continue;
         }
+        if let Role::Shell(sheet) = &role
+            && let Some(fault) = shape_fault(mesh, element, sheet)
+        {
+            return Err(wrong(
+                format!("element {} has {fault}", element.id),
+                "check the element's offset, thicknesses and material direction",
+            ));
+        }
         if let Some(fault) = section_fault(&property.section, role) {
             return Err(wrong(
                 format!(
@@ -232,11 +357,26 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
                 "check the section and the units",
             ));
         }
-        if let Some(index) = property.material
-            && let Some(seen) = seen.get_mut(index as usize)
-            && !*seen
-        {
-            let material = &mesh.materials[index as usize];
+        let of_sheets = matches!(role, Role::Shell(_) | Role::Coat(_));
+        for index in property.materials() {
+            let (Some(seen), Some(material)) = (
+                seen.get_mut(index as usize),
+                mesh.materials.get(index as usize),
+            ) else {
+                continue;
+            };
+            if !of_sheets && material.sheet.is_some() {
+                return Err(wrong(
+                    format!(
+                        "element {} is no shell, and its material “{}” is that of a sheet",
+                        element.id, material.name
+                    ),
+                    "give it an isotropic material",
+                ));
+            }
+            if *seen {
+                continue;
+            }
             if let Some(fault) = material_fault(material) {
                 return Err(wrong(
                     format!(

@@ -43,7 +43,8 @@ impl FreedomMap {
         };
         for element in &mesh.elements {
             let freedoms = match role(mesh, element) {
-                Some(Role::Beam(_) | Role::Shell(..)) => 6,
+                Some(Role::Shell(sheet)) if sheet.section.is_membrane() => 3,
+                Some(Role::Beam(_) | Role::Shell(_)) => 6,
                 Some(Role::Solid(_) | Role::Coat(_)) => 3,
                 Some(Role::Facet) | None => continue,
             };

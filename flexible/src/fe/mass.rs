@@ -15,7 +15,8 @@ pub struct Mass {
     freedoms: FreedomMap,
     /// M_s over nodes (kg).
     pub solid: SymmetricMatrix,
-    /// M_g over full freedoms (kg, kg m, kg m²): beams, offset point masses, rotary inertia.
+    /// M_g over full freedoms (kg, kg m, kg m²): beams, offset shells and point masses, rotary
+    /// inertia.
     pub general: Option<SymmetricMatrix>,
 }
 

@@ -57,9 +57,7 @@ pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
     for element in &mesh.elements {
         let density = match role(mesh, element) {
             Some(Role::Solid(material)) => material.density,
-            Some(Role::Shell(section, material)) => {
-                material.density * section.thickness + section.mass_per_area
-            }
+            Some(Role::Shell(sheet)) => sheet.mass(element.kind.corner_count()),
             Some(Role::Coat(mass)) => mass,
             Some(Role::Beam(material)) => {
                 let property = mesh.properties.get(element.property as usize);

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::source::At;
 use crate::element::ElementKind;
 use crate::error::FileProblem;
-use crate::mesh::{BeamAxes, Element, Mesh, Variant};
+use crate::mesh::{BeamAxes, Element, Mesh, ShellShape, Variant};
 
 /// A list of values that are made once each. A key identifies the source of a value.
 #[derive(Clone, Debug)]
@@ -56,6 +56,8 @@ pub(super) struct NewElement {
     pub variant: Variant,
     /// Index of its property.
     pub property: u32,
+    /// Position, thickness and axes of a shell, if they differ from the default.
+    pub shell: Option<ShellShape>,
 }
 
 /// Adds an element to a mesh, and for a beam its axes. Returns the index of the element.
@@ -75,6 +77,12 @@ pub(super) fn add_element(
         mesh.beam_axes.push(axes);
         (mesh.beam_axes.len() - 1) as u32 // never more than elements
     });
+    let shell = new.shell.map(|shape| {
+        if mesh.shell_shapes.last() != Some(&shape) {
+            mesh.shell_shapes.push(shape);
+        }
+        (mesh.shell_shapes.len() - 1) as u32 // never more than elements
+    });
     mesh.elements.push(Element {
         id: new.id,
         kind: new.kind,
@@ -82,6 +90,7 @@ pub(super) fn add_element(
         property: new.property,
         first,
         beam,
+        shell,
     });
     Ok(index)
 }

@@ -89,6 +89,7 @@ pub fn empty() -> Mesh {
             young: YOUNG,
             poisson: POISSON,
             density: DENSITY,
+            sheet: None,
         }],
         ..Mesh::default()
     }
@@ -113,6 +114,7 @@ pub fn add_element(mesh: &mut Mesh, kind: ElementKind, property: u32, nodes: &[u
         property,
         first: mesh.connectivity.len() as u32,
         beam: None,
+        shell: None,
     };
     mesh.connectivity.extend_from_slice(nodes);
     mesh.elements.push(element);

@@ -1,8 +1,10 @@
 //! Forces and moments of a shell as functions of its strains.
 
-use super::STRAINS;
+use super::{NODES, Places, STRAINS};
 use crate::element::MOST_NODES;
-use crate::mesh::{Material, ShellSection};
+use crate::fe::check::Sheet;
+use crate::fe::vector::{Vector, dot, subtract};
+use crate::mesh::{Layup, Material, ShellAxis, ShellShape};
 
 /// Of a section without shear flexibility: the bending stiffness by the shear stiffness and the element's
 /// area. The deflection of one element by shear is then 1e-5 of that by bending.
@@ -12,67 +14,199 @@ const RIGID: f64 = 1e-5 / 12.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::fe) struct Law(pub [[f64; STRAINS]; STRAINS]);
 
-/// Section and material of a shell.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Stiffness in plane stress (Pa): 11, 22, 12 of stress for those of strain, with engineering shear.
+pub(super) type Plane = [[f64; 3]; 3];
+
+/// Stiffness of shear across the plate (Pa).
+type Across = [[f64; 2]; 2];
+
+/// Section, materials and position of a shell. The stiffness is that of a unit of thickness t, in the
+/// section's axes: `N = t A ε`, `M = t³/12 D κ`, `Q = t S γ`.
+#[derive(Clone, Debug, PartialEq)]
 pub(in crate::fe) struct Plate {
-    section: ShellSection,
-    material: Elastic,
+    /// Thickness at the nodes (m).
+    thickness: [f64; NODES],
+    /// From the nodes to the middle surface along the normal (m).
+    pub offsets: [f64; NODES],
+    stretching: Plane,
+    bending: Plane,
+    /// `None`: without shear flexibility.
+    across: Option<Across>,
+    membrane: bool,
+    /// The first axis of the section (its part in the surface), and its turn about the normal (rad). An
+    /// isotropic section has none.
+    axis: Option<(Vector, f64)>,
+    density: f64,
+    mass_per_area: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Elastic {
-    young: f64,
-    poisson: f64,
-    density: f64,
+/// A material in plane stress, of an isotropic one `E/(1 − ν²)` and `E/(2 (1 + ν))`, and its stiffness of
+/// shear across the sheet.
+fn elasticity(material: &Material) -> (Plane, Option<Across>) {
+    if let Some(sheet) = &material.sheet {
+        return (sheet.plane, sheet.across);
+    }
+    let Material { young, poisson, .. } = *material;
+    let plane = young / (1.0 - poisson * poisson);
+    let modulus = 0.5 * young / (1.0 + poisson);
+    let stiffness = [
+        [plane, plane * poisson, 0.0],
+        [plane * poisson, plane, 0.0],
+        [0.0, 0.0, modulus],
+    ];
+    (stiffness, Some([[modulus, 0.0], [0.0, modulus]]))
+}
+
+fn times<const N: usize>(factor: f64, matrix: [[f64; N]; N]) -> [[f64; N]; N] {
+    matrix.map(|row| row.map(|x| factor * x))
+}
+
+/// `Tᵀ C T`.
+fn congruent<const N: usize>(turn: &[[f64; N]; N], matrix: &[[f64; N]; N]) -> [[f64; N]; N] {
+    let mut out = [[0.0; N]; N];
+    for (i, row) in out.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            for (k, line) in matrix.iter().enumerate() {
+                for (l, x) in line.iter().enumerate() {
+                    *entry += turn[k][i] * x * turn[l][j];
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Cosine and sine of the angle from the element's first axis to that of the section.
+#[derive(Clone, Copy)]
+struct Turn(f64, f64);
+
+impl Turn {
+    fn plane(self, matrix: &Plane) -> Plane {
+        let Turn(c, s) = self;
+        let strains = [
+            [c * c, s * s, c * s],
+            [s * s, c * c, -c * s],
+            [-2.0 * c * s, 2.0 * c * s, c * c - s * s],
+        ];
+        congruent(&strains, matrix)
+    }
+
+    fn across(self, matrix: &Across) -> Across {
+        let Turn(c, s) = self;
+        congruent(&[[c, s], [-s, c]], matrix)
+    }
 }
 
 impl Plate {
-    pub fn new(section: ShellSection, material: &Material) -> Self {
-        Plate {
-            section,
-            material: Elastic {
-                young: material.young,
-                poisson: material.poisson,
-                density: material.density,
-            },
-        }
-    }
-
-    /// Mass per area (kg/m²) and rotary inertia per area (kg) at a place with these shape functions.
-    pub fn inertia(&self, _values: &[f64; MOST_NODES]) -> (f64, f64) {
-        let thickness = self.section.thickness;
-        let own = self.material.density * thickness;
-        (
-            own + self.section.mass_per_area,
-            own * thickness * thickness / 12.0,
-        )
-    }
-
-    /// The law of an isotropic plate in plane stress, at a place with these shape functions in an element whose
-    /// size has this square (m²): membrane `E t/(1 − ν²)`, bending `b E t³/(12 (1 − ν²))` with the section's factor b,
-    /// shear `k G t` with its factor k.
-    pub fn law(&self, _values: &[f64; MOST_NODES], square: f64) -> Law {
-        let Elastic { young, poisson, .. } = self.material;
-        let thickness = self.section.thickness;
-        let plane = young / (1.0 - poisson * poisson);
-        let modulus = 0.5 * young / (1.0 + poisson);
-        let bending = self.section.bending * thickness * thickness * thickness / 12.0;
-        let mut law = [[0.0; STRAINS]; STRAINS];
-        for (first, factor) in [(0, thickness), (3, bending)] {
-            law[first][first] = factor * plane;
-            law[first + 1][first + 1] = factor * plane;
-            law[first][first + 1] = factor * plane * poisson;
-            law[first + 1][first] = factor * plane * poisson;
-            law[first + 2][first + 2] = factor * modulus;
-        }
-        let shear = match self.section.shear {
-            0.0 => bending * plane / (RIGID * square),
-            factor => factor * modulus * thickness,
+    /// Of a shell with its nodes at `places`.
+    pub fn new(sheet: &Sheet<'_>, places: &Places) -> Self {
+        let Sheet {
+            section, material, ..
+        } = *sheet;
+        let shape = sheet.shape.copied().unwrap_or_default();
+        let (bending, shear) = match section.layup {
+            Layup::One if section.shear == 0.0 => (Some(material), None),
+            Layup::One => (Some(material), Some(material)),
+            Layup::Apart { .. } => (sheet.bending, sheet.shear.filter(|_| section.shear > 0.0)),
         };
-        law[6][6] = shear;
-        law[7][7] = shear;
+        let across = shear
+            .and_then(|material| elasticity(material).1)
+            .map(|across| times(section.shear, across));
+        let ShellShape {
+            offsets, thickness, ..
+        } = shape;
+        let mut plate = Plate {
+            thickness: thickness.unwrap_or([section.thickness; NODES]),
+            offsets,
+            stretching: elasticity(material).0,
+            bending: bending.map_or([[0.0; 3]; 3], |material| {
+                times(section.bending, elasticity(material).0)
+            }),
+            across,
+            membrane: section.is_membrane(),
+            axis: None,
+            density: material.density,
+            mass_per_area: section.mass_per_area,
+        };
+        if sheet.is_directed() {
+            plate.axis = Some(match shape.axis {
+                ShellAxis::Side(turn) => (subtract(places[1], places[0]), turn),
+                ShellAxis::Direction(direction, turn) => (direction, turn),
+            });
+        }
+        plate
+    }
+
+    /// Whether it resists no bending.
+    pub fn is_membrane(&self) -> bool {
+        self.membrane
+    }
+
+    /// Thickness (m) at a place with these shape functions.
+    fn thickness(&self, values: &[f64; MOST_NODES]) -> f64 {
+        let [first, others @ ..] = &self.thickness;
+        if others.iter().all(|other| other == first) {
+            return *first;
+        }
+        self.thickness.iter().zip(values).map(|(t, n)| t * n).sum()
+    }
+
+    /// Mass per area (kg/m²), its first moment (kg/m) and rotary inertia per area (kg) about the middle surface,
+    /// at a place with these shape functions.
+    pub fn inertia(&self, values: &[f64; MOST_NODES]) -> [f64; 3] {
+        let thickness = self.thickness(values);
+        let own = self.density * thickness;
+        let rotary = match self.membrane {
+            true => 0.0,
+            false => own * thickness * thickness / 12.0,
+        };
+        [own + self.mass_per_area, 0.0, rotary]
+    }
+
+    /// The turn of the section's axes from those of the element.
+    fn turn(&self, axes: &[Vector; 3]) -> Option<Turn> {
+        let (axis, turn) = self.axis?;
+        let [x, y] = [dot(axis, axes[0]), dot(axis, axes[1])];
+        let length = libm::hypot(x, y);
+        let (x, y) = (x / length, y / length);
+        let (c, s) = (libm::cos(turn), libm::sin(turn));
+        Some(Turn(c * x - s * y, s * x + c * y))
+    }
+
+    /// The law at a place with these shape functions and axes (two tangents, normal), in an element whose size
+    /// has this square (m²). An isotropic plate has the membrane stiffness `E t/(1 − ν²)`, that of bending
+    /// `b E t³/(12 (1 − ν²))` with the section's factor b, and that of shear `k G t` with its factor k.
+    pub fn law(&self, values: &[f64; MOST_NODES], axes: &[Vector; 3], square: f64) -> Law {
+        let thickness = self.thickness(values);
+        let turn = self.turn(axes);
+        let turned = |matrix: &Plane| turn.map_or(*matrix, |turn| turn.plane(matrix));
+        let (stretching, bending) = (turned(&self.stretching), turned(&self.bending));
+        let cube = thickness * thickness * thickness / 12.0;
+        let mut law = [[0.0; STRAINS]; STRAINS];
+        for i in 0..3 {
+            for j in 0..3 {
+                law[i][j] = thickness * stretching[i][j];
+                law[3 + i][3 + j] = cube * bending[i][j];
+            }
+        }
+        if self.membrane {
+            return Law(law);
+        }
+        let across = match &self.across {
+            None => {
+                let rigid = law[3][3].max(law[4][4]) / (RIGID * square);
+                [[rigid, 0.0], [0.0, rigid]]
+            }
+            Some(across) => {
+                let own = turn.map_or(*across, |turn| turn.across(across));
+                times(thickness, own)
+            }
+        };
+        for (row, own) in law[6..].iter_mut().zip(across) {
+            row[6..8].copy_from_slice(&own);
+        }
         let drilling = (thickness * thickness / square).min(1.0);
-        law[8][8] = drilling * modulus * thickness;
+        law[8][8] = drilling * self.stretching[2][2] * thickness;
         Law(law)
     }
 }

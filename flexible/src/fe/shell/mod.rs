@@ -26,6 +26,10 @@
 //!
 //! The mass is consistent, with the rotary inertia ρ t³/12 of the directors; the rotation about the normal
 //! has none.
+//!
+//! **Offset.** A middle surface beside the nodes hangs on them by rigid arms r along their normals: its places
+//! and motions are `x + r` and `u + θ × r`. The element is made in the middle surface. So its own bending stays
+//! free of its stretching, as in a beam with an eccentric axis.
 
 mod law;
 mod quadrilateral;
@@ -35,7 +39,7 @@ pub(super) use law::{Law, Plate};
 
 use super::check::{list, wrong};
 use super::rules::{MassRule, Spread, spread};
-use super::vector::{Vector, cross, dot, norm, scale};
+use super::vector::{Vector, add, cross, dot, norm, scale};
 use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::fe::solid::tangents;
@@ -73,38 +77,81 @@ pub(super) struct ShellMatrices {
     pub stiffness: [[f64; WIDTH]; WIDTH],
     /// Mass of each pair of nodes, the same in all directions (kg).
     pub mass: [[f64; NODES]; NODES],
+    /// Mass between the translations of the first node and the rotations of the second (kg m); `None` for a
+    /// section with its mass in the surface of the nodes.
+    pub coupling: Option<[[[[f64; 3]; 3]; NODES]; NODES]>,
     /// Rotary inertia of each pair of nodes (kg m²).
     pub rotary: [[[[f64; 3]; 3]; NODES]; NODES],
 }
 
-/// A shell whose middle surface has nodes at `places`.
-#[derive(Clone, Copy, Debug)]
+/// A shell.
+#[derive(Clone, Debug)]
 pub(super) struct Shell<'a> {
-    pub kind: ElementKind,
-    pub places: &'a Places,
+    kind: ElementKind,
+    /// Places in the middle surface.
+    places: Places,
+    /// From the nodes to the middle surface (m).
+    arms: [Vector; NODES],
+    /// Unit normals at the nodes.
+    directors: [Vector; NODES],
     /// Whether rotations about the normal belong to the membrane.
-    pub drilling: bool,
+    drilling: bool,
     /// Its section and material.
-    pub plate: &'a Plate,
+    plate: &'a Plate,
 }
 
-impl Shell<'_> {
+impl<'a> Shell<'a> {
+    /// A shell with its nodes at `places`. With `drilling` the rotations about the normal belong to the
+    /// membrane.
+    pub fn new(kind: ElementKind, places: &Places, drilling: bool, plate: &'a Plate) -> Self {
+        let mut shell = Shell {
+            kind,
+            places: *places,
+            arms: [[0.0; 3]; NODES],
+            directors: [[0.0; 3]; NODES],
+            drilling: drilling && !plate.is_membrane(),
+            plate,
+        };
+        shell.directors = shell.normals();
+        // a folded element has no normals; its points report it
+        let sound = shell.directors.iter().flatten().all(|x| x.is_finite());
+        if sound && plate.offsets != [0.0; NODES] {
+            for (index, offset) in plate.offsets.iter().enumerate().take(shell.count()) {
+                let arm = scale(*offset, shell.directors[index]);
+                shell.arms[index] = arm;
+                shell.places[index] = add(shell.places[index], arm);
+            }
+        }
+        shell
+    }
+
     fn count(&self) -> usize {
         self.kind.node_count().min(NODES)
     }
 
-    /// The points of the stiffness.
+    /// The points of the stiffness, with rows over the freedoms of the nodes.
     ///
     /// # Errors
     /// The area for a unit of the reference domain (m²) where the element is folded or flat.
     pub fn points(&self) -> Result<Vec<ShellPoint>, f64> {
-        match self.count() {
-            3 => triangle::points(self.places, self.plate, self.drilling),
-            _ => quadrilateral::points(self.places, self.plate),
+        let mut points = match self.count() {
+            3 => triangle::points(&self.places, self.plate, self.drilling)?,
+            _ => quadrilateral::points(&self.places, self.plate)?,
+        };
+        if self.plate.offsets != [0.0; NODES] {
+            for row in points.iter_mut().flat_map(|point| &mut point.rows) {
+                for (node, arm) in self.arms.iter().enumerate().take(self.count()) {
+                    // g·(θ × r) = θ·(r × g)
+                    let own = std::array::from_fn(|k| row[6 * node + k]);
+                    put(row, 6 * node + 3, 1.0, cross(*arm, own));
+                }
+            }
         }
+        Ok(points)
     }
 
-    /// Stiffness `∫ Bᵀ C B dA` and mass `∫ N_a N_b m dA`, `∫ N_a N_b j (n_a·n_b I − n_b n_aᵀ) dA`.
+    /// Stiffness `∫ Bᵀ C B dA` and mass `∫ N_a N_b (m v_a·v_b + f (v_a·β_b + β_a·v_b) + j β_a·β_b) dA` with the
+    /// motion `v = u + θ × r` of the middle surface and `β = θ × n` of the directors.
     ///
     /// # Errors
     /// As [`Shell::points`].
@@ -112,6 +159,7 @@ impl Shell<'_> {
         let mut out = ShellMatrices {
             stiffness: [[0.0; WIDTH]; WIDTH],
             mass: [[0.0; NODES]; NODES],
+            coupling: None,
             rotary: [[[[0.0; 3]; 3]; NODES]; NODES],
         };
         for point in self.points()? {
@@ -123,15 +171,13 @@ impl Shell<'_> {
 
     fn add_mass(&self, rule: MassRule, out: &mut ShellMatrices) {
         let count = self.count();
-        let directors = self.directors();
-        let mut inertia = [[0.0; NODES]; NODES];
+        let mut tables = [[[0.0; NODES]; NODES]; 3];
         for point in (self.kind.description().mass)() {
             let shape = Shape::at(self.kind, point.at);
-            let [r, s, _] = tangents(&shape, self.places, count);
+            let [r, s, _] = tangents(&shape, &self.places, count);
             let area = point.weight * norm(cross(r, s));
-            let (mass, rotary) = self.plate.inertia(&shape.values);
             let values = &shape.values[..count];
-            for (table, factor) in [(&mut out.mass, mass), (&mut inertia, rotary)] {
+            for (table, factor) in tables.iter_mut().zip(self.plate.inertia(&shape.values)) {
                 for (row, first) in table.iter_mut().zip(values) {
                     for (sum, second) in row.iter_mut().zip(values) {
                         *sum += factor * area * first * second;
@@ -140,7 +186,7 @@ impl Shell<'_> {
             }
         }
         if spread(self.kind, rule) != Spread::Consistent {
-            for table in [&mut out.mass, &mut inertia] {
+            for table in &mut tables {
                 for (a, row) in table.iter_mut().enumerate() {
                     let sum = row.iter().sum();
                     *row = [0.0; NODES];
@@ -148,34 +194,56 @@ impl Shell<'_> {
                 }
             }
         }
+        let [mass, first_moment, inertia] = tables;
+        out.mass = mass;
+        let beside =
+            self.arms != [[0.0; 3]; NODES] || first_moment.iter().flatten().any(|x| *x != 0.0);
+        let mut coupling = [[[[0.0; 3]; 3]; NODES]; NODES];
         for a in 0..count {
             for b in 0..count {
-                let (first, second) = (directors[a], directors[b]);
-                let along = dot(first, second);
-                for (i, row) in out.rotary[a][b].iter_mut().enumerate() {
-                    for (j, entry) in row.iter_mut().enumerate() {
-                        let same = if i == j { along } else { 0.0 };
-                        *entry = inertia[a][b] * (same - second[i] * first[j]);
-                    }
+                let [(arm_a, n_a), (arm_b, n_b)] =
+                    [a, b].map(|node| (self.arms[node], self.directors[node]));
+                let rotary = &mut out.rotary[a][b];
+                add_product(inertia[a][b], n_a, n_b, rotary);
+                if !beside {
+                    continue;
                 }
+                let (m, f) = (mass[a][b], first_moment[a][b]);
+                add_product(m, arm_a, arm_b, rotary);
+                add_product(f, arm_a, n_b, rotary);
+                add_product(f, n_a, arm_b, rotary);
+                let [x, y, z] = add(scale(m, arm_b), scale(f, n_b));
+                coupling[a][b] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
             }
         }
+        out.coupling = beside.then_some(coupling);
     }
 
-    /// The unit normals of the middle surface at its nodes.
-    fn directors(&self) -> [Vector; NODES] {
+    /// The unit normals of the surface at its nodes.
+    fn normals(&self) -> [Vector; NODES] {
         let corners: &[[f64; 2]] = match self.count() {
             3 => &triangle::CORNERS,
             _ => &quadrilateral::CORNERS,
         };
-        let mut directors = [[0.0; 3]; NODES];
-        for (director, [r, s]) in directors.iter_mut().zip(corners) {
+        let mut normals = [[0.0; 3]; NODES];
+        for (unit, [r, s]) in normals.iter_mut().zip(corners) {
             let shape = Shape::at(self.kind, [*r, *s, 0.0]);
-            let [r, s, _] = tangents(&shape, self.places, self.count());
+            let [r, s, _] = tangents(&shape, &self.places, self.count());
             let normal = cross(r, s);
-            *director = scale(1.0 / norm(normal), normal);
+            *unit = scale(1.0 / norm(normal), normal);
         }
-        directors
+        normals
+    }
+}
+
+/// Adds the matrix of `factor (θ_a × p)·(θ_b × q)`: p·q I − q pᵀ.
+fn add_product(factor: f64, p: Vector, q: Vector, block: &mut [[f64; 3]; 3]) {
+    let along = dot(p, q);
+    for (i, row) in block.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            let same = if i == j { along } else { 0.0 };
+            *entry += factor * (same - q[i] * p[j]);
+        }
     }
 }
 

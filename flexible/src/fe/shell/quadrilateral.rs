@@ -137,7 +137,7 @@ pub(super) fn points(places: &Places, plate: &Plate) -> Result<Vec<ShellPoint>, 
         found.push(ShellPoint {
             area: surface.area,
             rows: rows(&surface, &directors, &shear, at),
-            law: plate.law(&surface.shape.values, 4.0 * middle.area),
+            law: plate.law(&surface.shape.values, &surface.axes, 4.0 * middle.area),
         });
         enhanced.push(enhanced_rows(&middle, &surface, at));
     }

@@ -90,7 +90,7 @@ pub(super) fn points(
     let plane = Plane::new(places)?;
     let centre = Shape::at(ElementKind::Triangle3, [1.0 / 3.0, 1.0 / 3.0, 0.0]);
     let square = 2.0 * plane.area;
-    let law = plate.law(&centre.values, square);
+    let law = plate.law(&centre.values, &plane.axes, square);
     let sides = Side::all(&plane, &law.0);
     let membrane = Membrane::new(&plane, &law.0, drilling);
     let point = |side: usize| {
@@ -116,7 +116,7 @@ pub(super) fn points(
         ShellPoint {
             area: plane.area / 3.0,
             rows,
-            law: plate.law(&shape.values, square),
+            law: plate.law(&shape.values, &plane.axes, square),
         }
     };
     Ok((0..3).map(point).collect())
@@ -158,7 +158,11 @@ impl Side {
                 }
             }
             let shear = c2 * law[6][6] + s2 * law[7][7] + 2.0 * cs * law[6][7];
-            let phi = 12.0 * bending / (shear * length * length);
+            // a membrane has neither
+            let phi = match shear {
+                0.0 => 0.0,
+                shear => 12.0 * bending / (shear * length * length),
+            };
             let factor = -1.5 / (1.0 + phi);
             let mut bulge = [0.0; 9];
             for (node, sign) in [(i, -1.0), (j, 1.0)] {

@@ -39,13 +39,21 @@ pub(super) fn make(
             kind,
             variant,
             property,
+            shell: None,
         };
         let beam = new(ElementKind::Beam2, Variant::Plain);
         match (row.shape, nodes) {
             (Shape::Solid(kind, variant), nodes) => {
                 add_element(mesh, new(kind, variant), nodes, None).map_err(|e| e.at(&row.at))?;
             }
-            (Shape::Shell(kind) | Shape::Facet(kind), nodes) => {
+            (Shape::Shell(kind), nodes) => {
+                let new = NewElement {
+                    shell: sections.shape(index, property, (row, model), unread)?,
+                    ..new(kind, Variant::Plain)
+                };
+                add_element(mesh, new, nodes, None).map_err(|e| e.at(&row.at))?;
+            }
+            (Shape::Facet(kind), nodes) => {
                 let new = new(kind, Variant::Plain);
                 add_element(mesh, new, nodes, None).map_err(|e| e.at(&row.at))?;
             }

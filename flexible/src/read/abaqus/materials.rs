@@ -135,6 +135,7 @@ impl Materials {
             young,
             poisson,
             density: entry.density.unwrap_or(0.0),
+            sheet: None,
         })
     }
 }

@@ -26,6 +26,7 @@ mod scope;
 mod sections;
 mod sets;
 mod shapes;
+mod shells;
 mod supports;
 mod surfaces;
 mod ties;

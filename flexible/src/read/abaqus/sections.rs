@@ -1,13 +1,16 @@
 //! `*SOLID SECTION`, `*SHELL SECTION`, `*BEAM SECTION`, `*BEAM GENERAL SECTION`: properties and materials of
 //! the mesh.
 
-use super::lines::{Row, key};
+use super::lines::{self, key};
 use super::materials::Materials;
-use super::model::Model;
+use super::model::{Model, Row};
 use super::scope::Block;
 use super::shapes::Shape;
+use super::shells::{self, NodalThickness};
 use crate::error::FileProblem;
-use crate::mesh::{BeamSection, Carries, Code, Material, Property, Section, ShellSection};
+use crate::mesh::{
+    BeamSection, Carries, Code, Material, Property, Section, ShellSection, ShellShape,
+};
 use crate::read::builder::Once;
 use crate::read::nastran::shapes;
 use crate::read::unread::UnreadCards;
@@ -50,6 +53,7 @@ pub(super) struct Sections<'m> {
     code: Code,
     /// Section of each row.
     of_row: Vec<Option<u32>>,
+    nodal_thickness: NodalThickness,
     /// Properties of the mesh, by section and family.
     pub properties: Once<(Option<u32>, Family), Property>,
     /// Materials of the mesh, by name in capitals.
@@ -74,6 +78,7 @@ impl<'m> Sections<'m> {
             code,
             blocks: Vec::new(),
             of_row: vec![None; model.rows.len()],
+            nodal_thickness: NodalThickness::read(model, unread)?,
             properties: Once::default(),
             materials: Once::default(),
         };
@@ -97,10 +102,11 @@ impl<'m> Sections<'m> {
                     ));
                 }
             }
+            let shells = keyword.key == "SHELLSECTION";
             for (parameter, written) in
                 [("OFFSET", "OFFSET"), ("NODALTHICKNESS", "NODAL THICKNESS")]
             {
-                if keyword.has(parameter) {
+                if keyword.has(parameter) && !shells {
                     unread.note(
                         &format!("*{}, {written}", keyword.name),
                         &keyword.at,
@@ -116,6 +122,24 @@ impl<'m> Sections<'m> {
     pub fn block(&self, row: u32) -> Option<(usize, &'m Block)> {
         let section = (*self.of_row.get(row as usize)?)?;
         self.blocks.get(section as usize).copied()
+    }
+
+    /// Position and thickness of the shell of a row; `None` if they are those of its section.
+    pub fn shape(
+        &self,
+        index: u32,
+        property: u32,
+        (row, model): (&Row, &Model),
+        unread: &mut UnreadCards,
+    ) -> Result<Option<ShellShape>, FileProblem> {
+        let section = self.properties.all.get(property as usize);
+        let (Some((_, block)), Some(Section::Shell(section))) =
+            (self.block(index), section.map(|property| property.section))
+        else {
+            return Ok(None);
+        };
+        let nodes = &self.nodal_thickness;
+        shells::shape(block, section.thickness, (row, model), nodes, unread)
     }
 
     /// Index of the property of a row. Solids without a section get one without material, shells become
@@ -166,9 +190,16 @@ impl<'m> Sections<'m> {
         };
         let section_of = match (family, keyword.key.as_str()) {
             (Family::Solid, "SOLIDSECTION") if !keyword.has("COMPOSITE") => Section::Solid,
-            (Family::Shell, "SHELLSECTION") if !keyword.has("COMPOSITE") => Section::Shell(
-                ShellSection::plate(first_row(block)?.real(0, "the thickness")?),
-            ),
+            (Family::Shell, "SHELLSECTION") if !keyword.has("COMPOSITE") => {
+                let Some(row) = model.rows.get(row as usize) else {
+                    return Ok(None);
+                };
+                let line = block.rows.first();
+                match shells::thickness(block, line, (row, model), &self.nodal_thickness)? {
+                    Some(thickness) => Section::Shell(ShellSection::plate(thickness)),
+                    None => return Err(without_line(block)),
+                }
+            }
             (Family::Truss, "SOLIDSECTION") => rod(match first_row(block) {
                 Ok(row) => row.optional_real(0, "the area")?.unwrap_or(1.0),
                 Err(_) => 1.0,
@@ -232,12 +263,14 @@ pub(super) fn direction(block: &Block) -> Result<[f64; 3], FileProblem> {
     }
 }
 
-fn first_row(block: &Block) -> Result<&Row, FileProblem> {
-    block.rows.first().ok_or_else(|| {
-        block
-            .keyword
-            .problem("its data line is missing", "add its dimensions")
-    })
+fn first_row(block: &Block) -> Result<&lines::Row, FileProblem> {
+    block.rows.first().ok_or_else(|| without_line(block))
+}
+
+fn without_line(block: &Block) -> FileProblem {
+    block
+        .keyword
+        .problem("its data line is missing", "add its dimensions")
 }
 
 fn rod(area: f64) -> Section {
@@ -388,6 +421,7 @@ fn general(block: &Block, name: &str) -> Result<(Section, Material), FileProblem
         young,
         poisson: young / (2.0 * shear) - 1.0,
         density,
+        sheet: None,
     };
     Ok((section, material))
 }

@@ -159,6 +159,7 @@ impl Content {
             kind,
             variant: Variant::Plain,
             property,
+            shell: None,
         };
         let index = add_element(&mut self.mesh, new, &nodes, None).map_err(|_| {
             let (problem, advice) = TooMany::WORDS;

@@ -3,9 +3,9 @@
 use super::card::Card;
 use super::grids::Lookup;
 use super::lines::At;
-use super::unread::UnreadCards;
+use super::plates::ShellFields;
 use crate::error::FileProblem;
-use crate::mesh::{ABSENT, Carries, ElementKind};
+use crate::mesh::{ABSENT, ElementKind};
 
 /// The family of an element's property. Properties of different families may share a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,8 +25,8 @@ pub(super) enum Family {
 pub(super) enum Extra {
     /// Nothing.
     None,
-    /// A shell with a thickness of its own.
-    Thickness(f64),
+    /// A shell.
+    Shell(ShellFields),
     /// A beam or rod: index of its card.
     Beam(u32),
     /// A rod with its own section: index of its card and of its section.
@@ -48,7 +48,7 @@ pub(super) struct ElementCard {
     pub property: u64,
     /// The start of its grid points in the list of all.
     pub first: usize,
-    /// Thickness, beam.
+    /// Fields of a shell, beam.
     pub extra: Extra,
     /// Whether its rotations about the normal belong to the membrane.
     pub drilling: bool,
@@ -88,7 +88,6 @@ impl Elements {
         &mut self,
         card: &Card,
         (linear, quadratic): (ElementKind, ElementKind),
-        unread: &mut UnreadCards,
     ) -> Result<(), FileProblem> {
         let id = card.id(0, "EID")?;
         let property = card
@@ -96,42 +95,7 @@ impl Elements {
             .filter(|id| *id > 0)
             .unwrap_or(id);
         let (kind, grids) = grid_fields(card, linear, quadratic)?;
-        let (offset, flag, thickness) = match card.name.as_str() {
-            "CTRIA6" => (9, 13, 10..13),
-            "CQUAD8" => (15, 16, 10..14),
-            "CQUAD4" | "CQUADR" => (7, 9, 10..14),
-            _ => (6, 9, 10..13),
-        };
-        if card.optional_real(offset, "ZOFFS")?.unwrap_or(0.0) != 0.0 {
-            unread.note(
-                &format!("{} offset", card.name),
-                &card.at,
-                Carries::Structure,
-            );
-        }
-        let count = thickness.len();
-        let mut own = Vec::new();
-        for i in thickness {
-            own.extend(card.optional_real(i, "T")?);
-        }
-        let extra = match own.as_slice() {
-            [] => Extra::None,
-            _ if card.text(flag) == "1" => {
-                // thicknesses relative to the property's
-                if own.iter().any(|t| *t != 1.0) {
-                    let name = format!("{} relative thickness", card.name);
-                    unread.note(&name, &card.at, Carries::Structure);
-                }
-                Extra::None
-            }
-            [first, others @ ..] => {
-                if own.len() < count || others.iter().any(|t| t != first) {
-                    let name = format!("{} varying thickness", card.name);
-                    unread.note(&name, &card.at, Carries::Structure);
-                }
-                Extra::Thickness(own.iter().sum::<f64>() / own.len() as f64)
-            }
-        };
+        let extra = Extra::Shell(ShellFields::read(card, linear.node_count())?);
         self.push(card, id, kind, Family::Shell, property, &grids, extra);
         Ok(())
     }

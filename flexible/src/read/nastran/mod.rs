@@ -23,6 +23,7 @@ mod grids;
 mod lines;
 mod masses;
 mod matrices;
+mod plates;
 mod properties;
 mod replication;
 mod rigid;
@@ -46,6 +47,7 @@ use grids::{GridCard, GridDefaults, Lookup};
 use lines::whole;
 use masses::{Masses, distinct};
 pub use matrices::read_dmig;
+use plates::Thickness;
 use properties::{Made, Properties};
 use sections::{CaseControl, read_cards};
 use sets::Sets;
@@ -130,7 +132,7 @@ impl Deck {
         if let Some(kinds) = ElementKind::of_nastran(name) {
             match kinds.0.is_solid() {
                 true => self.elements.solid(card, kinds)?,
-                false => self.elements.shell(card, kinds, &mut self.unread)?,
+                false => self.elements.shell(card, kinds)?,
             }
             return Ok(true);
         }
@@ -275,10 +277,21 @@ impl Deck {
         for card in cards {
             nodes.clear();
             self.elements.nodes(card, lookup, &mut nodes)?;
-            let (thickness, beam) = match card.extra {
+            let (shell, beam) = match card.extra {
                 Extra::None => (None, None),
-                Extra::Thickness(thickness) => (Some(thickness), None),
+                Extra::Shell(fields) => (Some(fields), None),
                 Extra::Beam(beam) | Extra::Rod(beam, _) => (None, Some(beam)),
+            };
+            let thickness = match &shell {
+                Some(fields) => {
+                    let of_property = made.thickness(card.property);
+                    fields.thickness(of_property, card.id, &card.at)?
+                }
+                None => Thickness::OfProperty,
+            };
+            let own = match thickness {
+                Thickness::OfProperty => None,
+                Thickness::Own(own) | Thickness::Varying(own, _) => Some(own),
             };
             let property = match card.extra {
                 Extra::Rod(_, section) => match self.beams.sections.get(section as usize) {
@@ -287,7 +300,7 @@ impl Deck {
                     }
                     None => continue,
                 },
-                _ => made.property(card.family, card.property, thickness, card.id, &card.at)?,
+                _ => made.property(card.family, card.property, own, card.id, &card.at)?,
             };
             let stiff = made
                 .properties
@@ -300,6 +313,16 @@ impl Deck {
                     self.unread.note(name, &card.at, Carries::Structure);
                 }
             }
+            let shape = match &shell {
+                Some(fields) => fields.shape(
+                    card.kind,
+                    (thickness, made.is_directed(property)),
+                    systems,
+                    (card.id, &card.at),
+                    &mut self.unread,
+                )?,
+                None => None,
+            };
             let beam = beam.and_then(|i| self.beams.cards.get(i as usize));
             let axes = match (beam, nodes.as_slice()) {
                 (Some(beam), &[a, b]) => {
@@ -321,6 +344,7 @@ impl Deck {
                     false => self.properties.variant(card.family, card.property),
                 },
                 property,
+                shell: shape,
             };
             add_element(mesh, new, &nodes, axes).map_err(|e| e.at(&card.at))?;
             numbers.push(card.property);

@@ -1,4 +1,5 @@
-//! Properties and materials: `PSOLID`, `PSHELL`, `PBAR`, `PBARL`, `PBEAM`, `PBEAML`, `PROD`, `PTUBE`, `MAT1`.
+//! Properties and materials: `PSOLID`, `PSHELL`, `PBAR`, `PBARL`, `PBEAM`, `PBEAML`, `PROD`, `PTUBE`, `MAT1`,
+//! `MAT2`, `MAT8`.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -6,10 +7,11 @@ use std::f64::consts::PI;
 use super::card::Card;
 use super::elements::Family;
 use super::lines::At;
+use super::plates::{PlateCard, SheetConstants};
 use super::shapes;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
-use crate::mesh::{BeamSection, Carries, Material, Property, Section, ShellSection, Variant};
+use crate::mesh::{BeamSection, Carries, Material, Property, Section, Variant};
 use crate::read::builder::Once;
 
 /// A rod: only area, torsion constant and added mass per length.
@@ -39,8 +41,7 @@ fn mean(a: BeamSection, b: BeamSection) -> BeamSection {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Solid(Variant),
-    /// Without thickness if the elements state it.
-    Shell(Option<f64>, ShellSection),
+    Shell(PlateCard),
     Line(BeamSection),
     /// A property that can't be expressed.
     Unreadable,
@@ -68,11 +69,31 @@ impl PropertyCard {
     }
 }
 
-/// A `MAT1` card, or another material that can't be expressed.
+#[derive(Clone, Copy, Debug)]
+enum Constants {
+    /// Young's modulus, Poisson's ratio, density.
+    Isotropic([f64; 3]),
+    /// Of a sheet.
+    Sheet(SheetConstants),
+    /// A material that can't be expressed.
+    Unreadable,
+}
+
+/// The role of a material in a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Use {
+    /// Of a solid or a beam.
+    Body,
+    /// Membrane and bending of a shell.
+    Sheet,
+    /// Shear across a shell.
+    Across,
+}
+
+/// A material card.
 #[derive(Clone, Debug)]
 struct MaterialCard {
-    /// Young's modulus, Poisson's ratio, density.
-    constants: Option<[f64; 3]>,
+    constants: Constants,
     name: String,
     at: At,
 }
@@ -123,7 +144,10 @@ impl Properties {
     pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
         match card.name.as_str() {
             "PSOLID" => self.solid(card)?,
-            "PSHELL" => self.shell(card, unread)?,
+            "PSHELL" => {
+                let (material, plate) = PlateCard::read(card, unread)?;
+                self.insert(card, Family::Shell, material, Kind::Shell(plate))?;
+            }
             "PBAR" => self.bar(card)?,
             "PBARL" => self.bar_shape(card)?,
             "PBEAM" => self.beam(card, unread)?,
@@ -148,15 +172,19 @@ impl Properties {
             }
             "PCOMP" | "PCOMPG" => {
                 unread.card(&card.name, &card.at);
-                self.insert(
-                    card,
-                    Family::Shell,
-                    None,
-                    Kind::Shell(None, ShellSection::plate(0.0)),
-                )?;
+                let facet = Kind::Shell(PlateCard::facet());
+                self.insert(card, Family::Shell, None, facet)?;
             }
-            "MAT2" | "MAT3" | "MAT8" | "MAT9" | "MAT10" | "MAT11" | "MATHE" | "MATORT" => {
-                self.material(card, None)?;
+            "MAT2" => {
+                let sheet = SheetConstants::anisotropic(card)?;
+                self.material(card, Constants::Sheet(sheet))?;
+            }
+            "MAT8" => {
+                let sheet = SheetConstants::orthotropic(card)?;
+                self.material(card, Constants::Sheet(sheet))?;
+            }
+            "MAT3" | "MAT9" | "MAT10" | "MAT11" | "MATHE" | "MATORT" => {
+                self.material(card, Constants::Unreadable)?;
             }
             _ => return Ok(false),
         }
@@ -171,40 +199,6 @@ impl Properties {
         };
         let material = card.id(1, "MID")?;
         self.insert(card, Family::Solid, Some(material), kind)
-    }
-
-    /// `PSHELL PID MID1 T MID2 12I/T³ MID3 TS/T NSM / Z1 Z2 MID4`. Without any material it is a facet, without
-    /// MID3 it has no shear flexibility.
-    fn shell(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
-        let membrane = card.optional_id(1, "MID1")?.filter(|id| *id > 0);
-        // plane strain
-        let bending = match card.text(3) {
-            "-1" => None,
-            _ => card.optional_id(3, "MID2")?.filter(|id| *id > 0),
-        };
-        let shear = card.optional_id(5, "MID3")?.filter(|id| *id > 0);
-        let factor = card.optional_real(4, "12I/T**3")?.unwrap_or(1.0);
-        let material = membrane.or(bending);
-        let plain =
-            card.is_blank(10) && (shear.is_none() || shear == material) && membrane == bending;
-        if !plain && material.is_some() {
-            unread.note(
-                "PSHELL of other than one material and section",
-                &card.at,
-                Carries::Structure,
-            );
-        }
-        let section = ShellSection {
-            mass_per_area: card.real_or_zero(7, "NSM")?,
-            bending: factor,
-            shear: match shear {
-                Some(_) => card.optional_real(6, "TS/T")?.unwrap_or(5.0 / 6.0),
-                None => 0.0,
-            },
-            ..ShellSection::plate(0.0)
-        };
-        let kind = Kind::Shell(card.optional_real(2, "T")?, section);
-        self.insert(card, Family::Shell, material, kind)
     }
 
     /// `PBAR PID MID A I1 I2 J NSM / C1…F2 / K1 K2 I12`. Blank shear factors: no shear flexibility.
@@ -372,10 +366,10 @@ impl Properties {
                 return Err(card.problem("two of E, G and NU are needed", "give E and NU"));
             }
         };
-        self.material(card, Some([young, poisson, density]))
+        self.material(card, Constants::Isotropic([young, poisson, density]))
     }
 
-    fn material(&mut self, card: &Card, constants: Option<[f64; 3]>) -> Result<(), FileProblem> {
+    fn material(&mut self, card: &Card, constants: Constants) -> Result<(), FileProblem> {
         let id = card.id(0, "MID")?;
         let material = MaterialCard {
             constants,
@@ -450,8 +444,9 @@ pub(super) struct Made<'d> {
     mass_scale: f64,
     /// Properties in the order of their first use, by family, number and a shell's own thickness.
     pub properties: Once<(Family, u64, Option<u64>), Property>,
-    /// Materials in the order of their first use, by number.
-    pub materials: Once<u64, Material>,
+    /// Materials in the order of their first use, by number and whether they resist the shear across a shell
+    /// by other constants.
+    pub materials: Once<(u64, bool), Material>,
 }
 
 impl<'d> Made<'d> {
@@ -517,8 +512,8 @@ impl<'d> Made<'d> {
         let scale = self.mass_scale;
         let section = match card.kind {
             Kind::Solid(_) => Section::Solid,
-            Kind::Shell(thickness, plate) => Section::Shell(ShellSection {
-                thickness: match own_thickness.or(thickness) {
+            Kind::Shell(plate) => {
+                let thickness = match own_thickness.or(plate.thickness) {
                     Some(thickness) => thickness,
                     None if card.material.is_none() => 0.0,
                     None => {
@@ -527,10 +522,13 @@ impl<'d> Made<'d> {
                             format!("give T in {}, or T1 to T4 in the element", card.name),
                         ));
                     }
-                },
-                mass_per_area: plate.mass_per_area * scale,
-                ..plate
-            }),
+                };
+                let [bending, shear] = plate.apart.unwrap_or_default();
+                let made = [(bending, Use::Sheet), (shear, Use::Across)]
+                    .map(|(id, usage)| id.map(|id| self.material(id, card, usage)).transpose());
+                let [bending, shear] = made;
+                Section::Shell(plate.section(thickness, scale, [bending?, shear?]))
+            }
             Kind::Line(line) => Section::Beam(BeamSection {
                 mass_per_length: line.mass_per_length * scale,
                 ..line
@@ -545,8 +543,12 @@ impl<'d> Made<'d> {
                 ));
             }
         };
+        let usage = match section {
+            Section::Shell(_) => Use::Sheet,
+            _ => Use::Body,
+        };
         let material = match card.material {
-            Some(id) => Some(self.material(id, card, section)?),
+            Some(id) => Some(self.material(id, card, usage)?),
             None => None,
         };
         Ok(Property {
@@ -556,26 +558,48 @@ impl<'d> Made<'d> {
         })
     }
 
+    /// The thickness of a shell's property.
+    pub fn thickness(&self, id: u64) -> Option<f64> {
+        match self.cards.properties.get(&(Family::Shell, id))?.kind {
+            Kind::Shell(plate) => plate.thickness,
+            _ => None,
+        }
+    }
+
+    /// Whether a property has axes: an isotropic one has none.
+    pub fn is_directed(&self, property: u32) -> bool {
+        let property = self.properties.all.get(property as usize);
+        let mut materials = property.into_iter().flat_map(Property::materials);
+        materials.any(|index| {
+            let material = self.materials.all.get(index as usize);
+            material.is_some_and(|material| material.sheet.is_some())
+        })
+    }
+
     /// Index of the material of a property. A beam knows E and G apart, so that any NU serves it.
-    fn material(
-        &mut self,
-        id: u64,
-        user: &PropertyCard,
-        section: Section,
-    ) -> Result<u32, FileProblem> {
+    fn material(&mut self, id: u64, user: &PropertyCard, usage: Use) -> Result<u32, FileProblem> {
         let Some(card) = self.cards.materials.get(&id) else {
             return Err(user.at.problem(
                 format!("{} uses material {id}, which is missing", user.name),
                 "add its MAT1 card, or INCLUDE the file that holds it",
             ));
         };
-        let Some([young, poisson, density]) = card.constants else {
-            return Err(card.at.problem(
-                format!("{}, used by {}, is not isotropic", card.name, user.name),
-                "only MAT1 can be read; read the matrices of the other code instead",
-            ));
+        let (young, poisson, density, sheet) = match (card.constants, usage) {
+            (Constants::Isotropic([young, poisson, density]), _) => (young, poisson, density, None),
+            (Constants::Sheet(own), Use::Sheet) => {
+                (own.young, own.poisson, own.density, Some(own.plane))
+            }
+            (Constants::Sheet(own), Use::Across) => {
+                (own.young, own.poisson, own.density, Some(own.across))
+            }
+            _ => {
+                return Err(card.at.problem(
+                    format!("{}, used by {}, is not isotropic", card.name, user.name),
+                    "only MAT1 can be read, and MAT2 and MAT8 of shells; read the matrices of the other code instead",
+                ));
+            }
         };
-        let beam = matches!(section, Section::Beam(_));
+        let beam = matches!(user.kind, Kind::Line(_));
         let elastic = young >= 0.0 && poisson > -1.0 && (poisson < 0.5 || beam);
         if !(elastic && density >= 0.0) {
             return Err(card.at.problem(
@@ -586,7 +610,8 @@ impl<'d> Made<'d> {
                 "E and RHO can't be negative, NU lies between -1 and 0.5; without NU it is E/(2 G) - 1",
             ));
         }
-        if let Some(index) = self.materials.find(&id) {
+        let by = (id, sheet.is_some() && usage == Use::Across);
+        if let Some(index) = self.materials.find(&by) {
             return Ok(index);
         }
         let material = Material {
@@ -594,7 +619,8 @@ impl<'d> Made<'d> {
             young,
             poisson,
             density: density * self.mass_scale,
+            sheet,
         };
-        Ok(self.materials.add(id, material))
+        Ok(self.materials.add(by, material))
     }
 }
