@@ -141,18 +141,22 @@ pub struct Property {
 }
 
 impl Property {
-    /// Indices of its materials.
-    pub(crate) fn materials(&self) -> impl Iterator<Item = u32> {
-        let others = match self.section {
-            Section::Shell(ShellSection {
-                layup: Layup::Apart { bending, shear },
-                ..
-            }) => [bending, shear],
-            _ => [None, None],
-        };
-        self.material
-            .into_iter()
-            .chain(others.into_iter().flatten())
+    /// Indices of its materials in a mesh of these laminates.
+    pub(crate) fn materials(&self, laminates: &[Vec<Layer>]) -> Vec<u32> {
+        let mut found: Vec<u32> = self.material.into_iter().collect();
+        if let Section::Shell(section) = self.section {
+            match section.layup {
+                Layup::One => {}
+                Layup::Apart { bending, shear } => {
+                    found.extend([bending, shear].into_iter().flatten());
+                }
+                Layup::Layers(index) => {
+                    let layers = laminates.get(index as usize).into_iter().flatten();
+                    found.extend(layers.map(|layer| layer.material));
+                }
+            }
+        }
+        found
     }
 }
 
@@ -196,6 +200,19 @@ pub enum Layup {
         /// flexibility.
         shear: Option<u32>,
     },
+    /// Layers: index into [`Mesh::laminates`]. The thickness of the section is their sum.
+    Layers(u32),
+}
+
+/// A layer of a laminate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Layer {
+    /// Index of its material.
+    pub material: u32,
+    /// Thickness.
+    pub thickness: f64,
+    /// From the first axis of the section to that of the layer, about the normal (rad).
+    pub angle: f64,
 }
 
 impl ShellSection {
@@ -445,6 +462,8 @@ pub struct Mesh {
     pub beam_axes: Vec<BeamAxes>,
     /// Positions, thicknesses and axes of shells.
     pub shell_shapes: Vec<ShellShape>,
+    /// Layers of shells, each list from the lower surface to the upper.
+    pub laminates: Vec<Vec<Layer>>,
     /// Properties.
     pub properties: Vec<Property>,
     /// Materials.

@@ -18,6 +18,9 @@ impl Mesh {
             shape.offsets = shape.offsets.map(|x| x * length);
             shape.thickness = shape.thickness.map(|own| own.map(|x| x * length));
         }
+        for layer in self.laminates.iter_mut().flatten() {
+            layer.thickness *= length;
+        }
         for material in &mut self.materials {
             material.young *= force / (length * length);
             if let Some(sheet) = &mut material.sheet {

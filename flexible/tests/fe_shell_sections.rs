@@ -10,14 +10,6 @@ use eng_flexible::mesh::{
     Layup, Material, Section, SheetElasticity, ShellAxis, ShellSection, ShellShape,
 };
 
-/// Gives all shells of a mesh this shape.
-fn shaped(mesh: &mut Mesh, shape: ShellShape) {
-    mesh.shell_shapes = vec![shape];
-    for element in &mut mesh.elements {
-        element.shell = Some(0);
-    }
-}
-
 fn offset(offset: f64) -> ShellShape {
     ShellShape {
         offsets: [offset; 4],

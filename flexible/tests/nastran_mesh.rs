@@ -683,11 +683,63 @@ CTRIA3,1,4,1,2,3,7
 }
 
 #[test]
-fn layered_shells_are_facets_and_listed() {
+fn layers_of_shells() {
     let mesh = mesh(&format!(
-        "{}PCOMP,1,,,,,,,\n,8,.001,0.\nCTRIA3,1,1,1,2,3\n",
+        "{}MAT8,10,1.4+11,1.+10,.3,5.+9,,,1600.
+PCOMP,1,,2.,,,,,SYM\n,10,.001,45.,YES,,,-45.,\n,8,.002
+PCOMPG,2,.001\n,101,10,.001,90.\n,102,10,.003,0.
+PCOMP,3,,,,,,,MEM\n,8,.001
+CQUAD4,1,1,1,2,3,4,30.
+CQUAD4,2,2,1,2,3,4,,.1
+CTRIA3,3,3,1,2,3,,,\n,,,.1,.1,.1
+",
         grids(4)
     ));
-    assert_eq!(mesh.properties[0].material, None);
-    assert_eq!(unread(&mesh), [("PCOMP", 1, Carries::Structure)]);
+    let layers = |element: usize| {
+        let property = &mesh.properties[mesh.elements[element].property as usize];
+        let Section::Shell(section) = property.section else {
+            panic!("no shell");
+        };
+        let Layup::Layers(index) = section.layup else {
+            panic!("no layers");
+        };
+        let name = |material: u32| mesh.materials[material as usize].name.as_str();
+        let layers = &mesh.laminates[index as usize];
+        let own = layers.iter().map(|layer| {
+            (
+                name(layer.material),
+                layer.thickness,
+                layer.angle.to_degrees().round(),
+            )
+        });
+        (section, own.collect::<Vec<_>>())
+    };
+    let (section, found) = layers(0);
+    let half = [("10", 0.001, 45.0), ("10", 0.001, -45.0), ("8", 0.002, 0.0)];
+    let mut whole = half.to_vec();
+    whole.extend(half.iter().rev());
+    assert_eq!(found, whole);
+    close(section.thickness, 0.008, 1.0);
+    assert_eq!(section.mass_per_area, 2.0);
+    let shape =
+        |element: usize| mesh.shell_shapes[mesh.elements[element].shell.expect("one") as usize];
+    assert_eq!(shape(0).offsets, [0.0; 4]);
+    assert_eq!(shape(0).axis, ShellAxis::Side(30f64.to_radians()));
+    assert_eq!(layers(1).1, [("10", 0.001, 90.0), ("10", 0.003, 0.0)]);
+    // the lower surface is 1 mm above the reference plane, which is 0.1 above the nodes
+    close(shape(1).offsets[0], 0.103, 1.0);
+    assert_eq!(
+        unread(&mesh),
+        [
+            ("PCOMP, LAM = MEM", 1, Carries::Structure),
+            ("T1 to T4 of a shell with PCOMP", 1, Carries::Structure),
+        ]
+    );
+    let found = problem(&format!("{}PCOMP,1,\nCTRIA3,3,1,1,2,3\n", grids(4)));
+    assert!(found.problem.contains("PCOMP: it has no layer"), "{found}");
+    let found = problem(&format!(
+        "{}PCOMP,1,,,,,,,\n,8\nCTRIA3,3,1,1,2,3\n",
+        grids(4)
+    ));
+    assert!(found.problem.contains("T1"), "{found}");
 }

@@ -5,8 +5,8 @@
 use super::vector::{cross, determinant, norm, subtract};
 use crate::error::FlexibleError;
 use crate::mesh::{
-    ABSENT, BeamSection, Element, ElementKind, Layup, Material, Mesh, Section, SheetElasticity,
-    ShellAxis, ShellSection, ShellShape, Tie,
+    ABSENT, BeamSection, Element, ElementKind, Layer, Layup, Material, Mesh, Section,
+    SheetElasticity, ShellAxis, ShellSection, ShellShape, Tie,
 };
 
 /// Number of ids that a message names.
@@ -58,15 +58,22 @@ pub(super) struct Sheet<'a> {
     pub bending: Option<&'a Material>,
     /// With [`Layup::Apart`] the material that resists shear across the plate.
     pub shear: Option<&'a Material>,
+    /// With [`Layup::Layers`] the layers from the lower surface to the upper.
+    pub layers: &'a [Layer],
+    /// The materials of the mesh.
+    pub materials: &'a [Material],
     pub shape: Option<&'a ShellShape>,
 }
 
 impl<'a> Sheet<'a> {
     /// Whether the section has axes: an isotropic one has none.
     pub fn is_directed(&self) -> bool {
+        let layers = self.layers.iter();
+        let of_layers = layers.filter_map(|layer| self.materials.get(layer.material as usize));
         let mut materials = [Some(self.material), self.bending, self.shear]
             .into_iter()
-            .flatten();
+            .flatten()
+            .chain(of_layers);
         materials.any(|material| material.sheet.is_some())
     }
 
@@ -81,9 +88,19 @@ impl<'a> Sheet<'a> {
             Some(index) => mesh.materials.get(index as usize).map(Some),
             None => Some(None),
         };
-        let (bending, shear) = match section.layup {
-            Layup::One => (None, None),
-            Layup::Apart { bending, shear } => (named(bending)?, named(shear)?),
+        let (bending, shear, layers) = match section.layup {
+            Layup::One => (None, None, &[][..]),
+            Layup::Apart { bending, shear } => (named(bending)?, named(shear)?, &[][..]),
+            Layup::Layers(index) => {
+                let layers = mesh.laminates.get(index as usize)?;
+                if layers
+                    .iter()
+                    .any(|layer| named(Some(layer.material)).is_none())
+                {
+                    return None;
+                }
+                (None, None, layers.as_slice())
+            }
         };
         let shape = match element.shell {
             Some(index) => Some(mesh.shell_shapes.get(index as usize)?),
@@ -94,6 +111,8 @@ impl<'a> Sheet<'a> {
             material,
             bending,
             shear,
+            layers,
+            materials: &mesh.materials,
             shape,
         })
     }
@@ -104,7 +123,21 @@ impl<'a> Sheet<'a> {
         let thickness = own.map_or(self.section.thickness, |own| {
             own.iter().take(corners).sum::<f64>() / corners as f64
         });
-        self.material.density * thickness + self.section.mass_per_area
+        self.density() * thickness + self.section.mass_per_area
+    }
+
+    /// Density (kg/m³), the mean of layers.
+    fn density(&self) -> f64 {
+        let (mut mass, mut thickness) = (0.0, 0.0);
+        for layer in self.layers {
+            let material = self.materials.get(layer.material as usize);
+            mass += material.map_or(0.0, |material| material.density) * layer.thickness;
+            thickness += layer.thickness;
+        }
+        match self.layers {
+            [] => self.material.density,
+            _ => mass / thickness,
+        }
     }
 }
 
@@ -173,6 +206,13 @@ fn sheet_fault(sheet: &SheetElasticity) -> Option<String> {
 
 /// Unsound thickness, position or axes of a shell.
 fn shape_fault(mesh: &Mesh, element: &Element, sheet: &Sheet) -> Option<String> {
+    let bad = |layer: &&Layer| !(layer.thickness > 0.0 && layer.thickness.is_finite());
+    if let Some(layer) = sheet.layers.iter().find(bad) {
+        return Some(format!(
+            "a layer of {} m; its thickness must be above zero",
+            layer.thickness
+        ));
+    }
     let shape = sheet.shape?;
     let corners = element.kind.corner_count();
     let own = shape.thickness.iter().flatten().take(corners);
@@ -358,7 +398,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
             ));
         }
         let of_sheets = matches!(role, Role::Shell(_) | Role::Coat(_));
-        for index in property.materials() {
+        for index in property.materials(&mesh.laminates) {
             let (Some(seen), Some(material)) = (
                 seen.get_mut(index as usize),
                 mesh.materials.get(index as usize),

@@ -1,4 +1,4 @@
-//! Strain and stress of solids from the displacements of their nodes.
+//! Strain and stress of solids from the displacements of their nodes, and the stress of shells.
 //!
 //! Components are in the order xx, yy, zz, xy, yz, zx, in basic axes; shear strains are engineering ones (γ =
 //! 2 ε).
@@ -8,11 +8,13 @@ use super::form;
 use super::freedoms::FreedomMap;
 use super::hexahedron;
 use super::rules::{self, Rules, Table};
+use super::shell::shell_stresses;
 use super::solid::{Present, gradients, gradients_with_inner, inverted, lame};
 use super::vector::add;
 use crate::element::{MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{Element, ElementKind, Material, Mesh};
+use std::collections::BTreeMap;
 
 /// Six components of a strain (–) or a stress (Pa).
 pub type Components = [f64; 6];
@@ -257,7 +259,7 @@ fn strain_points(
 
 /// For each corner the factors of the values at points: the least-squares fit of the corners' linear
 /// functions, or the mean where there are fewer points than corners.
-fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
+pub(super) fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
     let corners = kind.corner_count();
     if points.len() < corners {
         return vec![vec![1.0 / points.len().max(1) as f64; points.len()]; corners];
@@ -300,8 +302,8 @@ fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
 /// `wanted`. Integration points are carried to the nodes. A node has the mean of the elements of one material
 /// that meet there; where materials meet, of the first element's material.
 ///
-/// Returns whether each node of the mesh has a stress, and 6 × vectors numbers for each node (node by node,
-/// vector by vector; zero where there is none). Nodes of no solid have no stress.
+/// Returns whether each node of the mesh has a stress of solids, and 6 × vectors numbers for each node (node by node,
+/// vector by vector; zero where there is none). [`surface_stresses`] has those of shells.
 ///
 /// # Errors
 /// As [`ElementRecovery::new`]; a vector of another length.
@@ -372,4 +374,29 @@ pub fn nodal_stresses(
         }
     }
     Ok((found, sums))
+}
+
+/// Stresses (Pa) of shells on their surfaces from several full vectors of displacements, one after the other, at
+/// the nodes that are `wanted`. A plate has a lower and an upper surface, a laminate both of each layer, and a
+/// membrane one. At a fold, and where properties meet, each side has its own.
+///
+/// Returns for each node of a shell one list for each surface, with 6 × vectors numbers, vector by vector.
+///
+/// # Errors
+/// A mesh that is not sound, a folded shell, vectors of another length.
+pub fn surface_stresses(
+    mesh: &Mesh,
+    freedoms: &FreedomMap,
+    full: &[f64],
+    wanted: &[bool],
+) -> Result<BTreeMap<u32, Vec<Vec<f64>>>, FlexibleError> {
+    let size = freedoms.size();
+    let nodes = mesh.nodes.len();
+    if !full.len().is_multiple_of(size.max(1))
+        || freedoms.node_count() != nodes
+        || wanted.len() != nodes
+    {
+        return Err(wrong("the displacements are another mesh's".into(), ""));
+    }
+    shell_stresses(mesh, freedoms, full, wanted)
 }

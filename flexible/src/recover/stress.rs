@@ -3,7 +3,7 @@
 
 use super::{Recovery, check_length, wrong};
 use crate::error::FlexibleError;
-use crate::fe::stress::{Components, nodal_stresses, von_mises};
+use crate::fe::stress::{Components, nodal_stresses, surface_stresses, von_mises};
 
 /// Stresses of every mode at some nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,12 +11,15 @@ pub struct ModalStress {
     /// The nodes, by index.
     pub nodes: Vec<u32>,
     modes: usize,
-    /// Six components (Pa per unit of amplitude; xx, yy, zz, xy, yz, zx in body axes) by node and mode.
+    /// End of each node's places among all places. A node of solids has one, a node of shells one on each of
+    /// their surfaces.
+    ends: Vec<usize>,
+    /// Six components (Pa per unit of amplitude; xx, yy, zz, xy, yz, zx in body axes) by place and mode.
     values: Vec<f64>,
 }
 
 impl Recovery<'_> {
-    /// Stresses of the modes at nodes, by index. Nodes of no solid have none and are left out.
+    /// Stresses of the modes at nodes, by index. Nodes of no solid and no shell have none and are left out.
     ///
     /// # Errors
     /// An index that the mesh does not have; a mesh that is not sound.
@@ -34,14 +37,26 @@ impl Recovery<'_> {
         let mut stress = ModalStress {
             nodes: Vec::new(),
             modes: self.modes(),
+            ends: Vec::new(),
             values: Vec::new(),
         };
+        let shells = surface_stresses(self.mesh, self.freedoms, self.shapes, &wanted)?;
+        let mut places = 0;
         for &node in nodes {
             let at = node as usize;
+            let before = places;
             if found.get(at) == Some(&true) {
-                stress.nodes.push(node);
                 let own = all.get(at * width..(at + 1) * width);
                 stress.values.extend_from_slice(own.unwrap_or(&[]));
+                places += 1;
+            }
+            for surface in shells.get(&node).into_iter().flatten() {
+                stress.values.extend_from_slice(surface);
+                places += 1;
+            }
+            if places > before {
+                stress.nodes.push(node);
+                stress.ends.push(places);
             }
         }
         Ok(stress)
@@ -49,7 +64,8 @@ impl Recovery<'_> {
 }
 
 impl ModalStress {
-    /// σ = Σ a_k σ_k at each node (Pa; xx, yy, zz, xy, yz, zx in body axes), written over the contents of `out`.
+    /// σ = Σ a_k σ_k at each node (Pa; xx, yy, zz, xy, yz, zx in body axes), written over the contents of `out`. Of
+    /// several surfaces of shells at a node it is the one with the largest von Mises stress.
     ///
     /// # Errors
     /// Another number of amplitudes than modes.
@@ -60,14 +76,26 @@ impl ModalStress {
             out.resize(self.nodes.len(), [0.0; 6]);
             return Ok(());
         }
-        for own in self.values.chunks_exact(6 * self.modes) {
-            let mut sum = [0.0; 6];
-            for (mode, a) in own.chunks_exact(6).zip(a) {
-                for (x, y) in sum.iter_mut().zip(mode) {
-                    *x += a * y;
+        let mut places = self.values.chunks_exact(6 * self.modes);
+        let mut before = 0;
+        for end in &self.ends {
+            let own = places.by_ref().take(end - before).map(|own| {
+                let mut sum = [0.0; 6];
+                for (mode, a) in own.chunks_exact(6).zip(a) {
+                    for (x, y) in sum.iter_mut().zip(mode) {
+                        *x += a * y;
+                    }
                 }
-            }
-            out.push(sum);
+                sum
+            });
+            let worse = |first: Components, second: Components| match von_mises(&second)
+                > von_mises(&first)
+            {
+                true => second,
+                false => first,
+            };
+            out.push(own.reduce(worse).unwrap_or([0.0; 6]));
+            before = *end;
         }
         Ok(())
     }

@@ -3,7 +3,9 @@
 use crate::fe_meshes::*;
 use eng_flexible::Mesh;
 use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
-use eng_flexible::mesh::{ElementKind, Property, Section, ShellSection, Support, Variant};
+use eng_flexible::mesh::{
+    ElementKind, Property, Section, ShellSection, ShellShape, Support, Variant,
+};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
 
 pub const QUAD: Form = (ElementKind::Quadrilateral4, Variant::Plain);
@@ -142,4 +144,58 @@ pub fn lowest(mesh: &Mesh, supports: &[Support], count: usize) -> Vec<f64> {
     let options = EigenOptions::default();
     let found = lowest_modes(&stiffness, &mass, Modes::Count(count), &options).unwrap();
     frequencies(&found.eigenvalues)
+}
+
+/// MacNeal's and Harder's patch: 0.24 m × 0.12 m with four nodes inside.
+pub fn patch(form: Form, section: ShellSection) -> Mesh {
+    let mut mesh = empty();
+    mesh.properties[0].section = Section::Shell(section);
+    for [x, y] in [
+        [0.0, 0.0],
+        [0.24, 0.0],
+        [0.24, 0.12],
+        [0.0, 0.12],
+        [0.04, 0.02],
+        [0.18, 0.03],
+        [0.16, 0.08],
+        [0.08, 0.08],
+    ] {
+        add_node(&mut mesh, turned([x, y, 0.0]));
+    }
+    for [a, b, c, d] in [
+        [0, 1, 5, 4],
+        [1, 2, 6, 5],
+        [2, 3, 7, 6],
+        [3, 0, 4, 7],
+        [4, 5, 6, 7],
+    ] {
+        add_cell(&mut mesh, form, 0, [a, b, c, d]);
+    }
+    mesh
+}
+
+/// A full vector of displacements and rotations that are given in the axes of the sheet.
+pub fn motion(
+    mesh: &Mesh,
+    structure: &Structure,
+    of: impl Fn([f64; 2]) -> ([f64; 3], [f64; 3]),
+) -> Vec<f64> {
+    let axes = turn();
+    let mut full = vec![0.0; structure.freedoms.size()];
+    for (index, node) in mesh.nodes.iter().enumerate() {
+        let local = [0, 1].map(|k: usize| (0..3).map(|i| axes[i][k] * node.position[i]).sum());
+        let (moved, rotated) = of(local);
+        let first = structure.freedoms.of(index as u32).start;
+        full[first..first + 3].copy_from_slice(&turned(moved));
+        full[first + 3..first + 6].copy_from_slice(&turned(rotated));
+    }
+    full
+}
+
+/// Gives all shells of a mesh this shape.
+pub fn shaped(mesh: &mut Mesh, shape: ShellShape) {
+    mesh.shell_shapes = vec![shape];
+    for element in &mut mesh.elements {
+        element.shell = Some(0);
+    }
 }

@@ -1,5 +1,6 @@
 //! Forces and moments of a shell as functions of its strains.
 
+use super::laminate::{self, Ply};
 use super::{NODES, Places, STRAINS};
 use crate::element::MOST_NODES;
 use crate::fe::check::Sheet;
@@ -15,13 +16,31 @@ const RIGID: f64 = 1e-5 / 12.0;
 pub(in crate::fe) struct Law(pub [[f64; STRAINS]; STRAINS]);
 
 /// Stiffness in plane stress (Pa): 11, 22, 12 of stress for those of strain, with engineering shear.
-pub(super) type Plane = [[f64; 3]; 3];
+pub(in crate::fe) type Plane = [[f64; 3]; 3];
 
 /// Stiffness of shear across the plate (Pa).
-type Across = [[f64; 2]; 2];
+pub(super) type Across = [[f64; 2]; 2];
+
+/// A surface of a shell or of one of its layers: its stress is `Q_s ε + z Q_b κ` at the height z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::fe) struct Face {
+    pub height: f64,
+    pub stretching: Plane,
+    pub bending: Plane,
+}
+
+impl Face {
+    fn new(height: f64, stretching: Plane, bending: Plane) -> Self {
+        Face {
+            height,
+            stretching,
+            bending,
+        }
+    }
+}
 
 /// Section, materials and position of a shell. The stiffness is that of a unit of thickness t, in the
-/// section's axes: `N = t A ε`, `M = t³/12 D κ`, `Q = t S γ`.
+/// section's axes: `N = t A ε + t² B κ`, `M = t² B ε + t³/12 D κ`, `Q = t S γ`.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::fe) struct Plate {
     /// Thickness at the nodes (m).
@@ -29,20 +48,24 @@ pub(in crate::fe) struct Plate {
     /// From the nodes to the middle surface along the normal (m).
     pub offsets: [f64; NODES],
     stretching: Plane,
+    coupling: Plane,
     bending: Plane,
     /// `None`: without shear flexibility.
     across: Option<Across>,
+    /// Surfaces on which stresses are found, in the section's axes.
+    faces: Vec<Face>,
     membrane: bool,
     /// The first axis of the section (its part in the surface), and its turn about the normal (rad). An
     /// isotropic section has none.
     axis: Option<(Vector, f64)>,
-    density: f64,
+    /// Density ρ (kg/m³) over the height ζ t: `∫ ρ dζ`, `∫ ρ ζ dζ`, `12 ∫ ρ ζ² dζ`.
+    density: [f64; 3],
     mass_per_area: f64,
 }
 
 /// A material in plane stress, of an isotropic one `E/(1 − ν²)` and `E/(2 (1 + ν))`, and its stiffness of
 /// shear across the sheet.
-fn elasticity(material: &Material) -> (Plane, Option<Across>) {
+pub(super) fn elasticity(material: &Material) -> (Plane, Option<Across>) {
     if let Some(sheet) = &material.sheet {
         return (sheet.plane, sheet.across);
     }
@@ -78,10 +101,10 @@ fn congruent<const N: usize>(turn: &[[f64; N]; N], matrix: &[[f64; N]; N]) -> [[
 
 /// Cosine and sine of the angle from the element's first axis to that of the section.
 #[derive(Clone, Copy)]
-struct Turn(f64, f64);
+pub(super) struct Turn(pub f64, pub f64);
 
 impl Turn {
-    fn plane(self, matrix: &Plane) -> Plane {
+    pub fn plane(self, matrix: &Plane) -> Plane {
         let Turn(c, s) = self;
         let strains = [
             [c * c, s * s, c * s],
@@ -91,7 +114,7 @@ impl Turn {
         congruent(&strains, matrix)
     }
 
-    fn across(self, matrix: &Across) -> Across {
+    pub fn across(self, matrix: &Across) -> Across {
         let Turn(c, s) = self;
         congruent(&[[c, s], [-s, c]], matrix)
     }
@@ -107,11 +130,14 @@ impl Plate {
         let (bending, shear) = match section.layup {
             Layup::One if section.shear == 0.0 => (Some(material), None),
             Layup::One => (Some(material), Some(material)),
+            Layup::Layers(_) => (None, None),
             Layup::Apart { .. } => (sheet.bending, sheet.shear.filter(|_| section.shear > 0.0)),
         };
         let across = shear
             .and_then(|material| elasticity(material).1)
             .map(|across| times(section.shear, across));
+        let density = material.density;
+        let rotary = if section.is_membrane() { 0.0 } else { density };
         let ShellShape {
             offsets, thickness, ..
         } = shape;
@@ -119,15 +145,25 @@ impl Plate {
             thickness: thickness.unwrap_or([section.thickness; NODES]),
             offsets,
             stretching: elasticity(material).0,
+            coupling: [[0.0; 3]; 3],
             bending: bending.map_or([[0.0; 3]; 3], |material| {
                 times(section.bending, elasticity(material).0)
             }),
             across,
+            faces: match bending {
+                None => vec![Face::new(0.0, elasticity(material).0, [[0.0; 3]; 3])],
+                Some(bending) => [-0.5, 0.5]
+                    .map(|height| Face::new(height, elasticity(material).0, elasticity(bending).0))
+                    .to_vec(),
+            },
             membrane: section.is_membrane(),
             axis: None,
-            density: material.density,
+            density: [density, 0.0, rotary],
             mass_per_area: section.mass_per_area,
         };
+        if let Layup::Layers(_) = section.layup {
+            plate.pile(&laminate::layers(sheet));
+        }
         if sheet.is_directed() {
             plate.axis = Some(match shape.axis {
                 ShellAxis::Side(turn) => (subtract(places[1], places[0]), turn),
@@ -135,6 +171,27 @@ impl Plate {
             });
         }
         plate
+    }
+
+    /// Puts layers in the place of one material.
+    fn pile(&mut self, layers: &[Ply]) {
+        self.stretching = laminate::moment(layers, 0);
+        self.coupling = laminate::moment(layers, 1);
+        self.bending = times(12.0, laminate::moment(layers, 2));
+        self.across = laminate::across(layers);
+        self.density = [0, 1, 2].map(|power| {
+            let own = layers
+                .iter()
+                .map(|layer| layer.density * layer.moment(power));
+            own.sum::<f64>()
+        });
+        self.density[2] *= 12.0;
+        let both = |layer: &Ply| {
+            layer
+                .height
+                .map(|height| Face::new(height, layer.plane, layer.plane))
+        };
+        self.faces = layers.iter().flat_map(both).collect();
     }
 
     /// Whether it resists no bending.
@@ -155,12 +212,13 @@ impl Plate {
     /// at a place with these shape functions.
     pub fn inertia(&self, values: &[f64; MOST_NODES]) -> [f64; 3] {
         let thickness = self.thickness(values);
-        let own = self.density * thickness;
-        let rotary = match self.membrane {
-            true => 0.0,
-            false => own * thickness * thickness / 12.0,
-        };
-        [own + self.mass_per_area, 0.0, rotary]
+        let [own, first, second] = self.density;
+        let square = thickness * thickness;
+        [
+            own * thickness + self.mass_per_area,
+            first * square,
+            second * square * thickness / 12.0,
+        ]
     }
 
     /// The turn of the section's axes from those of the element.
@@ -171,6 +229,20 @@ impl Plate {
         let (x, y) = (x / length, y / length);
         let (c, s) = (libm::cos(turn), libm::sin(turn));
         Some(Turn(c * x - s * y, s * x + c * y))
+    }
+
+    /// The surfaces on which stresses are found, from the lower to the upper, at a place with these shape functions
+    /// and axes. Their heights are in m.
+    pub fn faces(&self, values: &[f64; MOST_NODES], axes: &[Vector; 3]) -> Vec<Face> {
+        let thickness = self.thickness(values);
+        let turn = self.turn(axes);
+        let turned = |matrix: &Plane| turn.map_or(*matrix, |turn| turn.plane(matrix));
+        let own = self.faces.iter().map(|face| Face {
+            height: thickness * face.height,
+            stretching: turned(&face.stretching),
+            bending: turned(&face.bending),
+        });
+        own.collect()
     }
 
     /// The law at a place with these shape functions and axes (two tangents, normal), in an element whose size
@@ -187,6 +259,16 @@ impl Plate {
             for j in 0..3 {
                 law[i][j] = thickness * stretching[i][j];
                 law[3 + i][3 + j] = cube * bending[i][j];
+            }
+        }
+        if self.coupling != [[0.0; 3]; 3] {
+            let coupling = turned(&self.coupling);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let x = thickness * thickness * coupling[i][j];
+                    law[i][3 + j] = x;
+                    law[3 + i][j] = x;
+                }
             }
         }
         if self.membrane {

@@ -31,11 +31,14 @@
 //! and motions are `x + r` and `u + θ × r`. The element is made in the middle surface. So its own bending stays
 //! free of its stretching, as in a beam with an eccentric axis.
 
+mod laminate;
 mod law;
 mod quadrilateral;
+mod recovery;
 mod triangle;
 
 pub(super) use law::{Law, Plate};
+pub(super) use recovery::shell_stresses;
 
 use super::check::{list, wrong};
 use super::rules::{MassRule, Spread, spread};
@@ -68,6 +71,10 @@ pub(super) struct ShellPoint {
     pub rows: Rows,
     /// The law that belongs to the strains.
     pub law: Law,
+    /// Two unit tangents, along which the strains are, and the normal.
+    pub axes: [Vector; 3],
+    /// Place in the reference domain.
+    pub at: [f64; 2],
 }
 
 /// Stiffness and mass of a shell over `count` nodes.

@@ -138,6 +138,8 @@ pub(super) fn points(places: &Places, plate: &Plate) -> Result<Vec<ShellPoint>, 
             area: surface.area,
             rows: rows(&surface, &directors, &shear, at),
             law: plate.law(&surface.shape.values, &surface.axes, 4.0 * middle.area),
+            axes: surface.axes,
+            at,
         });
         enhanced.push(enhanced_rows(&middle, &surface, at));
     }

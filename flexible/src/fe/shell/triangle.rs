@@ -117,6 +117,8 @@ pub(super) fn points(
             area: plane.area / 3.0,
             rows,
             law: plate.law(&shape.values, &plane.axes, square),
+            axes: plane.axes,
+            at: [weight[1], weight[2]],
         }
     };
     Ok((0..3).map(point).collect())

@@ -282,13 +282,16 @@ impl Deck {
                 Extra::Shell(fields) => (Some(fields), None),
                 Extra::Beam(beam) | Extra::Rod(beam, _) => (None, Some(beam)),
             };
-            let thickness = match &shell {
-                Some(fields) => {
-                    let of_property = made.thickness(card.property);
-                    fields.thickness(of_property, card.id, &card.at)?
-                }
+            let (of_property, beside, plain) = made.plate(card.property);
+            let mut thickness = match &shell {
+                Some(fields) => fields.thickness(of_property, card.id, &card.at)?,
                 None => Thickness::OfProperty,
             };
+            if !plain && thickness != Thickness::OfProperty {
+                let name = "T1 to T4 of a shell with PCOMP";
+                self.unread.note(name, &card.at, Carries::Structure);
+                thickness = Thickness::OfProperty;
+            }
             let own = match thickness {
                 Thickness::OfProperty => None,
                 Thickness::Own(own) | Thickness::Varying(own, _) => Some(own),
@@ -316,7 +319,7 @@ impl Deck {
             let shape = match &shell {
                 Some(fields) => fields.shape(
                     card.kind,
-                    (thickness, made.is_directed(property)),
+                    (thickness, made.is_directed(property), beside),
                     systems,
                     (card.id, &card.at),
                     &mut self.unread,
@@ -351,6 +354,7 @@ impl Deck {
         }
         mesh.properties = made.properties.all;
         mesh.materials = made.materials.all;
+        mesh.laminates = made.laminates.all;
         Ok(numbers)
     }
 }

@@ -1,4 +1,5 @@
-//! Shells: the fields behind their grid points, `PSHELL`, and the materials `MAT2` and `MAT8` of sheets.
+//! Shells: the fields behind their grid points, `PSHELL`, `PCOMP`, `PCOMPG`, and the materials `MAT2` and `MAT8`
+//! of sheets.
 
 use super::card::Card;
 use super::frames::Systems;
@@ -108,11 +109,11 @@ impl ShellFields {
     }
 
     /// Position, thickness and axes of the shell; `None` if they are those of its property. An isotropic one is not
-    /// `directed`: it needs no axes.
+    /// `directed`: it needs no axes. The middle surface of its property is `beside` the reference plane.
     pub fn shape(
         &self,
         kind: ElementKind,
-        (thickness, directed): (Thickness, bool),
+        (thickness, directed, beside): (Thickness, bool, f64),
         systems: &Systems,
         (element, at): (u64, &At),
         unread: &mut UnreadCards,
@@ -131,7 +132,7 @@ impl ShellFields {
             }
         };
         let shape = ShellShape {
-            offsets: [self.offset; 4],
+            offsets: [self.offset + beside; 4],
             thickness: match thickness {
                 Thickness::Varying(_, own) if kind == kind.linear() => Some(own),
                 _ => None,
@@ -154,15 +155,6 @@ pub(super) struct PlateCard {
 }
 
 impl PlateCard {
-    /// A facet.
-    pub fn facet() -> Self {
-        PlateCard {
-            thickness: None,
-            section: ShellSection::plate(0.0),
-            apart: None,
-        }
-    }
-
     /// `PSHELL PID MID1 T MID2 12I/T³ MID3 TS/T NSM / Z1 Z2 MID4`, and its first material. Without any material
     /// it is a facet, without MID2 a membrane; without MID3 it has no shear flexibility.
     pub fn read(card: &Card, unread: &mut UnreadCards) -> Result<(Option<u64>, Self), FileProblem> {
@@ -217,6 +209,75 @@ impl PlateCard {
             },
             ..self.section
         }
+    }
+}
+
+/// `PCOMP` or `PCOMPG`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LaminateCard {
+    /// Material, thickness and angle (°) of each layer, from the lower surface to the upper.
+    pub layers: Vec<(u64, f64, f64)>,
+    /// From the reference plane to the middle surface.
+    pub offset: f64,
+    pub mass_per_area: f64,
+}
+
+impl LaminateCard {
+    /// `PCOMP PID Z0 NSM SB FT TREF GE LAM / MID1 T1 THETA1 SOUT1 …`: a blank material or thickness is that of the
+    /// layer before. `PCOMPG` has one layer on a line: `GPLYID MID T THETA SOUT`.
+    pub fn read(card: &Card, unread: &mut UnreadCards) -> Result<Self, FileProblem> {
+        let (width, first) = match card.name.as_str() {
+            "PCOMPG" => (8, 1),
+            _ => (4, 0),
+        };
+        let mut layers: Vec<(u64, f64, f64)> = Vec::new();
+        for line in (8..card.len()).step_by(width) {
+            if (line..line + width).all(|i| card.is_blank(i)) {
+                continue;
+            }
+            let number = layers.len() + 1;
+            let last = layers.last().map(|(id, thickness, _)| (*id, *thickness));
+            let [material, thickness] = [first, first + 1].map(|i| line + i);
+            let id = match (card.is_blank(material), last) {
+                (true, Some((id, _))) => id,
+                _ => card.id(material, &format!("MID{number}"))?,
+            };
+            let own = match (card.is_blank(thickness), last) {
+                (true, Some((_, thickness))) => thickness,
+                _ => card.real(thickness, &format!("T{number}"))?,
+            };
+            let angle = card.real_or_zero(line + first + 2, &format!("THETA{number}"))?;
+            layers.push((id, own, angle));
+        }
+        if layers.is_empty() {
+            return Err(card.problem(
+                "it has no layer",
+                "give material and thickness of its layers",
+            ));
+        }
+        match card.text(7) {
+            "" => {}
+            "SYM" => {
+                let mirrored: Vec<_> = layers.iter().rev().copied().collect();
+                layers.extend(mirrored);
+            }
+            other => {
+                let name = format!("{}, LAM = {other}", card.name);
+                unread.note(&name, &card.at, Carries::Structure);
+            }
+        }
+        let total: f64 = layers.iter().map(|(_, thickness, _)| thickness).sum();
+        let bottom = card.optional_real(1, "Z0")?;
+        Ok(LaminateCard {
+            layers,
+            offset: bottom.map_or(0.0, |bottom| bottom + 0.5 * total),
+            mass_per_area: card.real_or_zero(2, "NSM")?,
+        })
+    }
+
+    /// Thickness of all layers.
+    pub fn thickness(&self) -> f64 {
+        self.layers.iter().map(|(_, thickness, _)| thickness).sum()
     }
 }
 

@@ -1,5 +1,5 @@
-//! Properties and materials: `PSOLID`, `PSHELL`, `PBAR`, `PBARL`, `PBEAM`, `PBEAML`, `PROD`, `PTUBE`, `MAT1`,
-//! `MAT2`, `MAT8`.
+//! Properties and materials: `PSOLID`, `PSHELL`, `PBAR`, `PBARL`, `PBEAM`, `PBEAML`, `PROD`, `PTUBE`, `PCOMP`,
+//! `PCOMPG`, `MAT1`, `MAT2`, `MAT8`.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -7,11 +7,13 @@ use std::f64::consts::PI;
 use super::card::Card;
 use super::elements::Family;
 use super::lines::At;
-use super::plates::{PlateCard, SheetConstants};
+use super::plates::{LaminateCard, PlateCard, SheetConstants};
 use super::shapes;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
-use crate::mesh::{BeamSection, Carries, Material, Property, Section, Variant};
+use crate::mesh::{
+    BeamSection, Carries, Layer, Layup, Material, Property, Section, ShellSection, Variant,
+};
 use crate::read::builder::Once;
 
 /// A rod: only area, torsion constant and added mass per length.
@@ -42,6 +44,8 @@ fn mean(a: BeamSection, b: BeamSection) -> BeamSection {
 enum Kind {
     Solid(Variant),
     Shell(PlateCard),
+    /// A laminate: index into the deck's.
+    Laminate(usize),
     Line(BeamSection),
     /// A property that can't be expressed.
     Unreadable,
@@ -102,6 +106,7 @@ struct MaterialCard {
 #[derive(Debug, Default)]
 pub(super) struct Properties {
     properties: BTreeMap<(Family, u64), PropertyCard>,
+    laminates: Vec<LaminateCard>,
     materials: BTreeMap<u64, MaterialCard>,
 }
 
@@ -171,9 +176,11 @@ impl Properties {
                 self.insert(card, Family::Beam, None, Kind::Unreadable)?;
             }
             "PCOMP" | "PCOMPG" => {
-                unread.card(&card.name, &card.at);
-                let facet = Kind::Shell(PlateCard::facet());
-                self.insert(card, Family::Shell, None, facet)?;
+                let laminate = LaminateCard::read(card, unread)?;
+                let material = laminate.layers.first().map(|(material, ..)| *material);
+                let kind = Kind::Laminate(self.laminates.len());
+                self.laminates.push(laminate);
+                self.insert(card, Family::Shell, material, kind)?;
             }
             "MAT2" => {
                 let sheet = SheetConstants::anisotropic(card)?;
@@ -447,6 +454,8 @@ pub(super) struct Made<'d> {
     /// Materials in the order of their first use, by number and whether they resist the shear across a shell
     /// by other constants.
     pub materials: Once<(u64, bool), Material>,
+    /// Layers, by the order of the deck's laminates.
+    pub laminates: Once<usize, Vec<Layer>>,
 }
 
 impl<'d> Made<'d> {
@@ -457,6 +466,7 @@ impl<'d> Made<'d> {
             mass_scale,
             properties: Once::default(),
             materials: Once::default(),
+            laminates: Once::default(),
         }
     }
 
@@ -529,6 +539,7 @@ impl<'d> Made<'d> {
                 let [bending, shear] = made;
                 Section::Shell(plate.section(thickness, scale, [bending?, shear?]))
             }
+            Kind::Laminate(index) => self.laminate(index, card)?,
             Kind::Line(line) => Section::Beam(BeamSection {
                 mass_per_length: line.mass_per_length * scale,
                 ..line
@@ -558,19 +569,52 @@ impl<'d> Made<'d> {
         })
     }
 
-    /// The thickness of a shell's property.
-    pub fn thickness(&self, id: u64) -> Option<f64> {
-        match self.cards.properties.get(&(Family::Shell, id))?.kind {
-            Kind::Shell(plate) => plate.thickness,
-            _ => None,
+    /// The section of a laminate of the deck, with its layers.
+    fn laminate(&mut self, index: usize, card: &PropertyCard) -> Result<Section, FileProblem> {
+        let Some(laminate) = self.cards.laminates.get(index) else {
+            return Ok(Section::Solid); // never: indices come from the list
+        };
+        let made = match self.laminates.find(&index) {
+            Some(made) => made,
+            None => {
+                let mut layers = Vec::with_capacity(laminate.layers.len());
+                for (id, thickness, degrees) in &laminate.layers {
+                    layers.push(Layer {
+                        material: self.material(*id, card, Use::Sheet)?,
+                        thickness: *thickness,
+                        angle: degrees.to_radians(),
+                    });
+                }
+                self.laminates.add(index, layers)
+            }
+        };
+        Ok(Section::Shell(ShellSection {
+            mass_per_area: laminate.mass_per_area * self.mass_scale,
+            layup: Layup::Layers(made),
+            ..ShellSection::plate(laminate.thickness())
+        }))
+    }
+
+    /// The thickness of a shell's property, the distance of its middle surface from its reference plane, and
+    /// whether elements may have thicknesses of their own.
+    pub fn plate(&self, id: u64) -> (Option<f64>, f64, bool) {
+        let card = self.cards.properties.get(&(Family::Shell, id));
+        match card.map(|card| card.kind) {
+            Some(Kind::Shell(plate)) => (plate.thickness, 0.0, true),
+            Some(Kind::Laminate(index)) => {
+                let laminate = self.cards.laminates.get(index);
+                let offset = laminate.map_or(0.0, |laminate| laminate.offset);
+                (laminate.map(LaminateCard::thickness), offset, false)
+            }
+            _ => (None, 0.0, true),
         }
     }
 
     /// Whether a property has axes: an isotropic one has none.
     pub fn is_directed(&self, property: u32) -> bool {
         let property = self.properties.all.get(property as usize);
-        let mut materials = property.into_iter().flat_map(Property::materials);
-        materials.any(|index| {
+        let materials = property.map(|property| property.materials(&self.laminates.all));
+        materials.into_iter().flatten().any(|index| {
             let material = self.materials.all.get(index as usize);
             material.is_some_and(|material| material.sheet.is_some())
         })

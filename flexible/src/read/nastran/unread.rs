@@ -20,10 +20,10 @@ const STRUCTURE: &[&str] = &[
     "CPLSTN4", "CPLSTN6", "CPLSTN8", "CPLSTS3", "CPLSTS4", "CPLSTS6", "CPLSTS8", "CQUAD", "CQUADX",
     "CRAC2D", "CRAC3D", "CSEAM", "CSHEAR", "CSUPEXT", "CTRAX3", "CTRAX6", "CTRIAX", "CTRIAX6",
     "CQUADX4", "CQUADX8", "CWELD", "DMIG", "DMIAX", "EBDADD", "EBDSET", "GENEL", "GMBC", "GMSPC",
-    "MATT1", "MATT9", "NSM", "NSM1", "NSMADD", "NSML", "NSML1", "PBUSH", "PBUSH1D", "PCOMP",
-    "PCOMPG", "PGAP", "PMASS", "PSHEAR", "RBE1", "RJOINT", "RROD", "RSPLINE", "RSSCON", "RTRPLT",
-    "RTRPLT1", "SEBNDRY", "SEBULK", "SECONCT", "SEELT", "SEEXCLD", "SELABEL", "SELOC", "SEMPLN",
-    "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
+    "MATT1", "MATT9", "NSM", "NSM1", "NSMADD", "NSML", "NSML1", "PBUSH", "PBUSH1D", "PGAP",
+    "PMASS", "PSHEAR", "RBE1", "RJOINT", "RROD", "RSPLINE", "RSSCON", "RTRPLT", "RTRPLT1",
+    "SEBNDRY", "SEBULK", "SECONCT", "SEELT", "SEEXCLD", "SELABEL", "SELOC", "SEMPLN", "SESET",
+    "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
 ];
 
 /// Cards of loads, requests and solution methods. A name with a `.` at its end means all names with this
