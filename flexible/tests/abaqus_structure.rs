@@ -5,7 +5,7 @@ use crate::nastran_deck::{
     Memory, close, close3, element_ids, ids, index, position, set, set_ids, unread,
 };
 use eng_flexible::mesh::{
-    BeamSection, Carries, Code, ElementKind, Mesh, Section, ShellSection, Support, Tie,
+    BeamSection, Carries, Code, ElementKind, Mesh, Section, ShellAxis, ShellSection, Support, Tie,
 };
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::{FileProblem, FlexibleError, Place};
@@ -366,6 +366,79 @@ RIGHT, .03
             .contains("element 1 has NODAL THICKNESS, and its node 1 has none"),
         "{found}"
     );
+}
+
+#[test]
+fn layers_of_shells() {
+    let lamina = "*MATERIAL, NAME=CARBON
+*ELASTIC, TYPE=LAMINA
+1.4E11, 1.E10, 0.3, 5.E9, 4.E9, 3.E9
+*DENSITY
+1600.
+";
+    let deck = mesh(&format!(
+        "{SHELLS}{lamina}*SHELL SECTION, ELSET=FOUR, COMPOSITE, SYMMETRIC, OFFSET=SNEG
+.001, 3, CARBON, 45.
+.002, , STEEL
+*SHELL SECTION, ELSET=THREE, MATERIAL=CARBON
+.02
+"
+    ));
+    assert_eq!(unread(&deck), []);
+    let property = |i: usize| &deck.properties[deck.elements[i].property as usize];
+    let Section::Shell(section) = property(0).section else {
+        panic!("no shell");
+    };
+    close(section.thickness, 0.006, 1.0);
+    let layers = deck.laminates[0].iter().map(|layer| {
+        let name = deck.materials[layer.material as usize].name.as_str();
+        (name, layer.thickness, layer.angle.to_degrees().round())
+    });
+    let (carbon, steel) = (("CARBON", 0.001, 45.0), ("STEEL", 0.002, 0.0));
+    assert_eq!(layers.collect::<Vec<_>>(), [carbon, steel, steel, carbon]);
+    let shape = |i: usize| deck.shell_shapes[deck.elements[i].shell.expect("one") as usize];
+    close(shape(0).offsets[0], 0.003, 1.0);
+    assert_eq!(shape(0).axis, ShellAxis::Direction([1.0, 0.0, 0.0], 0.0));
+    assert_eq!(shape(1).axis, ShellAxis::Direction([1.0, 0.0, 0.0], 0.0));
+    let sheet = deck.materials[0].sheet.expect("a lamina");
+    assert_eq!(sheet.across, Some([[4e9, 0.0], [0.0, 3e9]]));
+    // other axes are listed
+    let listed = mesh(&format!(
+        "{SHELLS}{lamina}*SHELL SECTION, ELSET=FOUR, COMPOSITE, ORIENTATION=AXES
+.001, 3, CARBON, TURNED
+*SHELL SECTION, ELSET=THREE, MATERIAL=STEEL
+.02
+"
+    ));
+    assert_eq!(
+        unread(&listed),
+        [
+            (
+                "*SHELL SECTION, COMPOSITE: layers with an orientation",
+                1,
+                Carries::Structure
+            ),
+            ("*SHELL SECTION, ORIENTATION", 1, Carries::Structure),
+        ]
+    );
+    for (section, message) in [
+        ("*SHELL SECTION, ELSET=FOUR, COMPOSITE", "it has no layer"),
+        (
+            "*SHELL SECTION, ELSET=FOUR, COMPOSITE\n.1, 3",
+            "a layer without material",
+        ),
+        (
+            "*ELEMENT, TYPE=T3D2, ELSET=ROD\n9, 1, 3\n*SOLID SECTION, ELSET=ROD, MATERIAL=CARBON\n1.",
+            "the material CARBON is used but has no isotropic *ELASTIC",
+        ),
+        (
+            "*MATERIAL, NAME=WRONG\n*ELASTIC, TYPE=LAMINA\n1., 9., .9, 1., 1., 1.",
+            "these constants are those of no elastic lamina",
+        ),
+    ] {
+        let found = problem(&format!("{SHELLS}{lamina}{section}\n"));
+        assert!(found.problem.contains(message), "{found}");
+    }
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod fe_benchmarks;
 mod fe_errors;
 mod fe_laminates;
 mod fe_meshes;
+mod fe_nafems;
 mod fe_parts;
 mod fe_patch;
 mod fe_shell_sections;

@@ -394,7 +394,7 @@ pub fn check(mesh: &Mesh, rule: StiffnessRule) -> Result<(), FlexibleError> {
     })
 }
 
-/// The warnings about the forms of a mesh's solids.
+/// The warnings about the forms of a mesh's elements.
 pub fn told(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
     let mut told = Vec::new();
     for ((kind, variant), (count, _)) in types(mesh) {
@@ -411,5 +411,6 @@ pub fn told(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
             _ => {}
         }
     }
+    told.extend(super::shell::too_curved(mesh));
     told
 }

@@ -23,6 +23,7 @@ mod pattern;
 pub mod reduction;
 mod residual;
 pub mod rules;
+mod sheet;
 mod shell;
 pub mod solid;
 pub mod stress;

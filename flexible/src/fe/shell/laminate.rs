@@ -11,7 +11,7 @@
 //! The two axes do not couple.
 
 use super::law::{Across, Plane, Turn, elasticity};
-use crate::fe::check::Sheet;
+use crate::fe::sheet::Sheet;
 
 /// A layer in the section's axes.
 pub(super) struct Ply {

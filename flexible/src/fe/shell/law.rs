@@ -3,7 +3,7 @@
 use super::laminate::{self, Ply};
 use super::{NODES, Places, STRAINS};
 use crate::element::MOST_NODES;
-use crate::fe::check::Sheet;
+use crate::fe::sheet::Sheet;
 use crate::fe::vector::{Vector, dot, subtract};
 use crate::mesh::{Layup, Material, ShellAxis, ShellShape};
 

@@ -31,12 +31,14 @@
 //! and motions are `x + r` and `u + θ × r`. The element is made in the middle surface. So its own bending stays
 //! free of its stretching, as in a beam with an eccentric axis.
 
+mod curved;
 mod laminate;
 mod law;
 mod quadrilateral;
 mod recovery;
 mod triangle;
 
+pub(super) use curved::too_curved;
 pub(super) use law::{Law, Plate};
 pub(super) use recovery::shell_stresses;
 

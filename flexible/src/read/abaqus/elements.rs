@@ -94,6 +94,7 @@ pub(super) fn make(
     }
     mesh.properties = std::mem::take(&mut sections.properties.all);
     mesh.materials = std::mem::take(&mut sections.materials.all);
+    mesh.laminates = std::mem::take(&mut sections.laminates);
     for (row, elements) in model.rows.iter_mut().zip(made) {
         row.elements = elements;
     }

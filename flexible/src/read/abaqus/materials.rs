@@ -1,11 +1,11 @@
-//! `*MATERIAL` with `*ELASTIC` and `*DENSITY`.
+//! `*MATERIAL` with `*ELASTIC` of an isotropic material or a lamina, and `*DENSITY`.
 
 use std::collections::BTreeMap;
 
 use super::lines::key;
 use super::scope::Block;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Material};
+use crate::mesh::{Carries, Material, SheetElasticity};
 use crate::read::source::At;
 use crate::read::unread::UnreadCards;
 
@@ -14,6 +14,8 @@ struct Entry {
     name: String,
     /// Young's modulus and Poisson's ratio.
     elastic: Option<(f64, f64)>,
+    /// Of `TYPE=LAMINA`.
+    sheet: Option<SheetElasticity>,
     density: Option<f64>,
     at: At,
 }
@@ -55,6 +57,7 @@ impl Materials {
             let entry = Entry {
                 name: name.to_string(),
                 elastic: None,
+                sheet: None,
                 density: None,
                 at: keyword.at.clone(),
             };
@@ -105,6 +108,22 @@ impl Materials {
                         unread.note(name, &keyword.at, Carries::Structure);
                     }
                     entry.elastic = Some((young, poisson.unwrap_or(0.0)));
+                } else if keyword.choice("TYPE") == "LAMINA" {
+                    let names = ["E1", "E2", "Nu12", "G12", "G13", "G23"];
+                    let mut constants = [0.0; 6];
+                    for ((i, constant), name) in constants.iter_mut().enumerate().zip(names) {
+                        *constant = row.real(i, name)?;
+                    }
+                    let [e1, e2, poisson, g12, g13, g23] = constants;
+                    let sheet = SheetElasticity::orthotropic([e1, e2, poisson, g12], [g13, g23]);
+                    if sheet.is_none() {
+                        return Err(row.at.problem(
+                            "these constants are those of no elastic lamina",
+                            "E1, E2 and the shear moduli are above zero, and Nu12 squared below E1/E2",
+                        ));
+                    }
+                    entry.sheet = sheet;
+                    entry.elastic = Some((e1, poisson));
                 }
             }
             known if entry.is_some() && HARMLESS.contains(&known) => {
@@ -116,18 +135,19 @@ impl Materials {
         Ok(true)
     }
 
-    /// The material of a section.
-    pub fn find(&self, name: &str, user: &Block) -> Result<Material, FileProblem> {
+    /// The material of a section, which may be a lamina for a shell.
+    pub fn find(&self, name: &str, user: &Block, shell: bool) -> Result<Material, FileProblem> {
         let Some(entry) = self.entries.get(&key(name)) else {
             return Err(user.keyword.problem(
                 &format!("the material {name} is missing"),
                 "add its *MATERIAL, or *INCLUDE the file that holds it",
             ));
         };
-        let Some((young, poisson)) = entry.elastic else {
+        let known = entry.elastic.filter(|_| shell || entry.sheet.is_none());
+        let Some((young, poisson)) = known else {
             return Err(entry.at.problem(
                 format!("the material {name} is used but has no isotropic *ELASTIC"),
-                "give it *ELASTIC with Young's modulus and Poisson's ratio",
+                "give it *ELASTIC with Young's modulus and Poisson's ratio; TYPE=LAMINA is for shells",
             ));
         };
         Ok(Material {
@@ -135,7 +155,7 @@ impl Materials {
             young,
             poisson,
             density: entry.density.unwrap_or(0.0),
-            sheet: None,
+            sheet: entry.sheet,
         })
     }
 }

@@ -9,7 +9,7 @@ use super::shapes::Shape;
 use super::shells::{self, NodalThickness};
 use crate::error::FileProblem;
 use crate::mesh::{
-    BeamSection, Carries, Code, Material, Property, Section, ShellSection, ShellShape,
+    BeamSection, Carries, Code, Layer, Layup, Material, Property, Section, ShellSection, ShellShape,
 };
 use crate::read::builder::Once;
 use crate::read::nastran::shapes;
@@ -58,6 +58,8 @@ pub(super) struct Sections<'m> {
     pub properties: Once<(Option<u32>, Family), Property>,
     /// Materials of the mesh, by name in capitals.
     pub materials: Once<String, Material>,
+    /// Layers of the composites.
+    pub laminates: Vec<Vec<Layer>>,
 }
 
 const KEYWORDS: &[&str] = &[
@@ -81,6 +83,7 @@ impl<'m> Sections<'m> {
             nodal_thickness: NodalThickness::read(model, unread)?,
             properties: Once::default(),
             materials: Once::default(),
+            laminates: Vec::new(),
         };
         for (place, block) in model.blocks() {
             let keyword = &block.keyword;
@@ -124,6 +127,51 @@ impl<'m> Sections<'m> {
         self.blocks.get(section as usize).copied()
     }
 
+    /// Index of a material; a shell may have a lamina.
+    fn material(
+        &mut self,
+        name: &str,
+        user: &Block,
+        materials: &Materials,
+        shell: bool,
+    ) -> Result<u32, FileProblem> {
+        let material = materials.find(name, user, shell)?;
+        Ok(match self.materials.find(&key(name)) {
+            Some(made) => made,
+            None => self.materials.add(key(name), material),
+        })
+    }
+
+    /// The property of `*SHELL SECTION, COMPOSITE`.
+    fn composite(
+        &mut self,
+        name: String,
+        block: &Block,
+        materials: &Materials,
+        unread: &mut UnreadCards,
+    ) -> Result<Property, FileProblem> {
+        let mut layers = Vec::new();
+        for (thickness, material, angle) in shells::layers(block, unread)? {
+            layers.push(Layer {
+                material: self.material(material, block, materials, true)?,
+                thickness,
+                angle,
+            });
+        }
+        let thickness = layers.iter().map(|layer| layer.thickness).sum();
+        let material = layers.first().map(|layer| layer.material);
+        let layup = Layup::Layers(self.laminates.len() as u32); // fewer than lines
+        self.laminates.push(layers);
+        Ok(Property {
+            name,
+            material,
+            section: Section::Shell(ShellSection {
+                layup,
+                ..ShellSection::plate(thickness)
+            }),
+        })
+    }
+
     /// Position and thickness of the shell of a row; `None` if they are those of its section.
     pub fn shape(
         &self,
@@ -132,14 +180,20 @@ impl<'m> Sections<'m> {
         (row, model): (&Row, &Model),
         unread: &mut UnreadCards,
     ) -> Result<Option<ShellShape>, FileProblem> {
-        let section = self.properties.all.get(property as usize);
+        let property = self.properties.all.get(property as usize);
         let (Some((_, block)), Some(Section::Shell(section))) =
-            (self.block(index), section.map(|property| property.section))
+            (self.block(index), property.map(|property| property.section))
         else {
             return Ok(None);
         };
+        let materials = property.map(|property| property.materials(&self.laminates));
+        let directed = materials.into_iter().flatten().any(|index| {
+            let material = self.materials.all.get(index as usize);
+            material.is_some_and(|material| material.sheet.is_some())
+        });
         let nodes = &self.nodal_thickness;
-        shells::shape(block, section.thickness, (row, model), nodes, unread)
+        let of_section = (section.thickness, directed);
+        shells::shape(block, of_section, (row, model), nodes, unread)
     }
 
     /// Index of the property of a row. Solids without a section get one without material, shells become
@@ -225,26 +279,19 @@ impl<'m> Sections<'m> {
                 return Ok(Some(self.properties.add(by, property)));
             }
             (Family::Shell, "SHELLSECTION") => {
-                unread.note("*SHELL SECTION, COMPOSITE", &keyword.at, Carries::Structure);
-                let property = facets(&name);
+                let property = self.composite(name, block, materials, unread)?;
                 return Ok(Some(self.properties.add(by, property)));
             }
             _ => {
                 let label = model.rows.get(row as usize).map_or(0, |row| row.label);
                 return Err(keyword.problem(
                     &format!("it doesn't fit element {label}"),
-                    "solids and trusses take *SOLID SECTION, shells *SHELL SECTION, beams *BEAM SECTION; composites can't be read",
+                    "solids and trusses take *SOLID SECTION, shells *SHELL SECTION, beams *BEAM SECTION; composites are shells",
                 ));
             }
         };
         let written = keyword.require("MATERIAL", "MATERIAL")?;
-        let material = match self.materials.find(&key(written)) {
-            Some(made) => made,
-            None => {
-                let material = materials.find(written, block)?;
-                self.materials.add(key(written), material)
-            }
-        };
+        let material = self.material(written, block, materials, family == Family::Shell)?;
         let property = Property {
             name,
             material: Some(material),

@@ -1,4 +1,4 @@
-//! Position and thickness of shells: `OFFSET`, `*NODAL THICKNESS`.
+//! Position, thickness and layers of shells: `OFFSET`, `*NODAL THICKNESS`, `COMPOSITE`.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,8 @@ use super::model::{self, Model};
 use super::scope::Block;
 use super::shapes::Shape;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, ShellShape};
+use crate::fe::vector::{cross, norm, subtract};
+use crate::mesh::{Carries, ShellAxis, ShellShape};
 use crate::read::number;
 use crate::read::unread::UnreadCards;
 
@@ -100,17 +101,92 @@ pub(super) fn thickness(
     line.map(|line| line.real(0, "the thickness")).transpose()
 }
 
-/// Position and thickness of a shell whose section has this thickness; `None` if they are those of the section.
+/// A layer: thickness, material, angle (rad).
+pub(super) type LayerRow<'r> = (f64, &'r str, f64);
+
+/// The layers of `*SHELL SECTION, COMPOSITE`: `thickness, points, material, angle`, from the lower surface to the
+/// upper.
+pub(super) fn layers<'r>(
+    block: &'r Block,
+    unread: &mut UnreadCards,
+) -> Result<Vec<LayerRow<'r>>, FileProblem> {
+    let keyword = &block.keyword;
+    let mut found = Vec::new();
+    for row in block.rows.iter().filter(|row| !row.is_blank()) {
+        let material = row.text(2);
+        if material.is_empty() {
+            return Err(row.at.problem(
+                "a layer without material",
+                "a layer is: thickness, points, material, angle",
+            ));
+        }
+        let written = row.text(3);
+        let angle = match written.is_empty() {
+            true => 0.0,
+            false => number::real(written).unwrap_or_else(|| {
+                let name = format!("*{}, COMPOSITE: layers with an orientation", keyword.name);
+                unread.note(&name, &row.at, Carries::Structure);
+                0.0
+            }),
+        };
+        found.push((row.real(0, "the thickness")?, material, angle.to_radians()));
+    }
+    if found.is_empty() {
+        return Err(keyword.problem(
+            "it has no layer",
+            "a layer is a line: thickness, points, material, angle",
+        ));
+    }
+    if keyword.has("SYMMETRIC") {
+        let mirrored: Vec<_> = found.iter().rev().copied().collect();
+        found.extend(mirrored);
+    }
+    Ok(found)
+}
+
+/// The first axis of a directed section: the part of x in the surface, or of z where x stands within 0.1° of its
+/// normal. Other orientations are listed.
+fn axis(block: &Block, (row, model): (&model::Row, &Model), unread: &mut UnreadCards) -> ShellAxis {
+    let keyword = &block.keyword;
+    let turned = model
+        .places
+        .get(row.place)
+        .is_some_and(|placed| placed.motion().turns());
+    if keyword.has("ORIENTATION") || turned {
+        let name = match turned {
+            false => format!("*{}, ORIENTATION", keyword.name),
+            true => "layers in a turned *INSTANCE".into(),
+        };
+        unread.note(&name, &keyword.at, Carries::Structure);
+    }
+    let mut corners = model
+        .row_nodes(row)
+        .iter()
+        .map(|node| model.position(*node));
+    let normal = match (corners.next(), corners.next(), corners.next()) {
+        (Some(a), Some(b), Some(c)) => cross(subtract(b, a), subtract(c, a)),
+        _ => [0.0; 3],
+    };
+    let x = [1.0, 0.0, 0.0];
+    let tilt = norm(cross(x, normal));
+    match tilt <= libm::sin(0.1f64.to_radians()) * norm(normal) {
+        true => ShellAxis::Direction([0.0, 0.0, 1.0], 0.0),
+        false => ShellAxis::Direction(x, 0.0),
+    }
+}
+
+/// Position, thickness and axes of a shell whose section has this thickness; `None` if they are those of the
+/// section. An isotropic section is not `directed`.
 pub(super) fn shape(
     block: &Block,
-    of_section: f64,
+    (of_section, directed): (f64, bool),
     (row, model): (&model::Row, &Model),
     nodes: &NodalThickness,
     unread: &mut UnreadCards,
 ) -> Result<Option<ShellShape>, FileProblem> {
     let share = offset(&block.keyword, unread);
     let varying = of_nodes(block);
-    if share == 0.0 && !varying {
+    if share == 0.0 && !varying && !directed {
         return Ok(None);
     }
     let mut thickness = [of_section; CORNERS];
@@ -122,6 +198,9 @@ pub(super) fn shape(
     Ok(Some(ShellShape {
         offsets: thickness.map(|thickness| -share * thickness),
         thickness: varying.then_some(thickness),
-        ..ShellShape::default()
+        axis: match directed {
+            true => axis(block, (row, model), unread),
+            false => ShellAxis::Side(0.0),
+        },
     }))
 }

@@ -73,12 +73,12 @@ impl PropertyCard {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Constants {
     /// Young's modulus, Poisson's ratio, density.
     Isotropic([f64; 3]),
     /// Of a sheet.
-    Sheet(SheetConstants),
+    Sheet(Box<SheetConstants>),
     /// A material that can't be expressed.
     Unreadable,
 }
@@ -184,11 +184,11 @@ impl Properties {
             }
             "MAT2" => {
                 let sheet = SheetConstants::anisotropic(card)?;
-                self.material(card, Constants::Sheet(sheet))?;
+                self.material(card, Constants::Sheet(Box::new(sheet)))?;
             }
             "MAT8" => {
                 let sheet = SheetConstants::orthotropic(card)?;
-                self.material(card, Constants::Sheet(sheet))?;
+                self.material(card, Constants::Sheet(Box::new(sheet)))?;
             }
             "MAT3" | "MAT9" | "MAT10" | "MAT11" | "MATHE" | "MATORT" => {
                 self.material(card, Constants::Unreadable)?;
@@ -628,8 +628,10 @@ impl<'d> Made<'d> {
                 "add its MAT1 card, or INCLUDE the file that holds it",
             ));
         };
-        let (young, poisson, density, sheet) = match (card.constants, usage) {
-            (Constants::Isotropic([young, poisson, density]), _) => (young, poisson, density, None),
+        let (young, poisson, density, sheet) = match (&card.constants, usage) {
+            (Constants::Isotropic([young, poisson, density]), _) => {
+                (*young, *poisson, *density, None)
+            }
             (Constants::Sheet(own), Use::Sheet) => {
                 (own.young, own.poisson, own.density, Some(own.plane))
             }
