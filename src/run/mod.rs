@@ -149,7 +149,7 @@ impl Watch for Watching<'_> {
     fn progress(&mut self, now: Progress) -> Verdict {
         (self.tell)(Event::Progress(now));
         let passed = self.began.elapsed();
-        match self.patience.look(passed, now.fraction) {
+        match self.patience.look(passed, now.fraction, now.steps) {
             Look::Lost(left) if !self.patient => {
                 self.lost = Some((passed, now, left));
                 Verdict::Stop

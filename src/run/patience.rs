@@ -6,6 +6,9 @@ use std::time::Duration;
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 /// Time of the first check of the pace.
 const FIRST: Duration = Duration::from_secs(5);
+/// Number of steps, or time, before which no pace is known: the first steps of a run are short and grow, and a step of
+/// elastic films may take a second.
+const BEGINNING: (u64, Duration) = (30, Duration::from_secs(120));
 /// Time between two checks, as a part of the time passed.
 const LATER: f64 = 0.2;
 
@@ -52,10 +55,12 @@ impl Default for Patience {
 }
 
 impl Patience {
-    /// Takes the time since the start of the run and its finished part, 0…1. It makes a check from time to
-    /// time.
-    pub fn look(&mut self, passed: Duration, done: f64) -> Look {
-        if passed < self.next {
+    /// Takes the time since the start of the run, its finished part, 0…1, and its number of steps. It makes a check
+    /// from time to time.
+    pub fn look(&mut self, passed: Duration, done: f64, steps: u64) -> Look {
+        let (few, short) = BEGINNING;
+        let beginning = steps < few && passed < short;
+        if passed < self.next || beginning {
             return Look::Soon;
         }
         let seconds = (passed - self.last.0).as_secs_f64();
@@ -106,7 +111,7 @@ mod tests {
         let mut patience = Patience::default();
         (1..200_000).find_map(|half| {
             let passed = f64::from(half) * 0.5;
-            match patience.look(Duration::from_secs_f64(passed), done(passed)) {
+            match patience.look(Duration::from_secs_f64(passed), done(passed), 1000) {
                 Look::Lost(left) => Some((passed, left)),
                 Look::Soon | Look::Now | Look::Slowing(_) => None,
             }
@@ -118,7 +123,7 @@ mod tests {
         let mut patience = Patience::default();
         (1..20_000).find_map(|half| {
             let passed = f64::from(half) * 0.5;
-            let look = patience.look(Duration::from_secs_f64(passed), done(passed));
+            let look = patience.look(Duration::from_secs_f64(passed), done(passed), 1000);
             matches!(look, Look::Slowing(_)).then_some(passed)
         })
     }
@@ -149,6 +154,27 @@ mod tests {
         let latest = 3600.0 * 1.2_f64.powi(3) + 3.0;
         assert!((3600.0..latest).contains(&passed), "{passed}");
         assert_eq!(left, f64::INFINITY);
+    }
+
+    /// Steps of a second whose first is a ten-millionth of the run, each 1.5 times as long as the one before: the first
+    /// ten tell nothing of the pace.
+    #[test]
+    fn short_first_steps_are_no_pace() {
+        let mut patience = Patience::default();
+        let (mut done, mut step) = (0.0, 1e-7);
+        for steps in 1..=60 {
+            let look = patience.look(Duration::from_secs(steps), done, steps);
+            assert!(!matches!(look, Look::Lost(_)), "{steps}");
+            done += step;
+            step = (1.5 * step).min(1e-3);
+        }
+        // without a step for minutes there is a pace: none
+        let mut patience = Patience::default();
+        let stopped = (1..400).find(|passed| {
+            let look = patience.look(Duration::from_secs(*passed), 0.0, 3);
+            matches!(look, Look::Lost(_))
+        });
+        assert_eq!(stopped, Some(144));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval, Reported, body::index_text, finish::Structural, location};
 use crate::codes;
 use crate::program::DefinitionId;
+use crate::typed::kind_words::kind_word;
 use crate::typed::{TypedProgram, settable};
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
@@ -357,7 +358,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Definition(id) => Structural::Class(id),
             Value::Bound(bound) => match bound.named {
                 Some(id) => Structural::Class(id),
-                None => return Err(self.class_without_a_name(span)),
+                None => return Err(self.class_without_a_name(bound.class, span)),
             },
             Value::Record(id, scope) => {
                 let mut fields = Vec::new();
@@ -381,15 +382,19 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    fn class_without_a_name(&mut self, span: Span) -> Reported {
-        self.report(
-            Diagnostic::error(
-                codes::NOT_HANDED_ON,
-                "an analysis gives a model classes by their names",
-            )
-            .at(span, "a class with arguments, without a name")
-            .with_help("define it at the top of the file: `journal OurMain = Impedance(…)`"),
+    fn class_without_a_name(&mut self, class: DefinitionId, span: Span) -> Reported {
+        let mut message = Diagnostic::error(
+            codes::NOT_HANDED_ON,
+            "an analysis gives a model classes by their names",
         )
+        .at(span, "a class with arguments, without a name");
+        if let Some(class) = self.program.declaration(class) {
+            let (kind, name) = (kind_word(class.kind), &class.name.text);
+            message = message.with_help(format!(
+                "define it at the top of the file: `{kind} Ours = {name}(…)`"
+            ));
+        }
+        self.report(message)
     }
 
     /// Names of the values of a record.

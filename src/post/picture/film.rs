@@ -25,10 +25,12 @@ impl Drawer<'_> {
             panels.push(self.film_of(map.quantity, at, (analysis, path), name)?);
         }
         let analyses: Vec<&str> = pairs().map(|(analysis, _)| analysis).collect();
+        let open = panels.iter().any(|panel| !panel.openings.is_empty());
+        let outlines = if open { "outlines are openings, " } else { "" };
         Ok(FilmMap {
             title: self.title.to_owned(),
             subtitle: format!(
-                "{}; outlines are openings, a ring is at the extreme",
+                "{}; {outlines}a ring is at the extreme",
                 self.about(&analyses)?
             ),
             quantity: capital(&self.figure.quantity),
