@@ -8,8 +8,8 @@
 //! | --- | --- |
 //! | `F.eccentricity.x`, `F.spin`, `F.supply[1]`, … | the drives, by the names of the kernel's arguments |
 //! | `F.surface[1]`, …, `F.surface_rate[1]`, … | amplitudes of an elastic surface by the modes of its body, and their rates |
-//! | `F.step` | time since the begin of the step; 0 for a field in balance |
-//! | `F.memory[1]`, … | the numbers that the field remembered at that begin |
+//! | `F.step` | time since the beginning of the step; 0 for a field in balance |
+//! | `F.memory[1]`, … | the memory of the field at that beginning |
 
 use crate::results::{CellColumn, Column, Results};
 use eng_runtime::model::Model;

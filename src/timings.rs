@@ -81,7 +81,7 @@ pub(crate) fn line<N: std::fmt::Display>(phases: &[(N, Duration)]) -> String {
     format!("processor time: {}", phases.join(", "))
 }
 
-/// A clock that tells the time since it was read last.
+/// A clock that measures the time since its last reading.
 #[derive(Debug)]
 pub(crate) struct Clock {
     #[cfg(unix)]

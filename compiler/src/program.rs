@@ -161,7 +161,8 @@ impl Program {
         (self.declaration(interface)?.kind == ast::Kind::Interface).then_some(interface)
     }
 
-    /// The definitions whose text makes up a definition: its interfaces, the eldest first, then itself.
+    /// The definitions whose text makes up a definition: its interfaces, the most general first, then
+    /// itself.
     pub fn lineage(&self, id: DefinitionId) -> Vec<DefinitionId> {
         let mut found = vec![id];
         let mut youngest = id;

@@ -24,13 +24,15 @@ const ROUNDS: usize = 200;
 /// Largest change of an amplitude that ends the rounds, as a share of the clearance. The outputs follow this last change by
 /// their slopes, so its square and the age of the slopes alone are left.
 const GOAL: f64 = 1e-11;
-/// Ratio of two changes above which a round was slow, and the number of slow rounds after which G is made anew.
+/// Ratio of two changes above which a round was slow, and the number of slow rounds after which G is computed
+/// again.
 const CONTRACTION: f64 = 0.3;
 const SLOW_ROUNDS: usize = 2;
-/// Rounds after which the search is careful: without secants, and G is made anew after each slow round. Where many cells change
-/// sides, earlier rounds tell little.
+/// Rounds after which the search uses no secants and computes G again after each slow round. If many cells change between film
+/// and cavity, secants of earlier rounds are not valid.
 const QUICK_ROUNDS: usize = 16;
-/// Largest change of an amplitude in a round, as a share of the way that it may go: a longer one could close the gap.
+/// Largest change of an amplitude in a round, as a share of the limit in `Elastic::reach`: a larger one could close
+/// the gap.
 const LONGEST: f64 = 0.5;
 /// Least speed of the surfaces that a search counts with (m/s).
 const LEAST_SPEED: f64 = 1e-3;
@@ -62,7 +64,8 @@ pub struct ElasticWork {
     /// Whether the slopes are those of the last solution of the film.
     current: bool,
     feedback: Feedback,
-    /// The part of the amplitudes that follows the forces: at the last solution, and at the begin of its step.
+    /// The part of the amplitudes that follows the forces: at the last solution, and at the beginning of its
+    /// step.
     amplitudes: Vec<f64>,
     before: Vec<f64>,
     step: Option<f64>,
@@ -275,7 +278,7 @@ impl Elastic {
                 self.correct(work, outputs);
             }
             Err(_) => {
-                // the next search begins anew
+                // the next search starts without the secants and from the beginning of the step
                 work.feedback.forget();
                 work.amplitudes.copy_from_slice(&work.before);
             }
@@ -413,7 +416,8 @@ impl Elastic {
     }
 
     /// The largest change of an amplitude in a round (m): a share of the clearance, and within a step the same share of the way of
-    /// surfaces with these velocities if it is shorter. A larger change asks for rates that leave the film behind.
+    /// surfaces with these velocities if it is shorter. A larger change needs rates far above those of the surfaces, and the next
+    /// iterate would be useless.
     fn reach(&self, work: &ElasticWork) -> f64 {
         let source = self.film.source();
         let x = &work.given;

@@ -180,7 +180,8 @@ pub enum FilmError {
          runs dry and its steady state is not unique; state an opening or flooded ends, or use the rule `reynolds`"
     )]
     NoOil,
-    /// A pressure at which oil by Barus' law is solid.
+    /// A pressure at which the viscosity by Barus' law is more than fifty times that without
+    /// pressure.
     #[error(
         "α q is {reached} at {place}: beyond 0.98 the viscosity by Barus' law exceeds fifty times its value at rest; \
          lower the load, or state a smaller pressure coefficient"

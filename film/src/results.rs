@@ -83,7 +83,7 @@ impl Film {
     }
 
     /// Pressure of cells and fixed places from q. With a floor of the gap, for the iterates of a solver, oil beyond
-    /// [`THICKEST`] keeps this viscosity: its pressure goes on straight. Without a floor it is refused.
+    /// [`THICKEST`] keeps this viscosity, so its pressure grows linearly with q. Without a floor it is refused.
     pub(crate) fn set_pressure(&self, work: &mut Work) -> Result<(), FilmError> {
         let (piezo, state) = (self.source.piezo, &mut work.levels[0]);
         let limit = 1.0 - 1.0 / THICKEST;

@@ -166,8 +166,8 @@ fn tangent_of_a_yielding_surface() {
     }
 }
 
-/// However short a step is, the surface finds its place from that at the begin of the step. In a short step a small change of an
-/// amplitude is a fast one, and Newton's way from the surface at rest would leave the film behind.
+/// However short a step is, the search finds the surface, from its place at the beginning of the step. In a short step a small
+/// change of an amplitude is a fast one, and Newton's way from the surface at rest would leave the film behind.
 #[test]
 fn short_steps_find_their_place() {
     let mut source = FilmSource::plain(24e-3, 22e-3, 25e-6, Cavitation::Reynolds, [36, 5]);

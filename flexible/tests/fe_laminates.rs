@@ -262,7 +262,7 @@ fn a_sandwich_shears_in_its_core() {
     }
 }
 
-/// Aluminium on steel: the mass stands above the middle.
+/// Aluminium on steel: the centre of mass is beside the middle.
 #[test]
 fn layers_of_two_densities_weigh_beside_the_middle() {
     let (length, width, [low, high]) = (0.4, 0.3, [0.01, 0.03]);

@@ -1,7 +1,7 @@
 //! The one form of a text: blanks, indents and line ends.
 //!
 //! Tokens, comments and numbers stay as written, and so does each line end that an author chose inside of an item. The
-//! tree says which gaps are blanks: `2*x` and `2 N * x` differ, because a blank ends a unit.
+//! tree decides which gaps are blanks: `2*x` and `2 N * x` differ, because a blank ends a unit.
 
 mod layout;
 mod marks;
@@ -20,7 +20,7 @@ use thiserror::Error;
 /// The reason why a text has no form.
 #[derive(Debug, Error)]
 pub enum FormatError {
-    /// The text can't be read as a whole; its messages say where.
+    /// The text can't be read as a whole; its messages state the places.
     #[error("the text has mistakes")]
     Unreadable(Diagnostics),
     /// A fault of the formatter: its text would mean something else.
@@ -28,7 +28,7 @@ pub enum FormatError {
         "the formatter would change the meaning of this text; this is a fault of Eng, please report it"
     )]
     Changed,
-    /// A fault of the formatter: its text would be formatted anew.
+    /// A fault of the formatter: it would format its own text differently.
     #[error("the formatter would change its own text; this is a fault of Eng, please report it")]
     Unstable,
 }

@@ -1,7 +1,7 @@
 //! Checkpoints: bytes in little-endian order with a header and a check sum.
 //!
-//! Header: `ENGCHECK`, the version of the format, a fingerprint of the model and its parameters. At the end the FNV-1a sum of all
-//! bytes before it.
+//! Header: `ENGCHECK`, the version of the format, a fingerprint of the model and its parameters. The FNV-1a sum of all these
+//! bytes is at the end.
 
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -148,7 +148,7 @@ impl<'a> Reader<'a> {
         }
         Ok(())
     }
-    /// That nothing is left.
+    /// Checks that no byte is left.
     pub fn finish(self) -> Result<(), RuntimeError> {
         if self.rest.is_empty() {
             Ok(())

@@ -99,7 +99,8 @@ pub(crate) struct LaneField {
     slopes: Vec<f64>,
     /// First of the numbers that it remembers.
     memory: usize,
-    /// These numbers at the begin of the step, and the time since then (s); without a time it is in balance.
+    /// These numbers at the beginning of the step, and the time since then (s); without a time the field is
+    /// in balance.
     before: Vec<f64>,
     since: Option<f64>,
 }
@@ -341,8 +342,8 @@ impl Batch {
         Ok(())
     }
 
-    /// Appends for each field of a lane the numbers of its last solution: its drives, the time since the begin of the step
-    /// (s; zero in balance), and its memory at that begin.
+    /// Appends for each field of a lane the numbers of its last solution: its drives, the time since the beginning of the
+    /// step (s; zero in balance), and its memory at that beginning.
     pub fn solved_with(&self, pair: usize, lane: usize, numbers: &mut Vec<f64>) {
         for field in self.fields.get(2 * pair + lane).into_iter().flatten() {
             numbers.extend_from_slice(&field.drives);
@@ -360,7 +361,7 @@ impl Batch {
             .map(|(element, _)| *element)
     }
 
-    /// Writes what the fields remember of their last solution to their places, and reads the numbers that conditions compare.
+    /// Writes the memory of the fields at their last solution to its places, and reads the numbers that conditions compare.
     pub fn keep_memory(&mut self, model: &Model, numbers: &mut [f64]) {
         let read = model.compiled.system.classes[self.class].conditions_read_fields;
         for field in self.fields.iter_mut().flatten() {
@@ -513,7 +514,8 @@ impl LaneField {
         readings: Readings,
     ) -> Result<(), RuntimeError> {
         self.is_read = false;
-        // numbers that are none are the element's own, and it says which table they come from
+        // a drive that is not finite comes from the element, whose error names the table or
+        // expression
         if self.drives.iter().any(|x| !x.is_finite()) {
             return Err(not_finite(model, element, time));
         }

@@ -429,7 +429,7 @@ impl Signals {
         })
     }
 
-    /// Forgets the jumps at the last points, after the motion has begun anew.
+    /// Forgets the jumps at the last points, after the motion has started again there.
     pub fn accept_jumps(&mut self) {
         self.before.clone_from(&self.now);
     }

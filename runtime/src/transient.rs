@@ -37,8 +37,8 @@ pub struct Sample<'a> {
     /// States of elements (SI).
     pub states: &'a [f64],
     /// For each element with fields and outputs, in the order of the system, and for each of its fields: the drives (SI),
-    /// the time since the begin of the step (s; zero for a field in balance), and the memory at that begin. A solver of the
-    /// field's kernel gives the field at the sample with them.
+    /// the time since the beginning of the step (s; zero for a field in balance), and the memory at that beginning. A
+    /// solver of the field's kernel gives the field at the sample with them.
     pub fields: &'a [f64],
 }
 
@@ -241,8 +241,9 @@ pub fn run_transient(
     run(compiled, overrides, transient, observer, resume, None).map(|(summary, _)| summary)
 }
 
-/// Runs a transient whose steps begin anew with each cycle of a period (rad). If the motion repeats, the
-/// steps and their errors repeat too. Returns the simulation in the state of the last sample.
+/// Runs a transient whose sequence of steps starts again with each cycle of a period (rad). If the
+/// motion repeats, the steps and their errors repeat too. Returns the simulation in the state of the
+/// last sample.
 pub(crate) fn run_by_cycles(
     compiled: &Compiled,
     overrides: &[Option<f64>],

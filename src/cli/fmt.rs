@@ -41,7 +41,7 @@ fn standard_input(check: bool, console: &mut Terminal<'_>) -> Result<u8, Stop> {
     if check {
         return listed("standard input", formed == text, console);
     }
-    // the text goes to a file or an editor: not one of its characters may change
+    // a file or an editor gets the text, so none of its characters may change
     console.output.write_all(formed.as_bytes())?;
     Ok(0)
 }

@@ -95,7 +95,7 @@ impl Looks {
         found
     }
 
-    /// The outline of a body. `turned` says which markers an element turns.
+    /// The outline of a body. `turned` marks those of its markers that an element turns.
     pub(crate) fn outline(
         &self,
         sources: &Sources,

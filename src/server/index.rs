@@ -425,7 +425,7 @@ impl<'l> Index<'l> {
         }
     }
 
-    /// Whether a definition is a marker, or stands for one.
+    /// Whether a definition is a marker, or a name for one.
     pub fn is_marker(&self, found: Found<'_>) -> bool {
         match found.what {
             What::Parameter(parameter) => type_name(&parameter.ty) == Some("Marker"),

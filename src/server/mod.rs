@@ -115,13 +115,14 @@ struct Server<'c> {
     editions: u64,
     /// Checks while typing.
     texts: Checker,
-    /// Checks that assemble models, too: reading a mesh may take seconds, in which typing goes on.
+    /// Checks that assemble models, too: reading a mesh may take seconds, in which the user
+    /// continues to type.
     assemblies: Checker,
 }
 
 /// The result of a piece of work, or the words of its panic.
 fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    // all that a panic could leave half-changed is made anew by the next check
+    // the next check makes everything again that a panic could leave half-changed
     catch_unwind(AssertUnwindSafe(work)).map_err(|cause| {
         let words = cause.downcast_ref::<String>().map(String::as_str);
         let words = words.or_else(|| cause.downcast_ref::<&str>().copied());

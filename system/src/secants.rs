@@ -8,7 +8,7 @@
 //! |z − Σ γ_j Δz_j| least        d = z − Σ γ_j (Δx_j + Δz_j)
 //! ```
 //!
-//! For A = J the second sum is zero. The pairs of the steps before serve too, until the matrix is made anew: J
+//! For A = J the second sum is zero. Pairs of earlier steps are used, too, until the matrix is computed again: J
 //! changes slowly, and slow directions of the iteration, such as pins in films, are the same at each step. (D. G.
 //! Anderson, J. ACM 12 (1965) 547; H.-R. Fang, Y. Saad, Numer. Linear Algebra Appl. 16 (2009) 197.)
 

@@ -118,7 +118,7 @@ impl<'p> Checker<'p> {
         })
     }
 
-    /// Reports a word that is none of a choice.
+    /// Reports a word that the choice does not have.
     pub(super) fn no_word_of_choice(&mut self, id: DefinitionId, word: &str, span: Span) {
         let Some(choice) = self.choice(id) else {
             return;

@@ -1,8 +1,8 @@
 //! The meaning of a name at a place.
 //!
-//! The search goes from inside out: binders and function parameters; markers of the surrounding body; names
-//! of the class in whose use the block is; members of the surrounding definition; names of the module; names
-//! of the language.
+//! The search proceeds from inside out: binders and function parameters; markers of the surrounding body;
+//! names of the class in whose use the block is; members of the surrounding definition; names of the module;
+//! names of the language.
 
 use super::member::{Held, Member};
 use super::types::{BodyRef, Quantity, Type};

@@ -1,8 +1,8 @@
 //! Inputs: parameters that change during a run, and all values that change with them.
 //!
 //! An input is a parameter of the bind graph. Elaboration marks the operations and slots that depend on one. The
-//! runtime computes these anew where an input changes. A slot that decides structure, geometry, mass, a start or a
-//! constraint must not be among them.
+//! runtime computes these again where an input changes. A slot that decides structure, geometry, mass, a start or
+//! a constraint must not be among them.
 
 use super::BindProgram;
 use super::binding::{Stated, span_of};

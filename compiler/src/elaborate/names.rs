@@ -14,7 +14,7 @@ use eng_system::system::{Analysis, System};
 const SHOWN: usize = 12;
 
 impl<'a> Elaborator<'a, '_> {
-    /// The names of a list, or a name that stands alone.
+    /// The names of a list, or a single name without a list.
     pub(super) fn names_of_channels(
         &mut self,
         expr: &'a Expr,

@@ -75,7 +75,7 @@ impl<'a> Elaborator<'a, '_> {
         let held = x.clone();
         let (near, residuals) = step(graph, &system, &x);
         let found = step(graph, &system, &near).0;
-        // |x₁ − x₀| ≤ ENDED (|x₁| + |x₁ − estimate|) + SMALL, and false for numbers that are none
+        // |x₁ − x₀| ≤ ENDED (|x₁| + |x₁ − estimate|) + SMALL, and false if a number is NaN
         let mut ended = None;
         for ((held, near), begin) in held.iter().zip(&near).zip(&begin) {
             let correction = graph.subtract(*near, *held);

@@ -296,7 +296,7 @@ impl<'a> Elaborator<'a, '_> {
         ))
     }
 
-    /// The lint on pressures that no engine part stands.
+    /// The lint on pressures that no engine part can carry.
     fn doubtful_peak(
         &mut self,
         table: &ast::Table,

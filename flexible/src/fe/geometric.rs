@@ -7,11 +7,11 @@
 //! solids  K_σ,ab = ∫ ∇N_aᵀ σ ∇N_b dV · I₃          beams  N ∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx
 //! ```
 //!
-//! (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, vol. 2; initial-stress matrix). Symmetric,
-//! not definite: tension stiffens, pressure softens. Solids use the points of their stiffness, so that a
-//! rigid turn θ of a body in equilibrium gives `K_σ (θ × x) = θ × f` with the nodes' loads f, to rounding. Of
-//! beams the mean tension of each element counts, not shear forces and moments. Ties are linear: their arms
-//! add nothing. Springs and shells have none.
+//! (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, vol. 2; initial-stress matrix). The matrix is
+//! symmetric and not definite: tension stiffens, and pressure softens. Solids use the points of their
+//! stiffness, so that a rigid turn θ of a body in equilibrium gives `K_σ (θ × x) = θ × f` with the nodes'
+//! loads f, to rounding. For beams only the mean tension of each element counts, and not shear forces and
+//! moments. Ties are linear: their arms add nothing. Springs and shells have no geometric stiffness here.
 
 use super::assemble::{of_beam, present};
 use super::beam;
@@ -32,8 +32,8 @@ use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 pub struct GeometricStiffness(Mass);
 
 impl GeometricStiffness {
-    /// Of the stresses that full displacements (m, rad; linear) make in a mesh in SI, for each of several
-    /// vectors, one after the other.
+    /// The geometric stiffness of the stresses that full displacements (m, rad; linear) cause in a mesh
+    /// in SI. Several vectors of displacements, one after the other, give one matrix each.
     ///
     /// # Errors
     /// Displacements of another mesh, a mesh that is not sound, and one without elements that have stresses.
@@ -105,7 +105,7 @@ impl GeometricStiffness {
     /// The whole matrix over full freedoms.
     ///
     /// # Errors
-    /// None that one from [`GeometricStiffness::of_displacements`] gives.
+    /// None for a stiffness from [`GeometricStiffness::of_displacements`].
     pub fn assembled(&self) -> Result<SymmetricMatrix, FlexibleError> {
         self.0.assembled()
     }

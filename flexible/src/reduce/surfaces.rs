@@ -38,7 +38,7 @@ pub struct SurfaceRequest {
 
 /// Share of the round surface that the faces of the mesh must cover.
 const COVERED: f64 = 0.8;
-/// Share below which a warning tells the missing rest.
+/// Share below which a warning states the missing part.
 const WHOLE: f64 = 0.97;
 /// Least part of a face's normal along the radius: other faces are ends of the bore.
 const RADIAL: f64 = 0.5;

@@ -148,7 +148,7 @@ struct Layout<'a, 't> {
     marks: &'a Marks<'t>,
     ends: Vec<bool>,
     open: Vec<Open>,
-    /// Indent of the item that goes on.
+    /// Indent of the item that continues here.
     item_indent: usize,
     lines: Vec<Line>,
 }
@@ -190,7 +190,7 @@ impl Layout<'_, '_> {
         end
     }
 
-    /// Whether this piece is a comment that goes on below one behind a line.
+    /// Whether this piece is a comment that continues a comment at the end of the line above.
     fn below_a_comment(&self, start: usize) -> bool {
         let (Some(before), piece) = (start.checked_sub(1), &self.pieces[start]) else {
             return false;
@@ -295,7 +295,7 @@ impl Layout<'_, '_> {
 
     /// The indent of the line that begins with this piece.
     fn indent(&self, start: usize) -> usize {
-        // a comment stands where the token behind it would begin a line
+        // a comment has the indent that the token behind it would have at the beginning of a line
         let token = self.pieces[start..]
             .iter()
             .find_map(|piece| match piece.kind {

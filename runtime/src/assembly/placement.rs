@@ -167,7 +167,7 @@ fn place_one(
         return Ok(());
     }
     if near.is_empty() {
-        // nothing else decides the orientation, so the body goes up without turning
+        // nothing else decides the orientation, so the body moves to the height without turning
         let pose = model.bodies[body].pose;
         for wish in &wishes {
             let is_own = model.markers[wish.pin].body == Some(body);

@@ -11,7 +11,7 @@ const ON_GRID: (f64, f64) = (1e-9, 4.0 * f64::EPSILON);
 
 impl Simulation {
     /// Sets an input (SI) from the present time on. A new value begins a jump: positions, velocities and states stay
-    /// as they are, and accelerations are made anew at the next step.
+    /// as they are, and accelerations are computed again at the next step.
     ///
     /// # Errors
     /// No such input; a value outside its limits or not finite; a rate of an input that has none; a jump of a cubic
@@ -98,8 +98,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Begins the motion anew if an input jumps here: accelerations, multipliers, rates and their auxiliaries, and
-    /// the first step, are made as at the start. Positions, velocities and states stay.
+    /// Starts the motion again if an input jumps here: accelerations, multipliers, rates and their auxiliaries,
+    /// and the first step, are made as at the start. Positions, velocities and states stay.
     pub(super) fn after_jumps(&mut self) -> Result<(), RuntimeError> {
         // the rates at the start do not know the values of the next point yet
         let unknown = self.integrator.statistics.steps == 0 && self.dynamics.signals().aims();
@@ -111,7 +111,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Begins the motion anew at the present state, because loads jump there.
+    /// Starts the motion again at the present state, because loads jump there.
     pub(super) fn begin_anew(&mut self) -> Result<(), RuntimeError> {
         let moment = self.moment();
         // the constraints' compensation of the steps before, which does not depend on loads

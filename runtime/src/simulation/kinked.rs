@@ -97,7 +97,7 @@ impl Simulation {
         }
     }
 
-    /// Begins the motion anew behind a moment at which a load or the rate of a state jumps.
+    /// Starts the motion again behind a moment at which a load or the rate of a state jumps.
     ///
     /// The step before ends just before this moment. Both sides are some roundings of the time away from it.
     pub(super) fn after_jump_in_time(&mut self, kink: usize) -> Result<(), RuntimeError> {
@@ -115,7 +115,7 @@ impl Simulation {
         });
         for state in &mut sides {
             let found = (self.system).accelerations(&self.model, &mut self.dynamics, state, moment);
-            // the next step tells what is wrong
+            // the next step reports the error
             if found.is_err() {
                 return Ok(());
             }

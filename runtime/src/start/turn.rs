@@ -1,8 +1,8 @@
 //! The dry turn: turns the assembled machine through one period of its cycle by its geometry alone.
 //!
 //! Pins are in the middle of their shells, springs keep their length, and no force acts, so only joints and
-//! drives determine the motion. The turn goes from position to position. Each time it takes a step along the
-//! steady velocities ([`SteadyMotion`]) and then returns to the equations by the smallest change. If a
+//! drives determine the motion. The turn proceeds from position to position. Each time it takes a step along
+//! the steady velocities ([`SteadyMotion`]) and then returns to the equations by the smallest change. If a
 //! position cannot be reached, the mechanism locks there.
 
 use super::motion::SteadyMotion;

@@ -2,7 +2,7 @@
 
 use crate::simulation::Simulation;
 
-/// The points at which steps begin anew.
+/// The points at which the sequence of steps starts again.
 ///
 /// A change of the step excites motions that the steps do not resolve. So the last steps of a cycle are made
 /// equal, and a few per cent shorter than the control chooses. A cycle begins with the step that the first
@@ -58,7 +58,7 @@ impl Renewal {
         }
     }
 
-    /// Called after a step. At the end of a cycle it begins the steps anew.
+    /// Called after a step. At the end of a cycle it starts the sequence of steps again.
     pub fn after(&mut self, simulation: &mut Simulation, step: f64) {
         let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
             return;

@@ -20,12 +20,12 @@ pub struct Named {
     pub at: Location,
 }
 
-/// A name that stands for nothing, or for something that an earlier name has.
+/// A name to which nothing belongs, or only something that an earlier name of the list also has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Misnamed {
     /// Its index in the list.
     pub index: usize,
-    /// Whether an earlier name of the list stands for the same.
+    /// Whether the input or channel of this name also belongs to an earlier name of the list.
     pub again: bool,
 }
 
@@ -33,7 +33,7 @@ impl Names {
     /// Indices of the named inputs or channels among all `paths` of a system, in the order of the names.
     ///
     /// # Errors
-    /// The first name that stands for nothing, or for something twice.
+    /// The first name without an input or channel, or with one that an earlier name has.
     pub fn indices(self, named: &[Named], paths: &[&str]) -> Result<Vec<usize>, Misnamed> {
         let mut found = Vec::new();
         for (index, name) in named.iter().enumerate() {
@@ -57,7 +57,7 @@ impl Names {
         Ok(found)
     }
 
-    /// Whether a name stands for a path.
+    /// Whether a path belongs to a name.
     fn means(self, name: &str, path: &str) -> bool {
         let component = |axis: &str| {
             let vector = path.strip_suffix(axis);

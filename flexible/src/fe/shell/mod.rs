@@ -67,7 +67,7 @@ pub(super) type Places = [Vector; MOST_NODES];
 /// A point of the stiffness.
 #[derive(Clone, Debug)]
 pub(super) struct ShellPoint {
-    /// Area that it stands for (m²).
+    /// Area that it represents (m²).
     pub area: f64,
     /// Strains for a unit of each freedom (1/m and – of translations and rotations; κ 1/m², 1/m).
     pub rows: Rows,

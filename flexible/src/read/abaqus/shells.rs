@@ -144,8 +144,8 @@ pub(super) fn layers<'r>(
     Ok(found)
 }
 
-/// The first axis of a directed section: the part of x in the surface, or of z where x stands within 0.1° of its
-/// normal. Other orientations are listed.
+/// The first axis of a directed section: the projection of x onto the surface, or of z where x is within 0.1° of
+/// its normal. Other orientations are noted as not read.
 fn axis(block: &Block, (row, model): (&model::Row, &Model), unread: &mut UnreadCards) -> ShellAxis {
     let keyword = &block.keyword;
     let turned = model

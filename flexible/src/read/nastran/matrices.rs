@@ -151,7 +151,8 @@ impl Matrix {
         } else {
             self.column_points.iter().copied().collect()
         };
-        // in the lists as the cards put them there, and fewer than fit
+        // the lists contain every such freedom, because the cards put it there; their lengths fit
+        // in 32 bits
         let place = |list: &[Freedom], at: &Freedom| list.binary_search(at).unwrap_or(0) as u32;
         let count = match self.columns {
             Some(count) if self.is_numbered() => count as usize, // 32 bits, as its card was checked
