@@ -1,4 +1,4 @@
-//! The shapes of a surface on a grid.
+//! The values of the shapes of an elastic surface at the cells of a film.
 //!
 //! A shape is a wave around times a polynomial across. So a sum over all shapes is taken at each angle over the waves, and at
 //! each place of this angle over the degrees: the cost of a place does not depend on the number of waves.

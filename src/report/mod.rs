@@ -1,4 +1,5 @@
-//! One HTML file of a model's results, and files for other tools.
+//! The contents of the HTML page of a model's results, and of files for other tools: tables, sections, and simple parts
+//! in the place of rigid bodies.
 //!
 //! May contain: the choice and order of contents. Must not contain: the drawing of figures, pages and
 //! animations (`eng_report`), the recovery of stresses (`eng_flexible::recover`), arguments of the command.

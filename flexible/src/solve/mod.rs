@@ -1,4 +1,4 @@
-//! Linear solutions and eigenvalues of large sparse symmetric matrices.
+//! Linear solutions and eigenvalues of large sparse symmetric matrices, and the order of their elimination.
 //!
 //! ```text
 //! pattern ──ordering──▶ Ordering ──Analysis──▶ Factorization ──▶ solutions, number of negative pivots

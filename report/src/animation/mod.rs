@@ -1,7 +1,7 @@
-//! Moving bodies: flexible ones by their modes, rigid ones by simple parts.
+//! Moving bodies in glTF, in a viewer inside a page, and in files for ParaView.
 //!
-//! One set of plain data becomes a glTF file, a viewer inside a page, and files for ParaView. Lengths are
-//! metres, times seconds.
+//! All three come from one set of plain data: flexible bodies by their modes, rigid ones by simple parts. Lengths
+//! are metres, times seconds.
 
 mod collapse;
 mod gltf;
