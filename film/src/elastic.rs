@@ -3,7 +3,7 @@
 //! The radial deflection is a sum of the film's shapes. Their amplitudes are those of the moving body that carries the
 //! surface, a, which are inputs, and a part that follows the generalised forces of the pressure at once, `β = C f` with a
 //! compliance C, which is symmetric and positive semi-definite. Within a step of length Δ the rates of the second part are
-//! `(β − β_n)/Δ`, with β_n at its begin; a steady film has none. Newton's method solves
+//! `(β − β_n)/Δ`, with β_n at its beginning; a steady film has no rates. Newton's method solves
 //!
 //! ```text
 //! g(β) = β − C f(a + β, ȧ + β̇) = 0        G = I − C J        J = ∂f/∂b + (1/Δ) ∂f/∂ḃ

@@ -1,4 +1,4 @@
-//! The motion of a run on its way to results: see [`crate::motion`].
+//! Records the motion of a run for its results: see [`crate::motion`].
 
 use crate::machine::cycle_period;
 use crate::motion::{SAMPLES, SUFFIX};

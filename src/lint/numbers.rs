@@ -1,4 +1,5 @@
-//! Lints of numbers alone: gravity, masses and inertias, tables against the cycle.
+//! Lints that need only numbers, and no assembly: gravity, masses and inertias, tables against the
+//! cycle.
 
 use super::{Finding, degrees, short};
 use crate::codes;

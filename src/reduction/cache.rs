@@ -1,4 +1,5 @@
-//! Keeps reductions and looks at meshes on disk, under the hash of their input.
+//! Keeps reductions, and the facts of meshes that a check needs, on disk under the hash of their
+//! input.
 //!
 //! A file is named by the hash of the request and of the files that the text names. It lists every file that
 //! was read, included files too, with their hashes. If one of them has changed, the file is useless.

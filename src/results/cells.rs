@@ -1,4 +1,5 @@
-//! Cells of fields over the moments of a motion: a Parquet file with one list of 32-bit floats a moment and quantity.
+//! Cells of fields over the moments of a motion: a Parquet file with one list of 32-bit floats for each moment and
+//! quantity.
 
 use super::parquet::WriteError;
 use super::{Column, Results, ResultsError, file_stem, replace_file, schema};

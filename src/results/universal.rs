@@ -1,8 +1,9 @@
-//! Universal files (SDRC, "universal dataset number 58", ASCII): one time response a channel, in SI.
+//! Universal files (SDRC, "universal dataset number 58", ASCII): one time response for each channel,
+//! in SI.
 //!
-//! Records as in the University of Cincinnati's description of dataset 58; dataset 164 before them states SI.
-//! The abscissa is time. Evenly spaced samples are written as such (4E20.12); others as pairs, whose abscissa
-//! the format gives only six digits (E13.5).
+//! The records follow the University of Cincinnati's description of dataset 58. Dataset 164 before them
+//! states SI. The abscissa is time. Evenly spaced samples are written as such (4E20.12); others as pairs,
+//! whose abscissa the format gives only six digits (E13.5).
 
 use super::{Column, Results, ResultsError, TIME, replace_file};
 use eng_system::{Dimension, DisplayUnit};

@@ -3,8 +3,8 @@
 //! The linearised graph has a vertex for every value that depends on a direction, and an edge for every
 //! slope. Vertices are eliminated as long as this makes the remaining graph cheaper (Markowitz; Griewank &
 //! Walther, Evaluating Derivatives, ch. 9–10). So products of slopes are formed once, in `linearize`, and a
-//! law is cut at its narrowest place. The remaining graph is a linear straight-line function of the seeds.
-//! Its slopes are constants or come from the tape.
+//! law is divided where the fewest values connect its two parts. The remaining graph is a linear
+//! straight-line function of the seeds. Its slopes are constants or come from the tape.
 
 use super::differentiate::{Place, guarded_add, guarded_multiply, partials};
 use super::graph::{Function, Graph, Node, Op};

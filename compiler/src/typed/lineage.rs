@@ -1,7 +1,7 @@
 //! The text of a class: its own, and that of its interfaces.
 //!
-//! The parts of a class come in the order of its lineage: those of the eldest interface first. Each part keeps
-//! its place, and the names in it have the meaning that they have there.
+//! The parts of a class come in the order of its lineage: those of the most general interface first. Each part
+//! keeps its place, and the names in it have the meaning that they have there.
 
 use super::settable;
 use crate::program::{DefinitionId, Program};

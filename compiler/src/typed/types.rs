@@ -1,4 +1,5 @@
-//! Types of values, and the arithmetic of dimensions with variables, soft angle and points.
+//! Types of values, and the arithmetic of dimensions with variables, with angles that a computed
+//! value may drop, and with points.
 
 use crate::program::{DefinitionId, ValueType};
 use eng_grammar::Span;

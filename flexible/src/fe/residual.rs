@@ -1,5 +1,5 @@
-//! Homogeneous equations Σ c u = 0 that no freedom is named to satisfy: some freedoms are chosen and
-//! expressed by the others.
+//! Homogeneous equations Σ c u = 0 for which the file names no dependent freedom: this module
+//! chooses some freedoms and expresses them by the others.
 
 use std::collections::BTreeMap;
 

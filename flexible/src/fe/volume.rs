@@ -1,4 +1,5 @@
-//! A body's mass from the volumes of its elements: an estimate to hold the mass matrix against.
+//! A body's mass from the volumes of its elements: an estimate that is compared with the mass
+//! matrix.
 
 use super::check::{Role, role};
 use super::mass::RigidMass;

@@ -1,7 +1,8 @@
 //! A dense block of the elimination. Its unknowns are eliminated by pivots among its own rows. The others are
 //! left to the parent.
 //!
-//! Storage by columns; each column begins at a multiple of four, and the rows that fill it up are zero.
+//! The numbers are stored by columns. Each column begins at a multiple of four, and the rows that fill
+//! it up are zero.
 
 /// Number of columns in a panel: those of a rigid body. The remaining columns follow panel by panel.
 const PANEL: usize = 6;

@@ -1,8 +1,8 @@
 //! Tables of two and three arguments: tensor products of cubic splines, C².
 //!
 //! The spline interpolates along each argument in turn, so its coefficients are those of the products of B-splines
-//! (de Boor, A Practical Guide to Splines, ch. XVII): one number a point and four weights an argument, which takes a
-//! 64th of the memory of polynomials by cells.
+//! (de Boor, A Practical Guide to Splines, ch. XVII): one number for each point and four weights for each argument.
+//! In three arguments this takes a 64th of the memory of polynomials by cells.
 
 mod axis;
 mod validity;

@@ -16,11 +16,11 @@
 //! **Drilling.** The rotation about the normal has no stiffness in a shell's theory. Here δ is held by
 //! `k = G t min(1, t²/h²)` with the element's size h (the term of T. J. R. Hughes, F. Brezzi, Comput. Methods
 //! Appl. Mech. Eng. 72, 1989, with this factor). A rigid motion has δ = 0, so it costs nothing. On a curved
-//! surface of radius R the normals of neighbours differ by h/R. A soft k lets their twists part, by `h²/R²` of
-//! the twist with this factor; a stiff one locks, here by `h²/R²` of the bending. So both errors vanish with
-//! the mesh. With a constant factor one of them does not. A moment about the normal turns a node far: it is
-//! a job for beams and ties that spread it. The membrane of [`Variant::Drilling`] triangles has these
-//! rotations itself, and needs no k.
+//! surface of radius R the normals of neighbours differ by h/R. With a soft k the twists of neighbours differ,
+//! and with this factor the error is `h²/R²` of the twist. A stiff k locks, and with this factor the error is
+//! `h²/R²` of the bending. So both errors vanish as the mesh is refined. With a constant factor one of them
+//! does not. A moment about the normal turns a node by a large angle, so beams and ties must spread it. The
+//! membrane of [`Variant::Drilling`] triangles has these rotations itself, and needs no k.
 //!
 //! [`Variant::Drilling`]: crate::mesh::Variant::Drilling
 //!

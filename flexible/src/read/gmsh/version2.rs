@@ -1,5 +1,5 @@
-//! Sections of format 2.2. Counts are text in binary files too. An element in several groups is there once
-//! for each.
+//! Sections of format 2.2. Counts are text in binary files too. An element in several groups occurs once
+//! for each group.
 
 use super::content::Content;
 use super::stream::Stream;

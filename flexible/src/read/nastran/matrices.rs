@@ -1,8 +1,9 @@
 //! Matrices as cards: `DMIG` of a punch file (`EXTSEOUT(…, DMIGPCH)`, `PARAM,EXTOUT,DMIGPCH`) or of a deck.
 //!
 //! A head `DMIG name 0 IFO TIN TOUT POLAR – NCOL` (IFO 1 square, 6 symmetric with one triangle, 2 and 9
-//! rectangular; TIN 1, 2 real, 3, 4 complex), then a card a column: `DMIG name GJ CJ – G1 C1 A1 B1 …`, four
-//! fields an entry. Rows are points and freedoms 1…6, 0 for a scalar point.
+//! rectangular; TIN 1, 2 real, 3, 4 complex), then a card for each column:
+//! `DMIG name GJ CJ – G1 C1 A1 B1 …`, with four fields for each entry. Rows are points and freedoms 1…6, 0
+//! for a scalar point.
 
 use std::collections::{BTreeMap, BTreeSet};
 
