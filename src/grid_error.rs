@@ -118,8 +118,8 @@ fn largest(both: &[[f64; 2]]) -> Option<f64> {
     (most > 0.0).then_some(error / most)
 }
 
-/// By how much the least film is thinner (m) where the finer film carries the load of the coarser one: the pin moves by
-/// `S⁻¹ (F' − F)` with the stiffness S, and the film changes by the part of it towards the least gap.
+/// The decrease of the least film (m) if the finer film carries the load of the coarser one. The pin moves by
+/// `S⁻¹ (F' − F)` with the stiffness S, and the film changes by the part of this move towards the least gap.
 fn thinner(twice: &Twice) -> Option<f64> {
     let [own, finer] = twice.result::<2>("force")?;
     let [_, [xx, xy, yx, yy]] = twice.result::<4>("stiffness")?;

@@ -256,8 +256,8 @@ impl Simulation {
     /// that change along the motion are an error, unless they are held at the moment (`frozen`).
     ///
     /// # Errors
-    /// Handles of another model; states that `linear` refuses; an input that the analysis drives, or whose effect bends
-    /// at its value.
+    /// Handles of another model; states that `linear` refuses; an input that the analysis drives, or whose effect has a
+    /// kink at its present value.
     pub fn state_space(
         &mut self,
         inputs: &[Input],

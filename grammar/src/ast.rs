@@ -553,9 +553,9 @@ pub enum UnaryOp {
 /// The kinds of expressions.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
-    /// `54`, `54 mm`, `5 %`. A sign directly before an affine literal belongs to it (`-5 degC`): the parser
-    /// folds `-` into `value` for every literal that has a unit and is the operand of a unary minus at the
-    /// start of an operand (not in `a - 5 degC`).
+    /// `54`, `54 mm`, `5 %`. A sign directly before an affine literal belongs to it (`-5 degC`). So the
+    /// parser puts the `-` of a unary minus into `value` if its operand is a literal with a unit. This does
+    /// not concern the binary minus of `a - 5 degC`.
     Number {
         /// The written number, without the unit.
         value: f64,

@@ -17,7 +17,7 @@ use eng_system::system::{Origin, Role};
 const STANDS: f64 = 1e-3;
 /// The pin counts as the part that does not turn if its speed is below this share of the shell's.
 const SLOWER: f64 = 0.5;
-/// Two bodies are beside each other from this offset along a line on, in radii of gyration. For a piston
+/// Offset along a line, in radii of gyration, from which on two bodies are beside each other. For a piston
 /// under gas the offset counts in bores: rods that share a pin are an eighth of a bore to its sides, and a
 /// small end with a width of a quarter of a bore would touch the pin's bosses.
 const BESIDE: f64 = 2.0;

@@ -33,9 +33,9 @@ fn refuse(problem: String, advice: &str) -> FlexibleError {
     }
 }
 
-/// The free freedoms x for which the full ones T x come nearest to the given shapes u (least squares over the
-/// freedoms that the file gives): a node that ties join to others follows them, and the centre of a rigid
-/// spider is found from its nodes. Rotations are taken as given only where the file has any.
+/// The free freedoms x for which the full ones T x come nearest to the given shapes u, by least squares over
+/// the freedoms that the file gives. So a node that ties join to others follows them, and the nodes of a
+/// rigid tie give the motion of its centre. Rotations are taken as given only where the file has any.
 ///
 /// # Errors
 /// Nodes of the file that the mesh does not hold; freedoms that the shapes don't determine; shapes that the

@@ -25,9 +25,9 @@ pub(crate) fn symmetric_eigen(
     if size == 0 {
         return Ok((Vec::new(), Vec::new()));
     }
-    // the divide-and-conquer method, which would be taken from 128 rows on, loses half the digits of matrices
-    // whose norm is far from one: entries are scaled to about one (by a power of two, exactly), and QR
-    // iteration is always taken
+    // From 128 rows on the library would use the divide-and-conquer method, which loses half the digits of
+    // matrices whose norm is far from one. So entries are scaled to about one, exactly, by a power of two,
+    // and QR iteration is always used.
     let largest = matrix.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     let scale = if largest.is_normal() {
         libm::ldexp(1.0, libm::ilogb(largest))
@@ -109,9 +109,9 @@ pub(crate) fn inverse_eigen(
     Ok((values, vectors))
 }
 
-/// The inverse of a symmetric positive definite matrix of which the lower triangle is read, scaled to a unit
-/// diagonal for the test of its eigenvalues; or the row that most belongs to a combination of rows that
-/// vanishes, when the smallest eigenvalue of the scaled matrix is below `least` of the largest.
+/// The inverse of a symmetric positive definite matrix, of which the lower triangle is read. A test of the
+/// eigenvalues uses the matrix scaled to a unit diagonal. If the smallest eigenvalue is below `least` of the
+/// largest, some combination of rows vanishes, and the result is the row with the largest part in it.
 ///
 /// # Errors
 /// As [`symmetric_eigen`].

@@ -3,9 +3,10 @@
 //! Unknowns with the same neighbours form a group: the velocities of a body, the multipliers of a joint.
 //! Groups whose members are coupled among themselves are *firm*, because a body's mass is never singular. The
 //! others are *loose*: their diagonal may be zero, and they can be eliminated only together with, or after,
-//! the same number of firm unknowns. The graph of the groups is dissected: the firm group whose removal
-//! leaves the smallest pieces (a crankshaft, a block) is eliminated last, then each piece is dissected in
-//! turn until it is small (a rod, a piston and their multipliers: one dense block with pivoting inside).
+//! the same number of firm unknowns. The graph of the groups is dissected. The firm group whose removal
+//! leaves the smallest pieces (a crankshaft, a block) is eliminated last. Then each piece is dissected in
+//! turn until it is small. A small piece, such as a rod, a piston and their multipliers, is one dense block
+//! with pivoting inside.
 
 use super::Pattern;
 use std::collections::BTreeSet;

@@ -100,9 +100,9 @@ impl Coefficients {
         }
     }
 
-    /// Whether nothing differs by more than a `share` of the largest entry of its kind between the same two
-    /// bodies, and of a `floor` of all, mass, damping and stiffness measured by each other at a pace (rad/s);
-    /// `groups` are ranges of the velocities that have one unit and one body.
+    /// Whether no entry differs by more than a `share` of the largest entry of its kind between the same two
+    /// bodies, with a lower limit: a `floor` of all entries. For this limit mass, damping and stiffness are
+    /// compared at a pace (rad/s). `groups` are ranges of the velocities that have one unit and one body.
     fn same(
         &self,
         other: &Coefficients,

@@ -237,9 +237,9 @@ fn add_reshaping(
 
 /// `Ġ N` in ground axes, rows × freedoms.
 ///
-/// γ is minus a quadratic of the velocities, whose polarisation along u gives the sum of `Ġ u` with the
-/// gradient's rate along the motion and of `∂Φ̇/∂q u`; in body axes the two differ by G of the bracket
-/// `ω × u`. In ground axes `Ġ N` is the second.
+/// γ is minus a quadratic form of the velocities. Its polarisation along u gives a sum of two terms:
+/// `Ġ u`, with the rate of the gradient along the motion, and `∂Φ̇/∂q u`. In body axes the two differ
+/// by G of the bracket `ω × u`. In ground axes `Ġ N` is the second one.
 fn gradient_rates(
     model: &Model,
     dynamics: &mut Dynamics,

@@ -12,10 +12,10 @@ const FOLD: f64 = 0.866;
 /// Share of the triangles from which the whole is reported.
 const MANY: f64 = 0.1;
 
-/// A warning for triangles whose membrane has rotations about the normal. On a surface of radius R their facets'
-/// normals differ by h/R, and the rotations that they share stiffen the bending where `h²/R` exceeds the
-/// thickness t: the product of a triangle's longest side and the angle to a neighbour is compared with t. By this
-/// measure the hemisphere of the tests has 99.5 % of its deflection below t, and 93 % at 3.4 t.
+/// A warning for triangles whose membrane has rotations about the normal. On a surface of radius R the normals of
+/// neighbouring facets differ by h/R. The rotations that they share stiffen the bending where `h²/R` exceeds the
+/// thickness t. So the product of a triangle's longest side and the angle to a neighbour is compared with t. The
+/// hemisphere of the tests has 99.5 % of its deflection if this product is below t, and 93 % if it is 3.4 t.
 pub(in crate::fe) fn too_curved(mesh: &Mesh) -> Option<String> {
     let mut edges: BTreeMap<[u32; 2], Vec<Vector>> = BTreeMap::new();
     let mut triangles = Vec::new();

@@ -42,9 +42,9 @@ use model::Model;
 /// Reads an input file of Abaqus or CalculiX with all it includes. Units stay those of the file.
 ///
 /// # Errors
-/// With file, line and keyword: a file that can't be read or isn't an input file, a number that is none, an
-/// element of too few or too many nodes, a missing or doubled node, element, set, surface, part or material,
-/// a keyword that can't be expressed.
+/// With file, line and keyword: a file that can't be read or isn't an input file, text in the place of a
+/// number, an element of too few or too many nodes, a missing or doubled node, element, set, surface, part
+/// or material, a keyword that can't be expressed.
 pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, FlexibleError> {
     let mut deck = deck::read(files, name)?;
     let mut model = Model::new(&mut deck, name)?;

@@ -22,8 +22,8 @@ use stream::Stream;
 ///
 /// # Errors
 /// With file and line, or byte of a binary file: a file that can't be read or isn't a mesh of gmsh of format
-/// 4.1 or 2.2, a number that is none, a missing node, elements of third order or with nodes inside, a mesh
-/// without volumes or in partitions.
+/// 4.1 or 2.2, text in the place of a number, a missing node, elements of third order or with nodes inside,
+/// a mesh without volumes or in partitions.
 pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     let mut stream = Stream::open(files, name)?;
     let mut content = Content::default();

@@ -30,8 +30,9 @@ struct Matrix {
 /// freedoms that it names, by points and freedoms in rising order; a freedom without any entry is not in it.
 ///
 /// # Errors
-/// With file and line of the card: a column before its head, a complex matrix, a point or freedom that is
-/// none, a number that isn't one; a name that the file doesn't hold, with those it does.
+/// With file and line of the card: a column before its head, a complex matrix, a point or freedom that
+/// does not exist, text in the place of a number; a name that the file does not hold, with the names that
+/// it holds.
 pub fn read_dmig(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMatrix, FileProblem> {
     let mut matrices: BTreeMap<String, Matrix> = BTreeMap::new();
     read_cards(files, file, |card| {

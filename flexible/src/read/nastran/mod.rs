@@ -58,9 +58,9 @@ use unread::UnreadCards;
 /// Reads a deck of bulk data with its included files. Values keep the units of the file.
 ///
 /// # Errors
-/// With file, line and card: a file that can't be read or isn't a deck, a number that is none, a lost
-/// continuation, a missing or doubled grid point, element, property, material or coordinate system, a circle
-/// among them, a card that can't be expressed.
+/// With file, line and card: a file that can't be read or isn't a deck, text in the place of a number, a
+/// lost continuation, a missing or doubled grid point, element, property, material or coordinate system, a
+/// circle among them, a card that can't be expressed.
 pub fn read_bulk(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     let mut deck = Deck {
         mass_scale: 1.0,

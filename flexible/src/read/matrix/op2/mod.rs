@@ -23,8 +23,8 @@ const POOLED: [i64; 6] = [32768, 0, 0, 0, 0, 0];
 /// the model must state the freedoms of the rows.
 ///
 /// # Errors
-/// With file and record: a file that is none, is cut or damaged, a complex matrix, an entry that is no finite
-/// number; a name that the file doesn't hold, with those it does.
+/// With file and record: a file of another format, a cut or damaged file, a complex matrix, an entry that is
+/// no finite number; a name that the file doesn't hold, with those it does.
 pub fn read_op2_matrix(
     files: &dyn Files,
     file: &str,
@@ -206,8 +206,8 @@ fn entries(
 /// Reads the real mode shapes of a run of SOL 103, with the eigenvalues of the table `LAMA`.
 ///
 /// # Errors
-/// With file and record: a file that is none, is cut or damaged, complex shapes or shapes sorted by point;
-/// modes on different nodes, or none.
+/// With file and record: a file of another format, a cut or damaged file, complex shapes or shapes sorted
+/// by point; modes on different nodes, or none.
 pub fn read_op2_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, FileProblem> {
     let mut blocks = Blocks::open(files, file)?;
     let mut shapes = shapes::Shapes::default();

@@ -1,6 +1,6 @@
-//! Mode shapes of an OP2: tables `OUGV1` and its kin in pairs of records (identification of 146 words, data
-//! of 8 words a point), one block for all modes (MSC, NX) or one a mode (MYSTRAN); eigenvalues of the table
-//! `LAMA`.
+//! Mode shapes of an OP2: the table `OUGV1` and similar ones, with the eigenvalues of the table `LAMA`. A
+//! table of shapes has pairs of records: an identification of 146 words, and data of 8 words for each
+//! point. MSC and NX write one block for all modes, MYSTRAN one for each mode.
 //!
 //! Words of the identification, from 0: 0 run · 10 + device (2: modes), 1 code (7: eigenvector; thousands:
 //! complex, sorted by point), 3 subcase, 4 mode, 5 eigenvalue, 9 words a point. Data: number · 10 + device,
