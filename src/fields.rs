@@ -325,6 +325,7 @@ impl FieldKernel for Bearing {
         let [around, across] = film.lines().map(<[f64]>::to_vec);
         let openings = film.source().openings.iter();
         FieldGrid {
+            radius: film.source().radius,
             around,
             across,
             openings: openings.map(|o| [o.around, o.across]).collect(),

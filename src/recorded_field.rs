@@ -157,6 +157,37 @@ impl RecordedField {
 }
 
 impl RecordedField {
+    /// Number of a quantity of its cells.
+    pub(crate) fn quantity(&self, name: &str) -> Option<usize> {
+        self.kernel.cells.iter().position(|cell| cell.name == name)
+    }
+
+    /// Solves the field at samples of a motion, one after the other, and gives each solution to `take`; false if the
+    /// motion does not have its numbers.
+    ///
+    /// # Errors
+    /// Those of the kernel.
+    pub(crate) fn each_solved(
+        &self,
+        motion: &Results,
+        samples: &[usize],
+        take: &mut dyn FnMut(&dyn FieldSolver),
+    ) -> Result<bool, FieldError> {
+        let Some(numbers) = self.columns_of(motion) else {
+            return Ok(false);
+        };
+        let mut solver = self.own.solver();
+        let mut answers = vec![0.0; self.answer_count()];
+        for sample in samples {
+            let Some(with) = self.at(&numbers, *sample) else {
+                return Ok(false);
+            };
+            solver.solve(&with.drives, with.past(), &mut answers)?;
+            take(solver.as_ref());
+        }
+        Ok(true)
+    }
+
     /// The quantities of the field in its cells at all moments of a motion; `None` if the motion does not have its numbers.
     ///
     /// # Errors
@@ -184,24 +215,16 @@ impl RecordedField {
                 values: Vec::with_capacity(grid.cells() * motion.samples()),
             })
             .collect();
-        let Some(numbers) = self.columns_of(motion) else {
-            return Ok(None);
-        };
-        let mut solver = self.own.solver();
-        let mut answers = vec![0.0; self.answer_count()];
         let mut values = vec![0.0; grid.cells()];
-        for sample in 0..motion.samples() {
-            let Some(with) = self.at(&numbers, sample) else {
-                return Ok(None);
-            };
-            solver.solve(&with.drives, with.past(), &mut answers)?;
+        let all: Vec<usize> = (0..motion.samples()).collect();
+        let known = self.each_solved(motion, &all, &mut |solver| {
             for (quantity, column) in columns.iter_mut().enumerate() {
                 solver.cells(quantity, &mut values);
                 let shown = values.iter().map(|x| column.display.from_si(*x) as f32);
                 column.values.extend(shown);
             }
-        }
-        Ok(Some(columns))
+        })?;
+        Ok(known.then_some(columns))
     }
 }
 

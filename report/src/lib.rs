@@ -38,7 +38,7 @@
 //!
 //! ```
 //! use eng_report::animation::{
-//!     Animation, FlexibleBody, ModeShape, Pose, Surface, Up, VtkEncoding, VtkFrame, vtu,
+//!     Animation, Films, FlexibleBody, ModeShape, Pose, Surface, Up, VtkEncoding, VtkFrame, vtu,
 //! };
 //!
 //! let bar = FlexibleBody {
@@ -76,6 +76,7 @@
 //!     slowdown: 100.0,
 //!     flexible: vec![bar],
 //!     rigid: Vec::new(),
+//!     films: Films::default(),
 //! };
 //! assert_eq!(&animation.to_glb()?[..4], b"glTF");
 //! # Ok::<(), eng_report::animation::AnimationError>(())

@@ -38,6 +38,9 @@ pub struct MarkerAxes {
     pub body: Option<String>,
     /// Rotation matrix marker → body, row-major.
     pub orientation: [f64; 9],
+    /// Its origin in the axes of the body without deflection, or in those of the ground (m); `None` if it follows
+    /// another marker.
+    pub place: Option<[f64; 3]>,
 }
 
 /// Pin and shell of a journal.
@@ -214,6 +217,8 @@ fn axes(system: &System, bound: &Bound) -> Vec<JournalAxes> {
                         }
                     },
                     orientation: marker.orientation.map(|slot| at(bound, slot)),
+                    place: (marker.placed_at.is_none())
+                        .then(|| marker.position.map(|slot| at(bound, slot))),
                 })
             };
             Some(JournalAxes {

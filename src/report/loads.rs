@@ -133,6 +133,7 @@ mod tests {
             marker: "crank.main".to_owned(),
             body: body.map(str::to_owned),
             orientation,
+            place: None,
         }
     }
 

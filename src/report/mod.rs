@@ -8,6 +8,7 @@ mod analyses;
 mod describe;
 mod drawn;
 mod fields;
+mod films;
 mod last_cycle;
 mod loads;
 mod page;

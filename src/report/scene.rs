@@ -2,6 +2,7 @@
 //! solids.
 
 use super::describe::{BodyPicture, Matter};
+use super::films::{Pictured, films};
 use super::shapes::{outlined, solid};
 use super::surface::{Thinned, thin};
 use super::{At, stress};
@@ -11,7 +12,7 @@ use crate::results::Results;
 use crate::tables::shifted;
 use eng_flexible::store::StoredBody;
 use eng_report::animation::{
-    Animation, FlexibleBody, ModeShape, NodeField, Pose, RigidBody, Surface,
+    Animation, Films, FlexibleBody, ModeShape, NodeField, Pose, RigidBody, Surface,
 };
 use eng_report::page::Table;
 use std::collections::BTreeMap;
@@ -24,6 +25,8 @@ const SHOWN: f64 = 0.04;
 const LARGE: f64 = 0.3;
 /// Seconds in which a cycle is played.
 const PLAYED: f64 = 8.0;
+/// Bytes of a page for the films of an animation.
+const FILMS: usize = 2_000_000;
 /// Bytes in a page for each node and mode: three floats of single precision, deflated to about half, in
 /// base64.
 const BYTES: usize = 9;
@@ -34,6 +37,8 @@ pub(super) struct Scene {
     pub animation: Animation,
     /// Flexible bodies held on the ground. They hide the parts that move inside them.
     pub held: Vec<String>,
+    /// Bodies that carry films.
+    pub shells: Vec<String>,
     /// One sentence for each part that was thinned or left out.
     pub notes: Vec<String>,
     /// Requests that cannot be met.
@@ -143,6 +148,13 @@ pub(super) fn scene(
             .flat_map(|part| outlined(part, LARGE * length))
             .collect();
     }
+    let pictured = films(entry, motion, FILMS, (&times, &angles))?;
+    let Pictured {
+        films,
+        shells,
+        notes: of_films,
+    } = pictured;
+    notes.extend(of_films);
     if let Some(text) = motion.metadata().get("motion") {
         notes.push(format!("The motion is that of {text}."));
     }
@@ -156,8 +168,10 @@ pub(super) fn scene(
             times,
             flexible,
             rigid,
+            films,
         },
         held,
+        shells,
         notes,
         warnings,
         maxima,
@@ -216,7 +230,9 @@ fn magnification(flexible: &[FlexibleBody], length: f64) -> f64 {
 }
 
 impl Scene {
-    /// One animation, or two if held bodies hide others: one of the moving bodies and one of the held bodies.
+    /// One animation, or two if held bodies hide others: one of the moving bodies and one of the held bodies. Films
+    /// are among the moving bodies. If a flexible one of these would hide a film, the films have an animation
+    /// without it.
     pub fn views(&self) -> Vec<Animation> {
         let whole = &self.animation;
         let (held, free): (Vec<_>, Vec<_>) = whole
@@ -224,19 +240,46 @@ impl Scene {
             .iter()
             .cloned()
             .partition(|body| self.held.contains(&body.name));
-        if held.is_empty() || (free.is_empty() && whole.rigid.is_empty()) {
-            return vec![whole.clone()];
-        }
-        let view = |name: &str, flexible: Vec<FlexibleBody>, rigid: Vec<RigidBody>| Animation {
-            title: format!("{}: {name}", whole.title),
-            flexible,
-            rigid,
-            ..whole.clone()
+        let view =
+            |name: &str, flexible: Vec<FlexibleBody>, rigid: Vec<RigidBody>, films: Films| {
+                Animation {
+                    title: format!("{}: {name}", whole.title),
+                    flexible,
+                    rigid,
+                    films,
+                    ..whole.clone()
+                }
+            };
+        let divided = !held.is_empty() && (!free.is_empty() || !whole.rigid.is_empty());
+        let first = if divided { &free } else { &whole.flexible };
+        let covers = |body: &&FlexibleBody| self.shells.contains(&body.name);
+        let hidden = !whole.films.surfaces.is_empty() && first.iter().any(|body| covers(&body));
+        let shown = if hidden {
+            Films::default()
+        } else {
+            whole.films.clone()
         };
-        vec![
-            view("moving parts", free, whole.rigid.clone()),
-            view(&self.held.join(", "), held, Vec::new()),
-        ]
+        let mut views = if divided {
+            vec![
+                view("moving parts", free.clone(), whole.rigid.clone(), shown),
+                view(&self.held.join(", "), held, Vec::new(), Films::default()),
+            ]
+        } else {
+            vec![Animation {
+                films: shown,
+                ..whole.clone()
+            }]
+        };
+        if hidden {
+            let around = free.into_iter().filter(|body| !covers(&body)).collect();
+            views.push(view(
+                "films",
+                around,
+                whole.rigid.clone(),
+                whole.films.clone(),
+            ));
+        }
+        views
     }
 }
 

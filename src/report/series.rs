@@ -1,15 +1,16 @@
-//! Motion and stresses of flexible bodies as files for ParaView: a `.vtu` for each body and time, and a
-//! `.pvd` that names them all.
+//! Motion and stresses of flexible bodies, and films, as files for ParaView: a `.vtu` for each body or film and
+//! time, and a `.pvd` that names them all.
 
 use super::scene::{place, poses, shapes};
 use super::stress::{self, Peak};
-use super::{Entry, ReportError, describe::Matter};
+use super::{Entry, ReportError, describe::Matter, films};
 use crate::motion::{BodyMotion, moments};
 use crate::results::{file_stem, replace_file};
 use eng_flexible::fe::stress::von_mises;
 use eng_flexible::recover::Recovery;
 use eng_report::animation::{
-    FlexibleBody, ModeShape, NodeField, Surface, VtkEncoding, VtkFrame, VtkPart, pvd, vtu,
+    CellKind, FlexibleBody, ModeShape, NodeField, Surface, VtkBody, VtkEncoding, VtkFrame, VtkPart,
+    pvd, vtu,
 };
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -33,8 +34,8 @@ fn envelope_of(peaks: &[Peak], nodes: usize) -> Vec<NodeField> {
     ]
 }
 
-/// Writes the series of an analysis: the whole surface, at up to 37 times of its last cycle. Returns the path
-/// of the `.pvd` file, or `None` without a flexible body.
+/// Writes the series of an analysis: the whole surface of each flexible body, and each film, at up to 37 times of
+/// its last cycle. Returns the path of the `.pvd` file, or `None` without a flexible body and a film.
 ///
 /// # Errors
 /// An analysis without motion, bodies that do not fit it, errors of the operating system.
@@ -120,6 +121,53 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
                 file_stem(&picture.path),
                 index / every
             );
+            write(&name, &vtu(&mesh, &frame, VtkEncoding::Base64)?)?;
+            parts.push(VtkPart {
+                time: *time,
+                part,
+                file: name,
+            });
+        }
+    }
+    let samples: Vec<usize> = (0..times.len()).step_by(every).collect();
+    let (shells, _) = films::shells(entry, motion)?;
+    for (film, part) in shells.iter().zip(entry.described.bodies.len()..) {
+        let mesh = VtkBody {
+            name: film.field.path.clone(),
+            nodes: film.surface.nodes.clone(),
+            cells: (film.surface.triangles.iter())
+                .map(|nodes| (CellKind::Triangle3, nodes.to_vec()))
+                .collect(),
+        };
+        let mut quantities = Vec::new();
+        for (quantity, least) in [("pressure", 0.0), ("gap", f64::NEG_INFINITY)] {
+            let values = film.quantity(quantity, least, motion, &samples)?;
+            quantities.extend(values.map(|values| (quantity, values)));
+        }
+        for (index, sample) in samples.iter().enumerate() {
+            let fields: Vec<NodeField> = (quantities.iter_mut())
+                .map(|(name, values)| NodeField {
+                    name: (*name).to_owned(),
+                    unit: if *name == "gap" { "m" } else { "Pa" }.to_owned(),
+                    values: values
+                        .get_mut(index)
+                        .map(std::mem::take)
+                        .unwrap_or_default(),
+                })
+                .collect();
+            let pose = film.poses.get(*sample).or(film.poses.first());
+            let (Some(time), Some(pose)) = (times.get(*sample), pose) else {
+                continue;
+            };
+            let frame = VtkFrame {
+                time: *time,
+                pose: *pose,
+                displacements: &[],
+                stress: &[],
+                von_mises: &[],
+                fields: &fields,
+            };
+            let name = format!("{stem}-{}-film-{index:03}.vtu", file_stem(&mesh.name));
             write(&name, &vtu(&mesh, &frame, VtkEncoding::Base64)?)?;
             parts.push(VtkPart {
                 time: *time,

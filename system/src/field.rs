@@ -359,6 +359,8 @@ impl FieldMaker for NoFields {
 /// The cells of a field: a grid around and across a bearing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FieldGrid {
+    /// Radius of the shell (m).
+    pub radius: f64,
     /// Lines around (rad), from the shell's x about its z; the last is a turn after the first.
     pub around: Vec<f64>,
     /// Lines across (m), from mid width along the shell's z.

@@ -2,9 +2,10 @@
 //! weights over time are the modal amplitudes times the scale; poses move nodes. The file is exact within
 //! single precision at the given times.
 
+use super::film::PRESSURE;
 use super::quaternion::{nearer, normalised, rotated};
 use super::solid::Solid;
-use super::{Animation, AnimationError, FlexibleBody, Pose, Surface, Up, kind_of};
+use super::{Animation, AnimationError, FilmSurface, FlexibleBody, Pose, Surface, Up, kind_of};
 use serde_json::{Map, Value, json};
 
 const FLOAT: u32 = 5126;
@@ -24,7 +25,7 @@ impl Animation {
     /// The bytes of a `.glb` file.
     ///
     /// Each body is a node below a node that turns the model's upward axis to y, the upward axis of glTF. The
-    /// `extras` of bodies name modes and fields. The `extras` of the scene hold scale, slowdown, crank
+    /// `extras` of bodies name modes and fields. A film has a morph target for each of its moments. The `extras` of the scene hold scale, slowdown, crank
     /// angles, and centre and radius of a ball around all bodies.
     ///
     /// # Errors
@@ -48,6 +49,9 @@ impl Animation {
         for body in &self.rigid {
             let mesh = file.solid(&Solid::of(&body.parts), &body.name);
             file.node(&body.name, mesh, &body.poses, times, json!({}));
+        }
+        for film in &self.films.surfaces {
+            file.film(film, times, self);
         }
         let (center, radius) = self.bounds();
         let first = file.nodes.len();
@@ -82,8 +86,10 @@ impl Animation {
             .flexible
             .iter()
             .map(|body| (body.surface.nodes.clone(), &body.poses));
+        let films = self.films.surfaces.iter();
+        let films = films.map(|film| (film.surface.nodes.clone(), &film.poses));
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for (nodes, poses) in flexible.chain(rigid) {
+        for (nodes, poses) in flexible.chain(rigid).chain(films) {
             // 24 poses are enough for the ball
             let every = poses.len().div_ceil(24).max(1);
             for pose in poses.iter().step_by(every) {
@@ -295,6 +301,42 @@ impl File {
             let output = self.scalars(&weights, false);
             self.channel(node, "weights", times, output);
         }
+    }
+
+    fn film(&mut self, film: &FilmSurface, times: usize, animation: &Animation) {
+        let Some(mut primitive) = self.triangles(&film.surface) else {
+            return;
+        };
+        let films = &animation.films;
+        let [low, high] = films.range();
+        let hills = film.pressures.iter().map(|p| films.hill(film, p));
+        let targets: Vec<Value> = hills
+            .map(|hill| json!({ "POSITION": self.vectors(&hill) }))
+            .collect();
+        let names: Vec<String> = film
+            .moments
+            .iter()
+            .filter_map(|moment| animation.times.get(*moment))
+            .map(|time| format!("pressure at {:.3} ms", 1e3 * time))
+            .collect();
+        let material = self.material(&film.name);
+        primitive.insert("material".to_owned(), json!(material));
+        primitive.insert("targets".to_owned(), Value::Array(targets));
+        self.meshes.push(json!({
+            "name": film.name,
+            "weights": vec![0.0; film.moments.len()],
+            "extras": { "targetNames": names },
+            "primitives": [primitive],
+        }));
+        let mesh = self.meshes.len() - 1;
+        let extras = json!({ "film": {
+            "name": PRESSURE, "unit": films.unit, "low": low, "high": high, "height": films.height,
+        }});
+        let node = self.node(&film.name, Some(mesh), &film.poses, times, extras);
+        let shares = (0..animation.times.len()).flat_map(|time| film.shares(time));
+        let weights: Vec<f32> = shares.map(|share| share as f32).collect();
+        let output = self.scalars(&weights, false);
+        self.channel(node, "weights", times, output);
     }
 
     fn solid(&mut self, solid: &Solid, name: &str) -> Option<usize> {

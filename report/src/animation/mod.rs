@@ -4,6 +4,7 @@
 //! are metres, times seconds.
 
 mod collapse;
+mod film;
 mod gltf;
 mod image;
 mod packed;
@@ -14,6 +15,7 @@ mod viewer;
 mod vtk;
 
 pub use collapse::collapsed;
+pub use film::{FilmSurface, Films};
 pub(crate) use viewer::SCRIPT;
 pub use vtk::{CellKind, VtkBody, VtkEncoding, VtkFrame, VtkPart, pvd, vtu};
 
@@ -157,6 +159,8 @@ pub struct Animation {
     pub flexible: Vec<FlexibleBody>,
     /// The rigid bodies.
     pub rigid: Vec<RigidBody>,
+    /// The fluid films.
+    pub films: Films,
 }
 
 /// The reason why an animation cannot be made.
@@ -303,9 +307,10 @@ impl Animation {
         if times == 0 {
             return Err(AnimationError::Empty("times"));
         }
-        if self.flexible.is_empty() && self.rigid.is_empty() {
+        if self.flexible.is_empty() && self.rigid.is_empty() && self.films.surfaces.is_empty() {
             return Err(AnimationError::Empty("bodies"));
         }
+        self.films.check(times)?;
         let whole = "the animation";
         check_finite(whole, "the times", self.times.iter().copied())?;
         let fault = self.times.windows(2).find_map(|pair| match pair {

@@ -104,7 +104,7 @@ impl Animation {
     }
 
     /// All bodies at the first time, deformed at the scale, as a PNG with a transparent background. Each kind
-    /// has its colour; bodies with the field have the colours of the field.
+    /// has its colour; bodies with the field have the colours of the field, films those of their pressure.
     pub(super) fn to_poster(&self, colored: Option<&Range>) -> Vec<u8> {
         let towards = direction(VIEW);
         let right = direction(cross([0.0, 1.0, 0.0], towards));
@@ -165,6 +165,29 @@ impl Animation {
                 Some((field, range))
             });
             add(&body.surface, &moved, &pose, shade_of(&body.name), field);
+        }
+        let [low, high] = self.films.range();
+        let range = Range {
+            name: String::new(),
+            unit: String::new(),
+            low,
+            high,
+            largest: high,
+        };
+        for film in &self.films.surfaces {
+            let field = film.field(0, &self.films.unit);
+            let hill = self.films.hill(film, &field.values);
+            let moved: Vec<[f64; 3]> = (film.surface.nodes.iter().zip(hill))
+                .map(|(node, d)| [0, 1, 2].map(|i| node[i] + d[i]))
+                .collect();
+            let pose = film.poses.first().copied().unwrap_or(Pose::HOME);
+            add(
+                &film.surface,
+                &moved,
+                &pose,
+                LEVELS[0],
+                Some((&field, &range)),
+            );
         }
         for body in &self.rigid {
             let solid = Solid::of(&body.parts);

@@ -55,6 +55,7 @@
             ...f,
             values: array(primitive.attributes[f.attribute]),
           })),
+          film: (node.extras && node.extras.film) || null,
           largest: (node.extras && node.extras.largest_displacement) || 0,
           color: color.slice(0, 3).map((c) => Math.pow(c, 1 / 2.2)),
           translation: node.translation,
@@ -231,8 +232,17 @@
       option.textContent = name;
       select.append(option);
     }
+    // all films have one scale
+    const film = (model.bodies.find((b) => b.film) || {}).film;
+    if (film) {
+      const option = document.createElement("option");
+      option.value = "film";
+      option.textContent = film.name;
+      select.append(option);
+      select.value = "film";
+    }
     // bodies of one kind have one colour
-    const kinds = new Map(model.bodies.map((b) => [b.name.split("[")[0], b.color]));
+    const kinds = new Map(model.bodies.filter((b) => !b.film).map((b) => [b.name.split("[")[0], b.color]));
     if (kinds.size > 1) {
       find("kinds").append(...[...kinds].map(([name, color]) => {
         const entry = document.createElement("span");
@@ -245,7 +255,7 @@
     const largest = Math.max(0, ...model.bodies.map((b) => b.largest));
 
     const last = model.times.length - 1;
-    const state = { frame: 0, playing: false, rate: 1, factor: 1, color: "body", drawn: 0 };
+    const state = { frame: 0, playing: false, rate: 1, factor: 1, color: select.value, drawn: 0 };
     const first = unit(figure.dataset.view.split(" ").map(Number));
     const home = () => {
       state.azimuth = Math.atan2(first[0], first[2]);
@@ -269,6 +279,7 @@
 
     const scales = new Map();
     function scaleOf(color) {
+      if (color === "film") return film;
       if (color === "displacement") return { low: 0, high: largest, unit: "m", name: "displacement" };
       const all = model.bodies.flatMap((b) => b.fields.filter((f) => "field:" + f.name === color));
       if (!all.length) return null;
@@ -294,10 +305,15 @@
         const weight = weights[mode];
         if (weight !== 0) for (let i = 0; i < moved.length; i++) moved[i] += weight * target[i];
       });
-      for (let i = 0; i < places.length; i++) places[i] = base[i] + state.factor * moved[i];
-      body.colored = false;
+      // the hill of a film is a pressure, no displacement
+      const factor = body.film ? 1 : state.factor;
+      for (let i = 0; i < places.length; i++) places[i] = base[i] + factor * moved[i];
+      body.colored = Boolean(body.film);
       const range = scaleOf(state.color);
-      if (range && state.color === "displacement" && body.targets.length) {
+      if (body.film) {
+        for (let n = 0; n < values.length; n++)
+          values[n] = Math.hypot(moved[3 * n], moved[3 * n + 1], moved[3 * n + 2]) / body.film.height;
+      } else if (range && state.color === "displacement" && body.targets.length) {
         const shown = model.deformation_scale * (range.high || 1);
         for (let n = 0; n < values.length; n++)
           values[n] = Math.hypot(moved[3 * n], moved[3 * n + 1], moved[3 * n + 2]) / shown;

@@ -38,11 +38,9 @@ impl Animation {
                 }
             )
         });
-        let deforms = if self.flexible.is_empty() {
-            " hidden"
-        } else {
-            ""
-        };
+        let hidden = |unused: bool| if unused { " hidden" } else { "" };
+        let deforms = hidden(self.flexible.is_empty());
+        let colors = hidden(self.flexible.is_empty() && self.films.surfaces.is_empty());
         // writing to a String cannot fail
         let _ = write!(
             text,
@@ -62,7 +60,7 @@ impl Animation {
 <output class=\"rate-value\"></output>
 <label{deforms}>Displacements <input type=\"range\" class=\"scale\" min=\"0\" max=\"2\" step=\"0.01\" value=\"1\"></label>
 <output class=\"scale-value\"{deforms}></output>
-<label{deforms}>Colours <select class=\"color\"><option value=\"body\">by body</option><option value=\"displacement\">displacement</option></select></label>
+<label{colors}>Colours <select class=\"color\"><option value=\"body\">by body</option><option value=\"displacement\">displacement</option></select></label>
 <button type=\"button\" class=\"home\">Reset view</button>
 <a class=\"save\" download=\"{}.glb\" href=\"#{id}\">Save as glTF</a>
 </div>

@@ -135,6 +135,9 @@ await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, erro
     };
     const clock = () => evaluate("document.querySelector('.animation .clock').textContent");
     found.glb_bytes = await evaluate("Number(document.querySelector('figure.animation').dataset.bytes)");
+    // films are there, and their pressure is the first choice
+    found.colors = await evaluate("document.querySelector('.animation .color').value");
+    await set("color", "body");
     await set("time", 20);
     found.picture_start = await picture();
     await shot("animation.png");
@@ -145,6 +148,9 @@ await withPage(browser, page, 300000, async ({ call, evaluate, size, mouse, erro
     await shot("animation-displacement.png");
     await set("color", "field:von Mises, largest over the cycle");
     await shot("animation-field.png");
+    await set("color", "film");
+    found.film = await evaluate("document.querySelector('.animation .high').textContent");
+    await shot("animation-film.png");
     await set("color", "body");
     await evaluate("document.querySelector('.animation canvas').focus()");
     for (const type of ["keyDown", "keyUp"])

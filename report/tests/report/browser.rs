@@ -74,6 +74,8 @@ fn the_page_lives_in_a_browser() {
         "the animation plays"
     );
     assert!(number("drawn") > 3.0);
+    assert_eq!(found["colors"], "film");
+    assert_eq!(found["film"], "60 MPa, pressure of films");
     assert_ne!(
         found["picture_start"], found["picture_later"],
         "pixels move"

@@ -2,7 +2,8 @@
 //! is empty.
 
 use eng_report::animation::{
-    Animation, FlexibleBody, ModeShape, NodeField, Part, Pose, RigidBody, Surface, Up,
+    Animation, FilmSurface, Films, FlexibleBody, ModeShape, NodeField, Part, Pose, RigidBody,
+    Surface, Up,
 };
 use eng_report::figure::{
     Abscissa, Campbell, Curve, FixedTo, History, Mark, Orbit, Orbits, Ordinate, Panel, Polar,
@@ -328,6 +329,7 @@ pub fn animation() -> Animation {
         let [x, y] = pin(frame);
         x + (0.14f64 * 0.14 - y * y).sqrt()
     };
+    let films = films(frames);
     Animation {
         title: "Crank & one piston".to_owned(),
         times: (0..frames)
@@ -384,6 +386,50 @@ pub fn animation() -> Animation {
                 poses: vec![Pose::HOME],
             },
         ],
+        films,
+    }
+}
+
+/// A film on a sleeve at rest, whose pressure goes around with the crank; known at every sixth time.
+fn films(frames: usize) -> Films {
+    let (rings, sides) = (4u32, 36u32);
+    let mut film = FilmSurface {
+        name: "main[1]".to_owned(),
+        surface: Surface::default(),
+        outward: Vec::new(),
+        poses: vec![Pose::HOME],
+        moments: (0..frames).step_by(6).collect(),
+        pressures: Vec::new(),
+    };
+    let place = |side: u32| std::f64::consts::TAU * f64::from(side) / f64::from(sides);
+    for ring in 0..=rings {
+        for side in 0..sides {
+            let out = [libm::cos(place(side)), libm::sin(place(side)), 0.0];
+            let z = 0.03 * (f64::from(ring) / f64::from(rings) - 0.5);
+            film.surface.nodes.push([0.055 * out[0], 0.055 * out[1], z]);
+            film.outward.push(out);
+            if ring < rings {
+                let (a, b) = (ring * sides + side, ring * sides + (side + 1) % sides);
+                film.surface
+                    .triangles
+                    .extend([[a, b, b + sides], [a, b + sides, a + sides]]);
+            }
+        }
+    }
+    for moment in &film.moments {
+        let angle = *moment as f64 * 10.0 * DEGREE;
+        let at = |ring: u32, side: u32| {
+            let across = 1.0 - (f64::from(ring) / f64::from(rings) - 0.5).abs() * 2.0;
+            60.0 * across * libm::cos(place(side) - angle).max(0.0)
+        };
+        let all = (0..=rings).flat_map(|ring| (0..sides).map(move |side| (ring, side)));
+        film.pressures
+            .push(all.map(|(ring, side)| at(ring, side)).collect());
+    }
+    Films {
+        surfaces: vec![film],
+        unit: "MPa".to_owned(),
+        height: 0.03,
     }
 }
 

@@ -53,6 +53,28 @@ fn the_glb_is_put_together_as_the_standard_says() {
     {
         assert_eq!(*found, *given as f32);
     }
+    // a film: its targets are hills of its pressures, the weights at time 9 are halves of those at 6 and 12
+    let film = &demo::animation().films.surfaces[0];
+    let mesh = document["meshes"].as_array().unwrap().iter();
+    let mesh = mesh.clone().find(|mesh| mesh["name"] == "main[1]").unwrap();
+    let hill = floats(&mesh["primitives"][0]["targets"][2]["POSITION"]);
+    let highest = hill.chunks(3).map(|d| d[0].hypot(d[1])).fold(0.0, f32::max);
+    let pressure = film.pressures[2].iter().copied().fold(0.0, f64::max);
+    assert!((f64::from(highest) - 0.03 * pressure / 60.0).abs() < 1e-8);
+    let node = document["nodes"].as_array().unwrap().iter();
+    let node = node
+        .clone()
+        .position(|node| node["name"] == "main[1]")
+        .unwrap();
+    let channels = animation["channels"].as_array().unwrap().iter();
+    let of_film = |c: &&Value| c["target"]["path"] == "weights" && c["target"]["node"] == node;
+    let channel = channels.clone().find(of_film).unwrap();
+    let sampler = &animation["samplers"][channel["sampler"].as_u64().unwrap() as usize];
+    let shares = floats(&sampler["output"]);
+    assert_eq!(shares.len(), 73 * 13);
+    let at_nine = &shares[9 * 13..10 * 13];
+    assert_eq!(at_nine[..3], [0.0, 0.5, 0.5]);
+    assert_eq!(at_nine.iter().sum::<f32>(), 1.0);
 }
 
 #[test]

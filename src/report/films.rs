@@ -1,0 +1,404 @@
+//! The films of an analysis as surfaces for the animation and for ParaView.
+
+use super::describe::MarkerAxes;
+use super::scene::poses;
+use super::{Entry, ReportError};
+use crate::motion::BodyMotion;
+use crate::recorded_field::RecordedField;
+use crate::results::Results;
+use crate::significant::significant;
+use eng_report::animation::{FilmSurface, Films, Pose, Surface};
+use eng_report::readable_unit;
+use eng_system::field::{FILM_CELLS, FieldGrid};
+
+/// Height of the hill of the highest pressure, as a share of the largest radius of a film.
+const HILL: f64 = 0.5;
+/// Bytes in a page for each node and moment: three floats of single precision, deflated to about half, in base64.
+const BYTES: usize = 9;
+/// Fewest moments of a film, if the motion has as many.
+const FEWEST: usize = 24;
+
+/// A film's surface on its shell, before its pressures are known.
+pub(super) struct Shell<'e> {
+    pub field: &'e RecordedField,
+    /// Path of the body that carries the shell; none on the ground.
+    pub body: Option<&'e str>,
+    /// In the axes of this body, or of the ground.
+    pub surface: Surface,
+    pub outward: Vec<[f64; 3]>,
+    pub poses: Vec<Pose>,
+    grid: FieldGrid,
+}
+
+/// The films of an analysis, the bodies that carry them, and a sentence for each fact that a reader needs.
+#[derive(Default)]
+pub(super) struct Pictured {
+    pub films: Films,
+    pub shells: Vec<String>,
+    pub notes: Vec<String>,
+}
+
+/// The films that can be drawn, and a sentence for each of the others.
+pub(super) fn shells<'e>(
+    entry: &'e Entry,
+    motion: &Results,
+) -> Result<(Vec<Shell<'e>>, Vec<String>), ReportError> {
+    let machine = &entry.described.machine;
+    let (mut found, mut notes) = (Vec::new(), Vec::new());
+    for field in &machine.fields {
+        let path = &field.path;
+        let journals = machine.journals.iter().zip(&entry.described.axes);
+        let of_path = journals.clone().find(|(journal, _)| journal.path == *path);
+        let Some((shell, place)) =
+            of_path.and_then(|(_, axes)| Some((&axes.shell, axes.shell.place?)))
+        else {
+            notes.push(format!(
+                "{path}: its film is not drawn, because the place of its shell is not known."
+            ));
+            continue;
+        };
+        if field.columns_of(motion).is_none() {
+            notes.push(format!("{path}: its film is not drawn, because the motion was kept without it; run the model again."));
+            continue;
+        }
+        let poses = match &shell.body {
+            Some(body) => poses(&BodyMotion::of(motion, body)?),
+            None => vec![Pose::HOME],
+        };
+        let grid = field.grid();
+        let (surface, outward) = cylinder(&grid, shell, place);
+        found.push(Shell {
+            field,
+            body: shell.body.as_deref(),
+            surface,
+            outward,
+            poses,
+            grid,
+        });
+    }
+    Ok((found, notes))
+}
+
+/// Nodes in the middles of the cells around, and across in the middles and at both edges; all triangles between
+/// them; and the direction away from the axis at each node.
+fn cylinder(grid: &FieldGrid, shell: &MarkerAxes, place: [f64; 3]) -> (Surface, Vec<[f64; 3]>) {
+    let [around, middles] = grid.middles();
+    let edges = [grid.across.first(), grid.across.last()];
+    let [low, high] = edges.map(|edge| edge.copied().unwrap_or_default());
+    let across: Vec<f64> = [low].into_iter().chain(middles).chain([high]).collect();
+    let turned = |local: [f64; 3]| {
+        let row = |i: usize| {
+            (0..3)
+                .map(|j| shell.orientation[3 * i + j] * local[j])
+                .sum::<f64>()
+        };
+        [row(0), row(1), row(2)]
+    };
+    let (mut surface, mut outward) = (Surface::default(), Vec::new());
+    for angle in &around {
+        let (cos, sin) = (libm::cos(*angle), libm::sin(*angle));
+        for z in &across {
+            let local = turned([grid.radius * cos, grid.radius * sin, *z]);
+            surface.nodes.push([0, 1, 2].map(|i| place[i] + local[i]));
+            outward.push(turned([cos, sin, 0.0]));
+        }
+    }
+    let (columns, rows) = (around.len() as u32, across.len() as u32);
+    for column in 0..columns {
+        let next = (column + 1) % columns;
+        for row in 1..rows {
+            let [a, b] = [column, next].map(|column| column * rows + row - 1);
+            surface.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    (surface, outward)
+}
+
+/// Numbers at the nodes from those of the cells: at the edges on the straight line through the last two cells, not
+/// below `least` if the last cell is not.
+fn at_nodes(grid: &FieldGrid, cells: &[f64], least: f64) -> Vec<f64> {
+    let [_, middles] = grid.middles();
+    let ends = [grid.across.first(), grid.across.last()];
+    let [low, high] = ends.map(|end| end.copied().unwrap_or_default());
+    let beyond = |end: f64, last: usize, before: usize, column: &[f64]| -> f64 {
+        let (Some(own), Some(z)) = (column.get(last), middles.get(last)) else {
+            return 0.0;
+        };
+        let slope = match (column.get(before), middles.get(before)) {
+            (Some(value), Some(place)) if place != z => (own - value) / (z - place),
+            _ => 0.0,
+        };
+        (own + slope * (end - z)).max(least.min(*own))
+    };
+    let last = middles.len().saturating_sub(1);
+    let columns = cells.chunks(middles.len().max(1));
+    let all = columns.flat_map(|column| {
+        let first = beyond(low, 0, 1, column);
+        let end = beyond(high, last, last.wrapping_sub(1), column);
+        let inner = column.iter().copied();
+        [first].into_iter().chain(inner).chain([end])
+    });
+    all.collect()
+}
+
+impl Shell<'_> {
+    /// A quantity at the nodes at some samples of a motion (SI); `None` if the film has no such quantity.
+    pub fn quantity(
+        &self,
+        name: &str,
+        least: f64,
+        motion: &Results,
+        samples: &[usize],
+    ) -> Result<Option<Vec<Vec<f64>>>, ReportError> {
+        let Some(quantity) = self.field.quantity(name) else {
+            return Ok(None);
+        };
+        let mut cells = vec![0.0; self.grid.cells()];
+        let mut found = Vec::with_capacity(samples.len());
+        let solved = self.field.each_solved(motion, samples, &mut |solver| {
+            solver.cells(quantity, &mut cells);
+            found.push(at_nodes(&self.grid, &cells, least));
+        });
+        match solved {
+            Ok(true) => Ok(Some(found)),
+            Ok(false) => Ok(None),
+            Err(source) => Err(ReportError::Film {
+                path: self.field.path.clone(),
+                source,
+            }),
+        }
+    }
+}
+
+/// The films of an analysis as hills of pressure. All of them take about `budget` bytes of a page.
+pub(super) fn films(
+    entry: &Entry,
+    motion: &Results,
+    budget: usize,
+    (times, angles): (&[f64], &[f64]),
+) -> Result<Pictured, ReportError> {
+    let (shells, notes) = shells(entry, motion)?;
+    let mut pictured = Pictured {
+        notes,
+        ..Pictured::default()
+    };
+    let nodes: usize = shells.iter().map(|shell| shell.surface.nodes.len()).sum();
+    let most = (budget / (BYTES * nodes.max(1))).max(FEWEST);
+    let samples: Vec<usize> = (0..times.len())
+        .step_by(times.len().div_ceil(most).max(1))
+        .collect();
+    let shown = FILM_CELLS.iter().find(|cell| cell.name == "pressure");
+    let (unit, scale) = shown.map_or(("Pa", 1.0), |cell| cell.unit);
+    let radius = shells
+        .iter()
+        .map(|shell| shell.grid.radius)
+        .fold(0.0, f64::max);
+    let mut highest: Option<(f64, String, usize)> = None;
+    for shell in shells {
+        let Some(mut pressures) = shell.quantity("pressure", 0.0, motion, &samples)? else {
+            continue;
+        };
+        for (sample, values) in samples.iter().zip(&mut pressures) {
+            for value in values {
+                *value /= scale;
+                if highest.as_ref().is_none_or(|(most, ..)| *value > *most) {
+                    highest = Some((*value, shell.field.path.clone(), *sample));
+                }
+            }
+        }
+        pictured.shells.extend(shell.body.map(str::to_owned));
+        pictured.films.surfaces.push(FilmSurface {
+            name: shell.field.path.clone(),
+            surface: shell.surface,
+            outward: shell.outward,
+            poses: shell.poses,
+            moments: samples.clone(),
+            pressures,
+        });
+    }
+    pictured.films.unit = readable_unit(unit);
+    pictured.films.height = HILL * radius;
+    if let Some((most, path, sample)) = highest {
+        let moment = match (angles.get(sample), times.get(sample)) {
+            (Some(angle), _) => format!("{angle:.0} °CA"),
+            (None, time) => format!("{:.3} ms", 1e3 * time.copied().unwrap_or_default()),
+        };
+        pictured.notes.push(format!(
+            "The hill on a bearing surface is the pressure of its film. All hills have one scale: {} {} ({path}, {moment}) is {} mm high. \
+             The pressures of {} of {} moments are drawn, with straight lines between them.",
+            significant(most, 3),
+            pictured.films.unit,
+            significant(1e3 * pictured.films.height, 3),
+            samples.len(),
+            times.len()
+        ));
+    }
+    Ok(pictured)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A shell of 20 mm radius, 8 mm wide, of four cells around and two across, on a marker turned by 90° about x
+    /// and 100 mm from the body's origin.
+    fn surface() -> (FieldGrid, Surface, Vec<[f64; 3]>) {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let grid = FieldGrid {
+            radius: 0.02,
+            around: (0..=4).map(|i| quarter * (f64::from(i) - 0.5)).collect(),
+            across: vec![-4e-3, 0.0, 4e-3],
+            openings: Vec::new(),
+        };
+        let shell = MarkerAxes {
+            marker: "block.bore".to_owned(),
+            body: None,
+            // x stays, y → z, z → −y
+            orientation: [1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0],
+            place: Some([0.1, 0.0, 0.0]),
+        };
+        let (surface, outward) = cylinder(&grid, &shell, [0.1, 0.0, 0.0]);
+        (grid, surface, outward)
+    }
+
+    #[test]
+    fn nodes_lie_on_the_shell_and_outward_leads_away_from_its_axis() {
+        let (_, surface, outward) = surface();
+        let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-15);
+        // four nodes across: both edges and two middles; z across is −y of the body
+        assert_eq!((surface.nodes.len(), surface.triangles.len()), (16, 24));
+        assert!(
+            near(surface.nodes[0], [0.12, 4e-3, 0.0]),
+            "{:?}",
+            surface.nodes[0]
+        );
+        assert!(near(surface.nodes[1], [0.12, 2e-3, 0.0]));
+        assert!(near(surface.nodes[7], [0.1, -4e-3, 0.02]));
+        assert!(near(outward[0], [1.0, 0.0, 0.0]) && near(outward[7], [0.0, 0.0, 1.0]));
+        // the triangles have the area of the prism inscribed to the cylinder, counterclockwise from outside
+        let area: f64 = (surface.triangles.iter())
+            .map(|t| {
+                let [a, b, c] =
+                    t.map(|n| eng_runtime::rotation::V3::from(surface.nodes[n as usize]));
+                let normal = (b - a).cross(&(c - a)) / 2.0;
+                let out = eng_runtime::rotation::V3::from(outward[t[0] as usize]);
+                normal.norm() * normal.dot(&out).signum()
+            })
+            .sum();
+        assert!(
+            (area - 4.0 * 0.02 * 2f64.sqrt() * 8e-3).abs() < 1e-12,
+            "{area}"
+        );
+    }
+
+    #[test]
+    fn edges_continue_the_last_two_cells() {
+        let (grid, surface, outward) = surface();
+        let values = at_nodes(&grid, &[3.0, 1.0, 2.0, 2.0, 0.0, 8.0, 0.1, 0.4], 0.0);
+        assert_eq!(values.len(), surface.nodes.len());
+        assert_eq!(outward.len(), values.len());
+        assert_eq!(values[..4], [4.0, 3.0, 1.0, 0.0]);
+        assert_eq!(values[4..8], [2.0; 4]);
+        // not below zero, and beyond the highest cell above it
+        assert_eq!(values[8..12], [0.0, 0.0, 8.0, 12.0]);
+    }
+
+    /// A shell that turns about a pin at rest, on a marker beside the body's origin.
+    const TURNING: &str = "
+        use std.journals.{Film, axial_groove}
+        use std.joints.{Fixed, Revolute}
+        use std.drives.PrescribedRotation
+        model Turning {
+            gravity = [0, 0, 0] m/s^2
+            marker axis = at([5, 8, 7] mm, z: [0, 1, 0], x: [0, 0, 1])
+            body pin {
+                mass = 1 kg
+                inertia = [1, 1, 1] g*m^2
+                marker foot = origin
+                marker neck = at([0.012, -0.005, 3] mm, z: [4e-4, -2e-4, 1])
+            }
+            body shell {
+                mass = 1 kg
+                inertia = [1, 1, 1] g*m^2
+                marker bore = at([20, -30, 40] mm, z: [0, 1, 0], x: [0, 0, 1])
+            }
+            joint weld = Fixed(pin.foot, axis)
+            joint hold = Revolute(shell.bore, axis)
+            drive turn = PrescribedRotation(shell.bore, axis, speed: 300 rad/s)
+            journal film = Film(pin.neck, shell.bore, diameter: 54 mm, width: 24 mm, radial_clearance: 27 um,
+                viscosity: 8 mPa*s, around: 72, across: 13)
+        }
+        analysis run = transient(Turning(), duration: 5 ms, sample: 0.5 ms)";
+
+    /// The pressures of the hills, summed over the surface along the outward directions, are the force of the
+    /// results: an independent route through places, axes, moments and units.
+    #[test]
+    fn hills_carry_the_force_of_the_journal() {
+        use crate::report::Described;
+        let sources = crate::Sources::from_text("m.eng", TURNING);
+        let program = crate::check(&sources, "m.eng").into_program().unwrap();
+        let analysis = program.analysis("run").unwrap();
+        let outcome = analysis.run(&mut |_| {}).unwrap();
+        let described = Described::new(analysis, outcome.results.metadata()).unwrap();
+        let motion = outcome.motion.clone();
+        let entry = Entry::new(outcome.results, Some(motion.clone()), described, Vec::new());
+        let (times, _) = crate::motion::moments(&motion);
+        let drawn = films(&entry, &motion, 100_000, (&times, &[])).unwrap();
+        assert_eq!((drawn.films.surfaces.len(), drawn.shells.len()), (1, 1));
+        assert_eq!(
+            (drawn.films.unit.as_str(), drawn.shells[0].as_str()),
+            ("MPa", "shell")
+        );
+        assert_eq!(drawn.films.height, 0.5 * 0.027);
+        let film = &drawn.films.surfaces[0];
+        assert!(film.moments.len() > 5 && film.poses.len() == times.len());
+        // trapezia across, equal parts around
+        let (columns, rows) = (72, 15);
+        let height = |row: usize| film.surface.nodes[row][1];
+        let width = |row: usize| {
+            let after = height((row + 1).min(rows - 1));
+            (after - height(row.max(1) - 1)) / 2.0
+        };
+        let arc = std::f64::consts::TAU * 0.027 / columns as f64;
+        let force = |axis: &str| {
+            entry
+                .outcome
+                .results
+                .column(&format!("film.force.{axis}"))
+                .unwrap()
+        };
+        for (moment, pressures) in film.moments.iter().zip(&film.pressures) {
+            let mut sum = [0.0; 3];
+            for (node, (pressure, outward)) in pressures.iter().zip(&film.outward).enumerate() {
+                let area = width(node % rows) * arc;
+                for (sum, n) in sum.iter_mut().zip(outward) {
+                    *sum += 1e6 * pressure * area * n;
+                }
+            }
+            // the shell's x is z of its body, its y is x; the pin feels the reverse
+            let found = [-sum[2], -sum[0]];
+            let time = times[*moment];
+            let recorded = entry.outcome.results.column("time").unwrap();
+            let sample = recorded
+                .values
+                .iter()
+                .position(|t| (t - time).abs() < 1e-12)
+                .unwrap();
+            let due = ["x", "y"].map(|axis| force(axis).values[sample]);
+            let size = libm::hypot(due[0], due[1]);
+            let off = libm::hypot(found[0] - due[0], found[1] - due[1]);
+            assert!(
+                size > 100.0 && off < 0.01 * size,
+                "{time}: {found:?} {due:?}"
+            );
+        }
+        assert!(
+            drawn
+                .notes
+                .iter()
+                .any(|note| note.contains("is 13.5 mm high")),
+            "{:?}",
+            drawn.notes
+        );
+    }
+}
