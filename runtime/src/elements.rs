@@ -235,6 +235,8 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
     let sources = &model.compiled.system.elements[element].fields;
     let kernels = &model.kernels[element];
     let mut memory = model.elements[element].memory;
+    let differentiated = &model.class(element).differentiated;
+    let mut answer = 0;
     (sources.iter().zip(kernels).enumerate())
         .filter_map(|(field, (source, made))| {
             let kernel = KERNELS.get(source.kernel as usize)?;
@@ -245,6 +247,8 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
                 drives: drives as usize,
                 answers: kernel.answer_count() as usize,
             };
+            let read = differentiated.get(answer..).unwrap_or(&[]);
+            answer += own.answers;
             let shapes = made.shapes();
             let (drives, answers) = (own.drives + 2 * shapes, own.answers + shapes);
             let surfaces = model.surfaces.iter();
@@ -258,7 +262,7 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
                 memory: first,
                 before: vec![0.0; made.memory()],
                 since: None,
-                solver: made.solver(),
+                solver: made.solver(read),
                 drives: vec![0.0; drives],
                 answers: vec![0.0; answers],
                 readings: vec![0.0; kernel.reading_count() as usize],
@@ -696,6 +700,12 @@ pub fn differentiate(
     let answers = layout.answer_direction(0) as usize..count;
     for range in directions.iter().chain([&answers]) {
         for d in range.clone() {
+            let answer = d.checked_sub(answers.start);
+            if answer.is_some_and(|answer| class.differentiated.get(answer) == Some(&false)) {
+                // nothing follows this answer
+                scratch.tangents[d * length..(d + 1) * length].fill([0.0; 2]);
+                continue;
+            }
             scratch.tape[tape + d] = [1.0; 2];
             call(
                 model,
