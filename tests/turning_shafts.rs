@@ -4,9 +4,12 @@ use eng::{Outcome, Program, Sources, StartReport, Turning};
 use eng_system::field::{
     FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, Past,
 };
+use eng_system::system::Start;
 use std::fmt::Write;
-use std::sync::Arc;
+use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::ThreadId;
 
 const YOUNG: f64 = 2.1e11;
 const DENSITY: f64 = 7850.0;
@@ -311,11 +314,12 @@ fn an_unbalance_in_films_repeats_from_the_start() {
     }
 }
 
-/// Numbers of solutions and of tangents of all fields.
+/// Numbers of solutions and of tangents of all fields, and the threads that solved some.
 #[derive(Debug, Default)]
 struct Counts {
     solved: AtomicUsize,
     differentiated: AtomicUsize,
+    threads: Mutex<Vec<ThreadId>>,
 }
 
 /// What makes, holds or solves fields, and counts.
@@ -361,6 +365,12 @@ impl FieldSolver for Counted<Box<dyn FieldSolver>> {
         answers: &mut [f64],
     ) -> Result<(), FieldError> {
         self.counts.solved.fetch_add(1, Ordering::Relaxed);
+        let own = std::thread::current().id();
+        let mut threads = self.counts.threads.lock().expect("no panic");
+        if !threads.contains(&own) {
+            threads.push(own);
+        }
+        drop(threads);
         self.inner.solve(drives, past, answers)
     }
     fn accept(&self, memory: &mut [f64]) {
@@ -386,6 +396,68 @@ impl FieldSolver for Counted<Box<dyn FieldSolver>> {
 
 fn films_on_cells() -> String {
     films().replace("Short(", "Film(around: 24, across: 4, ")
+}
+
+/// The start of a rotor whose films count, with a number of threads.
+fn counted(program: &Program, threads: NonZeroUsize) -> (eng_runtime::Simulation, Arc<Counts>) {
+    let analysis = program.analysis("begins").expect("an analysis");
+    let builder = analysis.model().clone().threads(threads).simulation();
+    let mut simulation = builder
+        .start_from(Start::Assembled)
+        .start()
+        .expect("a start");
+    let mut compiled = simulation.runtime().model().compiled.clone();
+    let counts = Arc::new(Counts::default());
+    compiled.fields = Arc::new(Counted {
+        inner: Arc::clone(&compiled.fields),
+        counts: Arc::clone(&counts),
+    });
+    let options = eng_runtime::Options {
+        start: Start::QuasiStatic,
+        ..eng_runtime::Options::default()
+    };
+    let begun = eng_runtime::Simulation::new(&compiled, &[], options);
+    (begun.expect("a start"), counts)
+}
+
+/// Films of 432 cells are solved by as many threads as there are, up to one a film, and the number changes no bit: of the start, of the
+/// steps, or of the outputs. Smaller films are not worth it.
+#[test]
+fn threads_share_films_and_change_no_bit() {
+    let speed = 0.5 * CRITICAL;
+    let large = films_on_cells().replace("around: 24, across: 4", "around: 48, across: 9");
+    let of = |films: &str, threads: usize| {
+        let program = checked_rotor(speed, "5 um", films, "1 ms", "quasi_static");
+        let threads = NonZeroUsize::new(threads).expect("not zero");
+        let (mut simulation, counts) = counted(&program, threads);
+        for _ in 0..20 {
+            simulation.step().expect("a step");
+        }
+        let used = counts.threads.lock().expect("no panic").len();
+        // stiffness and damping are among the channels
+        let mut channels = vec![
+            0.0;
+            program
+                .analysis("begins")
+                .expect("it")
+                .model()
+                .channels()
+                .len()
+        ];
+        simulation
+            .evaluate_channels(&mut channels)
+            .expect("outputs");
+        let bits: Vec<u64> = channels.iter().map(|x| x.to_bits()).collect();
+        (used, simulation.checkpoint(), bits)
+    };
+    let (used, alone, outputs) = of(&large, 1);
+    assert_eq!(used, 1);
+    for threads in [2, 3] {
+        let (used, shared, seen) = of(&large, threads);
+        assert!(used > 1 && used <= threads, "{used} of {threads}");
+        assert!(shared == alone && seen == outputs, "{threads} threads");
+    }
+    assert_eq!(of(&films_on_cells(), 2).0, 1);
 }
 
 /// The motion of an unbalance in films on cells repeats from the start, too: after a turn, and as after many turns. Its search
@@ -418,24 +490,7 @@ fn a_start_in_films_on_cells_is_short() {
         assert!(again < 1e-2, "{path}: {again}");
     }
     let program = checked_rotor(speed, "5 um", &films_on_cells(), "1 ms", "quasi_static");
-    let analysis = program.analysis("begins").expect("an analysis");
-    let simulation = analysis.model().simulation().start();
-    let mut compiled = simulation
-        .expect("an assembled start")
-        .runtime()
-        .model()
-        .compiled
-        .clone();
-    let counts = Arc::new(Counts::default());
-    compiled.fields = Arc::new(Counted {
-        inner: Arc::clone(&compiled.fields),
-        counts: Arc::clone(&counts),
-    });
-    let options = eng_runtime::Options {
-        start: eng_system::system::Start::QuasiStatic,
-        ..eng_runtime::Options::default()
-    };
-    let begun = eng_runtime::Simulation::new(&compiled, &[], options).expect("a start");
+    let (begun, counts) = counted(&program, NonZeroUsize::MIN);
     let StartReport::QuasiStatic(found) = begun.start() else {
         panic!("{:?}", begun.start());
     };

@@ -553,6 +553,7 @@ impl Builder {
             bind: Arc::new(Literal(self.slots)),
             reduced: self.reduced,
             fields: Arc::new(eng_system::field::NoFields),
+            threads: std::num::NonZeroUsize::MIN,
         }
     }
 }
