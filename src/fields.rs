@@ -300,10 +300,12 @@ const VOLUME: usize = 1;
 struct Bearing(Arc<Elastic>);
 
 impl FieldKernel for Bearing {
-    fn solver(&self) -> Box<dyn FieldSolver> {
+    fn solver(&self, differentiated: &[bool]) -> Box<dyn FieldSolver> {
         let film = &self.0;
+        // the answers of the row are the outputs before the forces of shapes
+        let read = |answer: usize| differentiated.get(answer).is_none_or(|read| *read);
         Box::new(Solver {
-            work: film.work(),
+            work: film.work_for(&std::array::from_fn(read)),
             past: None,
             film: Arc::clone(film),
         })
@@ -495,7 +497,7 @@ mod tests {
         };
         let x = inputs.write();
         assert_eq!(x.len(), count as usize);
-        let mut solver = Fields.make(&numbers).unwrap().solver();
+        let mut solver = Fields.make(&numbers).unwrap().solver(&[]);
         let mut answers = vec![0.0; kernel.answer_count() as usize];
         solver.solve(&x, None, &mut answers).unwrap();
         let mut readings = vec![f64::NAN; kernel.reading_count() as usize];

@@ -7,6 +7,7 @@ use eng_system::code::Compiled;
 use eng_system::input::Interpolation;
 use eng_system::system::{Body, BodyInertia};
 use eng_system::{Dimension, DisplayUnit};
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 /// A compiled model. Cheap to clone; clones on several threads share the code.
@@ -112,6 +113,14 @@ impl Model {
     /// The reductions of its flexible bodies.
     pub fn reductions(&self) -> &[crate::Reduction] {
         &self.reductions
+    }
+
+    /// Lets so many threads solve the films on cells of a simulation side by side. It changes no bit of a result. Without this there is
+    /// one thread.
+    #[must_use]
+    pub fn threads(mut self, threads: NonZeroUsize) -> Model {
+        self.compiled.threads = threads;
+        self
     }
 
     pub(crate) fn compiled(&self) -> &Compiled {

@@ -13,6 +13,7 @@ use eng_compiler::typed::TypedProgram;
 use eng_grammar::ast::{BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -471,6 +472,7 @@ impl Program {
                 bind: elaborated.bind.clone(),
                 reduced,
                 fields: Arc::new(Fields),
+                threads: NonZeroUsize::MIN,
             },
             Arc::clone(&self.inner.texts),
             reductions,

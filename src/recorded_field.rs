@@ -149,7 +149,7 @@ impl RecordedField {
     /// # Errors
     /// Those of the kernel.
     pub(crate) fn solve(&self, with: &SolvedWith) -> Result<Box<dyn FieldSolver>, FieldError> {
-        let mut solver = self.own.solver();
+        let mut solver = self.own.solver(&[]);
         let mut answers = vec![0.0; self.answer_count()];
         solver.solve(&with.drives, with.past(), &mut answers)?;
         Ok(solver)
@@ -176,7 +176,7 @@ impl RecordedField {
         let Some(numbers) = self.columns_of(motion) else {
             return Ok(false);
         };
-        let mut solver = self.own.solver();
+        let mut solver = self.own.solver(&[]);
         let mut answers = vec![0.0; self.answer_count()];
         for sample in samples {
             let Some(with) = self.at(&numbers, *sample) else {
@@ -267,7 +267,7 @@ impl RecordedField {
         samples: &[usize],
     ) -> Result<Vec<Twice>, FieldError> {
         let finer = self.own.refined()?;
-        let mut solvers = [self.own.solver(), finer.solver()];
+        let mut solvers = [self.own.solver(&[]), finer.solver(&[])];
         let mut found = Vec::new();
         let numbers = self.columns_of(motion).unwrap_or_default();
         for with in samples.iter().filter_map(|at| self.at(&numbers, *at)) {

@@ -1,6 +1,7 @@
 //! After the first steps, a step allocates no memory.
 
 use eng::Sources;
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 #[test]
@@ -36,4 +37,44 @@ fn a_step_of_the_engine_allocates_nothing() {
         "100 steps with outputs allocate {} times",
         counted.count_total
     );
+}
+
+/// Nor does the way of films to other threads and back.
+#[test]
+fn a_step_of_films_on_threads_allocates_nothing() {
+    let text = "use std.journals.Film
+model Rotor {
+    gravity = [0, -9.81, 0] m/s^2
+    marker seats[k in 1..2] = [0, 0, [-50, 50][k]] mm
+    body rotor {
+        mass = 20 kg
+        inertia = [0.2, 0.2, 0.05] kg*m^2
+        marker pins[k in 1..2] = [0, 0, [-50, 50][k]] mm
+        start angular_velocity = [0, 0, 300] rad/s
+    }
+    journal main[k in 1..2] = Film(rotor.pins[k], seats[k], diameter: 40 mm, width: 18 mm, radial_clearance: 20 um,
+                                   viscosity: 10 mPa*s, around: 48, across: 9)
+}
+";
+    let model = eng::check(&Sources::from_text("m.eng", text), "m.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"))
+        .model("Rotor")
+        .unwrap_or_else(|error| panic!("{error}"));
+    for threads in [1, 2] {
+        let threads = NonZeroUsize::new(threads).expect("not zero");
+        let simulation = model.clone().threads(threads).simulation();
+        let mut simulation = simulation
+            .fixed_step(2e-5)
+            .start()
+            .unwrap_or_else(|error| panic!("{error}"));
+        let mut advance = |steps: usize| {
+            for _ in 0..steps {
+                simulation.step().unwrap_or_else(|error| panic!("{error}"));
+            }
+        };
+        advance(100);
+        let counted = allocation_counter::measure(|| advance(100));
+        assert_eq!(counted.count_total, 0, "{threads} threads");
+    }
 }

@@ -61,6 +61,28 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
+/// A solver gives the derivatives of those answers that the motion follows, and of no other: loads read force, moment and torque, and
+/// the temperature of a film its loss and its side flow, too. `step_jacobian` has their numbers.
+#[test]
+fn derivatives_are_of_answers_that_the_motion_reads() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good");
+    let loads = [true, true, true, true, true, false, false];
+    for (file, read) in [("films.eng", loads), ("thermal.eng", [true; 7])] {
+        let sources = Sources::folder(&folder).expect("the folder");
+        let program = eng::check(&sources, file)
+            .into_program()
+            .unwrap_or_else(|report| panic!("{report}"));
+        let analysis = program.analysis("run").expect("an analysis");
+        let simulation = analysis.model().simulation().start();
+        let mut simulation = simulation.expect("a start");
+        let classes = &simulation.runtime().model().compiled.system.classes;
+        let mut films = classes.iter().filter(|class| class.layout.answers > 0);
+        let film = films.next().expect("a class with a film");
+        assert_eq!(film.differentiated, read, "{file}: {}", film.name);
+        assert!(films.all(|film| film.differentiated == read));
+    }
+}
+
 /// The table comes from solutions extrapolated to infinitely many cells. So twice as many cells are nearer to it,
 /// with nearly the second order.
 #[test]

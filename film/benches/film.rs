@@ -12,6 +12,9 @@ const STEPS: usize = 150;
 /// Turn of the pin's centre within a step, rad.
 const TURN: f64 = 0.2 * std::f64::consts::PI / 180.0;
 
+/// The outputs that loads read: force, moment and torque.
+const LOADS: [bool; inputs::SHAPE_FORCE] = [true, true, true, true, true, false, false];
+
 /// Least time of a call, µs.
 fn least(mut call: impl FnMut()) -> f64 {
     let begin = Instant::now();
@@ -38,8 +41,8 @@ fn film(rule: Cavitation, cells: [usize; 2], half: bool) -> Film {
 
 fn main() {
     println!(
-        "{:>10} {:>16} {:>10} {:>10} {:>10} {:>10} {:>10}",
-        "cells", "rule", "cold", "a step", "rounds", "again", "tangent"
+        "{:>10} {:>16} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}",
+        "cells", "rule", "cold", "a step", "rounds", "again", "tangent", "of loads"
     );
     for (cells, half) in [([72, 7], true), ([72, 13], false), ([144, 25], false)] {
         for rule in [
@@ -113,9 +116,10 @@ fn main() {
             });
             let mut tangent = vec![0.0; film.outputs() * film.inputs()];
             let slopes = least(|| film.tangent(&mut work, &mut tangent));
+            let loads = least(|| film.tangent_of(&LOADS, &mut work, &mut tangent));
             let cells = format!("{} x {}", cells[0], cells[1]);
             println!(
-                "{cells:>10} {:>16} {cold:10.0} {step:10.0} {rounds:10.2} {again:10.0} {slopes:10.0}",
+                "{cells:>10} {:>16} {cold:10.0} {step:10.0} {rounds:10.2} {again:10.0} {slopes:10.0} {loads:10.0}",
                 format!("{rule:?}")
             );
         }

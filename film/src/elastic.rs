@@ -16,7 +16,8 @@
 use crate::error::{FilmError, SourceError};
 use crate::feedback::{Feedback, Slopes};
 use crate::film::{Film, Work};
-use crate::inputs::{ECCENTRICITY, FORCE, RATE, SHAPE_FORCE, SPIN, SUPPLY, TILT_RATE};
+use crate::inputs::{ECCENTRICITY, FORCE, MOMENT, RATE, SHAPE_FORCE, SPIN, SUPPLY, TILT_RATE};
+use crate::tangent::ALL;
 use eng_system::dense::{add_scaled, dot};
 
 /// Most rounds of Newton's method.
@@ -61,6 +62,8 @@ pub struct ElasticWork {
     given: Vec<f64>,
     outputs: Vec<f64>,
     slopes: Vec<f64>,
+    /// The outputs before the forces of the shapes whose derivatives are wanted; the force on the pin always is.
+    wanted: [bool; SHAPE_FORCE],
     /// Whether the slopes are those of the last solution of the film.
     current: bool,
     feedback: Feedback,
@@ -218,13 +221,24 @@ impl Elastic {
     /// Memory for solutions.
     #[must_use]
     pub fn work(&self) -> ElasticWork {
+        self.work_for(&ALL)
+    }
+
+    /// Memory for solutions of which [`Elastic::tangent`] gives the derivatives of these outputs and of the forces: of other
+    /// outputs before the forces of the shapes they are zero. The values of all outputs remain. (Those of an elastic surface follow
+    /// the last change of the surface by these derivatives, so the others miss a change of 1e-11 of the clearance.)
+    #[must_use]
+    pub fn work_for(&self, wanted: &[bool; SHAPE_FORCE]) -> ElasticWork {
         let count = self.shapes();
+        let mut wanted = *wanted;
+        wanted[FORCE..MOMENT].fill(true);
         ElasticWork {
             film: self.film.work(),
             inputs: vec![0.0; self.film.inputs()],
             given: vec![0.0; self.film.inputs()],
             outputs: vec![0.0; self.film.outputs()],
             slopes: vec![0.0; self.film.outputs() * self.film.inputs()],
+            wanted,
             current: false,
             feedback: Feedback::new(count),
             amplitudes: vec![0.0; count],
@@ -474,7 +488,8 @@ impl Elastic {
     /// Makes the derivatives of the film at its last solution.
     fn differentiate(&self, work: &mut ElasticWork) {
         if !work.current {
-            self.film.tangent(&mut work.film, &mut work.slopes);
+            self.film
+                .tangent_of(&work.wanted, &mut work.film, &mut work.slopes);
             work.current = true;
         }
     }
@@ -503,14 +518,15 @@ impl Elastic {
         }
     }
 
-    /// Derivatives of the outputs by the inputs at the last solution, output by output.
+    /// Derivatives of the outputs by the inputs at the last solution, output by output; of outputs that the memory leaves out
+    /// ([`Elastic::work_for`]) they are zero.
     ///
     /// # Errors
     /// If the surface is unstable there.
     pub fn tangent(&self, work: &mut ElasticWork, dy_dx: &mut [f64]) -> Result<(), FilmError> {
         let (count, own) = (self.shapes(), self.inputs());
         if count == 0 {
-            self.film.tangent(&mut work.film, dy_dx);
+            self.film.tangent_of(&work.wanted, &mut work.film, dy_dx);
             return Ok(());
         }
         self.renew(work);
@@ -528,6 +544,10 @@ impl Elastic {
         work.feedback.solve(&mut work.follows, own);
         for (output, sums) in dy_dx.chunks_exact_mut(own).enumerate() {
             let row = rows(output);
+            if work.wanted.get(output).is_some_and(|wanted| !wanted) {
+                sums.fill(0.0);
+                continue;
+            }
             sums.copy_from_slice(&row[..own]);
             let (by_amplitude, by_rate) = row[amplitude..].split_at(count);
             let along = by_amplitude.iter().zip(by_rate);
@@ -553,7 +573,15 @@ impl Elastic {
     /// If the surface is unstable there.
     pub fn stiffness_and_damping(&self, work: &mut ElasticWork) -> Result<[f64; 8], FilmError> {
         let (count, inputs) = (self.shapes(), self.film.inputs());
-        self.renew(work);
+        match count {
+            0 => {
+                let mut forces = [false; SHAPE_FORCE];
+                forces[FORCE..MOMENT].fill(true);
+                self.film
+                    .tangent_of(&forces, &mut work.film, &mut work.slopes);
+            }
+            _ => self.renew(work),
+        }
         if !work.feedback.factor(0.0) {
             return Err(FilmError::NoSurface { rounds: ROUNDS });
         }

@@ -166,6 +166,46 @@ fn tangent_of_a_yielding_surface() {
     }
 }
 
+/// Memory that leaves out the derivatives of some outputs changes neither values nor the derivatives of others by more than the last
+/// change of a surface.
+#[test]
+fn some_derivatives_are_those_of_all() {
+    let all = reference();
+    let elastic =
+        Elastic::new(film([48, 6]), reference_ring(&all["elastic"][1])).expect("a surface");
+    let rigid = Elastic::new(film([48, 6]), vec![0.0; 225]).expect("a surface");
+    let mut wanted = [false; inputs::SHAPE_FORCE];
+    wanted[inputs::TORQUE] = true;
+    for (elastic, error) in [(&elastic, 1e-9), (&rigid, 0.0)] {
+        let [(y, slopes, slow), (some_y, some, some_slow)] =
+            [elastic.work(), elastic.work_for(&wanted)].map(|mut work| {
+                let mut y = [0.0; inputs::SHAPE_FORCE];
+                let x = inputs([0.6, 0.1]);
+                elastic
+                    .solve(&x, None, &[], &mut work, &mut y)
+                    .expect("a film");
+                let slow = elastic.stiffness_and_damping(&mut work).expect("slopes");
+                let mut slopes = vec![f64::NAN; inputs::SHAPE_FORCE * elastic.inputs()];
+                elastic.tangent(&mut work, &mut slopes).expect("a tangent");
+                (y, slopes, slow)
+            });
+        let near = |a: f64, b: f64| (a - b).abs() <= error * a.abs().max(1.0);
+        assert!(y.iter().zip(&some_y).all(|(a, b)| near(*a, *b)));
+        // the forces are always there: stiffness and damping need them
+        assert!(slow.iter().zip(&some_slow).all(|(a, b)| near(*a, *b)));
+        let rows = slopes.chunks_exact(elastic.inputs());
+        for (output, (all, some)) in rows.zip(some.chunks_exact(elastic.inputs())).enumerate() {
+            match output {
+                0 | 1 | inputs::TORQUE => {
+                    assert!(all.iter().zip(some).all(|(a, b)| near(*a, *b)), "{output}");
+                }
+                _ => assert!(some.iter().all(|x| *x == 0.0), "{output}"),
+            }
+        }
+        assert!(slopes[inputs::LOSS * elastic.inputs() + inputs::SPIN] != 0.0);
+    }
+}
+
 /// However short a step is, the search finds the surface, from its place at the beginning of the step. In a short step a small
 /// change of an amplitude is a fast one, and Newton's way from the surface at rest would leave the film behind.
 #[test]

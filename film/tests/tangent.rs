@@ -303,6 +303,36 @@ fn half_width_has_the_tangent_of_the_whole() {
     }
 }
 
+/// Rows of some outputs have the bits of all rows, and the rest is zero: whatever the number of adjoints that are solved together.
+#[test]
+fn rows_of_some_outputs_are_those_of_all() {
+    for rule in [Cavitation::Reynolds, Cavitation::MassConserving] {
+        let film = Film::new(everything(rule)).expect("a film");
+        let x = moving().write();
+        let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
+        film.solve(&x, None, &[], &mut work, &mut y)
+            .expect("a film");
+        let count = film.inputs();
+        let mut all = vec![0.0; film.outputs() * count];
+        film.tangent(&mut work, &mut all);
+        for set in 0..1_u32 << inputs::SHAPE_FORCE {
+            let wanted = std::array::from_fn(|output| set >> output & 1 == 1);
+            // numbers of an earlier call must not remain
+            let mut some = vec![f64::NAN; all.len()];
+            film.tangent_of(&wanted, &mut work, &mut some);
+            let rows = all.chunks_exact(count).zip(some.chunks_exact(count));
+            for (output, (all, some)) in rows.enumerate() {
+                let read = wanted.get(output).is_none_or(|wanted| *wanted);
+                let bits = |row: &[f64]| row.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                match read {
+                    true => assert_eq!(bits(all), bits(some), "{set:b}: {output}"),
+                    false => assert!(some.iter().all(|x| *x == 0.0), "{set:b}: {output}"),
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn stiffness_and_damping_of_the_reference() {
     let mut worst = 0.0_f64;

@@ -15,8 +15,9 @@ pub use plan::MatrixPlan;
 
 use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, CURVED_REACH, MarkerKinematics, Motion, Placed, REACH};
-use crate::elements::{self, Batch, Inputs, Readings, Scratch, undefined};
+use crate::elements::{self, Batch, Inputs, Scratch, undefined};
 use crate::error::RuntimeError;
+use crate::field::Readings;
 use crate::flexible::Work;
 use crate::inputs::Signals;
 use crate::memory::Memory;

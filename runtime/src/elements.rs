@@ -3,10 +3,11 @@
 
 use crate::chain::MarkerKinematics;
 use crate::error::{Moment, RuntimeError, Undefined};
+use crate::field::{self, LaneField, Own, Readings, Task, Trouble, Wanted};
 use crate::memory::Memory;
 use crate::model::Model;
 use eng_system::code::{ElementCode, Function, Pair};
-use eng_system::field::{FieldSolver, KERNELS, Past, drives};
+use eng_system::field::{KERNELS, drives};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
 
 /// The sources of the inputs of all elements.
@@ -46,6 +47,10 @@ pub struct Batch {
     fields: Vec<Vec<LaneField>>,
     /// The part of the fields' solution that is known at the gathered state.
     solved: Solved,
+    /// Whether several threads work on the fields: at least two of them have [`LARGE`] cells or more.
+    shared: bool,
+    /// Room for the tasks of the threads.
+    tasks: Vec<Task>,
 }
 
 /// A constant that follows the inputs: its place in the inputs of a batch, its lane, and its slot among those that
@@ -57,20 +62,12 @@ struct Moving {
     slot: usize,
 }
 
+/// Least number of cells of a field that is worth the way to another thread. A film of so many takes about 40 us.
+const LARGE: usize = 400;
+
 /// Share of a field with one-sided derivatives above which its linearised equations are refused. The cells on the line where a
 /// pressure ends are a smaller share.
 const ONE_SIDED: f64 = 0.2;
-
-/// The readings of fields that a caller needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Readings {
-    /// None: loads follow from the answers.
-    None,
-    /// Those without derivatives: conditions are checked at every step.
-    Plain,
-    /// All.
-    All,
-}
 
 /// The known part of the solution of fields at the gathered state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,31 +75,6 @@ enum Solved {
     Nothing,
     Answers,
     Slopes,
-}
-
-/// A field of the element in a lane, with its numbers at the gathered state.
-#[derive(Clone, Debug)]
-pub(crate) struct LaneField {
-    solver: Box<dyn FieldSolver>,
-    /// Drives: those that the element computes, then the amplitudes of an elastic surface and their rates.
-    drives: Vec<f64>,
-    /// Answers: those that the element uses, then the forces of the shapes.
-    answers: Vec<f64>,
-    /// Counts of drives and answers without those of the surface.
-    pub own: Own,
-    /// Index of the elastic surface.
-    pub surface: Option<usize>,
-    readings: Vec<f64>,
-    /// Whether the readings without derivatives are those of the last solution.
-    is_read: bool,
-    /// Derivatives of the answers by the drives, answer by answer.
-    slopes: Vec<f64>,
-    /// First of the numbers that it remembers.
-    memory: usize,
-    /// These numbers at the beginning of the step, and the time since then (s); without a time the field is
-    /// in balance.
-    before: Vec<f64>,
-    since: Option<f64>,
 }
 
 impl Batch {
@@ -122,49 +94,6 @@ impl Batch {
     /// Inputs of a pair, for writing.
     pub fn inputs_mut(&mut self, pair: usize) -> &mut [Pair] {
         &mut self.inputs[pair * self.stride..(pair + 1) * self.stride]
-    }
-}
-
-/// Numbers of drives and answers that an element has of a field.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Own {
-    pub drives: usize,
-    pub answers: usize,
-}
-
-impl LaneField {
-    /// Derivatives of the answers from `first` on by the drives, answer by answer.
-    pub fn slopes_from(&self, first: usize) -> impl Iterator<Item = &[f64]> {
-        self.slopes.chunks_exact(self.drives.len()).skip(first)
-    }
-
-    /// The forces of the shapes.
-    pub fn shape_forces(&self) -> &[f64] {
-        &self.answers[self.own.answers..]
-    }
-
-    /// The change of the answers from `first` on with changes of the drives of the element, and of the amplitudes of the
-    /// surface and their rates (empty for none).
-    pub fn changes<'a>(
-        &'a self,
-        first: usize,
-        drives: impl Fn(usize) -> f64 + 'a,
-        surface: &'a [f64],
-    ) -> impl Iterator<Item = f64> + 'a {
-        self.slopes_from(first).map(move |row| {
-            let (own, of_surface) = row.split_at(self.own.drives);
-            let by_element: f64 = own
-                .iter()
-                .enumerate()
-                .map(|(i, slope)| slope * drives(i))
-                .sum();
-            let by_surface: f64 = of_surface
-                .iter()
-                .zip(surface)
-                .map(|(slope, x)| slope * x)
-                .sum();
-            by_element + by_surface
-        })
     }
 }
 
@@ -218,7 +147,12 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
                 })
                 .collect(),
         };
+        let cells = pairs.as_flattened().iter().zip(&fields);
+        let cells = cells.flat_map(|(element, _)| &model.kernels[*element]);
+        let large = cells.filter(|kernel| kernel.grid().cells() >= LARGE);
         made.push(Batch {
+            shared: model.crew.is_some() && large.count() > 1,
+            tasks: Vec::new(),
             class: index,
             pairs,
             stride,
@@ -236,6 +170,8 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
     let sources = &model.compiled.system.elements[element].fields;
     let kernels = &model.kernels[element];
     let mut memory = model.elements[element].memory;
+    let differentiated = &model.class(element).differentiated;
+    let mut answer = 0;
     (sources.iter().zip(kernels).enumerate())
         .filter_map(|(field, (source, made))| {
             let kernel = KERNELS.get(source.kernel as usize)?;
@@ -246,6 +182,8 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
                 drives: drives as usize,
                 answers: kernel.answer_count() as usize,
             };
+            let read = differentiated.get(answer..).unwrap_or(&[]);
+            answer += own.answers;
             let shapes = made.shapes();
             let (drives, answers) = (own.drives + 2 * shapes, own.answers + shapes);
             let surfaces = model.surfaces.iter();
@@ -259,7 +197,8 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
                 memory: first,
                 before: vec![0.0; made.memory()],
                 since: None,
-                solver: made.solver(),
+                waits: false,
+                solver: made.solver(read),
                 drives: vec![0.0; drives],
                 answers: vec![0.0; answers],
                 readings: vec![0.0; kernel.reading_count() as usize],
@@ -307,21 +246,31 @@ impl Batch {
             let out = &mut scratch.outputs[..length];
             let inputs = &mut self.inputs[pair * self.stride..][..common];
             call(model, self.class, Function::Residual, inputs, out)?;
-            let [first, second] = self.pairs[pair];
-            let repeated = first == second;
-            for (lane, element) in [first, second].into_iter().enumerate() {
+            for (lane, element) in self.pairs[pair].into_iter().enumerate() {
                 let mut drive = first_drive;
-                let mut answer = layout.answer(0) as usize;
-                let mut reading = layout.reading(0) as usize;
                 for (at, field) in self.fields[2 * pair + lane].iter_mut().enumerate() {
                     let own = &mut field.drives[..field.own.drives];
                     for (x, number) in own.iter_mut().zip(&out[drive..]) {
                         *x = number[lane];
                     }
-                    match field_of(known, class, element, at) {
-                        Some(same) if same.is_solved_as(field) => field.take(same),
-                        _ => field.solve(model, element, time, readings)?,
+                    let same = field_of(known, class, element, at);
+                    let same = same.filter(|same| same.is_solved_as(field));
+                    field.waits = same.is_none();
+                    if let Some(same) = same {
+                        field.take(same);
                     }
+                    drive += field.own.drives;
+                }
+            }
+        }
+        self.work(model, time, Wanted::Solution(readings))?;
+        for (pair, [first, second]) in self.pairs.iter().enumerate() {
+            let inputs = &mut self.inputs[pair * self.stride..][..common];
+            let repeated = first == second;
+            for lane in 0..2 {
+                let mut answer = layout.answer(0) as usize;
+                let mut reading = layout.reading(0) as usize;
+                for field in &self.fields[2 * pair + lane] {
                     let mut put = |at: usize, numbers: &[f64]| {
                         for (place, x) in inputs[at..].iter_mut().zip(numbers) {
                             place[lane] = *x;
@@ -332,7 +281,6 @@ impl Batch {
                     };
                     put(answer, &field.answers[..field.own.answers]);
                     put(reading, &field.readings);
-                    drive += field.own.drives;
                     answer += field.own.answers;
                     reading += field.readings.len();
                 }
@@ -340,6 +288,60 @@ impl Batch {
         }
         self.solved = Solved::Answers;
         Ok(())
+    }
+
+    /// Works on all fields that wait for it. If several have no numbers, the error is of the first. The others are complete all the
+    /// same: so their next solutions begin from the same cavities, and have the same bits, for any number of threads.
+    fn work(&mut self, model: &Model, time: f64, wanted: Wanted) -> Result<(), RuntimeError> {
+        let mut worst: Option<(usize, Trouble)> = None;
+        let mut failed = |at: usize, done: Result<(), Trouble>| {
+            let first = worst.as_ref().is_none_or(|(known, _)| at < *known);
+            if let (Err(trouble), true) = (done, first) {
+                worst = Some((at, trouble));
+            }
+        };
+        match model.crew.as_ref().filter(|_| self.shared) {
+            None => {
+                for (at, fields) in self.fields.iter_mut().enumerate() {
+                    failed(at, field::work(fields, wanted));
+                }
+            }
+            Some(crew) => {
+                let tasks = &mut self.tasks;
+                for (at, fields) in self.fields.iter_mut().enumerate() {
+                    if fields.iter().any(|field| field.waits) {
+                        tasks.push(Task {
+                            at,
+                            fields: std::mem::take(fields),
+                            wanted,
+                            done: Ok(()),
+                        });
+                    }
+                }
+                let sent = tasks.len();
+                crew.work(tasks);
+                let lost = tasks.len() < sent;
+                for task in tasks.drain(..) {
+                    self.fields[task.at] = task.fields;
+                    failed(task.at, task.done);
+                }
+                if lost {
+                    return Err(RuntimeError::Malformed {
+                        what: "the solution of a field ended in a panic".into(),
+                    });
+                }
+            }
+        }
+        let Some((at, trouble)) = worst else {
+            return Ok(());
+        };
+        let mut error = not_finite(model, self.pairs[at / 2][at % 2], time);
+        if let (RuntimeError::NotFinite { because, .. }, Trouble::Told(cause)) =
+            (&mut error, trouble)
+        {
+            *because = Some(Box::new(Undefined::Field(cause)));
+        }
+        Err(error)
     }
 
     /// Appends for each field of a lane the numbers of its last solution: its drives, the time since the beginning of the
@@ -387,16 +389,10 @@ impl Batch {
             return Ok(());
         }
         self.solve_fields(model, time, Readings::None, scratch)?;
-        for pair in 0..self.pairs.len() {
-            for lane in 0..self.lanes(pair) {
-                for field in &mut self.fields[2 * pair + lane] {
-                    field.solver.tangent(&mut field.slopes);
-                    if field.slopes.iter().any(|x| !x.is_finite()) {
-                        return Err(not_finite(model, self.pairs[pair][lane], time));
-                    }
-                }
-            }
+        for field in self.fields.iter_mut().flatten() {
+            field.waits = true;
         }
+        self.work(model, time, Wanted::Slopes)?;
         self.solved = Solved::Slopes;
         Ok(())
     }
@@ -488,57 +484,6 @@ fn motion_of<'a>(model: &Model, field: &LaneField, surfaces: &'a [f64]) -> &'a [
         .surface
         .map(|surface| model.surfaces[surface].motion());
     motion.and_then(|range| surfaces.get(range)).unwrap_or(&[])
-}
-
-impl LaneField {
-    /// Whether its solution and readings are those of a field with the numbers of another.
-    fn is_solved_as(&self, other: &LaneField) -> bool {
-        let numbers = |field: &LaneField| (field.since, field.memory);
-        self.is_read
-            && numbers(self) == numbers(other)
-            && self.drives == other.drives
-            && self.before == other.before
-    }
-
-    /// Takes the solution and the readings of another field.
-    fn take(&mut self, other: &LaneField) {
-        self.answers.copy_from_slice(&other.answers);
-        self.readings.copy_from_slice(&other.readings);
-    }
-
-    fn solve(
-        &mut self,
-        model: &Model,
-        element: usize,
-        time: f64,
-        readings: Readings,
-    ) -> Result<(), RuntimeError> {
-        self.is_read = false;
-        // a drive that is not finite comes from the element, whose error names the table or
-        // expression
-        if self.drives.iter().any(|x| !x.is_finite()) {
-            return Err(not_finite(model, element, time));
-        }
-        let past = self.since.map(|step| Past {
-            step,
-            memory: &self.before,
-        });
-        if let Err(cause) = self.solver.solve(&self.drives, past, &mut self.answers) {
-            let mut error = not_finite(model, element, time);
-            if let RuntimeError::NotFinite { because, .. } = &mut error {
-                *because = Some(Box::new(Undefined::Field(cause)));
-            }
-            return Err(error);
-        }
-        if self.answers.iter().any(|x| !x.is_finite()) {
-            return Err(not_finite(model, element, time));
-        }
-        if readings != Readings::None {
-            let slopes = readings == Readings::All;
-            self.solver.read(&mut self.readings, slopes);
-        }
-        Ok(())
-    }
 }
 
 /// Writes one marker's eighteen numbers into a lane.
@@ -698,6 +643,12 @@ pub fn differentiate(
     let answers = layout.answer_direction(0) as usize..count;
     for range in directions.iter().chain([&answers]) {
         for d in range.clone() {
+            let answer = d.checked_sub(answers.start);
+            if answer.is_some_and(|answer| class.differentiated.get(answer) == Some(&false)) {
+                // nothing follows this answer
+                scratch.tangents[d * length..(d + 1) * length].fill([0.0; 2]);
+                continue;
+            }
             scratch.tape[tape + d] = [1.0; 2];
             call(
                 model,

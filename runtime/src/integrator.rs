@@ -536,7 +536,7 @@ impl Integrator {
 
     /// Computes positions, velocities, accelerations, states, their rates and multipliers at the trial of a
     /// step h.
-    fn take_trial(&mut self, model: &Model, h: f64) {
+    pub fn take_trial(&mut self, model: &Model, h: f64) {
         let c = self.coefficients;
         let (n, s) = (model.velocities, model.states);
         for i in 0..n {

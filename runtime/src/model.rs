@@ -4,6 +4,7 @@ mod bind;
 
 use crate::body::{BodyKind, BodyModel};
 pub use crate::chain::MarkerModel;
+use crate::crew::Crew;
 use crate::error::NamedRow;
 use crate::rotation::V3;
 use crate::surface::SurfaceModel;
@@ -63,6 +64,8 @@ pub struct Model {
     pub elements: Vec<ElementModel>,
     /// Kernels of the fields of each element.
     pub kernels: Vec<Vec<Arc<dyn FieldKernel>>>,
+    /// Threads that work on them; none if there is one thread.
+    pub crew: Option<Arc<Crew>>,
     /// Count of numbers that the fields remember.
     pub memory: usize,
     /// Elastic surfaces that fields press on.

@@ -1,8 +1,9 @@
 //! Outputs, conditions and unwrapped angles of elements at a state.
 
 use crate::dynamics::Dynamics;
-use crate::elements::{self, Batch, Inputs, Readings, Scratch, not_finite, undefined};
+use crate::elements::{self, Batch, Inputs, Scratch, not_finite, undefined};
 use crate::error::RuntimeError;
+use crate::field::Readings;
 use crate::model::Model;
 use crate::state::State;
 use eng_system::code::Function;

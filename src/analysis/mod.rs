@@ -23,6 +23,7 @@ use eng_runtime::{
 };
 use eng_system::code::BindError;
 use eng_system::system::{AnalysisKind, BodyRef, Extent, PointValue, Start, StepControl};
+use std::num::NonZeroUsize;
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -43,6 +44,8 @@ pub struct Analysis {
     recording: Recording,
     /// Whether a run measures its phases.
     timed: bool,
+    /// Threads that solve its fields.
+    threads: NonZeroUsize,
     /// Its model in the assembled position, for all that ask for it.
     assembled: OnceLock<Result<Assembled, RuntimeError>>,
 }
@@ -194,6 +197,7 @@ impl Analysis {
             chosen: Vec::new(),
             recording: Recording::default(),
             timed: false,
+            threads: NonZeroUsize::MIN,
             assembled: OnceLock::new(),
         })
     }
@@ -313,6 +317,17 @@ impl Analysis {
     pub fn timed(mut self) -> Self {
         self.timed = true;
         self
+    }
+
+    /// Lets so many threads solve the films on cells of a run side by side: see [`Model::threads`].
+    #[must_use]
+    pub fn threads(mut self, threads: NonZeroUsize) -> Self {
+        self.threads = threads;
+        self
+    }
+
+    pub(crate) fn own_threads(&self) -> NonZeroUsize {
+        self.threads
     }
 
     /// The folder of its samples during the run.

@@ -13,6 +13,7 @@ use eng_runtime::{
 };
 use eng_system::recorded::recorded;
 use eng_system::system::{AnalysisKind, Location, Origin, Rows};
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
@@ -37,6 +38,15 @@ impl Analysis {
     /// with [`RuntimeError::Stopped`], which has the cause of its short steps. Its files remain, so that it
     /// can be resumed. A finished run has the same bits as without a watch.
     pub fn run_watched(&self, watch: &mut dyn Watch) -> Result<Outcome, Failed> {
+        self.run_on(self.threads, watch)
+    }
+
+    /// [`Analysis::run_watched`] with this number of threads for its fields.
+    pub(crate) fn run_on(
+        &self,
+        threads: NonZeroUsize,
+        watch: &mut dyn Watch,
+    ) -> Result<Outcome, Failed> {
         let begun = self
             .header()
             .and_then(|header| Ok(Table::begin(header, &self.recording, self.identity()?)?));
@@ -58,7 +68,7 @@ impl Analysis {
             watch,
         };
         let state = point.as_ref().map(|p| p.state.as_slice());
-        let solved = self.solve(&mut recorder, state);
+        let solved = self.solve(&mut recorder, state, threads);
         self.finish(recorder, solved)
     }
 
@@ -67,8 +77,10 @@ impl Analysis {
         &self,
         recorder: &mut Recorder<'_>,
         state: Option<&[u8]>,
+        threads: NonZeroUsize,
     ) -> Result<Solved, RuntimeError> {
-        let (compiled, overrides) = (self.model.compiled(), &self.overrides);
+        let model = self.model.clone().threads(threads);
+        let (compiled, overrides) = (model.compiled(), &self.overrides);
         let mut solved = Solved::default();
         match &self.plan.kind {
             AnalysisKind::Transient(transient) => {

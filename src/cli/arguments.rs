@@ -238,7 +238,8 @@ pub(super) struct RunArguments {
     /// Write CSV files, too: a row of paths, a row of units, then the numbers
     #[arg(long)]
     pub csv: bool,
-    /// Number of analyses that run at the same time [default: the machine's processors]
+    /// Number of threads: so many analyses run at the same time, and fewer analyses solve their films
+    /// on cells side by side [default: the machine's processors]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
     /// Keep only these channels, by patterns: `main[*].force.*`; may be given several times [default: all]
@@ -253,7 +254,8 @@ pub(super) struct RunArguments {
     /// Draw no pictures
     #[arg(long)]
     pub no_plots: bool,
-    /// Print the processor time of each phase: check, machine code, start, steps, samples, files, pictures
+    /// Print the processor time of each phase: check, machine code, start, steps, samples, files, pictures. Films
+    /// that other threads solve do not count; `--threads 1` counts all
     #[arg(long)]
     pub timings: bool,
     /// Print only warnings and errors

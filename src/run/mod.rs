@@ -52,7 +52,8 @@ pub enum Event {
     Done(Box<Result<RunOutcome, Failed<RunOutcome>>>),
 }
 
-/// Runs several analyses, up to `threads` at a time. `tell` gets each event with the index of its analysis in
+/// Runs several analyses, up to `threads` at a time. If there are fewer analyses than threads, each has an equal share of the threads
+/// for its films on cells. `tell` gets each event with the index of its analysis in
 /// `analyses`. The results equal those of [`run`] to the last bit, for any number of threads. `patient`: see
 /// [`run`].
 pub fn run_many(
@@ -63,8 +64,11 @@ pub fn run_many(
 ) {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
+    let together = threads.get().min(analyses.len().max(1));
+    // analyses share the processors: their films have those that are left
+    let each = NonZeroUsize::new(threads.get() / together).unwrap_or(NonZeroUsize::MIN);
     std::thread::scope(|scope| {
-        for _ in 0..threads.get().min(analyses.len()) {
+        for _ in 0..together {
             let (sender, next) = (sender.clone(), &next);
             scope.spawn(move || {
                 loop {
@@ -73,7 +77,7 @@ pub fn run_many(
                         return;
                     };
                     // sending fails only after the receiver is closed, and then nobody needs the event
-                    let result = run(analysis, patient, &mut |event| {
+                    let result = run_on(analysis, patient, each, &mut |event| {
                         let _ = sender.send((index, event));
                     });
                     let _ = sender.send((index, Event::Done(Box::new(result))));
@@ -97,6 +101,16 @@ pub fn run(
     patient: bool,
     tell: &mut dyn FnMut(Event),
 ) -> Result<RunOutcome, Failed<RunOutcome>> {
+    run_on(analysis, patient, analysis.own_threads(), tell)
+}
+
+/// [`run`] with this number of threads for the fields of the analysis.
+fn run_on(
+    analysis: &Analysis,
+    patient: bool,
+    threads: NonZeroUsize,
+    tell: &mut dyn FnMut(Event),
+) -> Result<RunOutcome, Failed<RunOutcome>> {
     let mut watch = Watching {
         analysis,
         tell,
@@ -107,7 +121,7 @@ pub fn run(
         slowing: None,
         lost: None,
     };
-    let ran = analysis.run_watched(&mut watch);
+    let ran = analysis.run_on(threads, &mut watch);
     match (ran, watch.lost) {
         (Ok(outcome), _) => Ok(run_outcome(analysis, outcome)?),
         (Err(Failed { error, .. }), Some((passed, now, left))) if error.is_stopped() => {

@@ -222,4 +222,6 @@ pub struct Compiled {
     pub reduced: Vec<std::sync::Arc<crate::reduced::ReducedBody>>,
     /// Makes the kernels of the fields.
     pub fields: std::sync::Arc<dyn crate::field::FieldMaker>,
+    /// Number of threads that may solve the fields of one model side by side. It changes no bit of a result.
+    pub threads: std::num::NonZeroUsize,
 }

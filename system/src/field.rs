@@ -389,8 +389,9 @@ impl FieldGrid {
 
 /// The equations of one field. It holds no state.
 pub trait FieldKernel: Send + Sync + fmt::Debug {
-    /// A solver with memory of its own.
-    fn solver(&self) -> Box<dyn FieldSolver>;
+    /// A solver with memory of its own. `differentiated` tells of each answer of the kernel's row whether its derivatives are read
+    /// ([`ElementClass::differentiated`](crate::system::ElementClass::differentiated)); of answers beyond its end they are.
+    fn solver(&self, differentiated: &[bool]) -> Box<dyn FieldSolver>;
     /// Count of numbers that the field keeps from one moment to the next, such as the oil in the cells of a
     /// film.
     fn memory(&self) -> usize;
@@ -435,7 +436,7 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// whose cavity is undecided.
     fn undecided(&self) -> f64;
     /// Derivatives of the answers by the drives at the last solution, answer by answer; not finite where there
-    /// are none.
+    /// are none. Those of answers whose derivatives nothing reads may be zero.
     fn tangent(&mut self, slopes: &mut [f64]);
     /// Readings of the last solution. Without `slopes` those that need derivatives of the answers may keep older
     /// numbers.

@@ -244,6 +244,9 @@ pub struct ElementClass {
     pub rows_over_time: bool,
     /// Whether its conditions depend on fields.
     pub conditions_read_fields: bool,
+    /// Whether its loads, the rates of its states or the drives of its fields depend on each answer of its fields, so that the
+    /// derivatives of this answer are needed. Outputs alone need its value.
+    pub differentiated: Vec<bool>,
     /// Length of the tape between `linearize` and `tangent`.
     pub tape: u32,
 }

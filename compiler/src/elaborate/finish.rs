@@ -306,6 +306,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         loads_over_time: made.loads_over_time,
                         rows_over_time: made.rows_over_time,
                         conditions_read_fields: made.conditions_read_fields,
+                        differentiated: made.differentiated.clone(),
                         tape: made.tape(),
                     });
                     shared.functions.push(made);

@@ -73,6 +73,8 @@ pub struct ClassFunctions {
     pub rows_over_time: bool,
     /// Whether the conditions depend on fields.
     pub conditions_read_fields: bool,
+    /// Whether the residual depends on each answer of the fields.
+    pub differentiated: Vec<bool>,
 }
 
 /// Entries of a marker's inputs that hold its pose: x, then R.
@@ -163,6 +165,10 @@ impl ClassBody {
         let over_time = |nodes: &[Node]| inputs_of(&graph, nodes).contains(&InputLayout::TIME);
         let loads_over_time = over_time(&own);
         let rows_over_time = over_time(&self.rows);
+        let read = inputs_of(&graph, &residual);
+        let differentiated = (0..layout.answers)
+            .map(|answer| read.contains(&layout.answer(answer)))
+            .collect();
         let conditions_read_fields = uses_fields(&graph, &self.conditions, &layout, false);
         let loads: Vec<Node> = (self.loads.iter().flatten())
             .chain(&self.drives)
@@ -198,6 +204,7 @@ impl ClassBody {
             loads_over_time,
             rows_over_time,
             conditions_read_fields,
+            differentiated,
         })
     }
 

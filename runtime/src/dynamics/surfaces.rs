@@ -13,7 +13,8 @@
 use super::matrix::{Filling, Lane, Seen, expand_rows, expanded};
 use super::plan::SurfacePlan;
 use super::{Dynamics, shape_rows};
-use crate::elements::{Batch, LaneField};
+use crate::elements::Batch;
+use crate::field::LaneField;
 use crate::model::Model;
 use crate::surface::SurfaceModel;
 use eng_system::dense::{add_product_of_six, add_scaled};

@@ -2,6 +2,7 @@
 
 use super::{ElementModel, MarkerModel, Model};
 use crate::body::{BodyKind, BodyModel, Rigid};
+use crate::crew::Crew;
 use crate::error::RuntimeError;
 use crate::flexible::Flexible;
 use crate::rotation::{M3, V3, skew};
@@ -105,6 +106,7 @@ impl Model {
             markers: Vec::with_capacity(system.markers.len()),
             elements: Vec::with_capacity(system.elements.len()),
             kernels: Vec::with_capacity(system.elements.len()),
+            crew: (compiled.threads.get() > 1).then(|| Arc::new(Crew::new(compiled.threads))),
             memory: 0,
             surfaces: Vec::new(),
             poses: 0,

@@ -28,6 +28,7 @@ mod followed;
 mod kept;
 mod krylov;
 mod path;
+mod reused;
 mod tangent;
 
 use super::{Balance, Place, Stop};

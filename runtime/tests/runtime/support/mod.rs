@@ -465,6 +465,7 @@ impl Builder {
             loads_over_time: true,
             rows_over_time: true,
             conditions_read_fields: false,
+            differentiated: vec![true; layout.answers as usize],
             tape: layout.len(),
         };
         definition.describe(&mut class);
@@ -552,6 +553,7 @@ impl Builder {
             bind: Arc::new(Literal(self.slots)),
             reduced: self.reduced,
             fields: Arc::new(eng_system::field::NoFields),
+            threads: std::num::NonZeroUsize::MIN,
         }
     }
 }

@@ -11,6 +11,8 @@
 //! x = Σ γ_i P(x_i)        Σ γ_i = 1        |Σ γ_i (P(x_i) − x_i)| least
 //! ```
 //!
+//! In films on cells a step takes over much of the steps before ([`Reused`]).
+//!
 //! Efforts keep the mean of each stated speed. They are critically damped and soft against all orders of the
 //! period ([`kept`]). Element states do not change. The velocities at the start are central differences of
 //! eighth order of the positions. Those of the scheme violate `Φ̇ = 0` by `C h² v̈`, which is as much as the
@@ -20,9 +22,11 @@
 use super::super::{Balance, Place, Stop};
 use super::kept::Kept;
 use super::path::{period_of, turn_between, unwrap};
+use super::reused::{Next, Reused};
 use super::{NoOrbit, singular};
 use crate::assembly::rows::pins;
 use crate::dynamics::Dynamics;
+use crate::error::RuntimeError;
 use crate::integrator::{Goal, Integrator};
 use crate::linear::{BlockLu, LinearSolver, Pattern};
 use crate::model::Model;
@@ -76,9 +80,17 @@ struct Follower {
     watch: Watch,
     solver: BlockLu,
     kept: Kept,
+    /// With fields.
+    reused: Option<Reused>,
     step: f64,
     /// The last positions.
     behind: VecDeque<Vec<f64>>,
+}
+
+/// The begin of a step, and the loads of the efforts.
+struct Step<'a> {
+    here: &'a State,
+    pulled: &'a DVector<f64>,
 }
 
 /// The complete state at the beginning of a period, as offsets from a position: increments, velocities,
@@ -106,7 +118,7 @@ impl Follower {
         balance: &mut Balance,
         state: &State,
         period: f64,
-        step: f64,
+        count: usize,
     ) -> Result<Follower, NoOrbit> {
         let model = balance.model;
         // this goal is unused: the iteration of `advance` replaces the integrator's, to hold element states
@@ -124,13 +136,16 @@ impl Follower {
             &vec![0.0; model.states],
         );
         let solver = BlockLu::new(integrator.pattern());
+        let fields = model.kernels.iter().any(|kernels| !kernels.is_empty());
+        let reused = fields.then(|| Reused::new(integrator.unknowns(), count));
         Ok(Follower {
             kept: Kept::new(balance, state, period)?,
             integrator,
             dynamics: Dynamics::new(model),
             watch: Watch::new(model, |_| true),
             solver,
-            step,
+            reused,
+            step: period / count as f64,
             behind: VecDeque::new(),
         })
     }
@@ -140,8 +155,6 @@ impl Follower {
         let model = balance.model;
         let (n, s) = (model.velocities, model.states);
         let h = self.step;
-        let scales = model.velocity_scales();
-        let goal = GOAL * model.tolerance / model.length;
         let here = self.integrator.current.clone();
         let pulled = self.kept.pull(balance, &here, h)?
             * (self.integrator.coefficients.beta * h * h
@@ -151,53 +164,147 @@ impl Follower {
         for i in 0..s {
             trial[n + i] = here.states[i] / self.integrator.state_scales(model)[i];
         }
-        self.integrator.set_trial(&trial);
-        let mut pose = here.pose.clone();
+        let step = Step {
+            here: &here,
+            pulled: &pulled,
+        };
+        let mut reused = self.reused.take();
+        let found = match &mut reused {
+            Some(reused) => {
+                let mut own = trial.clone();
+                self.solve_reusing(balance, &step, reused, &mut own)?
+                    .then_some(own)
+            }
+            None => None,
+        };
+        let trial = match found {
+            Some(found) => found,
+            None => {
+                self.solve(balance, &step, &mut trial)?;
+                trial
+            }
+        };
+        if let Some(reused) = &mut reused {
+            reused.end(&trial);
+        }
+        self.reused = reused;
+        self.accept(balance)
+    }
+
+    /// Solves a step from an extrapolation by Newton's method.
+    fn solve(&mut self, balance: &Balance, step: &Step, trial: &mut [f64]) -> Result<(), NoOrbit> {
+        let model = balance.model;
+        let goal = GOAL * model.tolerance / model.length;
         let mut last = f64::INFINITY;
         for iteration in 0..ITERATIONS {
-            self.integrator.evaluate(model, &mut self.dynamics, h)?;
-            let mut correction: Vec<f64> =
-                self.integrator.last_residual().iter().map(|r| -r).collect();
-            correction[n..n + s].fill(0.0);
-            for (r, p) in correction.iter_mut().zip(pulled.iter()) {
-                *r += p;
-            }
+            self.evaluate(model, trial)?;
             if iteration == 0 || iteration >= MATRIX {
-                self.integrator.fill(model, &mut self.dynamics, h)?;
-                let mut values = self.integrator.values().to_vec();
-                still_states(self.integrator.pattern(), n..n + s, &mut values);
-                self.solver.factor(&values).map_err(|_| no_step())?;
+                self.factor(model)?;
             }
-            self.solver.solve(&mut correction);
-            let size = correction[..n].iter().fold(0.0_f64, |w, x| w.max(x.abs()));
-            if correction.iter().any(|x| !x.is_finite()) {
-                return Err(no_step());
-            }
-            move_pose(
-                model,
-                &here.pose,
-                &unscaled(&trial, &scales),
-                1.0,
-                &mut pose,
-            );
-            let step = unscaled(&correction, &scales);
-            let factor = balance.allowed(&pose.clone(), &step, size, &mut pose);
-            for (x, d) in trial.iter_mut().zip(&correction) {
-                *x += factor * d;
-            }
-            self.integrator.set_trial(&trial);
+            let correction = self.correction(model, step);
+            let (factor, size) = self.correct(balance, step, &correction, trial)?;
             if factor == 1.0 && (size <= goal || (size <= 1e3 * goal && size >= 0.5 * last)) {
-                return self.accept(balance);
+                return Ok(());
             }
             last = size;
         }
         Err(no_step())
     }
 
+    /// Solves a step with the factors and secants of earlier ones; `false` if they lead to no solution.
+    fn solve_reusing(
+        &mut self,
+        balance: &Balance,
+        step: &Step,
+        reused: &mut Reused,
+        trial: &mut [f64],
+    ) -> Result<bool, NoOrbit> {
+        let model = balance.model;
+        let goal = reused.rough() * GOAL * model.tolerance / model.length;
+        reused.begin(trial);
+        for iteration in 0..ITERATIONS {
+            if self.evaluate(model, trial).is_err() {
+                break;
+            }
+            if reused.renews(iteration) {
+                let regular = self.factor(model).is_ok();
+                reused.factored(regular);
+                if !regular {
+                    break;
+                }
+            }
+            let mut correction = self.correction(model, step);
+            reused.improve(&mut correction);
+            let Ok((part, size)) = self.correct(balance, step, &correction, trial) else {
+                break;
+            };
+            if reused.applied(&correction, part, size, goal) == Next::Solved {
+                return Ok(true);
+            }
+        }
+        reused.factored(false);
+        Ok(false)
+    }
+
+    /// Evaluates the residual at unknowns.
+    fn evaluate(&mut self, model: &Model, trial: &[f64]) -> Result<(), RuntimeError> {
+        self.integrator.set_trial(trial);
+        self.integrator
+            .evaluate(model, &mut self.dynamics, self.step)
+    }
+
+    /// Factors the matrix at the last evaluation.
+    fn factor(&mut self, model: &Model) -> Result<(), NoOrbit> {
+        let (n, s) = (model.velocities, model.states);
+        self.integrator.fill(model, &mut self.dynamics, self.step)?;
+        let mut values = self.integrator.values().to_vec();
+        still_states(self.integrator.pattern(), n..n + s, &mut values);
+        self.solver.factor(&values).map_err(|_| no_step())
+    }
+
+    /// The correction of the factors at the last evaluation.
+    fn correction(&mut self, model: &Model, step: &Step) -> Vec<f64> {
+        let (n, s) = (model.velocities, model.states);
+        let mut correction: Vec<f64> = self.integrator.last_residual().iter().map(|r| -r).collect();
+        correction[n..n + s].fill(0.0);
+        for (r, p) in correction.iter_mut().zip(step.pulled.iter()) {
+            *r += p;
+        }
+        self.solver.solve(&mut correction);
+        correction
+    }
+
+    /// Moves unknowns by a correction, as far as films allow. Returns the part of the correction, and its size.
+    fn correct(
+        &mut self,
+        balance: &Balance,
+        step: &Step,
+        correction: &[f64],
+        trial: &mut [f64],
+    ) -> Result<(f64, f64), NoOrbit> {
+        let model = balance.model;
+        if correction.iter().any(|x| !x.is_finite()) {
+            return Err(no_step());
+        }
+        let own = &correction[..model.velocities];
+        let size = own.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        let scales = model.velocity_scales();
+        let mut pose = step.here.pose.clone();
+        let taken = unscaled(trial, &scales);
+        move_pose(model, &step.here.pose, &taken, 1.0, &mut pose);
+        let increment = unscaled(correction, &scales);
+        let part = balance.allowed(&pose.clone(), &increment, size, &mut pose);
+        for (x, d) in trial.iter_mut().zip(correction) {
+            *x += part * d;
+        }
+        self.integrator.set_trial(trial);
+        Ok((part, size))
+    }
+
     fn accept(&mut self, balance: &mut Balance) -> Result<(), NoOrbit> {
         let model = balance.model;
         let h = self.step;
-        self.integrator.evaluate(model, &mut self.dynamics, h)?;
+        self.integrator.take_trial(model, h);
         let time = self.integrator.current.time + h;
         self.integrator.accept(model, h, time);
         let now = &mut self.integrator.current;
@@ -364,7 +471,7 @@ impl Balance<'_> {
         let (period, turns) = period_of(self, place)?;
         let count = libm::ceil(turns * STEPS) as usize;
         let weights = self.weights(&first, turns * TAU / period);
-        let mut follower = Follower::new(self, &first, period, period / count as f64)?;
+        let mut follower = Follower::new(self, &first, period, count)?;
         let start = first.clone();
         let (mut begins, mut ends) = (Vec::new(), Vec::new());
         let mut off = f64::INFINITY;
@@ -379,6 +486,9 @@ impl Balance<'_> {
             let now = &follower.integrator.current;
             let before = off;
             off = change(model, &first, now);
+            if let Some(reused) = &mut follower.reused {
+                reused.changed(off);
+            }
             first.copy_from(now);
             if followed <= PLAIN || off <= REPEATS {
                 continue;
