@@ -439,6 +439,14 @@ impl FieldSolver for Solver {
         }
     }
 
+    fn found(&self, numbers: &mut Vec<f64>) {
+        self.film.film().cavity(&self.work.film, numbers);
+    }
+
+    fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
+        self.film.film().begin_at(&mut self.work.film, numbers)
+    }
+
     fn cells(&self, quantity: usize, out: &mut [f64]) {
         let which = match FILM_CELLS.get(quantity).map_or("", |known| known.name) {
             "gap" => Quantity::Gap,

@@ -386,6 +386,12 @@ impl FieldSolver for Counted<Box<dyn FieldSolver>> {
     fn read(&mut self, readings: &mut [f64], slopes: bool) {
         self.inner.read(readings, slopes);
     }
+    fn found(&self, numbers: &mut Vec<f64>) {
+        self.inner.found(numbers);
+    }
+    fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
+        self.inner.begin_at(numbers)
+    }
     fn cells(&self, quantity: usize, out: &mut [f64]) {
         self.inner.cells(quantity, out);
     }

@@ -322,6 +322,26 @@ impl Film {
         work.warm = false;
     }
 
+    /// Appends the cavity of the last solution: for each cell 1 if it is full, else 0.
+    pub fn cavity(&self, work: &Work, numbers: &mut Vec<f64>) {
+        let full = work.levels[0].full.iter();
+        numbers.extend(full.map(|full| f64::from(u8::from(*full))));
+    }
+
+    /// Lets the next search begin at a cavity ([`Film::cavity`]), and returns the numbers behind it. Where there are too few, the search
+    /// begins as it would without them.
+    pub fn begin_at<'n>(&self, work: &mut Work, numbers: &'n [f64]) -> &'n [f64] {
+        let full = &mut work.levels[0].full;
+        let Some((own, others)) = numbers.split_at_checked(full.len()) else {
+            return &[];
+        };
+        for (full, number) in full.iter_mut().zip(own) {
+            *full = *number != 0.0;
+        }
+        work.warm = true;
+        others
+    }
+
     /// Solves the steady film at inputs and writes its content to the memory.
     ///
     /// # Errors

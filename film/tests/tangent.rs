@@ -303,6 +303,33 @@ fn half_width_has_the_tangent_of_the_whole() {
     }
 }
 
+/// A search that begins at the cavity of its own solution has nothing to search; one that begins at any other finds the same.
+#[test]
+fn a_search_begins_at_a_stated_cavity() {
+    let film = Film::new(everything(Cavitation::Reynolds)).expect("a film");
+    let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
+    let x = moving().write();
+    film.solve(&x, None, &[], &mut work, &mut y)
+        .expect("a film");
+    let mut cavity = Vec::new();
+    film.cavity(&work, &mut cavity);
+    assert!(cavity.contains(&0.0) && cavity.contains(&1.0));
+    cavity.push(7.0);
+    let opposite: Vec<f64> = cavity.iter().map(|full| 1.0 - full).collect();
+    for (numbers, fresh) in [(&cavity, true), (&opposite, false)] {
+        let (mut other, mut again) = (film.work(), vec![0.0; film.outputs()]);
+        // the numbers of the next film stay
+        assert_eq!(film.begin_at(&mut other, numbers).len(), 1);
+        film.solve(&x, None, &[], &mut other, &mut again)
+            .expect("a film");
+        assert_eq!(film.summary(&other).rounds == 1, fresh);
+        for (a, b) in y.iter().zip(&again) {
+            assert!((a - b).abs() < 1e-10 * (1.0 + a.abs()), "{a} {b}");
+        }
+    }
+    assert!(film.begin_at(&mut work, &cavity[..3]).is_empty());
+}
+
 /// Rows of some outputs have the bits of all rows, and the rest is zero: whatever the number of adjoints that are solved together.
 #[test]
 fn rows_of_some_outputs_are_those_of_all() {

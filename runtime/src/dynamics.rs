@@ -252,6 +252,21 @@ impl Dynamics {
         Ok(())
     }
 
+    /// Replaces numbers by those of the last solutions of all fields from which searches for solutions nearby begin well.
+    pub fn found(&self, numbers: &mut Vec<f64>) {
+        numbers.clear();
+        for batch in &self.batches {
+            batch.found(numbers);
+        }
+    }
+
+    /// Lets the next searches of the fields begin at such numbers.
+    pub fn begin_at(&mut self, mut numbers: &[f64]) {
+        for batch in &mut self.batches {
+            numbers = batch.begin_at(numbers);
+        }
+    }
+
     /// Poses and twists of the markers.
     pub fn markers(&self) -> &[MarkerKinematics] {
         &self.at.markers

@@ -354,6 +354,21 @@ impl Batch {
         }
     }
 
+    /// Appends the numbers from which searches for solutions nearby begin well.
+    pub fn found(&self, numbers: &mut Vec<f64>) {
+        for field in self.fields.iter().flatten() {
+            field.solver.found(numbers);
+        }
+    }
+
+    /// Lets the next searches begin at such numbers, and returns those behind them.
+    pub fn begin_at<'n>(&mut self, mut numbers: &'n [f64]) -> &'n [f64] {
+        for field in self.fields.iter_mut().flatten() {
+            numbers = field.solver.begin_at(numbers);
+        }
+        numbers
+    }
+
     /// The first element with a field whose derivatives differ on both sides at its last solution.
     pub fn undecided(&self) -> Option<usize> {
         let elements = self.pairs.iter().flatten();

@@ -441,6 +441,12 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// Readings of the last solution. Without `slopes` those that need derivatives of the answers may keep older
     /// numbers.
     fn read(&mut self, readings: &mut [f64], slopes: bool);
+    /// Appends numbers of the last solution from which the search for a solution nearby begins well, such as the cavity of a film.
+    fn found(&self, _numbers: &mut Vec<f64>) {}
+    /// Begins the next search at such numbers, and returns those behind its own.
+    fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
+        numbers
+    }
     /// A quantity of [`Kernel::cells`] in the cells of the last solution (SI).
     fn cells(&self, quantity: usize, out: &mut [f64]);
     /// A copy.

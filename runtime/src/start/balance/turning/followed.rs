@@ -222,6 +222,9 @@ impl Follower {
         let model = balance.model;
         let goal = reused.rough() * GOAL * model.tolerance / model.length;
         reused.begin(trial);
+        if let Some(found) = reused.found() {
+            self.dynamics.begin_at(found);
+        }
         for iteration in 0..ITERATIONS {
             if self.evaluate(model, trial).is_err() {
                 break;
@@ -239,6 +242,9 @@ impl Follower {
                 break;
             };
             if reused.applied(&correction, part, size, goal) == Next::Solved {
+                if let Some(found) = reused.found_mut() {
+                    self.dynamics.found(found);
+                }
                 return Ok(true);
             }
         }

@@ -3,7 +3,8 @@
 //! The solution of its fields takes most of the time of an evaluation, and their derivatives take as long again. So a step has few
 //! of both. The factors of one matrix serve for many steps, with the secants of earlier corrections ([`Secants`]), and are made
 //! anew when they contract slowly. The search begins where the scheme extrapolates to, corrected by the error that this
-//! extrapolation had at the same step of the period before. And as long as a period changes much, its steps need not be exact.
+//! extrapolation had at the same step of the period before. The searches of the fields begin where they ended there. And as long
+//! as a period changes much, its steps need not be exact.
 
 use eng_system::secants::Secants;
 
@@ -16,6 +17,8 @@ const LEAST: f64 = 0.1;
 const KEPT: usize = 6;
 /// Change over the last period at which steps have their usual goal, and the share of larger changes that a step may miss.
 const FINE: f64 = 2e-3;
+/// Change over a period below which a search of a field begins where it ended a period before, and not a step before.
+const NEAR: f64 = 0.05;
 /// Largest factor on the goal.
 const ROUGH: f64 = 30.0;
 
@@ -32,6 +35,10 @@ pub(super) struct Reused {
     /// Errors of the extrapolations of a period, step after step, and the place of the next step.
     errors: Vec<f64>,
     next: usize,
+    /// Where the searches of the fields ended at these steps.
+    found: Vec<Vec<f64>>,
+    /// Whether the last period came so near to the one before that these searches begin there.
+    near: bool,
     /// The extrapolation of the present step.
     extrapolated: Vec<f64>,
     /// The correction by the factors alone before the last move, this move, and whether both are there.
@@ -61,6 +68,8 @@ impl Reused {
             rough: ROUGH,
             errors: vec![0.0; size * steps],
             next: 0,
+            found: vec![Vec::new(); steps],
+            near: false,
             extrapolated: vec![0.0; size],
             before: vec![0.0; size],
             moved: vec![0.0; size],
@@ -73,6 +82,7 @@ impl Reused {
     /// Takes the change over a period, as a share of a clearance or of the largest bending.
     pub fn changed(&mut self, change: f64) {
         self.rough = (change / FINE).clamp(1.0, ROUGH);
+        self.near = change < NEAR;
     }
 
     /// Factor on the goal of a step.
@@ -83,6 +93,17 @@ impl Reused {
     /// The errors of the extrapolation at this step of the period before.
     fn errors(&mut self) -> &mut [f64] {
         &mut self.errors[self.next * self.size..(self.next + 1) * self.size]
+    }
+
+    /// Where the searches of the fields ended at this step of the period before, if that was near.
+    pub fn found(&self) -> Option<&[f64]> {
+        let found = self.found.get(self.next)?;
+        (self.near && !found.is_empty()).then_some(found)
+    }
+
+    /// Room for the ends of these searches.
+    pub fn found_mut(&mut self) -> Option<&mut Vec<f64>> {
+        self.found.get_mut(self.next)
     }
 
     /// Begins a step at an extrapolation, which it corrects.
