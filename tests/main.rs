@@ -31,6 +31,7 @@ mod journal_orbit;
 mod kinks;
 mod language_server;
 mod library_names;
+mod library_pages;
 mod linear;
 mod lints;
 mod mesh_diagnostics;
