@@ -7,7 +7,17 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Modules of classes. Those of oils, materials and units define values.
-const MODULES: [&str; 4] = ["joints", "drives", "forces", "journals"];
+const MODULES: [&str; 9] = [
+    "joints",
+    "drives",
+    "forces",
+    "journals",
+    "contacts",
+    "drivelines",
+    "gas",
+    "mounts",
+    "valvetrain",
+];
 
 /// Paths of interfaces and of a class that Rust knows, each with its reason. No member of them is named.
 const KNOWN: [(&str, &str); 3] = [

@@ -642,7 +642,7 @@ fn a_wrapped_angle_keeps_its_interval_its_turns_and_its_rate() {
 #[test]
 fn a_class_places_its_parts() {
     let text = "use std.joints.Translational
-        use std.forces.Contact
+        use std.contacts.Contact
         force Bush(pin: Marker, shell: Marker) {
             place pin on shell
             apply force -200 N/mm*(pin.origin - shell.origin) on pin against shell

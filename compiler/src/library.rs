@@ -11,7 +11,20 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("std.oils", include_str!("../../stdlib/oils.eng")),
     ("std.joints", include_str!("../../stdlib/joints.eng")),
     ("std.drives", include_str!("../../stdlib/drives.eng")),
+    ("std.math", include_str!("../../stdlib/math.eng")),
+    ("std.frames", include_str!("../../stdlib/frames.eng")),
     ("std.forces", include_str!("../../stdlib/forces.eng")),
+    ("std.contacts", include_str!("../../stdlib/contacts.eng")),
+    (
+        "std.drivelines",
+        include_str!("../../stdlib/drivelines.eng"),
+    ),
+    ("std.gas", include_str!("../../stdlib/gas.eng")),
+    ("std.mounts", include_str!("../../stdlib/mounts.eng")),
+    (
+        "std.valvetrain",
+        include_str!("../../stdlib/valvetrain.eng"),
+    ),
     ("std.journals", include_str!("../../stdlib/journals.eng")),
 ];
 

@@ -64,8 +64,10 @@ fn every_class() -> Elaborated {
 }
 
 #[test]
-fn every_class_of_the_library_takes_less_than_16_kilobytes() {
-    const LIMIT: usize = 16 * 1024;
+fn classes_of_the_library_are_smaller_than_the_instruction_cache() {
+    // an engine has many films, which take most of its time; of gears, belts, cams and gas laws with valves it has few
+    const FILM: usize = 16 * 1024;
+    const OTHER: usize = 24 * 1024;
     let made = every_class();
     let mut missing = defined();
     let mut large = Vec::new();
@@ -84,7 +86,11 @@ fn every_class_of_the_library_takes_less_than_16_kilobytes() {
             .collect();
         println!("{:22} {bytes:6} {each:?}", class.name);
         assert!(bytes > 0, "{}", class.name);
-        if bytes >= LIMIT {
+        let film = made.system.journals.iter().any(|journal| {
+            let element = &made.system.elements[journal.element as usize];
+            made.system.classes[element.class as usize].name == class.name
+        });
+        if bytes >= if film { FILM } else { OTHER } {
             large.push(format!("{}: {bytes}", class.name));
         }
     }
@@ -92,7 +98,7 @@ fn every_class_of_the_library_takes_less_than_16_kilobytes() {
         missing.is_empty(),
         "no instance in every_class.eng: {missing:?}"
     );
-    assert!(large.is_empty(), "more than {LIMIT} bytes: {large:?}");
+    assert!(large.is_empty(), "{large:?}");
 }
 
 /// The order of angles, lengths and flags of the law does not matter here. The test uses any numbers, and

@@ -14,6 +14,8 @@ pub enum Poses {
     Any,
     /// A pin in a shell: radial clearance (m).
     Film(f64),
+    /// All z axes are that of the ground, and the motion is in its plane.
+    Planar,
 }
 
 /// A class and its use in a model.
@@ -91,6 +93,34 @@ const fn journal(class: &'static str, arguments: &'static str) -> Case {
     }
 }
 
+/// Two markers on the ground.
+const FRAMES: &str = "marker frame = at([3, 9, -5] mm, z: [1, -1, 3])
+    marker base = at([40, 20, 10] mm, z: [2, 1, 1])";
+
+const CAGE: &str = "body cage { mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker m = at([1, 2, 3] mm, z: [1, 1, 2]) }";
+
+/// The z axis of the plane of motion.
+const PLANE: &str = "marker frame = [0, 0, 0] mm";
+
+const CRANK: &str = "body crank { mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker flange = at([3, 9, -5] mm, z: [1, -1, 3]) }
+    cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
+
+const fn of(module: &'static str, class: &'static str, arguments: &'static str) -> Case {
+    Case {
+        module,
+        ..force(class, arguments, "")
+    }
+}
+
+/// A part of a drive line: its laws hold where all axes are parallel.
+const fn rotary(class: &'static str, arguments: &'static str) -> Case {
+    Case {
+        parts: PLANE,
+        poses: Poses::Planar,
+        ..of("std.drivelines", class, arguments)
+    }
+}
+
 /// Every class of the library, some of them twice, and a class with a state of a length.
 pub const CASES: &[Case] = &[
     joint("Fixed"),
@@ -105,6 +135,30 @@ pub const CASES: &[Case] = &[
     Case {
         arguments: "a.m, b.m, length: 140 mm",
         ..joint("Distance")
+    },
+    joint("Planar"),
+    Case {
+        arguments: "a.m, b.m, lead: 8 mm",
+        ..joint("Screw")
+    },
+    Case {
+        arguments: "a.m, frame, b.m, base, gear_ratio: -0.4, phase: 20 deg",
+        parts: FRAMES,
+        ..joint("GearRatio")
+    },
+    Case {
+        arguments: "a.m, frame, b.m, base, pinion_radius: 20 mm, offset: 3 mm",
+        parts: FRAMES,
+        ..joint("RackAndPinion")
+    },
+    Case {
+        arguments: "a.m, b.m, cage.m, phase: 20 deg",
+        parts: CAGE,
+        ..joint("Differential")
+    },
+    Case {
+        arguments: "a.m, b.m, length: 20 mm",
+        ..joint("Bifilar")
     },
     drive(
         "PrescribedRotation",
@@ -168,6 +222,157 @@ pub const CASES: &[Case] = &[
         "Motor",
         "a.m, b.m, torque_at: twist",
         "fn twist(t: Time) -> Torque = 30 N*m*cos(70 rad/s * t)",
+    ),
+    Case {
+        definitions: "use std.gas.wiebe",
+        parts: CRANK,
+        ..of(
+            "std.gas",
+            "ClosedCycle",
+            "a.m, b.m, bore: 86 mm, firing: 180 deg, ambient: 1 bar, scale: 0.9, top: 180 mm, stroke: 80 mm, compression_ratio: 10,
+            heat: 1 kJ, burnt: wiebe(begin: -300 deg, duration: 600 deg)",
+        )
+    },
+    of(
+        "std.gas",
+        "IdealCompressor",
+        "a.m, b.m, bore: 60 mm, top: 180 mm, clearance: 11 cc, suction: 1 bar, delivery: 5 bar, first_volume: 11 cc,
+        suction_port: 10 cm^2, delivery_port: 10 cm^2",
+    ),
+    Case {
+        definitions: "use std.gas.PlateValve
+const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, stiffness: 3 N/mm, preload: 1 N, damping: 1 N*s/m, stop: 100 N/mm)",
+        ..of(
+            "std.gas",
+            "PlateCompressor",
+            "a.m, b.m, bore: 60 mm, top: 180 mm, clearance: 11 cc, suction: 1 bar, delivery: 5 bar, first_volume: 11 cc,
+        suction_valve: valve, delivery_valve: valve",
+        )
+    },
+    of(
+        "std.contacts",
+        "HuntCrossley",
+        "a.m, b.m, reach: 3 m, reference_load: 100 N, reference_depth: 10 mm, exponent: 1.4, loss: 1e-3 s/m",
+    ),
+    Case {
+        definitions: "use std.materials.Steel",
+        ..of(
+            "std.contacts",
+            "SphereOnPlane",
+            "a.m, b.m, reach: 3 m, ball: Steel, plate: Steel, loss: 1e-3 s/m",
+        )
+    },
+    Case {
+        definitions: "use std.materials.Steel",
+        ..of(
+            "std.contacts",
+            "SphereOnSphere",
+            "a.m, b.m, radius_a: 2 m, radius_b: 3 m, ball_a: Steel, ball_b: Steel, loss: 1e-3 s/m",
+        )
+    },
+    of(
+        "std.contacts",
+        "EndStop",
+        "a.m, b.m, reach: 3 m, stiffness: 10 N/mm, damping: 5 N*s/m, soft_depth: 1 m",
+    ),
+    Case {
+        poses: Poses::Film(CLEARANCE),
+        ..of(
+            "std.contacts",
+            "PinInBush",
+            "a.m, b.m, diameter: 20 mm, width: 20 mm, clearance: 0.2 um, layer: 90 GPa/mm, loss: 1 s/m",
+        )
+    },
+    of(
+        "std.contacts",
+        "Friction",
+        "a.m, b.m, normal_load: 20 N, static_friction: 0.3, kinetic_friction: 0.1, stribeck_speed: 20 m/s, creep: 10 m/s",
+    ),
+    of(
+        "std.contacts",
+        "LuGre",
+        "a.m, b.m, normal_load: 20 N, static_friction: 0.3, kinetic_friction: 0.1, stribeck_speed: 20 m/s,
+        bristle_stiffness: 100 N/m, bristle_damping: 0.3 N*s/m, viscous: 0.4 N*s/m",
+    ),
+    rotary("RotationalDamper", "a.m, b.m, damping: 0.3 N*m*s/rad"),
+    rotary(
+        "RubberRing",
+        "a.m, b.m, stiffness: 700 N*m/rad, branch_stiffness: [90, 50, 70] N*m/rad, relaxation: [0.3, 1, 3] ms",
+    ),
+    rotary(
+        "ViscousDamper",
+        "a.m, b.m, damping: 0.5 N*m*s/rad, stiffness: 900 N*m/rad",
+    ),
+    rotary(
+        "DualMassFlywheel",
+        "a.m, b.m, stiffness: 20 N*m/rad, second_stiffness: 60 N*m/rad, free_play: 2 deg, second_stage: 20 deg,
+        friction: 3 N*m, creep: 100 rad/s",
+    ),
+    rotary("Clutch", "a.m, b.m, capacity: 30 N*m, creep: 100 rad/s"),
+    rotary("OneWay", "a.m, b.m, stiffness: 2 kN*m/rad, lag: 3 deg"),
+    Case {
+        definitions: "fn falling(speed: AngularVelocity) -> Torque = 10 N*m - 0.05 N*m*s/rad*speed",
+        ..rotary("TorqueCurve", "a.m, b.m, torque_at: falling")
+    },
+    rotary(
+        "InductionMotor",
+        "a.m, b.m, synchronous_speed: -1500 rpm, breakdown_torque: 20 N*m, breakdown_slip: 15 %",
+    ),
+    rotary(
+        "Propeller",
+        "a.m, b.m, torque_there: 5 N*m, speed_there: 100 rad/s",
+    ),
+    rotary(
+        "Dyno",
+        "a.m, b.m, target: 1000 rpm, proportional: 1 N*m*s/rad, integral: 20 N*m/rad",
+    ),
+    Case {
+        definitions: "fn wave(turn: Angle) -> Length = 5 um*sin(20*turn)",
+        ..rotary(
+            "GearMesh",
+            "a.m, b.m, frame, base_radius_a: 4 mm, base_radius_b: 6 mm, center_distance: 10 m, stiffness: 2 N/mm,
+        backlash: 20 um, damping: 2 N*s/m, soft_depth: 1 m, tooth_error: wave",
+        )
+    },
+    Case {
+        definitions: "use std.drivelines.Side",
+        ..rotary(
+            "BeltSpan",
+            "a.m, b.m, frame, radius_a: 5 mm, radius_b: -8 mm, center_distance: 300 mm, side: right, rigidity: 100 kN,
+        preload: 1 MN, damping: 1 N*s/m",
+        )
+    },
+    of(
+        "std.mounts",
+        "ElastomerMount",
+        "a.m, b.m, stiffness: [60, 90, 140] N/mm, fast_stiffness: [50, 70, 80] N/mm, relaxation: 3 ms, preload: [10, 20, 30] N",
+    ),
+    of(
+        "std.mounts",
+        "ElastomerMount",
+        "a.m, b.m, stiffness: [60, 90, 140] N/mm, fast_stiffness: [50, 70, 80] N/mm, relaxation: 3 ms,
+        torsional_stiffness: [400, 800, 900] N*m/rad, torsional_damping: [3, 5, 2] N*m*s/rad",
+    ),
+    of(
+        "std.mounts",
+        "HydraulicMount",
+        "a.m, b.m, stiffness: 200 N/mm, damping: 100 N*s/m, free_length: 20 mm, piston: 30 cm^2, compliance: 3e-11 m^3/Pa,
+        inertance: 4e6 Pa*s^2/m^3, resistance: 2e7 Pa*s/m^3, orifice: 1e9 Pa*s^2/m^6",
+    ),
+    Case {
+        definitions: "use std.valvetrain.harmonic_lift",
+        parts: FRAMES,
+        ..of(
+            "std.valvetrain",
+            "FlatTappet",
+            "a.m, frame, b.m, base, profile: harmonic_lift(lift: 9 mm, half: 170 deg), stiffness: 20 N/mm, damping: 3 N*s/m,
+        soft_depth: 1 m, base: 3 m",
+        )
+    },
+    of(
+        "std.valvetrain",
+        "HydraulicLashAdjuster",
+        "a.m, b.m, diameter: 11 mm, gap: 6 um, seal: 8 mm, volume: 0.3 cc, supply: 3 bar, viscosity: 10 mPa*s",
     ),
     journal(
         "Short",

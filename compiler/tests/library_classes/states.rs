@@ -60,6 +60,16 @@ impl Motion {
         }
     }
 
+    /// The part of the motion in the plane z = 0 of the ground, at a random angle.
+    fn in_plane(&self, random: &mut Random) -> Motion {
+        Motion {
+            x: [self.x[0], self.x[1], 0.0],
+            r: rotation([0.0, 0.0, 3.0 * random.unit()]),
+            v: [self.v[0], self.v[1], 0.0],
+            w: [0.0, 0.0, self.w[2]],
+        }
+    }
+
     /// The motion of a frame at a place of the body.
     fn of_place(&self, position: [f64; 3], orientation: &[f64; 9]) -> Motion {
         let spin = cross(self.w, position);
@@ -122,8 +132,12 @@ impl Instance {
                 BodyRef::Ground => Motion::REST,
                 BodyRef::Body(b) => *bodies.entry(b).or_insert_with(|| Motion::random(random)),
             };
-            body.of_place(place.position, &place.orientation)
-                .write(&mut inputs, layout.marker(k) as usize);
+            let motion = if self.case.poses == Poses::Planar && body.w != [0.0; 3] {
+                body.in_plane(random)
+            } else {
+                body.of_place(place.position, &place.orientation)
+            };
+            motion.write(&mut inputs, layout.marker(k) as usize);
         }
         if let (Poses::Film(clearance), Some(pin), Some(shell)) =
             (self.case.poses, self.marker("a.m"), self.marker("b.m"))
@@ -194,7 +208,7 @@ impl Instance {
     /// Natural sizes of the pose and twist directions of a marker: length, angle, velocity, angular velocity.
     fn scales(&self) -> [f64; 4] {
         match self.case.poses {
-            Poses::Any => [0.1, 1.0, 1.0, 100.0],
+            Poses::Any | Poses::Planar => [0.1, 1.0, 1.0, 100.0],
             Poses::Film(clearance) => [clearance, 1.0, 1e-2, 100.0],
         }
     }

@@ -29,7 +29,8 @@ pub fn with_magnitudes_from(
         };
         let value = value.abs();
         let size = match *op {
-            Op::Input(i) => input_sizes[i as usize],
+            // the unknown of a slope is an input of a graph that is not folded, though nothing depends on it
+            Op::Input(i) => input_sizes.get(i as usize).copied().unwrap_or(f64::NAN),
             Op::Add(a, b) | Op::Subtract(a, b) => m(a) + m(b),
             Op::Multiply(a, b) => v(a).abs() * m(b) + m(a) * v(b).abs() - value,
             Op::Divide(a, b) => (m(a) + value * (m(b) - v(b).abs())) / v(b).abs(),

@@ -1,0 +1,230 @@
+//! Parts of valve trains of `std.valvetrain` against closed forms and another integrator.
+
+use crate::library_run::{close, column, integrate, largest, last, run};
+use std::f64::consts::PI;
+
+/// A name, and lift, slope (mm/rad) and curvature (mm/rad²) at s = 0.3 of a half of 60 deg, for a lift of 9 mm.
+#[test]
+fn laws_of_lift_have_their_slopes() {
+    let half = PI / 3.0;
+    let s = 0.3_f64;
+    let u = 1.0 - s;
+    let cases = [
+        (
+            "harmonic_lift",
+            4.5 * (1.0 + (PI * s).cos()),
+            -4.5 * PI / half * (PI * s).sin(),
+            -4.5 * PI * PI / half / half * (PI * s).cos(),
+        ),
+        (
+            "cycloidal_lift",
+            9.0 * (u - (2.0 * PI * u).sin() / (2.0 * PI)),
+            -9.0 / half * (1.0 - (2.0 * PI * u).cos()),
+            9.0 / half / half * 2.0 * PI * (2.0 * PI * u).sin(),
+        ),
+        (
+            "polynomial_lift",
+            9.0 * (1.0 - s * s).powf(4.0),
+            -72.0 * s / half * (1.0 - s * s).powf(3.0),
+            -72.0 / half / half * (1.0 - s * s).powf(2.0) * (1.0 - 7.0 * s * s),
+        ),
+    ];
+    for (law, lift, slope, curvature) in cases {
+        let text = format!(
+            "use std.valvetrain.*
+            use std.joints.Revolute
+            fn profile = {law}(lift: 9 mm, half: 60 deg)
+            model Cam {{
+                gravity = [0, 0, 0] m/s^2
+                body wheel {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin }}
+                joint bearing = Revolute(wheel.hub, ground)
+                output lift[i in 1..4] = profile([0, 18, 60, -61][i]*1 deg)
+                output rise[i in 1..4] = slope(profile, [0, 18, 60, -61][i]*1 deg)
+                output bend = curvature(profile, 18 deg)
+            }}
+            analysis run = assemble(Cam())"
+        );
+        let results = run(&text, "run");
+        close(law, last(&results, "lift[1]"), 9e-3, 1e-12);
+        close("lift", last(&results, "lift[2]"), 1e-3 * lift, 1e-12);
+        close("slope", last(&results, "rise[2]"), 1e-3 * slope, 1e-12);
+        close("curvature", last(&results, "bend"), 1e-3 * curvature, 1e-11);
+        for path in ["lift[3]", "lift[4]", "rise[3]", "rise[4]"] {
+            assert!(last(&results, path).abs() < 1e-12, "{law} {path}");
+        }
+    }
+}
+
+/// A tappet of 150 g on a cam, pressed by a spring of 30 N/mm.
+fn tappet(speed: &str, drive: &str) -> String {
+    format!(
+        "use std.valvetrain.*
+        use std.joints.{{Translational, Revolute}}
+        use std.drives.PrescribedRotation
+        use std.forces.LinearSpring
+        model Train {{
+            gravity = [0, 0, 0] m/s^2
+            marker guide = [0, 0, 0] mm
+            marker top = [0, 0, 60] mm
+            marker axle = at([0, 0, -30] mm, z: [0, 1, 0])
+            body cam {{ mass = 1 kg; inertia = [0.6, 0.3, 0.6] g*m^2; marker main = at(origin, z: [0, 1, 0]) }}
+            body tappet {{ mass = 0.15 kg; inertia = [0.05, 0.05, 0.01] g*m^2; marker stem = origin }}
+            joint bearing = Revolute(cam.main, axle)
+            joint slide = Translational(tappet.stem, guide)
+            start slide.travel = 0 mm
+            start bearing.angle = -100 deg
+            start der(bearing.angle) = {speed}
+            {drive}
+            force contact = FlatTappet(tappet.stem, guide, cam.main, axle, profile: polynomial_lift(lift: 9 mm, half: 65 deg),
+                stiffness: 20 N/um, damping: 200 N*s/m, base: 10 um)
+            force spring = LinearSpring(tappet.stem, top, stiffness: 30 N/mm, free_length: 70 mm)
+        }}
+        analysis run = transient(Train(), duration: 10 ms, sample: 10 us)"
+    )
+}
+
+/// At 6000 rpm of the cam the tappet leaves it behind the nose and falls back: its path against another integrator.
+#[test]
+fn a_tappet_leaves_its_cam_as_another_integrator_says() {
+    let text = tappet(
+        "6000 rpm",
+        "drive turn = PrescribedRotation(cam.main, axle, speed: 6000 rpm, initial: -100 deg)",
+    );
+    let results = run(&text, "run");
+    let omega = 200.0 * PI;
+    let profile = |angle: f64| {
+        let s = (angle + PI).rem_euclid(2.0 * PI) - PI;
+        let half = 65.0_f64.to_radians();
+        let share = 1.0 - (s / half) * (s / half);
+        if share > 0.0 {
+            (
+                9e-3 * share.powf(4.0),
+                -72e-3 * s / half / half * share.powf(3.0),
+            )
+        } else {
+            (0.0, 0.0)
+        }
+    };
+    let law = |t: f64, y: &[f64; 2]| {
+        let (lift, slope) = profile(omega * t - 100.0_f64.to_radians());
+        let depth = (1e-5 + lift - y[0]).max(0.0);
+        let rate = slope * omega - y[1];
+        let push =
+            2e7 * depth * (1.0 + 200.0 / 2e7 * rate * depth / (depth * depth + 1e-12)).max(0.0);
+        [y[1], (push - 3e4 * (y[0] + 0.01)) / 0.15]
+    };
+    let travel = column(&results, "slide.travel");
+    let (mut y, mut worst) = ([0.0; 2], 0.0_f64);
+    for (k, found) in travel.iter().enumerate() {
+        worst = worst.max((found - y[0]).abs());
+        y = integrate(&law, y, k as f64 * 1e-5, 1e-8, 1000);
+    }
+    println!("tappet: {:.1e} of the lift", worst / 9e-3);
+    assert!(worst < 1e-3 * 9e-3, "{worst}");
+    assert!(
+        largest(column(&results, "contact.gap")) > 1e-4,
+        "it never left the cam"
+    );
+}
+
+/// A free cam and its tappet: what the motion loses is in the spring, the contact and the heat.
+#[test]
+fn a_cam_gives_its_energy_to_the_tappet() {
+    let results = run(&tappet("3000 rpm", ""), "run");
+    let (time, loss) = (
+        column(&results, "time"),
+        column(&results, "contact.power_loss"),
+    );
+    let (kinetic, held) = (
+        column(&results, "energy.kinetic"),
+        column(&results, "contact.stored_energy"),
+    );
+    let travel = column(&results, "slide.travel");
+    let mut heat = 0.0;
+    let (mut least, mut most) = (f64::MAX, f64::MIN);
+    for k in 0..time.len() {
+        if k > 0 {
+            heat += 0.5 * (loss[k] + loss[k - 1]) * (time[k] - time[k - 1]);
+        }
+        let spring = 0.5 * 3e4 * (travel[k] + 0.01) * (travel[k] + 0.01);
+        let total = kinetic[k] + held[k] + spring + heat;
+        least = least.min(total);
+        most = most.max(total);
+    }
+    let change = largest(kinetic) - kinetic.iter().fold(f64::MAX, |m, x| m.min(*x));
+    println!("energy: {:.1e} of {change}", (most - least) / change);
+    assert!(most - least < 1e-3 * change, "{least} {most}");
+}
+
+/// Under a constant load the element sinks with `F/A π d h³/(12 μ l)/A`, behind the first compression `F V/(B A²)`.
+#[test]
+fn a_lash_adjuster_leaks_down_at_a_constant_rate() {
+    let text = "use std.valvetrain.HydraulicLashAdjuster
+        use std.joints.Translational
+        use std.forces.ExternalForce
+        force Drag(a: Marker, b: Marker, damping: Damping) {
+            apply force -damping*dot(a.velocity - b.velocity, b.z)*b.z on a against b
+        }
+        model Lash {
+            gravity = [0, 0, 0] m/s^2
+            marker seat = [0, 0, 0] mm
+            body plunger { mass = 0.05 kg; inertia = [0.05, 0.05, 0.05] g*m^2; marker top = origin; start position = [0, 0, 10] mm }
+            joint slide = Translational(plunger.top, seat)
+            force element = HydraulicLashAdjuster(plunger.top, seat, diameter: 11 mm, gap: 6 um, seal: 8 mm, volume: 0.3 cc, supply: 3 bar, viscosity: 10 mPa*s, spring: 0 N)
+            force press = ExternalForce(plunger.top, load: [0, 0, -1000] N)
+            force drag = Drag(plunger.top, seat, damping: 1000 N*s/m)
+        }
+        analysis lash = transient(Lash(), duration: 0.1 s, sample: 1 ms)";
+    let results = run(text, "lash");
+    let area = PI / 4.0 * 0.011 * 0.011;
+    let leak = PI * 0.011 * 6e-6_f64.powi(3) / (12.0 * 0.01 * 0.008);
+    let (time, place) = (column(&results, "time"), column(&results, "slide.travel"));
+    let (k, end) = (time.len() / 2, time.len() - 1);
+    let rate = (place[k] - place[end]) / (time[end] - time[k]);
+    // the drag carries a little of the load
+    let due = leak / area / area * 1000.0 / (1.0 + 1000.0 * leak / area / area);
+    close("rate", rate, due, 1e-5);
+    let first = 0.01 - place[k] - due * time[k];
+    close(
+        "compression",
+        first,
+        1000.0 * 0.3e-6 / (1.2e9 * area * area),
+        2e-2,
+    );
+}
+
+/// The row of masses between fixed ends has the frequencies `n/π √(k/m) sin(j π/2n)`; the first is near the surge `√(k/m)/2`.
+#[test]
+fn a_valve_spring_surges() {
+    let text = "use std.valvetrain.ValveSpring
+        model Surge {
+            gravity = [0, 0, 0] m/s^2
+            marker seat = [0, 0, 0] mm
+            marker upper = [0, 0, 40] mm
+            part spring = ValveSpring(seat, upper, stiffness: 30 N/mm, spring_mass: 60 g, free_length: 50 mm, installed: 40 mm, masses: 8)
+        }
+        analysis modes = linear(Surge())
+        analysis rest = static(Surge())";
+    let results = run(text, "modes");
+    let frequency = column(&results, "frequency");
+    let rate = (30e3_f64 / 0.06).sqrt();
+    for j in 1..=8 {
+        let due = 8.0 / PI * rate * (f64::from(j) * PI / 16.0).sin();
+        let nearest = frequency.iter().fold(f64::MAX, |m, f| {
+            if (f - due).abs() < (m - due).abs() {
+                *f
+            } else {
+                m
+            }
+        });
+        // springs shorter than their last micrometre are rounded
+        close("mode", nearest, due, 1e-6);
+    }
+    let first = frequency
+        .iter()
+        .copied()
+        .filter(|f| *f > 1.0)
+        .fold(f64::MAX, f64::min);
+    close("surge", first, rate / 2.0, 1e-2);
+    close("load", last(&run(text, "rest"), "spring.load"), 300.0, 1e-6);
+}
