@@ -81,7 +81,7 @@ pub fn stack_mesh(stack: &Stack) -> Result<Mesh, StackError> {
         let share = outlines
             .get(number)
             .map_or(0.0, |outline| area / outline.area);
-        if !((share - 1.0).abs() <= AREA) {
+        if share.is_nan() || (share - 1.0).abs() > AREA {
             return Err(StackError::Faceted { section, share });
         }
     }

@@ -31,7 +31,7 @@ pub(super) fn outline(section: &Section, number: usize) -> Result<Outline, Stack
     for corner in &section.corners {
         for coordinate in corner.place {
             // larger coordinates would not fit into the squares of areas
-            if !(coordinate.abs() < 1e6) {
+            if coordinate.is_nan() || coordinate.abs() >= 1e6 {
                 return Err(wrong(
                     "each coordinate of a corner",
                     "between -1000 km and 1000 km",
@@ -39,7 +39,7 @@ pub(super) fn outline(section: &Section, number: usize) -> Result<Outline, Stack
                 ));
             }
         }
-        if !(corner.bend.abs() < TAU) {
+        if corner.bend.is_nan() || corner.bend.abs() >= TAU {
             return Err(wrong(
                 "each bend of a corner",
                 "between -360 and 360 deg",
@@ -77,7 +77,7 @@ pub(super) fn outline(section: &Section, number: usize) -> Result<Outline, Stack
     crossing(&pieces, number, tolerance)?;
     let circumference: f64 = pieces.iter().map(Piece::length).sum();
     let area = 0.5 * pieces.iter().map(Piece::twice_area).sum::<f64>().abs();
-    if !(area > LEAST_AREA * circumference * circumference) {
+    if area.is_nan() || area <= LEAST_AREA * circumference * circumference {
         return Err(StackError::NoArea { section: number });
     }
     Ok(Outline {
