@@ -235,6 +235,10 @@ eng_grammar::codes! {
     REDUCTION = "E0732", "a flexible body cannot be reduced",
         "A part of the mesh is connected to nothing, a matrix makes no sense, or so many modes do not exist. The message names the cause.",
         "", "";
+    STACK = "E0735", "stacked sections make no mesh",
+        "An outline crosses itself or has no area, neighbours have no common area, the elements are larger than a section is wide, outlines run too close to each other, or there would be too many nodes. The message names the section, counted from 1 along the axis, and the place in its plane.",
+        "mesh = stack(axis: z, size: 10 mm, sections: [disc(20 mm, length: 50 mm), disc(20 mm, length: 50 mm, center: [50, 0] mm)])",
+        "mesh = stack(axis: z, size: 10 mm, sections: [disc(20 mm, length: 50 mm), disc(20 mm, length: 50 mm, center: [30, 0] mm)])";
     MESH_UNITS = "W0730", "with the stated units, size or material make no engine part",
         "Finite-element files don't state their units. Length, density and stiffness are compared with those of solids that exist.",
         "flexible crank { mesh = nastran(\"crank.bdf\", units: si) }",

@@ -55,6 +55,7 @@ mod reports_of_a_text;
 mod run_command;
 mod run_diagnostics;
 mod solved;
+mod stacks;
 mod starts_and_cycles;
 mod states;
 mod step_jacobian;

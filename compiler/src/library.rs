@@ -8,6 +8,8 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("std.units", include_str!("../../stdlib/units.eng")),
     ("std.constants", include_str!("../../stdlib/constants.eng")),
     ("std.materials", include_str!("../../stdlib/materials.eng")),
+    ("std.sections", include_str!("../../stdlib/sections.eng")),
+    ("std.cranks", include_str!("../../stdlib/cranks.eng")),
     ("std.oils", include_str!("../../stdlib/oils.eng")),
     ("std.joints", include_str!("../../stdlib/joints.eng")),
     ("std.drives", include_str!("../../stdlib/drives.eng")),

@@ -54,6 +54,8 @@ pub(crate) enum Takes {
     Time,
     /// A call of a word of [`Place::Surface`].
     Surface,
+    /// Records of plane sections in a list.
+    Sections,
 }
 
 /// An argument of a word.
@@ -151,6 +153,9 @@ pub(crate) const DECK: &str = "deck";
 /// Kinds of ties between nodes and a marker.
 const TIES: &[&str] = &["averaging", "rigid"];
 
+/// Axes of a stack.
+pub(crate) const AXES: &[&str] = &["x", "y", "z"];
+
 const FILE: Argument = positional("file", Takes::Text);
 const MESH: &[Argument] = &[
     FILE,
@@ -199,6 +204,17 @@ pub(crate) const WORDS: &[Word] = &[
         place: Place::Mesh,
         arguments: MESH,
         example: "gmsh(\"rod.msh\", units: mm_tonne_s)",
+    },
+    Word {
+        word: "stack",
+        place: Place::Mesh,
+        arguments: &[
+            named("axis", Takes::Word(AXES)),
+            named("size", Takes::Length),
+            named("sections", Takes::Sections),
+            optional("begin", Takes::Length),
+        ],
+        example: "stack(axis: z, size: 10 mm, sections: [disc(20 mm, length: 80 mm)])",
     },
     Word {
         word: "op4",

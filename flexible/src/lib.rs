@@ -42,6 +42,7 @@ pub mod reduce;
 pub mod rotary;
 pub mod solve;
 pub mod sparse;
+pub mod stack;
 pub mod store;
 pub mod surface;
 pub mod units;

@@ -46,6 +46,7 @@ mod shell_meshes;
 mod solve_eigen;
 mod solve_factor;
 mod solve_ordering;
+mod stacks;
 mod store;
 mod store_crank;
 mod systems;

@@ -14,10 +14,11 @@ use crate::codes;
 use eng_flexible::mesh::Mesh;
 use eng_flexible::modes::Dropped;
 use eng_flexible::reduce::{Report, Served};
+use eng_flexible::stack::{StackError, stack_mesh};
 use eng_flexible::store::{Key, StoredBody};
 use eng_flexible::{Files, FlexibleError, Part, read_mesh};
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_system::flexible::{FlexibleSource, MatrixSource};
+use eng_system::flexible::{FlexibleSource, MatrixSource, MeshSource, StackSource};
 use eng_system::reduced::ReducedBody;
 use eng_system::system::Location;
 use std::io::Read;
@@ -109,12 +110,30 @@ impl Files for Sources {
     }
 }
 
-/// Reads a mesh into SI, with its material.
+/// Sections that make no mesh, at the section that causes it.
+fn stack_failed(error: &StackError, source: &StackSource) -> Box<Diagnostic> {
+    let section = error.section().and_then(|number| number.checked_sub(1));
+    let at = section.and_then(|index| source.sections.get(index));
+    let message = Diagnostic::error(codes::STACK, error.to_string())
+        .at(span(at.copied().unwrap_or(source.at)), "of these sections")
+        .with_help(error.advice());
+    Box::new(message)
+}
+
+/// Reads or makes a mesh in SI, with its material.
 fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Box<Diagnostic>> {
-    let at = source.mesh.at;
-    let mut mesh = read_mesh(files, &source.mesh.file, source.mesh.format)
-        .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
-    mesh.convert(&source.mesh.units);
+    let at = source.mesh.at();
+    let mut mesh = match &source.mesh {
+        MeshSource::File(file) => {
+            let mut mesh = read_mesh(files, &file.file, file.format)
+                .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
+            mesh.convert(&file.units);
+            mesh
+        }
+        MeshSource::Stack(stack) => {
+            stack_mesh(&stack.stack).map_err(|error| stack_failed(&error, stack))?
+        }
+    };
     if let Some(material) = &source.material {
         mesh.set_material(material.young, material.poisson, material.density)
             .map_err(|e| failed(codes::MESH, &e, material.at, "this material"))?;

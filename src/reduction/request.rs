@@ -21,7 +21,7 @@ pub(super) fn request(
         marker: *marker as usize,
         components: text::ALL_FREEDOMS,
     };
-    let units = source.mesh.units;
+    let units = source.mesh.units();
     let mut terms = Vec::with_capacity(source.modes.len());
     for part in &source.modes {
         terms.push(term(part, files, units)?);
@@ -85,7 +85,7 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
     format!(
         "{:?}",
         (
-            (&source.mesh.format, &source.mesh.units),
+            mesh(&source.mesh),
             matrix(&source.stiffness),
             matrix(&source.mass),
             source.material.map(|m| (m.young, m.poisson, m.density)),
@@ -98,9 +98,19 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
     )
 }
 
+/// The data of a mesh that its file does not hold.
+fn mesh(source: &text::MeshSource) -> String {
+    match source {
+        text::MeshSource::File(mesh) => format!("{:?}", (&mesh.format, &mesh.units)),
+        // each number has all its digits
+        text::MeshSource::Stack(stack) => format!("{:?}", stack.stack),
+    }
+}
+
 /// The files that the text names.
 pub(super) fn files(source: &text::FlexibleSource) -> Vec<&str> {
-    let mut files = vec![source.mesh.file.as_str()];
+    let mut files: Vec<&str> = Vec::new();
+    files.extend(source.mesh.file().map(|mesh| mesh.file.as_str()));
     for matrix in source.stiffness.iter().chain(&source.mass) {
         files.push(&matrix.file);
         files.extend(matrix.freedoms.as_deref());

@@ -43,20 +43,25 @@ pub(super) fn doubts(mesh: &Facts, source: &FlexibleSource) -> Vec<Diagnostic> {
         }
     }
     if !odd.is_empty() {
+        let (title, label, help) = match source.mesh.file() {
+            Some(file) => (
+                format!("with `units: {}`, {}", file.units.name, odd.join(", ")),
+                "are these the units of the file?",
+                "finite-element files don't state their units; common are mm_tonne_s and m_kg_s",
+            ),
+            None => (
+                odd.join(", "),
+                "are these the units of the sections?",
+                "lengths of sections have units of their own, such as `20 mm`",
+            ),
+        };
         found.push(
             Diagnostic::warning(
                 codes::MESH_UNITS,
-                format!(
-                    "{}: with `units: {}`, {}",
-                    source.origin.path,
-                    source.mesh.units.name,
-                    odd.join(", ")
-                ),
+                format!("{}: {title}", source.origin.path),
             )
-            .at(span(source.mesh.at), "are these the units of the file?")
-            .with_help(
-                "finite-element files don't state their units; common are mm_tonne_s and m_kg_s",
-            ),
+            .at(span(source.mesh.at()), label)
+            .with_help(help),
         );
     }
     found.extend(supports_left_out(mesh, source));
@@ -66,7 +71,7 @@ pub(super) fn doubts(mesh: &Facts, source: &FlexibleSource) -> Vec<Diagnostic> {
                 codes::MESH_DOUBT,
                 format!("{}: {doubt}", source.origin.path),
             )
-            .at(span(source.mesh.at), "of this mesh"),
+            .at(span(source.mesh.at()), "of this mesh"),
         );
     }
     found.extend(ignored_for_nothing(mesh, source));
@@ -106,7 +111,7 @@ fn supports_left_out(mesh: &Facts, source: &FlexibleSource) -> Option<Diagnostic
     let named: Vec<String> = mesh
         .support_cards
         .iter()
-        .filter(|cards| !source.mesh.ignored.iter().any(|i| means(i, &cards.name)))
+        .filter(|cards| !source.mesh.ignored().iter().any(|i| means(i, &cards.name)))
         .map(|cards| {
             let (file, line) = &cards.first;
             format!(
@@ -128,7 +133,7 @@ fn supports_left_out(mesh: &Facts, source: &FlexibleSource) -> Option<Diagnostic
                 named.join(", ")
             ),
         )
-        .at(span(source.mesh.at), "of this mesh")
+        .at(span(source.mesh.at()), "of this mesh")
         .with_help(format!(
             "write `support = deck` to hold the supports of the deck, or `ignore: [\"{}\"]` in the mesh to leave it out",
             first.name
@@ -146,7 +151,7 @@ fn ignored_for_nothing<'a>(
         let held = mesh.support_cards.iter().map(|cards| &cards.name);
         !unread.chain(held).any(|name| means(ignored, name))
     };
-    source.mesh.ignored.iter().filter(nothing).map(|ignored| {
+    source.mesh.ignored().iter().filter(nothing).map(|ignored| {
         Diagnostic::warning(
             codes::IGNORED_NOTHING,
             format!(
@@ -154,7 +159,7 @@ fn ignored_for_nothing<'a>(
                 source.origin.path
             ),
         )
-        .at(span(source.mesh.at), "`ignore` names it")
+        .at(span(source.mesh.at()), "`ignore` names it")
         .with_help("remove it from the list, or correct the name")
     })
 }
@@ -171,7 +176,7 @@ pub(super) fn refusal(mesh: &Mesh, source: &FlexibleSource) -> Option<Box<Diagno
         Some(failed(
             codes::ELEMENT_RULE,
             &error,
-            source.mesh.at,
+            source.mesh.at(),
             "in this mesh",
         ))
     })
@@ -185,7 +190,7 @@ pub(super) fn unread(unread: &[Unread], source: &FlexibleSource) -> Option<Box<D
     let lost: Vec<_> = unread
         .iter()
         .filter(|unread| unread.carries != Carries::Nothing)
-        .filter(|unread| !source.mesh.ignored.iter().any(|i| means(i, &unread.name)))
+        .filter(|unread| !source.mesh.ignored().iter().any(|i| means(i, &unread.name)))
         .collect();
     if lost.is_empty() {
         return None;
@@ -197,7 +202,7 @@ pub(super) fn unread(unread: &[Unread], source: &FlexibleSource) -> Option<Box<D
             source.origin.path
         ),
     )
-    .at(span(source.mesh.at), "this mesh");
+    .at(span(source.mesh.at()), "this mesh");
     for unread in &lost {
         let (file, line) = &unread.first;
         let effect = match unread.carries {

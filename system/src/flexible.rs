@@ -4,6 +4,7 @@
 //! Numbers are SI; all are known while compiling.
 
 use crate::mesh_files::{ElementRules, MatrixFormat, MeshFormat, MeshUnits, ShapeFormat};
+use crate::stack::Stack;
 use crate::surface::SurfaceShapes;
 use crate::system::{Location, Origin};
 
@@ -62,7 +63,61 @@ pub struct FlexibleSource {
 
 /// The source of a mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MeshSource {
+pub enum MeshSource {
+    /// A file.
+    File(MeshFile),
+    /// Sections stacked along an axis.
+    Stack(StackSource),
+}
+
+impl MeshSource {
+    /// Place of the source in the text.
+    pub fn at(&self) -> Location {
+        match self {
+            MeshSource::File(file) => file.at,
+            MeshSource::Stack(stack) => stack.at,
+        }
+    }
+
+    /// The file, if there is one.
+    pub fn file(&self) -> Option<&MeshFile> {
+        match self {
+            MeshSource::File(file) => Some(file),
+            MeshSource::Stack(_) => None,
+        }
+    }
+
+    /// Units of the mesh.
+    pub fn units(&self) -> MeshUnits {
+        match self {
+            MeshSource::File(file) => file.units,
+            MeshSource::Stack(_) => MeshUnits::SI,
+        }
+    }
+
+    /// Cards and keywords that may be left out.
+    pub fn ignored(&self) -> &[String] {
+        match self {
+            MeshSource::File(file) => &file.ignored,
+            MeshSource::Stack(_) => &[],
+        }
+    }
+}
+
+/// A stack with its places in the text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StackSource {
+    /// The sections and the size of the elements.
+    pub stack: Stack,
+    /// Place of each section.
+    pub sections: Vec<Location>,
+    /// Place of the source in the text.
+    pub at: Location,
+}
+
+/// A mesh in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
     /// Its format.
     pub format: MeshFormat,
     /// The file, from the model's folder.

@@ -125,7 +125,7 @@ const fn units(name: &'static str, length: f64, mass: f64, time: f64) -> (&'stat
 
 impl Stated for MeshUnits {
     const NAMED: &'static [(&'static str, Self)] = &[
-        units("si", 1.0, 1.0, 1.0),
+        (MeshUnits::SI.name, MeshUnits::SI),
         units("m_kg_s", 1.0, 1.0, 1.0),
         units("mm_tonne_s", 1e-3, 1e3, 1.0),
         units("mm_kg_s", 1e-3, 1.0, 1.0),
@@ -137,6 +137,9 @@ impl Stated for MeshUnits {
 }
 
 impl MeshUnits {
+    /// Metres, kilograms, seconds.
+    pub const SI: MeshUnits = units("si", 1.0, 1.0, 1.0).1;
+
     /// Newtons of the unit of force.
     pub fn force(&self) -> f64 {
         self.mass * self.length / (self.time * self.time)

@@ -59,6 +59,7 @@ impl<'p> Checker<'p> {
             Self::flexible_attribute,
             Self::marker_on_mesh,
         );
+        self.stack_attributes(declaration);
     }
 
     fn flexible_attribute(&mut self, scope: &Scope<'p>, attribute: &'p Attribute) {
@@ -100,6 +101,105 @@ impl<'p> Checker<'p> {
                         }),
                 };
                 self.report(message);
+            }
+        }
+    }
+
+    /// A list of records with corners and a length. A corner is a record with its place in the plane and a bend.
+    fn sections(&mut self, scope: &Scope<'p>, value: &Expr) {
+        let ty = self.infer(scope, value);
+        if ty.is_error() {
+            return;
+        }
+        let length = || Quantity::hard(Dimension::LENGTH);
+        let angle = || Quantity::hard(Dimension::ANGLE);
+        let section = self.element_field(&ty, "corners");
+        let fits = match (section, self.element_field(&ty, "length")) {
+            (Some(corners), Some(along)) => {
+                let place = self.element_field(&corners, "place");
+                let bend = self.element_field(&corners, "bend");
+                scalar(&along, &length())
+                    && bend.is_some_and(|bend| scalar(&bend, &angle()))
+                    && place.is_some_and(|place| match &place {
+                        Type::List { element, .. } => scalar(element, &length()),
+                        _ => false,
+                    })
+            }
+            _ => false,
+        };
+        if !fits {
+            let found = self.describe(&ty);
+            self.report(
+                Diagnostic::error(
+                    codes::WRONG_TYPE,
+                    format!("`sections` of `stack` is a list of sections, not {found}"),
+                )
+                .at(value.span, format!("this is {found}"))
+                .with_help("take sections of the library, such as `[disc(20 mm, length: 80 mm)]` with `use std.sections.disc`; a section is a record with `length` and `corners`, and each corner has a `place` and a `bend`"),
+            );
+        }
+    }
+
+    /// The type of a field of the records in a list.
+    fn element_field(&mut self, list: &Type, field: &str) -> Option<Type> {
+        let Type::List { element, .. } = list else {
+            return None;
+        };
+        let Type::Instance(id) = **element else {
+            return None;
+        };
+        let held = self.held(id, field)?;
+        match held.member {
+            Member::Binding(binding) => {
+                let span = binding.name.span;
+                self.used.insert((held.home, field.to_owned()));
+                Some(self.member_type(held.home, field, held.member, span))
+            }
+            _ => None,
+        }
+    }
+
+    /// A body of stacked sections needs a material, and takes nothing that belongs to another code's mesh.
+    fn stack_attributes(&mut self, declaration: &'p Declaration) {
+        let Some(block) = declaration.block() else {
+            return;
+        };
+        let attribute = |name: &str| {
+            block.items.iter().find_map(|item| match &item.kind {
+                ItemKind::Attribute(a) if a.name.text == name => Some(a),
+                _ => None,
+            })
+        };
+        let stack = attribute("mesh").filter(|mesh| match &mesh.value.kind {
+            ExprKind::Call { callee, .. } => {
+                called(callee, Place::Mesh).is_some_and(|word| word.word == "stack")
+            }
+            _ => false,
+        });
+        let Some(stack) = stack else {
+            return;
+        };
+        if attribute("material").is_none() {
+            self.report(
+                Diagnostic::error(
+                    codes::MISSING_ATTRIBUTE,
+                    "a body of stacked sections needs a material",
+                )
+                .at(stack.value.span, "sections of which material?")
+                .with_help("add `material = Steel` with `use std.materials.Steel`"),
+            );
+        }
+        for name in ["stiffness", "mass"] {
+            if let Some(given) = attribute(name) {
+                self.report(
+                    Diagnostic::error(
+                        codes::FLEXIBLE,
+                        format!("`{name}` of another code does not belong to stacked sections"),
+                    )
+                    .at(given.name.span, "its rows are freedoms of another mesh")
+                    .also(stack.value.span, "the mesh is made here")
+                    .with_help("leave it out, or read the mesh of the other code"),
+                );
             }
         }
     }
@@ -339,6 +439,10 @@ impl<'p> Checker<'p> {
                 self.worded(scope, Place::Surface, value);
                 return;
             }
+            Takes::Sections => {
+                self.sections(scope, value);
+                return;
+            }
         };
         due.unit = unit.map(str::to_owned);
         self.expect(scope, value, &ty, &due);
@@ -523,6 +627,11 @@ impl<'p> Checker<'p> {
         );
         Some(Type::Error)
     }
+}
+
+/// Whether a type is a number of a quantity.
+fn scalar(ty: &Type, due: &Quantity) -> bool {
+    matches!(ty, Type::Scalar(quantity) if quantity.fits(due).is_ok())
 }
 
 /// Whether a body has a marker of this name.

@@ -8,7 +8,7 @@ use crate::codes;
 use crate::words::{Place, argument, word};
 use eng_grammar::ast::ExprKind;
 use eng_grammar::{Diagnostic, Span, ast};
-use eng_system::flexible::{Damping, MaterialSource, MatrixSource, MeshSource};
+use eng_system::flexible::{Damping, MaterialSource, MatrixSource, MeshFile, MeshSource};
 use eng_system::mesh_files::{MatrixFormat, MeshFormat, Stated as _};
 
 /// Damping ratio of all modes above which a value is implausible for a structure.
@@ -17,6 +17,9 @@ const MUCH_DAMPING: f64 = 0.2;
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn mesh_source(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<MeshSource> {
         let (word, arguments) = self.worded(Place::Mesh, value)?;
+        if word.word == "stack" {
+            return Ok(MeshSource::Stack(self.stack_source(value, scope)?));
+        }
         let file = self.text_of(argument(word, arguments, "file"), scope)?;
         let units = argument(word, arguments, "units").and_then(meaning);
         let file = self.checked(file, value.span, "a mesh without a file")?;
@@ -31,13 +34,13 @@ impl<'a> Elaborator<'a, '_> {
                 ignored.extend(self.text_of(Some(item), scope)?);
             }
         }
-        Ok(MeshSource {
+        Ok(MeshSource::File(MeshFile {
             format,
             file,
             units,
             ignored,
             at: location(value.span),
-        })
+        }))
     }
 
     pub(super) fn matrix_source(

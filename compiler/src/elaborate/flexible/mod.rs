@@ -3,6 +3,7 @@
 mod attributes;
 mod markers;
 mod modes;
+mod stack;
 
 use super::scalar::Scalar;
 use super::value::{ScopeId, Value};
@@ -11,7 +12,9 @@ use crate::codes;
 use crate::words::{DECK, Place, Word, word};
 use eng_grammar::ast::{self, ExprKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::flexible::{FlexibleSource, Freedoms, MarkerSource, MatrixSource, ModeCount};
+use eng_system::flexible::{
+    FlexibleSource, Freedoms, MarkerSource, MatrixSource, MeshSource, ModeCount,
+};
 use eng_system::mesh_files::{ShapeFormat, Stated};
 use eng_system::system::{BodyInertia, BodyRef};
 use std::rc::Rc;
@@ -153,6 +156,7 @@ impl<'a> Elaborator<'a, '_> {
         let modes_at = self.checked(modes_at, span, "a flexible body without modes")?;
         let damping = self.checked(damping, span, "a flexible body without damping")?;
         self.both_matrices(stiffness.as_ref(), mass.as_ref(), &path, span)?;
+        self.own_shapes(&mesh, &terms)?;
         let (sources, indices): (Vec<MarkerSource>, Vec<u32>) = markers.into_iter().unzip();
         self.draft.flexible[index as usize] = Some(FlexibleDraft {
             source: FlexibleSource {
@@ -227,6 +231,24 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         Ok((support, of_deck))
+    }
+
+    /// Refuses shapes from a file for a mesh that no file has: they belong to nodes of another mesh.
+    fn own_shapes(&mut self, mesh: &MeshSource, terms: &[TermDraft]) -> Eval<()> {
+        let given = terms
+            .iter()
+            .find(|term| matches!(term.kind, TermKind::Given { .. }));
+        match (mesh, given) {
+            (MeshSource::Stack(_), Some(term)) => Err(self.report(
+                Diagnostic::error(
+                    codes::FLEXIBLE,
+                    "shapes from a file do not belong to stacked sections",
+                )
+                .at(term.span, "its rows are nodes of another mesh")
+                .with_help("leave them out, or read the mesh of the other code"),
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// Refuses one matrix from a file beside one from the mesh, and matrices of different rows.
