@@ -3,8 +3,10 @@
 //! A stop, a backlash or a valve has a function g of the motion that changes its sign where the force bends:
 //! the compiler derives these functions ([`Function::Kinks`]). The error of a step is estimated at its end, so
 //! a force that begins and ends within a step is invisible to it. Within a step g is Hermite's cubic through its
-//! values and rates at both ends. If the cubic is deeper than a limit on one side and then on the other, the
-//! step ends at the first change between them.
+//! values and rates at both ends. If the cubic is deeper than a limit on one side and then changes its sign, the
+//! step ends just before the first change, within the limit and on the side from which it comes. There the load
+//! is still that of this side. A step that ended behind the kink, however little, would apply the load of the
+//! other side over all of its length: a stiff stop, entered by a nanometre, would slow a body during its flight.
 //!
 //! | g is | its limit |
 //! | --- | --- |
@@ -26,6 +28,12 @@ use eng_system::code::{Function, Pair};
 use eng_system::dimension::Dimension;
 use eng_system::system::{Kink, Origin};
 
+/// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
+/// kink, so the load of this distance is an error.
+const BEFORE: f64 = 0.01;
+/// Distance up to which it is at the kink, and up to which rounding decides the side, in these distances.
+const AT: f64 = 2.0;
+const BESIDE: f64 = 0.5;
 /// Limit of a time, as a share of the time itself.
 const MOMENT: f64 = 8.0 * f64::EPSILON;
 /// Share of a step within which a kink counts as being at its beginning. Otherwise a function that is zero there
@@ -72,6 +80,8 @@ pub struct Kinks {
     now: Vec<[f64; 2]>,
     /// Values and rates at the end of the last trial.
     next: Vec<[f64; 2]>,
+    /// Changes of the rates over the last accepted step (1/s); zero where it passed the kink.
+    bends: Vec<f64>,
     /// Largest magnitudes at accepted states.
     peaks: Vec<f64>,
     /// Number of steps one after the other that passed each kink.
@@ -122,6 +132,7 @@ impl Kinks {
             items: Vec::new(),
             now: Vec::new(),
             next: Vec::new(),
+            bends: Vec::new(),
             peaks: Vec::new(),
             stays: Vec::new(),
             out: Vec::new(),
@@ -160,6 +171,7 @@ impl Kinks {
         let count = kinks.items.len();
         kinks.now = vec![[0.0; 2]; count];
         kinks.next = vec![[0.0; 2]; count];
+        kinks.bends = vec![0.0; count];
         kinks.peaks = vec![0.0; count];
         kinks.stays = vec![0.0; count];
         kinks
@@ -219,14 +231,24 @@ impl Kinks {
         Ok(())
     }
 
-    /// Makes the end of the last trial the beginning of the next step. `ended` is the kink at which the step
-    /// ended.
-    pub fn accept(&mut self, ended: Option<usize>) {
+    /// Makes the end of the last trial the beginning of the next step. The step had a length h (s), zero if the
+    /// motion begins here. `ended` is the kink at which the step ended.
+    pub fn accept(&mut self, h: f64, ended: Option<usize>) {
         let pairs = self.now.iter().zip(&self.next).enumerate();
-        for ((item, (from, to)), stay) in pairs.zip(&mut self.stays) {
-            if from[0] * to[0] < 0.0 || ended == Some(item) {
+        for ((item, (from, to)), (stay, bend)) in
+            pairs.zip(self.stays.iter_mut().zip(&mut self.bends))
+        {
+            let passed = from[0] * to[0] < 0.0;
+            *bend = if h > 0.0 && !passed {
+                (to[1] - from[1]) / h
+            } else {
+                0.0
+            };
+            // a step that ends before a kink neither passes it nor leaves it
+            let ended_before = ended == Some(item) && self.items[item].limit != Limit::Time;
+            if passed || (ended == Some(item) && !ended_before) {
                 *stay += 1.0;
-            } else if stay.is_finite() {
+            } else if stay.is_finite() && !ended_before {
                 *stay = 0.0;
             }
         }
@@ -246,6 +268,15 @@ impl Kinks {
         }
     }
 
+    /// The distance of a function from its kink up to which a step ends there.
+    fn end(&self, item: usize, time: f64, factor: f64) -> f64 {
+        let limit = self.limit(item, time, factor);
+        match self.items[item].limit {
+            Limit::Time => limit,
+            _ => AT * BEFORE * limit,
+        }
+    }
+
     /// Ends no more steps at a kink.
     pub fn ignore(&mut self, item: usize) {
         if let Some(stay) = self.stays.get_mut(item) {
@@ -261,13 +292,92 @@ impl Kinks {
                 continue;
             }
             let limit = self.limit(item, time, factor);
-            if let Some(found) = crossing(*from, *to, h, limit)
+            // a moment is known exactly; at another kink rounding must not decide which side an end is on
+            let aim = BEFORE * limit;
+            let (depths, aim) = match self.items[item].limit {
+                Limit::Time => ([limit; 2], 0.0),
+                _ => ([AT * aim, -BESIDE * aim], aim),
+            };
+            if let Some(found) = crossing(*from, *to, h, depths, aim)
                 && first.is_none_or(|first| found.time < first.time)
             {
                 first = Some(Crossing { item, ..found });
             }
         }
         first
+    }
+
+    /// The time (s) after which a function is before its kink, if its rate goes on to change as over the last step;
+    /// `None` if it does not come there within h (s).
+    ///
+    /// The trials of a step do not decide this. An implicit step across a stiff stop ends at the stop, whatever its
+    /// length is.
+    pub fn expected(&self, item: usize, h: f64, time: f64, factor: f64) -> Option<f64> {
+        let [value, rate] = self.now[item];
+        let aim = BEFORE * self.limit(item, time, factor) * value.signum();
+        let mut times = roots(0.5 * self.bends[item], rate, value - aim);
+        times.sort_by(f64::total_cmp);
+        times.into_iter().find(|time| *time > 0.0 && *time < h)
+    }
+
+    /// Whether the last trial, which ends at a time (s), ends at a kink.
+    pub fn is_near(&self, item: usize, time: f64, factor: f64) -> bool {
+        let limit = self.end(item, time, factor);
+        (self.next.get(item)).is_some_and(|[value, _]| value.abs() <= limit)
+    }
+
+    /// The time (s) until the function of a kink changes its sign at its present rate; zero if it does not.
+    pub fn time_to(&self, item: usize) -> f64 {
+        let time = self
+            .now
+            .get(item)
+            .map_or(0.0, |[value, rate]| -value / rate);
+        if time > 0.0 && time.is_finite() {
+            time
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether the functions of the last evaluation have another sign at a kink than at the last accepted state, and go on
+    /// to leave it.
+    pub fn is_left(&self, item: usize) -> bool {
+        let (Some([before, _]), Some([behind, rate])) = (self.now.get(item), self.next.get(item))
+        else {
+            return false;
+        };
+        before * behind <= 0.0 && behind * rate > 0.0
+    }
+
+    /// The moment (s) of a kink in time at the end of the last trial, which ends at a time (s).
+    pub fn moment_at(&self, item: usize, time: f64) -> f64 {
+        moment(self.next.get(item), time)
+    }
+
+    /// The same at the last accepted state, which is at a time (s).
+    pub fn moment_here(&self, item: usize, time: f64) -> f64 {
+        moment(self.now.get(item), time)
+    }
+
+    /// A kink in time less than a millionth of a step h (s) behind the end of the last trial: a step that began at the end
+    /// would not end there.
+    pub fn moment_behind(&self, h: f64) -> Option<usize> {
+        let mut ends = self.next.iter().enumerate();
+        ends.find(|(item, [value, rate])| {
+            let time = -value / rate;
+            self.items[*item].limit == Limit::Time && time > 0.0 && time <= BEGIN * h
+        })
+        .map(|(item, _)| item)
+    }
+
+    /// The time (s) until the function of a kink is on its other side by a share of its limit, at its present rate at a time
+    /// (s); `None` if it does not come there.
+    pub fn across(&self, item: usize, share: f64, time: f64, factor: f64) -> Option<f64> {
+        let [_, rate] = self.now.get(item)?;
+        let further = share * self.limit(item, time, factor) / rate.abs();
+        (self.time_to(item) > 0.0 || self.now[item][0] == 0.0)
+            .then_some(self.time_to(item) + further)
+            .filter(|time| time.is_finite() && *time > 0.0)
     }
 
     /// The longest time (s) below `most` in which a function changes its sign at its present rate.
@@ -288,7 +398,8 @@ impl Kinks {
         let found: Vec<Crossing> = pairs
             .filter(|(_, (from, to))| !same_side(**from, **to, h))
             .filter_map(|(item, (from, to))| {
-                let found = crossing(*from, *to, h, self.limit(item, time, 1.0))?;
+                let limit = self.limit(item, time, 1.0);
+                let found = crossing(*from, *to, h, [limit; 2], 0.0)?;
                 Some(Crossing { item, ..found })
             })
             .collect();
@@ -326,7 +437,7 @@ impl Kinks {
     pub fn reached(&self, time: f64, factor: f64) -> Option<usize> {
         let mut pairs = self.now.iter().zip(&self.next).enumerate();
         let found = pairs.find(|(item, (from, to))| {
-            let limit = self.limit(*item, time, factor);
+            let limit = self.end(*item, time, factor);
             to[1] != 0.0 && to[0].abs() <= limit && from[0].abs() > limit
         });
         found.map(|(item, _)| item)
@@ -375,10 +486,12 @@ impl Kinks {
         })
     }
 
-    /// Values and rates at the last accepted state, largest values so far and passages, for a checkpoint.
+    /// Values and rates at the last accepted state, changes of rates, largest values so far and passages, for a
+    /// checkpoint.
     pub fn numbers(&self) -> Vec<f64> {
         let pairs = self.now.iter().flatten();
         pairs
+            .chain(&self.bends)
             .chain(&self.peaks)
             .chain(&self.stays)
             .copied()
@@ -391,7 +504,8 @@ impl Kinks {
         for (now, pair) in self.now.iter_mut().zip(pairs.as_chunks::<2>().0) {
             *now = *pair;
         }
-        let counts = self.peaks.iter_mut().chain(&mut self.stays);
+        let bends = self.bends.iter_mut();
+        let counts = bends.chain(&mut self.peaks).chain(&mut self.stays);
         for (place, number) in counts.zip(rest) {
             *place = *number;
         }
@@ -409,6 +523,12 @@ fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
         Some(Dimension::TIME) => Limit::Time,
         _ => Limit::Share,
     }
+}
+
+/// The moment (s) at which a function of time alone is zero, from its value and rate at a time (s).
+fn moment(function: Option<&[f64; 2]>, time: f64) -> f64 {
+    let found = function.map_or(time, |[value, rate]| time - value / rate);
+    if found.is_finite() { found } else { time }
 }
 
 /// Adds accelerations and rates of states to the inputs of elements.
@@ -447,9 +567,16 @@ fn same_side([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64) -> bool {
     points.iter().all(|x| *x > 0.0) || points.iter().all(|x| *x < 0.0)
 }
 
-/// The time at which the cubic through values and rates at both ends of a step h (s) leaves its first side, if it
-/// is deeper than a limit on both.
-fn crossing([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64, limit: f64) -> Option<Crossing> {
+/// The time at which the cubic through values and rates at both ends of a step h (s) is nearer to zero than `aim`
+/// for the last time before it leaves its first side, if it is deeper on this side than the first limit and on the other
+/// side than the second.
+fn crossing(
+    [a, da]: [f64; 2],
+    [b, db]: [f64; 2],
+    h: f64,
+    [limit, on_other]: [f64; 2],
+    aim: f64,
+) -> Option<Crossing> {
     let (c1, rise) = (h * da, b - a);
     let (c2, c3) = (3.0 * rise - h * (2.0 * da + db), h * (da + db) - 2.0 * rise);
     let at = |s: f64| a + s * (c1 + s * (c2 + s * c3));
@@ -469,9 +596,9 @@ fn crossing([a, da]: [f64; 2], [b, db]: [f64; 2], h: f64, limit: f64) -> Option<
     let mut first = values.iter().position(|value| value.abs() > limit)?;
     let (high, other) = loop {
         let side = values[first].signum();
-        let other = (first..values.len()).find(|k| -side * values[*k] > limit)?;
-        let last = (first..other).rev().find(|k| side * values[*k] > 0.0)?;
-        let high = change(at, side, places[last], places[last + 1]);
+        let other = (first..values.len()).find(|k| -side * values[*k] > on_other)?;
+        let last = (first..other).rev().find(|k| side * values[*k] > aim)?;
+        let high = change(|s| at(s) - side * aim, side, places[last], places[last + 1]);
         if high > BEGIN {
             break (high, other);
         }
@@ -528,27 +655,41 @@ mod tests {
     fn an_excursion_within_a_step() {
         let g = |t: f64| [(t - 1.0) * (t - 3.0), 2.0 * t - 4.0];
         assert!(!same_side(g(0.0), g(4.0), 4.0));
-        let found = crossing(g(0.0), g(4.0), 4.0, 0.5).unwrap();
+        let found = crossing(g(0.0), g(4.0), 4.0, [0.5; 2], 0.0).unwrap();
         assert!((found.time - 1.0).abs() < 1e-12, "{}", found.time);
         assert!((found.depth - 1.0).abs() < 1e-12 && found.inside);
         // shallower than the limit
-        assert_eq!(crossing(g(0.0), g(4.0), 4.0, 1.5), None);
+        assert_eq!(crossing(g(0.0), g(4.0), 4.0, [1.5; 2], 0.0), None);
         // begins at the kink, within the limit: the first side is the lower one, left at 3 s
-        let late = crossing(g(1.0), g(4.0), 3.0, 0.5).unwrap();
+        let late = crossing(g(1.0), g(4.0), 3.0, [0.5; 2], 0.0).unwrap();
         assert!((late.time - 2.0).abs() < 1e-12 && !late.inside);
         // begins at the kink and stays on one side
-        assert_eq!(crossing(g(1.0), g(2.5), 1.5, 1e-9), None);
+        assert_eq!(crossing(g(1.0), g(2.5), 1.5, [1e-9; 2], 0.0), None);
+    }
+
+    /// A step that ends a little behind the kink ends before it instead, on the first side.
+    #[test]
+    fn a_step_ends_before_the_kink() {
+        let g = |t: f64| [2.0 - t, -1.0];
+        let found = crossing(g(0.0), g(2.001), 2.001, [0.1, 0.0], 0.025).unwrap();
+        assert!((found.time - 1.975).abs() < 1e-12 && found.inside);
+        assert_eq!(crossing(g(0.0), g(1.99), 1.99, [0.1, 0.0], 0.025), None);
+        // as shallow behind the kink, it is no crossing for a fixed step
+        assert_eq!(crossing(g(0.0), g(2.001), 2.001, [0.1, 0.1], 0.0), None);
     }
 
     /// g = 1 − t³ over 0…2 s changes at 1 s, whatever its size.
     #[test]
     fn a_change_between_the_ends() {
         let g = |t: f64| [1e-20 * (1.0 - t * t * t), -3e-20 * t * t];
-        let found = crossing(g(0.0), g(2.0), 2.0, 1e-25).unwrap();
+        let found = crossing(g(0.0), g(2.0), 2.0, [1e-25; 2], 0.0).unwrap();
         assert!((found.time - 1.0).abs() < 1e-12);
         assert!((found.depth - 7e-20).abs() < 1e-32 && !found.inside);
         assert!(same_side([1.0, 0.1], [1.0, -0.1], 1.0));
         assert!(!same_side([f64::NAN, 0.0], [1.0, 0.0], 1.0));
-        assert_eq!(crossing([f64::NAN, 0.0], [1.0, 0.0], 1.0, 0.1), None);
+        assert_eq!(
+            crossing([f64::NAN, 0.0], [1.0, 0.0], 1.0, [0.1; 2], 0.0),
+            None
+        );
     }
 }

@@ -141,6 +141,8 @@ pub struct Simulation {
     kinks: Kinks,
     /// The kink at which the last step ended.
     at_kink: Option<usize>,
+    /// The change of accelerations (of the model's size, 1/s²) behind this kink, if they jump there; otherwise 0.
+    jump_at_kink: f64,
     /// The kink that a fixed step overlooked most.
     overlooked: Option<Overlooked>,
     /// The state of the last outputs, projected and completed.
@@ -274,6 +276,7 @@ impl Simulation {
             kinks: Kinks::new(&model, dynamics.batches()),
             overlooked: None,
             at_kink: None,
+            jump_at_kink: 0.0,
             dynamics,
             system: AccelerationSystem::new(&model)?,
             outputs: Outputs::all(&model)?,

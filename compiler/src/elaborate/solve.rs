@@ -33,6 +33,9 @@ const MOST: usize = 3;
 const ENDED: f64 = 1e-6;
 /// The same in SI units, for a zero at zero.
 const SMALL: f64 = 1e-12;
+/// Share of the sum of its products' magnitudes below which a determinant is rounding. The equations then do not determine
+/// the unknowns, and the correction says nothing.
+const SINGULAR: f64 = 1e-13;
 
 /// A function of the unknowns with its Jacobian matrix, as nodes of one graph.
 struct System {
@@ -68,16 +71,22 @@ impl<'a> Elaborator<'a, '_> {
         let graph = self.bench.graph(stage);
         let mut x = begin.clone();
         for _ in 0..HELD {
-            x = step(graph, &system, &x).0;
+            x = step(graph, &system, &x).next;
         }
         for x in &mut x {
             *x = graph.unary(Elementary::Held, *x);
         }
         let held = x.clone();
-        let (near, residuals) = step(graph, &system, &x);
-        let found = step(graph, &system, &near).0;
+        let Step {
+            next: near,
+            values: residuals,
+            determinant: [all, magnitudes],
+        } = step(graph, &system, &x);
+        let found = step(graph, &system, &near).next;
+        let (size, share) = (graph.abs(all), graph.constant(SINGULAR));
+        let rounding = graph.multiply(share, magnitudes);
+        let mut ended = graph.less(rounding, size);
         // |x₁ − x₀| ≤ ENDED (|x₁| + |x₁ − estimate|) + SMALL, and false if a number is NaN
-        let mut ended = None;
         for ((held, near), begin) in held.iter().zip(&near).zip(&begin) {
             let correction = graph.subtract(*near, *held);
             let correction = graph.abs(correction);
@@ -88,12 +97,9 @@ impl<'a> Elaborator<'a, '_> {
             let most = graph.multiply(share, size);
             let most = graph.add(most, least);
             let fits = graph.less_equal(correction, most);
-            ended = Some(match ended {
-                Some(others) => graph.push(crate::ir::Op::And(others, fits)),
-                None => fits,
-            });
+            ended = graph.push(crate::ir::Op::And(ended, fits));
         }
-        let node = self.checked(ended, asked.call, "nothing is solved")?;
+        let node = ended;
         let numbers = |nodes: &[Node]| -> Vec<Scalar> {
             nodes
                 .iter()
@@ -333,8 +339,17 @@ fn each(ty: &Type) -> Option<Dimension> {
     }
 }
 
-/// A step of Newton's method from x: the next x, and the values at x.
-fn step(graph: &mut Graph, system: &System, x: &[Node]) -> (Vec<Node>, Vec<Node>) {
+/// A step of Newton's method from x.
+struct Step {
+    /// The next x.
+    next: Vec<Node>,
+    /// The values at x.
+    values: Vec<Node>,
+    /// The determinant of the Jacobian matrix at x, and the sum of its products' magnitudes.
+    determinant: [Node; 2],
+}
+
+fn step(graph: &mut Graph, system: &System, x: &[Node]) -> Step {
     let source = graph.clone();
     let nodes = copy_into(
         &source,
@@ -348,6 +363,12 @@ fn step(graph: &mut Graph, system: &System, x: &[Node]) -> (Vec<Node>, Vec<Node>
     let (values, matrix) = nodes.split_at(x.len());
     let rows: Vec<&[Node]> = matrix.chunks(x.len()).collect();
     let all = determinant(graph, &rows);
+    let magnitudes: Vec<Vec<Node>> = rows
+        .iter()
+        .map(|row| row.iter().map(|node| graph.abs(*node)).collect())
+        .collect();
+    let magnitudes: Vec<&[Node]> = magnitudes.iter().map(Vec::as_slice).collect();
+    let magnitudes = sum_of_products(graph, &magnitudes, Graph::add);
     let next = (0..x.len())
         .map(|k| {
             // Cramer's rule: column k is replaced by the values
@@ -364,11 +385,24 @@ fn step(graph: &mut Graph, system: &System, x: &[Node]) -> (Vec<Node>, Vec<Node>
             graph.subtract(x[k], correction)
         })
         .collect();
-    (next, values.to_vec())
+    Step {
+        next,
+        values: values.to_vec(),
+        determinant: [all, magnitudes],
+    }
 }
 
-/// The determinant of a matrix of up to three rows, along its first row.
+/// The determinant of a matrix of up to three rows.
 fn determinant(graph: &mut Graph, rows: &[&[Node]]) -> Node {
+    sum_of_products(graph, rows, Graph::subtract)
+}
+
+/// The sum of the products of a determinant, along its first row; `odd` joins each second product of a row to the sum.
+fn sum_of_products(
+    graph: &mut Graph,
+    rows: &[&[Node]],
+    odd: fn(&mut Graph, Node, Node) -> Node,
+) -> Node {
     let Some((first, rest)) = rows.split_first() else {
         return graph.constant(1.0);
     };
@@ -381,11 +415,11 @@ fn determinant(graph: &mut Graph, rows: &[&[Node]]) -> Node {
             })
             .collect();
         let minor: Vec<&[Node]> = minor.iter().map(Vec::as_slice).collect();
-        let minor = determinant(graph, &minor);
+        let minor = sum_of_products(graph, &minor, odd);
         let term = graph.multiply(*entry, minor);
         sum = match k % 2 {
             0 => graph.add(sum, term),
-            _ => graph.subtract(sum, term),
+            _ => odd(graph, sum, term),
         };
     }
     sum

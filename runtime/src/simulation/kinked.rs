@@ -5,11 +5,15 @@ use crate::error::RuntimeError;
 use crate::integrator::{STEP_SHARE, Trial};
 use crate::state::State;
 
-/// Most trials of a step that end where the kink should be, and most trials that a kink may shorten.
-const SECANTS: usize = 4;
-const MOST_CUTS: usize = 12;
-/// Share of the way to a kink for the trials after that.
-const SHORT: f64 = 0.9;
+/// Most trials of a step that a kink may shorten.
+const MOST_CUTS: usize = 14;
+/// Share of the way to a kink by which the third trial ends before it, its factor for each further one, and the largest
+/// share.
+const RETREAT: (f64, f64, f64) = (1e-5, 8.0, 0.1);
+/// Share of the change of accelerations behind a kink that a jump makes at the kink itself.
+const AT_ONCE: f64 = 0.5;
+/// Distance behind a kink, as a share of its limit, at which the motion starts again if forces jump there.
+const ACROSS: f64 = 1e-3;
 /// Distance of the states behind a kink, as a share of the time in which the motion covers about its own size.
 const BEHIND: f64 = 1e-4;
 /// Largest deviation of accelerations and rates behind a kink from a straight line through the state at the
@@ -42,13 +46,14 @@ impl Simulation {
 
     /// The length (s) of the next trial and the kink at its end, if a trial of a step h passes a kink.
     ///
-    /// The kink is where the cubics over the trial say. The part of the trial behind it has another force, so a
-    /// second or third trial may be necessary (the secant rule). If four of them do not end at the kink, the next
-    /// ones end before it. A trial without solution may come from a stiff stop behind a kink, so it is repeated
-    /// up to the kink that lies ahead.
+    /// The first shorter trial ends where the cubic over the trial says. The part of the trial behind the kink has another
+    /// force, which bends the cubic: behind a stiff stop it says nothing. So the second one ends where the motion before the
+    /// kink leads, if that is earlier, and each further one is shorter by a larger share. A trial without solution may come
+    /// from a stiff stop behind a kink, so it is repeated up to the kink that lies ahead.
     ///
     /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a pulse in time, a thin
-    /// sheet. So such a trial is first repeated up to the middle, where its end shows the load.
+    /// sheet. So such a trial is first repeated up to the middle, where its end shows the load. A trial that ends at a moment,
+    /// except for rounding, is repeated up to just before it, because loads may jump there.
     pub(super) fn kink_within(
         &mut self,
         h: f64,
@@ -66,7 +71,7 @@ impl Simulation {
                 passed.or_else(|| {
                     let kink = self.kinks.reached(begin + h, factor)?;
                     let begins = self.kinks.begins_at_other(kink, begin, factor);
-                    begins.then_some((h, kink))
+                    (begins || self.kinks.is_moment(kink)).then_some((h, kink))
                 })
             }
             Trial::Failed(_) => self.kinks.foreseen(h, begin, factor),
@@ -75,10 +80,9 @@ impl Simulation {
             return Ok(None);
         };
         *tries += 1;
-        let at = if *tries <= SECANTS { at } else { SHORT * at };
         let (at, kink) = match self.kinks.begins_at_other(kink, begin, factor) {
             true => (0.5 * at, None),
-            false => (self.before(kink, at), Some(kink)),
+            false => (self.before(kink, at, h, *tries, factor), Some(kink)),
         };
         if at >= h || begin + at == begin {
             return Ok(None);
@@ -87,49 +91,133 @@ impl Simulation {
         Ok(Some((at, kink)))
     }
 
-    /// The time (s) of a step that ends at a kink after `at` (s). It ends before a moment, so that a load that begins or ends there
-    /// has its value before it.
-    fn before(&self, kink: usize, at: f64) -> f64 {
+    /// The time (s) of a step that ends at a kink, which the last trial of h (s) finds after `at` (s). It ends before a
+    /// moment, so that a load that begins or ends there has its value before it.
+    fn before(&self, kink: usize, at: f64, h: f64, tries: usize, factor: f64) -> f64 {
         let begin = self.integrator.current.time;
-        match self.kinks.is_moment(kink) {
-            true => (begin + at).next_down().next_down() - begin,
-            false => at,
+        if self.kinks.is_moment(kink) {
+            let moment = self.kinks.moment_at(kink, begin + h);
+            if begin + at < moment {
+                return at;
+            }
+            return moment.next_down().next_down() - begin;
         }
+        if tries < 2 {
+            return at;
+        }
+        let expected = self.kinks.expected(kink, h, begin + h, factor);
+        let at = expected.map_or(at, |expected| expected.min(at));
+        let (first, growth, most) = RETREAT;
+        match tries.checked_sub(3) {
+            None => at,
+            Some(more) => {
+                let growths = std::iter::repeat_n(growth, more);
+                at * (1.0 - (first * growths.product::<f64>()).min(most))
+            }
+        }
+    }
+
+    /// Starts the motion again behind a kink at which loads jump. Returns the time (s) that passes, if they do.
+    pub(super) fn after_jump(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
+        let jump = std::mem::take(&mut self.jump_at_kink);
+        if self.kinks.is_moment(kink) {
+            return self.after_jump_in_time(kink);
+        }
+        if jump > 0.0 {
+            return self.after_jump_of_motion(kink, jump);
+        }
+        Ok(None)
+    }
+
+    /// Starts the motion again behind a kink of the motion at which accelerations jump.
+    ///
+    /// The step before ends just before this kink. The motion continues across it with the accelerations before it, which
+    /// takes about the time of a quarter of the limit. If it turns back there, as a sticking body does, or if the
+    /// accelerations change by less than half of `jump` (their change at some distance behind), nothing is done.
+    fn after_jump_of_motion(
+        &mut self,
+        kink: usize,
+        jump: f64,
+    ) -> Result<Option<f64>, RuntimeError> {
+        let factor = self.options.step.tolerance();
+        let here = self.integrator.current.time;
+        let Some(time) = self.kinks.across(kink, ACROSS, here, factor) else {
+            return Ok(None);
+        };
+        let moment = self.moment();
+        let mut start = self.integrator.current.clone();
+        let near = (self.system).accelerations(&self.model, &mut self.dynamics, &mut start, moment);
+        // the next step reports the error
+        let (Ok(()), Ok(behind)) = (near, self.ahead(&start, time)) else {
+            return Ok(None);
+        };
+        let scales = self.model.velocity_scales();
+        let changes = behind.acceleration.iter().zip(&start.acceleration);
+        let change =
+            (changes.zip(&scales)).fold(0.0_f64, |w, ((b, a), s)| w.max(((b - a) / s).abs()));
+        if change < AT_ONCE * jump {
+            return Ok(None);
+        }
+        let before = std::mem::replace(&mut self.integrator.current, behind);
+        self.stand()?;
+        (self.kinks).evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
+        let behind = std::mem::replace(&mut self.integrator.current, before);
+        if !self.kinks.is_left(kink) {
+            self.stand()?;
+            return Ok(None);
+        }
+        self.begin_behind(&start, behind).map(Some)
     }
 
     /// Starts the motion again behind a moment at which a load or the rate of a state jumps.
     ///
-    /// The step before ends just before this moment. Both sides are some roundings of the time away from it.
-    pub(super) fn after_jump_in_time(&mut self, kink: usize) -> Result<(), RuntimeError> {
-        if !self.kinks.is_moment(kink) {
-            return Ok(());
-        }
+    /// The step before ends just before this moment, most often by some roundings of the time. The motion continues up to both
+    /// sides of it with the accelerations before it.
+    fn after_jump_in_time(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
         let moment = self.moment();
         let time = self.integrator.current.time;
-        let behind = (0..4).fold(time, |time, _| time.next_up());
-        let before = time.next_down();
-        let mut sides = [before, behind].map(|time| {
-            let mut state = self.integrator.current.clone();
-            state.time = time;
-            state
-        });
-        for state in &mut sides {
+        let kink = self.kinks.moment_here(kink, time);
+        let behind = kink.next_up().next_up().max(time);
+        let before = kink.next_down().next_down().min(time);
+        let mut start = self.integrator.current.clone();
+        let mut near = start.clone();
+        near.time = before;
+        for state in [&mut start, &mut near] {
             let found = (self.system).accelerations(&self.model, &mut self.dynamics, state, moment);
             // the next step reports the error
             if found.is_err() {
-                return Ok(());
+                return Ok(None);
             }
         }
-        let [near, far] = &sides;
+        start.acceleration.copy_from_slice(&near.acceleration);
+        start.rates.copy_from_slice(&near.rates);
+        let Ok(mut far) = self.ahead(&start, behind - time) else {
+            return Ok(None);
+        };
+        far.time = behind;
         let differ = |a: &[f64], b: &[f64]| {
             let size = a.iter().chain(b).fold(0.0_f64, |most, x| most.max(x.abs()));
             a.iter().zip(b).any(|(a, b)| (a - b).abs() > JUMP * size)
         };
-        if differ(&near.acceleration, &far.acceleration) || differ(&near.rates, &far.rates) {
-            self.integrator.current.time = behind;
-            self.begin_anew()?;
+        if !differ(&near.acceleration, &far.acceleration) && !differ(&near.rates, &far.rates) {
+            return Ok(None);
         }
-        Ok(())
+        self.begin_behind(&start, far).map(Some)
+    }
+
+    /// Starts the motion again at a state behind another one, the present one. Returns the time (s) between them.
+    fn begin_behind(&mut self, start: &State, behind: State) -> Result<f64, RuntimeError> {
+        let before = std::mem::replace(&mut self.integrator.current, behind);
+        self.begin_anew()?;
+        let time = self.integrator.current.time - before.time;
+        // a sample may lie between the two states, where no matrix of a step balances the interpolated accelerations
+        self.integrator.drop_factors();
+        let motion = start.velocity.iter().zip(&start.acceleration);
+        for (increment, (v, a)) in self.integrator.increment.iter_mut().zip(motion) {
+            *increment = time * v + 0.5 * time * time * a;
+        }
+        self.integrator.previous.copy_from(&before);
+        Ok(time)
     }
 
     /// Renews the rates of accelerations in the scheme, after a step h (s) that ended at a kink.
@@ -160,7 +248,9 @@ impl Simulation {
             return Ok(());
         }
         let e = (BEHIND / pace).min(h.max(BEHIND * self.size.step));
-        let first = e + self.kinks.time_left(e);
+        let left = self.kinks.time_left(e);
+        let to_kink = self.at_kink.map_or(0.0, |kink| self.kinks.time_to(kink));
+        let first = e + left.max(to_kink);
         // a table may end behind the kink; then the next step reports it
         let Ok([a, b]) = self.two_ahead(&start, [first, first + e]) else {
             return Ok(());
@@ -174,10 +264,9 @@ impl Simulation {
         let bent = |jerk: &[f64], near: &[f64], at: &[f64], scales: &[f64]| {
             let pairs = jerk.iter().zip(near).zip(at).zip(scales);
             pairs.fold((0.0_f64, 0.0_f64), |(miss, size), (((j, a), at), scale)| {
-                let change = j * first;
                 (
-                    miss.max(((a - change - at) / scale).abs()),
-                    size.max((change / scale).abs()),
+                    miss.max(((a - j * (first - to_kink) - at) / scale).abs()),
+                    size.max((j * first / scale).abs()),
                 )
             })
         };
@@ -189,6 +278,11 @@ impl Simulation {
             &self.model.state_scales,
         );
         let [moves, states] = [moves, states].map(|(miss, size)| miss <= STRAIGHT * size);
+        if !moves && states {
+            let changes = a.acceleration.iter().zip(&start.acceleration);
+            let changes: Vec<f64> = changes.map(|(a, start)| a - start).collect();
+            self.jump_at_kink = largest(&changes);
+        }
         if !states
             && let Some(kink) = self.at_kink
             && !self.kinks.is_moment(kink)

@@ -71,7 +71,7 @@ impl Simulation {
         self.dynamics.keep_memory(&self.model)?;
         self.kinks
             .evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
-        self.kinks.accept(None);
+        self.kinks.accept(0.0, None);
         self.observe_state()?;
         self.take_energy();
         let e = &mut self.energy;
@@ -391,7 +391,12 @@ impl Simulation {
         }
         self.after_jumps()?;
         if let Some(kink) = self.at_kink {
-            self.after_jump_in_time(kink)?;
+            let passed = self.after_jump(kink)?;
+            let time = self.integrator.current.time;
+            if passed.is_some() || time >= end {
+                let step = passed.unwrap_or_default();
+                return Ok(StepReport { time, step });
+            }
         }
         self.dynamics.memory_mut().begin_step();
         // behind a kink the powers before it say nothing about the power within the step
@@ -412,7 +417,7 @@ impl Simulation {
             .look_at_vibrations(&self.model, &mut self.dynamics, h, tolerance);
         self.integrator.accept(&self.model, h, time);
         self.dynamics.keep_memory(&self.model)?;
-        self.kinks.accept(self.at_kink);
+        self.kinks.accept(h, self.at_kink);
         self.evaluated = None;
         self.cycle_at_ends = None;
         if self.options.step.fixed().is_some() && time >= end {
@@ -654,7 +659,10 @@ impl Simulation {
                             Limit::Error
                         };
                     }
-                    self.at_kink = ends_at;
+                    let near = |kink: &usize| self.kinks.is_near(*kink, begin + h, factor);
+                    let reached = || self.kinks.reached(begin + h, factor);
+                    self.at_kink = ends_at.filter(near).or_else(reached);
+                    self.at_kink = self.at_kink.or_else(|| self.kinks.moment_behind(h));
                     self.size.accepted(h, error);
                     if ends_at.is_some() {
                         // the length up to a kink says nothing about the next step
