@@ -68,7 +68,7 @@ eng_grammar::codes! {
         "A program sets an input to a number within the limits of the input. Only `interpolation: cubic` takes rates, only `linear` and `cubic` take the value of the next point, and a cubic input has no jump. An input that an analysis drives by a function of time cannot be set.",
         "", "";
     NO_FIELD = "E0719", "a field has no solution",
-        "A kernel such as the oil film of a bearing cannot be made of its numbers, or it has no solution at a moment of the motion. The message names the reason: an opening that ends at an open end, a pressure below that of the cavity, oil that its pressure makes solid.",
+        "A kernel such as the oil film of a bearing cannot be made of its numbers, or it has no solution at a moment of the motion. The message names the reason: an opening that ends at an open end, or a pressure below that of the cavity.",
         "", "";
     PARAMETER_REQUIRED = "E0720", "parameters do not fulfil a `require`",
         "The class, or the language for masses and inertias, has a condition that these parameters do not fulfil. The author of the class wrote the text.",

@@ -14,7 +14,8 @@
 use crate::results::{CellColumn, Column, Results};
 use eng_runtime::model::Model;
 use eng_system::field::{
-    FieldError, FieldGrid, FieldKernel, FieldSolver, KERNELS, Kernel, Past, Takes, drives,
+    CellQuantity, FieldError, FieldGrid, FieldKernel, FieldSolver, KERNELS, Kernel, Past, Takes,
+    drives,
 };
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::HashMap;
@@ -157,9 +158,10 @@ impl RecordedField {
 }
 
 impl RecordedField {
-    /// Number of a quantity of its cells.
-    pub(crate) fn quantity(&self, name: &str) -> Option<usize> {
-        self.kernel.cells.iter().position(|cell| cell.name == name)
+    /// The first quantity of its cells that has a dimension, with its number.
+    pub(crate) fn quantity(&self, dimension: Dimension) -> Option<(usize, &'static CellQuantity)> {
+        let mut cells = self.kernel.cells.iter().enumerate();
+        cells.find(|(_, cell)| cell.dimension == dimension)
     }
 
     /// Solves the field at samples of a motion, one after the other, and gives each solution to `take`; false if the

@@ -210,6 +210,138 @@ fn a_load_between_two_kinks_is_not_stepped_over() {
     }
 }
 
+/// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law states no `resolve`.
+fn pushed(push: &str, [at, speed]: [f64; 2], settings: &str) -> eng::Outcome {
+    let text = format!(
+        "
+        use std.joints.Translational
+        force Law(a: Marker, b: Marker) {{
+            let way = dot(a.origin - b.origin, b.z) + 0*time*1 m/s
+            let rate = der(way)
+            apply force ({push} + 0*rate*1 kg/s)*b.z on a against b
+        }}
+        model Bench {{
+            gravity = [0, 0, 0] m/s^2
+            marker rail = [0, 0, 0] mm
+            body block {{
+                mass = 1 kg
+                inertia = [1, 1, 1] g*m^2
+                start position = [0, 0, {at}] mm
+                start velocity = [0, 0, {speed}] m/s
+            }}
+            joint guide = Translational(block.origin, rail)
+            force law = Law(block.origin, rail)
+        }}
+        analysis run = transient(Bench(), {settings})"
+    );
+    let program = program(&text);
+    let outcome = program
+        .analysis("run")
+        .expect("an analysis")
+        .run(&mut |_| {});
+    outcome.unwrap_or_else(|failed| panic!("{}", failed.error))
+}
+
+/// A block falls on a stop of 1000 kN/mm, again and again, against the closed form: flights between half periods of a
+/// spring under gravity. The stop is entered by 32 µm for 0.1 ms; its law states no `resolve`. Steps are no longer than
+/// samples, so their distance decides where trials end.
+#[test]
+fn a_stiff_stop_is_met_at_any_distance_of_samples() {
+    let (stiffness, gravity, drop) = (1e9_f64, 9.81_f64, 0.05_f64);
+    let push = format!("-9.81 N + (if way < 0 mm then {stiffness} N/m*(0 mm - way) else 0 N)");
+    let speed = (2.0 * gravity * drop).sqrt();
+    let pace = stiffness.sqrt();
+    // z = (g − g cos ωt)/ω² − v sin ωt/ω is zero again after π + 2 atan(g/(ω v))
+    let touch = (std::f64::consts::PI + 2.0 * (gravity / (pace * speed)).atan()) / pace;
+    let flight = 2.0 * speed / gravity;
+    let height = |t: f64| {
+        let since = t - flight / 2.0;
+        if since < 0.0 {
+            return drop - gravity * t * t / 2.0;
+        }
+        let cycle = since % (touch + flight);
+        if cycle < touch {
+            let swing = pace * cycle;
+            return -speed * swing.sin() / pace - gravity * (1.0 - swing.cos()) / (pace * pace);
+        }
+        let up = cycle - touch;
+        speed * up - gravity * up * up / 2.0
+    };
+    for sample in ["0.9 ms", "2 ms", "5 ms", "6.3 ms", "7 ms", "9 ms", "20 ms"] {
+        let outcome = pushed(
+            &push,
+            [1e3 * drop, 0.0],
+            &format!("duration: 0.9 s, sample: {sample}"),
+        );
+        let column = |path: &str| &outcome.results.column(path).expect("a column").values;
+        let moments = column("time").iter().zip(column("guide.travel"));
+        let worst = moments
+            .map(|(t, h)| (h - height(*t)).abs())
+            .fold(0.0, f64::max)
+            / drop;
+        println!("samples of {sample}: {worst:.1e} of the drop");
+        assert!(worst < 1e-3, "samples of {sample}: {worst:.1e} of the drop");
+    }
+}
+
+/// Loads that jump: at a moment at which a step ends, while another load acts; at a place of the motion, through which it
+/// passes; at a speed, which is known to a share of its size. The end of each motion is known, at any distance of samples.
+#[test]
+fn motions_start_again_behind_jumps() {
+    let thin = (1.0_f64 - 2.0 * 40.0 * 1e-3).sqrt();
+    for (push, start, due, limit) in [
+        (
+            "if time < 50 ms then 5 N else (if time < 50.001 ms then 1e6 N else 0 N)",
+            0.0,
+            1.25,
+            1e-6,
+        ),
+        ("if time < 50 ms then 5 N else 1000 N", 0.0, 150.25, 1e-8),
+        (
+            "if way > 3 mm and way < 4 mm then -40 N else 0 N",
+            1.0,
+            thin,
+            1e-6,
+        ),
+        ("if way > 30 mm then -2 N else 3 N", 1.0, f64::NAN, 1e-6),
+        ("if rate > 0.9 m/s then -2 N else -1 N", 1.0, f64::NAN, 1e-3),
+    ] {
+        // 30 mm are passed at the speed √(1 + 2·3·0.03), then 2 m/s² less; 0.9 m/s after 50 ms, then 1 m/s² less
+        let due = match push {
+            push if push.contains("30 mm") => {
+                let passed = (1.0_f64 + 6.0 * 0.03).sqrt();
+                passed - 2.0 * (0.2 - (passed - 1.0) / 3.0)
+            }
+            push if push.contains("rate") => 0.75,
+            _ => due,
+        };
+        for sample in ["0.2 ms", "0.3 ms", "1 ms", "7 ms", "50 ms"] {
+            let outcome = pushed(
+                push,
+                [0.0, start],
+                &format!("duration: 0.2 s, sample: {sample}"),
+            );
+            let speeds = &outcome
+                .results
+                .column("guide.speed")
+                .expect("a column")
+                .values;
+            let found = speeds[speeds.len() - 1];
+            let most = speeds.iter().copied().fold(0.0, f64::max);
+            println!("{push}: {found} m/s for {due} m/s at {sample}");
+            assert!(
+                (found - due).abs() < limit * due,
+                "{push}: {found} for {due} at {sample}"
+            );
+            // a sample at the jump itself is between the speeds of both sides
+            assert!(
+                most < 1.001 * due.max(start.max(1.2)),
+                "{push}: {most} at {sample}"
+            );
+        }
+    }
+}
+
 /// The kink functions of a class are those of its loads: each condition, `min`, `max`, `abs` and held end of a table that depends on the
 /// motion, with its text and dimension, and no other.
 #[test]

@@ -166,3 +166,49 @@ fn a_missing_zero_stops_the_run() {
         "{error}"
     );
 }
+
+/// Equations that depend on each other do not determine the unknowns, even where they have zeros.
+#[test]
+fn equations_that_depend_on_each_other_stop_the_run() {
+    let alone = "fn f(v: 1[2], t: 1) -> 1[2] = [v[1] + v[2] - t, 2*v[1] + 2*v[2] - 2*t]";
+    let all =
+        "fn f(v: 1[3], t: 1) -> 1[3] = [v[1] + v[2] + v[3] - t, v[1] - v[2], 2*v[1] + v[3] - t]";
+    let rounding =
+        "fn f(v: 1[2], t: 1) -> 1[2] = [0.1*v[1] + 0.2*v[2] - t, 0.3*v[1] + 0.6*v[2] - 3*t]";
+    for (function, estimate, fails) in [
+        (alone, "[0, 0]", true),
+        (all, "[0, 0, 0]", true),
+        (rounding, "[0, 0]", true),
+        (
+            "fn f(v: 1[2], t: 1) -> 1[2] = [v[1] + v[2] - t, v[1] + 1.0001*v[2] - t]",
+            "[0, 0]",
+            false,
+        ),
+    ] {
+        let text = format!(
+            "use std.joints.Revolute
+        {function}
+        force Push(a: Marker, b: Marker) {{
+            let turned = rotation(a, b)/(1 rad)
+            let v = solve(f(t: turned), {estimate})
+            apply torque 1 N*m*v[1]*b.z on a against b
+        }}
+        model Bench {{
+            gravity = [0, 0, 0] m/s^2
+            marker axis = [0, 0, 0] mm
+            body wheel {{ mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker hub = origin }}
+            joint hinge = Revolute(wheel.hub, axis)
+            force push = Push(wheel.hub, axis)
+            start hinge.angle = 1 rad
+        }}
+        analysis run = transient(Bench(), duration: 10 ms, sample: 1 ms, start: assembled)"
+        );
+        match run(&text, "run") {
+            Ok(_) => assert!(!fails, "{function} ran"),
+            Err(error) => {
+                let told = ["finds no zero of `f(t: turned)`", "push is not finite"];
+                assert!(fails && told.iter().any(|t| error.contains(t)), "{error}");
+            }
+        }
+    }
+}

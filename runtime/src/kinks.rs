@@ -60,6 +60,13 @@ struct Item {
     limit: Limit,
 }
 
+impl Item {
+    /// Whether its function is a length or an angle.
+    fn is_way(&self) -> bool {
+        matches!(self.limit, Limit::Stated(_) | Limit::Tolerance(_))
+    }
+}
+
 /// Elements of one class with kinks.
 #[derive(Clone, Debug)]
 struct Group {
@@ -245,7 +252,7 @@ impl Kinks {
                 0.0
             };
             // a step that ends before a kink neither passes it nor leaves it
-            let ended_before = ended == Some(item) && self.items[item].limit != Limit::Time;
+            let ended_before = ended == Some(item) && self.items[item].is_way();
             if passed || (ended == Some(item) && !ended_before) {
                 *stay += 1.0;
             } else if stay.is_finite() && !ended_before {
@@ -272,7 +279,7 @@ impl Kinks {
     fn end(&self, item: usize, time: f64, factor: f64) -> f64 {
         let limit = self.limit(item, time, factor);
         match self.items[item].limit {
-            Limit::Time => limit,
+            Limit::Time | Limit::Share => limit,
             _ => AT * BEFORE * limit,
         }
     }
@@ -292,10 +299,11 @@ impl Kinks {
                 continue;
             }
             let limit = self.limit(item, time, factor);
-            // a moment is known exactly; at another kink rounding must not decide which side an end is on
+            // a moment is known exactly, and beside the kink of a valve states move infinitely fast; at a length rounding must
+            // not decide which side an end is on
             let aim = BEFORE * limit;
             let (depths, aim) = match self.items[item].limit {
-                Limit::Time => ([limit; 2], 0.0),
+                Limit::Time | Limit::Share => ([limit; 2], 0.0),
                 _ => ([AT * aim, -BESIDE * aim], aim),
             };
             if let Some(found) = crossing(*from, *to, h, depths, aim)
@@ -318,6 +326,18 @@ impl Kinks {
         let mut times = roots(0.5 * self.bends[item], rate, value - aim);
         times.sort_by(f64::total_cmp);
         times.into_iter().find(|time| *time > 0.0 && *time < h)
+    }
+
+    /// Whether the function of a kink is a length or an angle.
+    pub fn is_way(&self, item: usize) -> bool {
+        self.items.get(item).is_some_and(Item::is_way)
+    }
+
+    /// The length, angle or moment that a trial reaches at its end, at a time (s). Other functions, such as the pressure at a
+    /// valve, may stay within their limit.
+    pub fn reached_way(&self, time: f64, factor: f64) -> Option<usize> {
+        let reached = self.reached(time, factor);
+        reached.filter(|item| self.items[*item].limit != Limit::Share)
     }
 
     /// Whether the last trial, which ends at a time (s), ends at a kink.

@@ -196,9 +196,9 @@ impl Start<'_> {
         let placed = (0..self.model.elements.len()).any(|e| {
             let of_start = matches!(system.elements[e].role, Role::StartPosition { .. });
             let holds = self.model.elements[e].dynamic && !self.model.class(e).rows.is_empty();
-            // the assembly puts a pin into the middle of its shell
-            let film = system.journals.iter().any(|j| j.element as usize == e);
-            e != element && touches(e) && (of_start || holds || film)
+            // the assembly puts a pin into the middle of its shell, and a contact to its reach
+            let places = !system.elements[e].places.is_empty();
+            e != element && touches(e) && (of_start || holds || places)
         });
         if info.position.is_some() || placed {
             return None;

@@ -9,7 +9,8 @@ use crate::results::Results;
 use crate::significant::significant;
 use eng_report::animation::{FilmSurface, Films, Pose, Surface};
 use eng_report::readable_unit;
-use eng_system::field::{FILM_CELLS, FieldGrid};
+use eng_system::Dimension;
+use eng_system::field::{CellQuantity, FieldGrid};
 
 /// Height of the hill of the highest pressure, as a share of the largest radius of a film.
 const HILL: f64 = 0.5;
@@ -36,6 +37,13 @@ pub(super) struct Pictured {
     pub films: Films,
     pub shells: Vec<String>,
     pub notes: Vec<String>,
+}
+
+/// The dimension of the quantity that is drawn.
+pub(super) fn pressure() -> Dimension {
+    Dimension::FORCE
+        .over(Dimension::LENGTH)
+        .over(Dimension::LENGTH)
 }
 
 /// The films that can be drawn, and a sentence for each of the others.
@@ -142,25 +150,26 @@ fn at_nodes(grid: &FieldGrid, cells: &[f64], least: f64) -> Vec<f64> {
 }
 
 impl Shell<'_> {
-    /// A quantity at the nodes at some samples of a motion (SI); `None` if the film has no such quantity.
+    /// The first quantity of a dimension at the nodes at some samples of a motion (SI); `None` if the film has no such
+    /// quantity.
     pub fn quantity(
         &self,
-        name: &str,
+        dimension: Dimension,
         least: f64,
         motion: &Results,
         samples: &[usize],
-    ) -> Result<Option<Vec<Vec<f64>>>, ReportError> {
-        let Some(quantity) = self.field.quantity(name) else {
+    ) -> Result<Option<(&'static CellQuantity, Vec<Vec<f64>>)>, ReportError> {
+        let Some((number, quantity)) = self.field.quantity(dimension) else {
             return Ok(None);
         };
         let mut cells = vec![0.0; self.grid.cells()];
         let mut found = Vec::with_capacity(samples.len());
         let solved = self.field.each_solved(motion, samples, &mut |solver| {
-            solver.cells(quantity, &mut cells);
+            solver.cells(number, &mut cells);
             found.push(at_nodes(&self.grid, &cells, least));
         });
         match solved {
-            Ok(true) => Ok(Some(found)),
+            Ok(true) => Ok(Some((quantity, found))),
             Ok(false) => Ok(None),
             Err(source) => Err(ReportError::Film {
                 path: self.field.path.clone(),
@@ -187,17 +196,18 @@ pub(super) fn films(
     let samples: Vec<usize> = (0..times.len())
         .step_by(times.len().div_ceil(most).max(1))
         .collect();
-    let shown = FILM_CELLS.iter().find(|cell| cell.name == "pressure");
-    let (unit, scale) = shown.map_or(("Pa", 1.0), |cell| cell.unit);
     let radius = shells
         .iter()
         .map(|shell| shell.grid.radius)
         .fold(0.0, f64::max);
     let mut highest: Option<(f64, String, usize)> = None;
     for shell in shells {
-        let Some(mut pressures) = shell.quantity("pressure", 0.0, motion, &samples)? else {
+        let found = shell.quantity(pressure(), 0.0, motion, &samples)?;
+        let Some((quantity, mut pressures)) = found else {
             continue;
         };
+        let (unit, scale) = quantity.unit;
+        pictured.films.unit = readable_unit(unit);
         for (sample, values) in samples.iter().zip(&mut pressures) {
             for value in values {
                 *value /= scale;
@@ -216,7 +226,6 @@ pub(super) fn films(
             pressures,
         });
     }
-    pictured.films.unit = readable_unit(unit);
     pictured.films.height = HILL * radius;
     if let Some((most, path, sample)) = highest {
         let moment = match (angles.get(sample), times.get(sample)) {

@@ -66,16 +66,16 @@ pub(super) fn scene(
     let (mut flexible, mut rigid) = (Vec::new(), Vec::new());
     let (mut notes, mut maxima, mut held) = (Vec::new(), Vec::new(), Vec::new());
     let all: usize = entry.described.bodies.iter().map(surface_nodes).sum();
-    let mut chosen: Vec<usize> = Vec::new();
     let mut warnings = Vec::new();
+    let period = entry.described.machine.cycle_period;
+    let mut chosen: Vec<usize> = Vec::new();
     for at in at {
-        match at.nearest(&times, &angles, entry.described.machine.cycle_period) {
+        match at.nearest(&times, &angles, period) {
             Some(index) => chosen.push(index),
             None => {
-                notes.push(format!("Stresses at {at}: the motion has no such moment."));
-                warnings.push(format!(
-                    "no stresses at {at}: the kept motion has no such moment"
-                ));
+                let (note, warning) = no_moment(*at);
+                notes.push(note);
+                warnings.push(warning);
             }
         }
     }
@@ -137,17 +137,8 @@ pub(super) fn scene(
     chosen.sort_unstable();
     chosen.dedup();
     stresses(&mut flexible, &coverings, &chosen, (&times, &angles))?;
-    let length = flexible
-        .iter()
-        .flat_map(|b| &b.surface.nodes)
-        .flatten()
-        .fold(0.0f64, |most, x| most.max(x.abs()));
-    for body in &mut rigid {
-        let parts = body.parts.drain(..);
-        body.parts = parts
-            .flat_map(|part| outlined(part, LARGE * length))
-            .collect();
-    }
+    let length = reach(&flexible);
+    outline(&mut rigid, LARGE * length);
     let pictured = films(entry, motion, FILMS, (&times, &angles))?;
     let Pictured {
         films,
@@ -176,6 +167,28 @@ pub(super) fn scene(
         warnings,
         maxima,
     })
+}
+
+/// Largest coordinate of flexible bodies in their own axes (m).
+fn reach(flexible: &[FlexibleBody]) -> f64 {
+    let nodes = flexible.iter().flat_map(|b| &b.surface.nodes);
+    nodes.flatten().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// Draws discs above a radius (m) as outlines.
+fn outline(rigid: &mut [RigidBody], radius: f64) {
+    for body in rigid {
+        let parts = body.parts.drain(..);
+        body.parts = parts.flat_map(|part| outlined(part, radius)).collect();
+    }
+}
+
+/// The note and the warning about stresses at a moment that the motion does not have.
+fn no_moment(at: At) -> (String, String) {
+    (
+        format!("Stresses at {at}: the motion has no such moment."),
+        format!("no stresses at {at}: the kept motion has no such moment"),
+    )
 }
 
 /// A reduced flexible body, its amplitudes at each time, and its drawn surface.

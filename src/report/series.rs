@@ -5,13 +5,14 @@ use super::scene::{place, poses, shapes};
 use super::stress::{self, Peak};
 use super::{Entry, ReportError, describe::Matter, films};
 use crate::motion::{BodyMotion, moments};
-use crate::results::{file_stem, replace_file};
+use crate::results::{Results, file_stem, replace_file};
 use eng_flexible::fe::stress::von_mises;
 use eng_flexible::recover::Recovery;
 use eng_report::animation::{
     CellKind, FlexibleBody, ModeShape, NodeField, Surface, VtkBody, VtkEncoding, VtkFrame, VtkPart,
     pvd, vtu,
 };
+use eng_system::Dimension;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -130,7 +131,39 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
         }
     }
     let samples: Vec<usize> = (0..times.len()).step_by(every).collect();
+    for film in film_files(entry, motion, &times, &samples)? {
+        let name = format!("{stem}-{}", film.name);
+        write(&name, &film.text)?;
+        parts.push(VtkPart {
+            time: film.time,
+            part: film.part,
+            file: name,
+        });
+    }
+    if parts.is_empty() {
+        return Ok(None);
+    }
+    write(&format!("{stem}.pvd"), &pvd(&parts)).map(Some)
+}
+
+/// The file of a film at a time.
+struct FilmFile {
+    /// Its name behind that of the analysis.
+    name: String,
+    time: f64,
+    part: usize,
+    text: String,
+}
+
+/// The films of an analysis at some samples of its motion, with pressure (Pa) and gap (m) at their nodes.
+fn film_files(
+    entry: &Entry,
+    motion: &Results,
+    times: &[f64],
+    samples: &[usize],
+) -> Result<Vec<FilmFile>, ReportError> {
     let (shells, _) = films::shells(entry, motion)?;
+    let mut files = Vec::new();
     for (film, part) in shells.iter().zip(entry.described.bodies.len()..) {
         let mesh = VtkBody {
             name: film.field.path.clone(),
@@ -140,15 +173,18 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
                 .collect(),
         };
         let mut quantities = Vec::new();
-        for (quantity, least) in [("pressure", 0.0), ("gap", f64::NEG_INFINITY)] {
-            let values = film.quantity(quantity, least, motion, &samples)?;
-            quantities.extend(values.map(|values| (quantity, values)));
+        for (dimension, unit, least) in [
+            (films::pressure(), "Pa", 0.0),
+            (Dimension::LENGTH, "m", f64::NEG_INFINITY),
+        ] {
+            let found = film.quantity(dimension, least, motion, samples)?;
+            quantities.extend(found.map(|(quantity, values)| (quantity.name, unit, values)));
         }
         for (index, sample) in samples.iter().enumerate() {
             let fields: Vec<NodeField> = (quantities.iter_mut())
-                .map(|(name, values)| NodeField {
+                .map(|(name, unit, values)| NodeField {
                     name: (*name).to_owned(),
-                    unit: if *name == "gap" { "m" } else { "Pa" }.to_owned(),
+                    unit: (*unit).to_owned(),
                     values: values
                         .get_mut(index)
                         .map(std::mem::take)
@@ -167,17 +203,13 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
                 von_mises: &[],
                 fields: &fields,
             };
-            let name = format!("{stem}-{}-film-{index:03}.vtu", file_stem(&mesh.name));
-            write(&name, &vtu(&mesh, &frame, VtkEncoding::Base64)?)?;
-            parts.push(VtkPart {
+            files.push(FilmFile {
+                name: format!("{}-film-{index:03}.vtu", file_stem(&mesh.name)),
                 time: *time,
                 part,
-                file: name,
+                text: vtu(&mesh, &frame, VtkEncoding::Base64)?,
             });
         }
     }
-    if parts.is_empty() {
-        return Ok(None);
-    }
-    write(&format!("{stem}.pvd"), &pvd(&parts)).map(Some)
+    Ok(files)
 }

@@ -64,11 +64,11 @@ eng_grammar::codes! {
         "let area: Area",
         "let area: Area = pi/4*bore^2";
     TABLE = "E0416", "the definition of a table does not make sense",
-        "A table has one argument and one number as its value, both with types; its numbers come from `csv` or `points`.",
+        "A table has one to three arguments and one number as its value, all with types. Its numbers come from `csv` or `points`.",
         "table lift(theta: CrankAngle) = points([0, 30] deg, [0, 4] mm)",
         "table lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0, 4] mm)";
     ANALYSIS = "E0417", "an analysis cannot be made like this",
-        "An analysis is `transient(Model(…), …)`, `periodic(Model(…), …)`, `linear(Model(…), …)` or `assemble(Model(…))`; its `start` is `quasi_static` or `assembled`.",
+        "An analysis is `transient(Model(…), …)`, `periodic(Model(…), …)`, `linear(Model(…), …)`, `static(Model(…), …)` or `assemble(Model(…))`. The `start` of a motion is `quasi_static` or `assembled`.",
         "analysis run = transient(Engine, duration: 1 s, sample: 1 ms)",
         "analysis run = transient(Engine(), duration: 1 s, sample: 1 ms)";
     MARKER = "E0418", "the place of a marker cannot be read",

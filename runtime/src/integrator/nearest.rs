@@ -8,6 +8,9 @@ use crate::state::State;
 
 /// Corrections of a state between two steps.
 const CORRECTIONS: usize = 2;
+/// Length of a step, as a share of that of the kept matrix, below which its states need no correction. Such a step leads
+/// across a jump of loads, where the interpolated accelerations balance no load.
+const ACROSS: f64 = 1e-3;
 
 impl Integrator {
     /// The change x of the velocities with `G x = rates` (m/s, rad/s) that is least in the kept matrix of the
@@ -57,7 +60,8 @@ impl Integrator {
         dynamics: &mut Dynamics,
         state: &mut State,
     ) -> Result<(), RuntimeError> {
-        let Some(step) = self.factored_step else {
+        let length = self.current.time - self.previous.time;
+        let Some(step) = self.factored_step.filter(|step| length >= ACROSS * step) else {
             return Ok(());
         };
         let (n, weight) = (model.velocities, self.coefficients.weights(step).velocity);

@@ -7,6 +7,12 @@ use crate::state::State;
 
 /// Most trials of a step that a kink may shorten.
 const MOST_CUTS: usize = 14;
+/// Most trials that end where the cubic over the one before says, at a kink that is no length or angle, and the share of the way
+/// to it for the trials after that.
+const SECANTS: usize = 4;
+const SHORT: f64 = 0.9;
+/// Shortest trial that ends at a kink (s). A kink nearer than this is at the beginning of the step.
+const SHORTEST: f64 = 1e-12;
 /// Share of the way to a kink by which the third trial ends before it, its factor for each further one, and the largest
 /// share.
 const RETREAT: (f64, f64, f64) = (1e-5, 8.0, 0.1);
@@ -84,7 +90,7 @@ impl Simulation {
             true => (0.5 * at, None),
             false => (self.before(kink, at, h, *tries, factor), Some(kink)),
         };
-        if at >= h || begin + at == begin {
+        if at >= h || at < SHORTEST || begin + at == begin {
             return Ok(None);
         }
         self.integrator.statistics.kinks += 1;
@@ -101,6 +107,9 @@ impl Simulation {
                 return at;
             }
             return moment.next_down().next_down() - begin;
+        }
+        if !self.kinks.is_way(kink) {
+            return if tries <= SECANTS { at } else { SHORT * at };
         }
         if tries < 2 {
             return at;
@@ -210,8 +219,7 @@ impl Simulation {
         let before = std::mem::replace(&mut self.integrator.current, behind);
         self.begin_anew()?;
         let time = self.integrator.current.time - before.time;
-        // a sample may lie between the two states, where no matrix of a step balances the interpolated accelerations
-        self.integrator.drop_factors();
+        // a sample may lie between the two states
         let motion = start.velocity.iter().zip(&start.acceleration);
         for (increment, (v, a)) in self.integrator.increment.iter_mut().zip(motion) {
             *increment = time * v + 0.5 * time * time * a;
@@ -266,7 +274,7 @@ impl Simulation {
             pairs.fold((0.0_f64, 0.0_f64), |(miss, size), (((j, a), at), scale)| {
                 (
                     miss.max(((a - j * (first - to_kink) - at) / scale).abs()),
-                    size.max((j * first / scale).abs()),
+                    size.max((j * (first - to_kink) / scale).abs()),
                 )
             })
         };

@@ -659,8 +659,10 @@ impl Simulation {
                             Limit::Error
                         };
                     }
-                    let near = |kink: &usize| self.kinks.is_near(*kink, begin + h, factor);
-                    let reached = || self.kinks.reached(begin + h, factor);
+                    let near = |kink: &usize| {
+                        !self.kinks.is_way(*kink) || self.kinks.is_near(*kink, begin + h, factor)
+                    };
+                    let reached = || self.kinks.reached_way(begin + h, factor);
                     self.at_kink = ends_at.filter(near).or_else(reached);
                     self.at_kink = self.at_kink.or_else(|| self.kinks.moment_behind(h));
                     self.size.accepted(h, error);
