@@ -39,6 +39,9 @@ pub(super) struct Pictured {
     pub notes: Vec<String>,
 }
 
+/// A quantity, and its values at the nodes for each sample (SI).
+type AtNodes = (&'static CellQuantity, Vec<Vec<f64>>);
+
 /// The dimension of the quantity that is drawn.
 pub(super) fn pressure() -> Dimension {
     Dimension::FORCE
@@ -158,7 +161,7 @@ impl Shell<'_> {
         least: f64,
         motion: &Results,
         samples: &[usize],
-    ) -> Result<Option<(&'static CellQuantity, Vec<Vec<f64>>)>, ReportError> {
+    ) -> Result<Option<AtNodes>, ReportError> {
         let Some((number, quantity)) = self.field.quantity(dimension) else {
             return Ok(None);
         };

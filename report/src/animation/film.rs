@@ -67,7 +67,8 @@ impl Films {
     }
 
     pub(super) fn check(&self, times: usize) -> Result<(), AnimationError> {
-        if !self.surfaces.is_empty() && !(self.height > 0.0 && (self.height as f32).is_finite()) {
+        let drawn = self.height > 0.0 && (self.height as f32).is_finite();
+        if !self.surfaces.is_empty() && !drawn {
             return Err(AnimationError::Range {
                 what: "the height of films",
                 range: "a finite number above 0",
