@@ -391,11 +391,14 @@ impl Kinks {
     }
 
     /// The time (s) until the function of a kink is on its other side by a share of its limit, at its present rate at a time
-    /// (s); `None` if it does not come there.
+    /// (s); `None` if the last step did not end at the kink, or if it does not come there.
     pub fn across(&self, item: usize, share: f64, time: f64, factor: f64) -> Option<f64> {
-        let [_, rate] = self.now.get(item)?;
+        let [value, rate] = self.now.get(item)?;
+        if value.abs() > self.end(item, time, factor) {
+            return None;
+        }
         let further = share * self.limit(item, time, factor) / rate.abs();
-        (self.time_to(item) > 0.0 || self.now[item][0] == 0.0)
+        (self.time_to(item) > 0.0 || *value == 0.0)
             .then_some(self.time_to(item) + further)
             .filter(|time| time.is_finite() && *time > 0.0)
     }

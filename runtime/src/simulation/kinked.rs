@@ -257,7 +257,8 @@ impl Simulation {
         }
         let e = (BEHIND / pace).min(h.max(BEHIND * self.size.step));
         let left = self.kinks.time_left(e);
-        let to_kink = self.at_kink.map_or(0.0, |kink| self.kinks.time_to(kink));
+        let way = self.at_kink.filter(|kink| self.kinks.is_way(*kink));
+        let to_kink = way.map_or(0.0, |kink| self.kinks.time_to(kink));
         let first = e + left.max(to_kink);
         // a table may end behind the kink; then the next step reports it
         let Ok([a, b]) = self.two_ahead(&start, [first, first + e]) else {
