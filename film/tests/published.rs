@@ -47,7 +47,7 @@ fn table(text: &str) -> Value {
     serde_json::from_str(text).expect("a table")
 }
 
-fn at<'v>(value: &'v Value, row: usize) -> &'v Value {
+fn at(value: &Value, row: usize) -> &Value {
     &value.as_array().expect("a list")[row]
 }
 
