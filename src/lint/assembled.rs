@@ -305,6 +305,11 @@ impl Start<'_> {
     fn sinks(&self) -> Option<Finding> {
         // if it cannot be evaluated, the run reports the error
         let (element, way) = sag(self.model, self.state, self.gravity()).ok().flatten()?;
+        // the stiffness of a film at rest is no number of the text
+        let journals = &self.model.compiled.system.journals;
+        if journals.iter().any(|j| j.element as usize == element) {
+            return None;
+        }
         // the model's length is that of its bodies; a spring may be longer than all of them
         let apart = self.pair(element).map_or(0.0, |markers| {
             let [a, b] = markers.map(|marker| self.marker(marker));

@@ -1,7 +1,7 @@
 //! Velocities at the start.
 
 use super::at;
-use super::rows::{Along, Rows, smallest_solution};
+use super::rows::{Along, Rows, pins, smallest_solution};
 use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::model::Model;
@@ -13,7 +13,8 @@ use nalgebra::{DMatrix, DVector};
 const CONTRADICTION: f64 = 1e-8;
 
 /// Velocities of smallest kinetic energy with `Φ̇ = 0` and the exact start rows. Guessed rows are fitted
-/// first; the exact ones then correct by the smallest change.
+/// first; the exact ones then correct by the smallest change. Pins keep their places in their shells as far as all these
+/// rows allow.
 pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     state.velocity.fill(0.0);
     let system = &model.compiled.system;
@@ -61,6 +62,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         let rest = &values + &matrix * &v;
         v += solve(&matrix, &(-rest))?;
     }
+    v += keep_pins(model, state, &v, &all_matrix, &from_energy)?;
     state.velocity.copy_from_slice(v.as_slice());
 
     let scales = model.velocity_scales();
@@ -99,6 +101,67 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         rows: open.into_iter().map(|(_, _, row)| row).collect(),
         chain: chain.map(Box::new),
     })
+}
+
+/// Rate of a pin in its shell, as a share of the model's speed, that counts as rest.
+const RESTS: f64 = 1e-9;
+
+/// The change of least kinetic energy that takes the rates of pins in their shells away, without a change of other rows. Least
+/// energy alone would turn a crank that only films hold about its centre of mass, and its pins would leave their shells.
+fn keep_pins(
+    model: &Model,
+    state: &State,
+    v: &DVector<f64>,
+    others: &DMatrix<f64>,
+    from_energy: &DMatrix<f64>,
+) -> Result<DVector<f64>, RuntimeError> {
+    let none = || DVector::zeros(model.velocities);
+    let wishes = pins(model);
+    let (_, rates) = Rows::new(model, Vec::new()).with(model, &wishes).evaluate(
+        model,
+        &at(state),
+        Along::Pose,
+    )?;
+    // each pin has two rows of its place and two of its axis
+    let places: Vec<usize> = (0..rates.nrows()).filter(|row| row % 4 < 2).collect();
+    let rates = rates.select_rows(&places);
+    let left = &rates * v;
+    let scales = model.velocity_scales();
+    let speed = (v.iter().zip(&scales)).fold(0.0_f64, |most, (v, s)| most.max((v / s).abs()));
+    if left.is_empty() || left.amax() <= RESTS * speed * model.length {
+        return Ok(none());
+    }
+    let malformed = || RuntimeError::Malformed {
+        what: "the start velocities are not finite".to_string(),
+    };
+    let mut kept = others * from_energy;
+    for mut row in kept.row_iter_mut() {
+        let size = row.norm();
+        if size > 0.0 {
+            row.scale_mut(1.0 / size);
+        }
+    }
+    let mut free = &rates * from_energy;
+    let sizes: Vec<f64> = free.row_iter().map(|row| row.norm()).collect();
+    if kept.nrows() > 0 {
+        let svd = crate::singular::decompose(kept).ok_or_else(malformed)?;
+        let right = svd.v_t.as_ref().ok_or_else(malformed)?;
+        let least = 1e-9 * svd.singular_values.amax();
+        for (direction, size) in right.row_iter().zip(svd.singular_values.iter()) {
+            if *size > least {
+                let along = &free * direction.transpose();
+                free -= along * direction;
+            }
+        }
+    }
+    // the rest of a rate that the other rows determine is rounding
+    for (mut row, size) in free.row_iter_mut().zip(&sizes) {
+        if row.norm() <= RESTS * size {
+            row.fill(0.0);
+        }
+    }
+    let x = smallest_solution(&free, &(-left)).ok_or_else(malformed)?;
+    Ok(from_energy * x)
 }
 
 fn gradient_size(matrix: &DMatrix<f64>, row: usize, scales: &[f64]) -> f64 {

@@ -32,7 +32,7 @@ use crate::linear::{BlockLu, LinearSolver, Pattern};
 use crate::model::Model;
 use crate::outputs::Watch;
 use crate::start::Turning;
-use crate::start::eccentricity::{eccentricities, eccentricity_rates, film_ratios};
+use crate::start::eccentricity::{eccentricities, eccentricity_rates, film_ratios, yielding};
 use crate::start::motion::{SteadyMotion, modal};
 use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
@@ -369,7 +369,8 @@ impl Follower {
         move_pose(model, &from.pose, &all[..n], 1.0, &mut pose);
         if film_ratios(model, &pose)
             .iter()
-            .any(|ratio| *ratio >= WITHIN)
+            .zip(yielding(model))
+            .any(|(ratio, yields)| *ratio >= WITHIN && !yields)
         {
             return false;
         }
