@@ -77,7 +77,6 @@ mod repetition;
 pub mod report;
 pub mod run;
 pub mod server;
-mod significant;
 mod simulation;
 mod sources;
 mod tables;

@@ -194,7 +194,9 @@ fn a_value_outside_its_limits_is_told_with_its_places() {
     assert_eq!(output.status.code(), Some(1));
     let told = errors(&output);
     assert!(
-        told.contains("length = 3000 mm is outside its limits: it lies between 10 mm and 2000 mm"),
+        told.contains(
+            "length = 3000 mm is outside its limits: it must be above 10 mm and below 2000 mm"
+        ),
         "{told}"
     );
     assert!(

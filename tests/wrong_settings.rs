@@ -106,7 +106,7 @@ fn moments_outside_the_kept_motion_are_told() {
     let report = ["report", "spin.eng", "--analysis", "turns", "--stress-at"];
     let (code, _, errors) = eng(&folder, &[&report[..], &["5 s"]].concat());
     assert_eq!(code, Some(0), "{errors}");
-    let says = "turns: no stresses at 5 s: the kept motion has no such moment";
+    let says = "turns: no stresses at 5 s: the motion has no such moment";
     assert!(errors.contains(says), "{errors}");
     std::fs::remove_dir_all(&folder).expect("removed");
 }
