@@ -55,6 +55,7 @@ pub mod results;
 mod analysis;
 pub mod assembled;
 mod counted;
+mod definitions;
 mod error;
 mod explained;
 mod failure;
