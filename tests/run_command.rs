@@ -299,7 +299,7 @@ fn check_tells_what_is_advised_and_required_of_parameters() {
         "{told}"
     );
     assert!(told.contains("clearance is stated here"), "{told}");
-    assert!(told.contains("is it the diametral one?"), "{told}");
+    assert!(told.contains("is it the diametral clearance?"), "{told}");
     assert_eq!(told.matches("error[E0720]").count(), 1, "{told}");
     assert!(
         told.contains("Vogel's equation of this oil holds above -97.43 degC, not at -100 degC"),

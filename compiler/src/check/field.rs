@@ -102,7 +102,8 @@ impl<'p> Checker<'p> {
         let markers = self.markers_of(body);
         let title = format!("the body `{}` has no `{}`", body.name, name.text);
         let markers = markers.iter().map(String::as_str);
-        self.no_member(title, name, markers.chain(["mass"]));
+        let mass = (declared.kind == Kind::Body).then_some("mass");
+        self.no_member(title, name, markers.chain(mass));
         Type::Error
     }
 

@@ -107,6 +107,8 @@ impl<'p> Checker<'p> {
         // In a body's block `mass` is a name, so that the inertia can use it.
         let local = scope.local(name).is_some();
         if name == "mass" && !local && scope.body.is_some_and(has_mass) {
+            // `mass = mass` reads a parameter of this name
+            self.find(scope, name);
             return Type::Scalar(Quantity::hard(Dimension::MASS));
         }
         if let Some(word) = self.due_word(name, span) {
