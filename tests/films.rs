@@ -512,7 +512,7 @@ fn maps(text: &str) -> (eng::Results, Vec<Result<FilmMap, String>>) {
     };
     let untold = |map: &Result<FilmMap, String>| {
         let told = map.as_ref().err();
-        told.is_some_and(|told| told.contains("no motion was kept"))
+        told.is_some_and(|told| told.contains("the results have no motion"))
     };
     assert!(of(None).iter().all(untold));
     let maps = of(Some(&outcome.motion));

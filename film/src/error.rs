@@ -216,7 +216,7 @@ pub enum FilmError {
     },
     /// An elastic surface that finds no balance with the film.
     #[error(
-        "the elastic surface finds no place within {rounds} rounds: it may be too soft for the load, or the step too long"
+        "film and elastic surface find no balance within {rounds} rounds: the surface may be too soft for the load, or the step too long"
     )]
     NoSurface {
         /// Rounds of Newton's method.

@@ -546,7 +546,7 @@ fn check(options: &Options, model: &Model) -> Result<(), RuntimeError> {
     let refuse = |message: String| Err(RuntimeError::Options { message });
     if !(0.0..=1.0).contains(&options.rho_infinity) {
         return refuse(format!(
-            "the spectral radius at infinite frequency is {}; it lies in 0…1",
+            "the spectral radius at infinite frequency is {}; it must be from 0 to 1",
             options.rho_infinity
         ));
     }

@@ -447,7 +447,7 @@ pub struct System {
     /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,
     /// Quantities that lints follow through a turn without forces, in the order of their inputs of the bind graph.
-    pub followed: Vec<crate::turn::Followed>,
+    pub followed: Vec<crate::lint::Followed>,
     /// Lints that the text accepts.
     pub accepted: Vec<crate::lint::Accepted>,
 }

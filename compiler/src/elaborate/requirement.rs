@@ -109,7 +109,7 @@ impl<'a> Elaborator<'a, '_> {
                 let title = |paths: &[&str]| titled(&text, paths);
                 let places = |diagnostic: Diagnostic| match used_at.map(span_of) {
                     Some(place) => diagnostic
-                        .at(place, "needed by the item used here")
+                        .at(place, "used here")
                         .also(condition.span, "this does not hold"),
                     None => diagnostic.at(condition.span, "this does not hold"),
                 };
@@ -224,7 +224,7 @@ impl<'a> Elaborator<'a, '_> {
                 Some(unit) => DisplayUnit::from(self.unit(unit)?),
                 None => {
                     let dimension = self.dimension_at(span, scope)?;
-                    self.natural_unit(dimension)
+                    self.usual_unit(dimension)
                 }
             };
             found.parts.push(Part::Value {

@@ -591,7 +591,7 @@ impl<'a> Balance<'a> {
             let element = model.compiled.system.journals[journal].element as usize;
             return Ok(Some((
                 model.compiled.system.elements[element].origin.clone(),
-                format!("the pin comes to {ratio:.4} of the clearance"),
+                format!("the pin reaches {ratio:.4} of the clearance"),
             )));
         }
         Ok(Some(worst.unwrap_or_else(|| {
