@@ -130,6 +130,9 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         }
         R::Jumps { jump, .. } => place(d(codes::JUMPS), &jump.origin, "jumps")
             .with_help(UNJUMPED),
+        R::Demanded { origin, text, row, velocity, .. } => {
+            demanded(d(codes::DEMANDED), (origin, text), &row.equation, *velocity)
+        }
         R::Stopped(slow) => paced(d(codes::STOPPED), &slow.pace),
         R::TurnsTooFar { origin, step, degrees, .. } => place(d(codes::OPTIONS), origin, "turns this fast")
             .with_help(format!("state a `step` below {} s, or none: then error control chooses the steps", significant(step * 90.0 / degrees, 2))),
@@ -191,6 +194,30 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
+}
+
+/// The message about a constraint that demands a jump at a kink, with the place of the kink and its text.
+fn demanded(
+    message: Diagnostic,
+    (origin, text): (&Origin, &str),
+    equation: &str,
+    velocity: bool,
+) -> Diagnostic {
+    let used = Origin {
+        defined_at: None,
+        ..origin.clone()
+    };
+    let message = place(message, &used, "demands the jump");
+    let message = match origin.defined_at {
+        Some(at) if text.is_empty() => message.also(span(at), "its kink is here"),
+        Some(at) => message.also(span(at), "it jumps where this changes"),
+        None => message,
+    };
+    let message = message.with_note(format!("the equation is `{equation}`"));
+    message.with_help(match velocity {
+        true => "a jump of the velocity needs an impulse, which Eng does not model: ramp the speed over some time, such as by `step((time - 1 s)/(10 ms))` of `std.math`, round the corner, or read a smooth table (cubic, with a level end where it is held)",
+        false => "bodies do not move at once: move them in some time, such as by `step((time - 1 s)/(10 ms))` of `std.math`",
+    })
 }
 
 /// The message about a missing equilibrium.

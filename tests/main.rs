@@ -9,6 +9,7 @@ mod command;
 mod command_failures;
 mod commands_in_process;
 mod convergence;
+mod demanded;
 mod documents;
 mod elastic_surfaces;
 mod equilibrium;

@@ -440,6 +440,25 @@ pub enum RuntimeError {
         /// The jump.
         jump: Jump,
     },
+    /// A constraint demands a velocity or a position that jumps.
+    #[error(
+        "the {} that {} demands jumps by {} at {moment}",
+        if *velocity { "velocity" } else { "position" },
+        origin.path,
+        row.gap(if *velocity { "/s" } else { "" })
+    )]
+    Demanded {
+        /// When.
+        moment: Moment,
+        /// The element, and the place of the expression with the kink.
+        origin: Box<Origin>,
+        /// The expression with the kink as written; empty if no text states it.
+        text: String,
+        /// The equation, with the jump of its rate or of its value.
+        row: Box<NamedRow>,
+        /// Whether it is the velocity.
+        velocity: bool,
+    },
     /// The observer ended the run before its end.
     #[error("the run was stopped at {moment}; its {slow}", moment = .0.moment, slow = .0)]
     Stopped(Slow),

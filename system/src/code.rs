@@ -12,7 +12,7 @@
 //! | `Outputs` | common, accelerations, rates, signals | outputs |
 //! | `Conditions` | common | one number for each condition, which must be positive |
 //! | `Rotations` | common | unwrapped angle of each rotation (rad) |
-//! | `Kinks` | common; with accelerations, rates and signals if the class states this | each kink function; its rate; the handle of its table, or −1 |
+//! | `Kinks` | common; with accelerations, rates and signals if the class states this | each kink function; its rate; the handle of its table, or −1; 1 while selected branches use it, else 0 |
 //!
 //! G is the derivative of Φ along the pose directions: δx in inertial axes, and δπ in the marker's axes with
 //! δR = R δπ~. The twist (ẋ, ω in marker axes) is the rate of these. `∂W/∂λ = −Gᵀ`.

@@ -92,7 +92,9 @@ impl<'a> Elaborator<'a, '_> {
             }
             Kind::Numbers if name == "wrapped" => {
                 let path = self.scope(scope).path.clone();
-                self.wrapped(values, option, &path, span)
+                let near = self.wrapped(values, option, &path, span)?;
+                self.note_kink(near.stage, near.node, 0, span, span, scope)?;
+                Ok(Value::Scalar(near))
             }
             Kind::Numbers => {
                 let value = self.of_numbers(name, values, span)?;
@@ -138,7 +140,7 @@ impl<'a> Elaborator<'a, '_> {
         from: Option<Scalar>,
         path: &str,
         span: Span,
-    ) -> Eval<Value<'a>> {
+    ) -> Eval<Scalar> {
         let place = values.last().map_or(span, |(_, place)| *place);
         let [angle, period] = self.scalars::<2>(values, span)?;
         let from = from.unwrap_or_else(|| self.bench.constant(-std::f64::consts::PI));
@@ -182,10 +184,19 @@ impl<'a> Elaborator<'a, '_> {
         let near = bench.subtract(near, shift);
         let near = bench.binary(near, from, Graph::maximum);
         let after = operations(bench);
+        // a function that is zero there, with the rate of the angle
+        let half_turn = bench.constant(std::f64::consts::PI);
+        let half_turns = bench.multiply(periods, half_turn);
+        let sine = bench.unary(half_turns, |graph, x| graph.unary(Elementary::Sin, x));
+        let size = bench.divide(period, half_turn);
+        let ends = bench.multiply(size, sine);
         if let Some(element) = bench.element.as_mut() {
             element.turns.extend((before..after).map(Node));
+            if near.stage == Stage::Motion {
+                element.wraps.push((near.node, ends.node));
+            }
         }
-        Ok(Value::Scalar(near))
+        Ok(near)
     }
 
     fn of_numbers(

@@ -290,6 +290,9 @@ impl<'a> Elaborator<'a, '_> {
                 .flat_map(|field| field.drives.iter().map(at))
                 .collect(),
             turns: element.turns.iter().map(at).collect(),
+            wraps: (element.wraps.iter())
+                .map(|(wrapped, zero)| (at(wrapped), at(zero)))
+                .collect(),
             changing,
             bound_kinks,
             graph,

@@ -460,7 +460,7 @@ fn check_shapes(
             } else {
                 common
             },
-            3 * class.kinks.len(),
+            4 * class.kinks.len(),
         ),
     ];
     for (function, inputs, outputs) in expected {
