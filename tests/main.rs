@@ -23,6 +23,7 @@ mod floquet;
 mod floquet_engine;
 mod frames;
 mod geometry;
+mod hand_over;
 mod handles;
 mod inputs;
 mod interfaces;
