@@ -102,7 +102,7 @@ pub use model::{Channel, ChannelInfo, Input, InputInfo, Model, Parameter, Parame
 pub use program::{Checked, Program, check};
 pub use quantity::{Quantity, QuantityError};
 pub use recorded_field::RecordedField;
-pub use reduction::Reduction;
+pub use reduction::{BodyFile, BodyFormat, HandOverError, Reduction};
 pub use results::Results;
 pub use simulation::{Simulation, SimulationBuilder};
 pub use sources::Sources;

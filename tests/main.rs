@@ -24,6 +24,7 @@ mod floquet;
 mod floquet_engine;
 mod frames;
 mod geometry;
+mod hand_over;
 mod handles;
 mod inputs;
 mod interfaces;

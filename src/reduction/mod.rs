@@ -2,11 +2,13 @@
 //! them.
 
 mod cache;
+mod hand_over;
 mod look;
 mod request;
 mod sense;
 mod table;
 
+pub use hand_over::{BodyFile, BodyFormat, HandOverError};
 pub(crate) use look::Looks;
 
 use crate::Sources;
