@@ -11,6 +11,7 @@ mod commands_in_process;
 mod convergence;
 mod documents;
 mod elastic_surfaces;
+mod engines;
 mod equilibrium;
 mod explain;
 mod factorization;
