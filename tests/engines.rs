@@ -325,12 +325,12 @@ fn forces_of_a_single_agree_with_newtons_and_eulers_equations() {
     let speed = 3000.0 * TAU / 60.0;
     let (mut miss, mut peak) = (0.0_f64, 0.0_f64);
     let mut carried = 0.0_f64;
-    for k in 0..angle.len() {
-        let due = SLIDER.big_end(angle[k], speed, thrust[k]);
+    for (k, (&turned, &push)) in angle.iter().zip(thrust).enumerate() {
+        let due = SLIDER.big_end(turned, speed, push);
         let found = ["x", "y"]
             .map(|axis| column(&results, &format!("engine.cylinder[1].hinge.force.{axis}"))[k]);
         // the hinge's force is along the axes of the pin's marker, which turn with the crank
-        let (s, c) = angle[k].sin_cos();
+        let (s, c) = turned.sin_cos();
         let found = [c * found[0] - s * found[1], s * found[0] + c * found[1]];
         for (found, due) in found.iter().zip(due) {
             miss = miss.max((found - due).abs());
@@ -430,8 +430,7 @@ analysis run = assemble(Both())
         .split(|c: char| !(c.is_ascii_digit() || ".-e".contains(c)))
         .filter_map(|word| word.parse().ok())
         .collect();
-    let units = [(1.0, "kg"), (1e-3, "mm"), (1e-3, "g m²")];
-    for (_, unit) in units {
+    for unit in ["kg", "mm", "g m²"] {
         assert!(line.contains(unit), "{line}");
     }
     let results = run(&text, "run");
