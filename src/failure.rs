@@ -410,11 +410,24 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                 );
                 Some((parameter.origin.used_at?, told))
             });
-            let elsewhere: Vec<_> = stated.filter(|(at, _)| Some(*at) != *used_at).collect();
+            // the numbers of one place, such as those of a record, share a label
+            let mut elsewhere: Vec<(Location, Vec<String>)> = Vec::new();
+            for (at, told) in stated.filter(|(at, _)| Some(*at) != *used_at) {
+                match elsewhere.iter_mut().find(|(known, _)| *known == at) {
+                    Some((_, others)) => others.push(told),
+                    None => elsewhere.push((at, vec![told])),
+                }
+            }
             match elsewhere.len() {
-                1..=MOST_PARAMETERS => elsewhere
-                    .iter()
-                    .fold(message, |message, (at, told)| at_first(message, *at, told)),
+                1..=MOST_PARAMETERS => elsewhere.iter().fold(message, |message, (at, told)| {
+                    let label = match told.as_slice() {
+                        [rest @ .., first] if !rest.is_empty() => {
+                            format!("{first} and {} more numbers", rest.len())
+                        }
+                        one => one.concat(),
+                    };
+                    at_first(message, *at, &label)
+                }),
                 _ => message,
             }
         }

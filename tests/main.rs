@@ -12,6 +12,7 @@ mod convergence;
 mod demanded;
 mod documents;
 mod elastic_surfaces;
+mod engines;
 mod equilibrium;
 mod explain;
 mod factorization;

@@ -13,6 +13,24 @@ use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::elementary::Elementary;
 
+/// The whole numbers of arguments that are counts or lists of counts; `None` if another number is among them.
+fn whole_numbers(values: &[(Value<'_>, Span)]) -> Option<Vec<i64>> {
+    let mut found = Vec::new();
+    for (value, _) in values {
+        match value {
+            Value::Int(i) => found.push(*i),
+            Value::List(items) => {
+                for item in items {
+                    let Value::Int(i) = item else { return None };
+                    found.push(*i);
+                }
+            }
+            _ => return None,
+        }
+    }
+    Some(found)
+}
+
 impl<'a> Elaborator<'a, '_> {
     /// Warns of `cos(16)`: a number of the text that is more than a turn in rad and has no unit of angle.
     fn angle_without_unit(
@@ -312,6 +330,15 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Value<'a>> {
         match name {
             "min" | "max" => {
+                if let Some(whole) = whole_numbers(&values) {
+                    let extreme = match name {
+                        "min" => whole.into_iter().min(),
+                        _ => whole.into_iter().max(),
+                    };
+                    return extreme
+                        .map(Value::Int)
+                        .ok_or_else(|| self.nothing(name, span));
+                }
                 let list = self.numbers_of(values)?;
                 let op = if name == "min" {
                     Graph::minimum
@@ -328,6 +355,14 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(Value::Scalar(best))
             }
             "sum" => {
+                if let Some(whole) = whole_numbers(&values)
+                    && !whole.is_empty()
+                {
+                    let sum = whole
+                        .into_iter()
+                        .try_fold(0_i64, |sum, i| sum.checked_add(i));
+                    return sum.map(Value::Int).ok_or_else(|| self.not_countable(span));
+                }
                 let list = self.numbers_of(values)?;
                 let mut rest = list.into_iter();
                 let Some(mut sum) = rest.next() else {

@@ -113,6 +113,14 @@ impl<'a> Elaborator<'a, '_> {
                         .also(condition.span, "this does not hold"),
                     None => diagnostic.at(condition.span, "this does not hold"),
                 };
+                // the text of a component does not show which part is wrong
+                let part = self.context.uses.last().map(|(place, _)| *place);
+                if let (false, None, Some(part)) = (advise, used_at, part) {
+                    let message = Diagnostic::error(codes::REQUIRED, title(&[path]))
+                        .at(part, "this part needs it")
+                        .also(condition.span, "this does not hold");
+                    return Err(self.report(message));
+                }
                 if !advise {
                     let message = places(Diagnostic::error(codes::REQUIRED, title(&[path])));
                     return Err(self.report(message));
