@@ -5,15 +5,14 @@ format. NumPy, pyNastran and the lines of Abaqus must give the same matrices, an
 Exudyn moves the free, spinning bar with the arrays, and must find the motion of `eng run`. Exits with 1 where they differ.
 """
 
+import csv
 import json
 import pathlib
-import shutil
 import subprocess
 import sys
 
 import exudyn
 import numpy
-import pyarrow.parquet
 import scipy.linalg
 from exudyn.FEM import ObjectFFRFreducedOrderInterface
 from pyNastran.bdf.bdf import BDF
@@ -22,7 +21,8 @@ from pyNastran.op4.op4 import read_op4
 eng, folder = sys.argv[1], pathlib.Path(sys.argv[2])
 mesh = pathlib.Path(__file__).parent.parent / "tests/mesh/bar.bdf"
 folder.mkdir(parents=True, exist_ok=True)
-shutil.copy(mesh, folder)
+# a soft bar: its deflections are so large that each term of the floating frame counts
+(folder / "bar.bdf").write_text(mesh.read_text().replace("210000.", "  1000.", 1))
 SPIN, SPEED = [300.0, 40.0, 500.0], [1.0, -2.0, 0.5]
 DURATION = 5e-3
 (folder / "free.eng").write_text(f"""
@@ -30,7 +30,8 @@ model Free {{
     gravity = [0, 0, 0] m/s^2
     flexible bar {{
         mesh = nastran("bar.bdf", units: mm_tonne_s)
-        modes = static(at: tip) + normal(7)
+        modes = static(at: tip, freedoms: [x, y, z]) + normal(7)
+        element_rules = exact
         damping = 1 %
         marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
         marker side = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm)
@@ -50,7 +51,7 @@ def run(*words):
 
 def close(a, b, relative, what):
     error = numpy.max(numpy.abs(numpy.asarray(a) - b)) / numpy.max(numpy.abs(b))
-    print(f"{what}: {error:.1e}")
+    print(f"{what}: {error:.1e} (limit {relative:.0e})")
     assert error <= relative, (what, error)
 
 
@@ -154,17 +155,18 @@ settings.timeIntegration.numberOfSteps = 5000
 settings.timeIntegration.endTime = DURATION
 settings.timeIntegration.generalizedAlpha.spectralRadius = 1.0
 settings.timeIntegration.verboseMode = 0
-settings.solutionSettings.writeSolutionToFile = False
+settings.solution.file.write = False
 system.SolveDynamic(settings)
 place = system.GetNodeOutput(made["nRigidBody"], exudyn.OutputVariableType.Position)
 turn = system.GetNodeOutput(made["nRigidBody"], exudyn.OutputVariableType.RotationMatrix).reshape(3, 3)
 amplitudes = system.GetNodeOutput(made["nGenericODE2"], exudyn.OutputVariableType.Coordinates)
-run("run", "free.eng", "--out", "run", "--no-plots")
-table = pyarrow.parquet.read_table(folder / "run/fly.parquet")
-fields = {f.name: f.metadata for f in table.schema}
+run("run", "free.eng", "--out", "run", "--no-plots", "--csv")
+with open(folder / "run/fly.csv", newline="") as file:
+    paths, units, *rows = csv.reader(file)
+last = {path: float(value) for path, value in zip(paths, rows[-1])}
+assert abs(last["time"] - DURATION) < 1e-12 and all(units[paths.index(f"tip.{axis}")] == "m" for axis in "xyz")
 for index, name in enumerate(("tip", "side")):
     at_rest = numpy.array(about["markers"][index]["position"])
     found = place + turn @ (at_rest + motion[index, :3, 6:] @ amplitudes)
-    columns = [f"{name}.{axis}" for axis in "xyz"]
-    expected = [table.column(c).to_numpy()[-1] * float(fields[c][b"si_scale"]) for c in columns]
+    expected = [last[f"{name}.{axis}"] for axis in "xyz"]
     close(found, numpy.array(expected), 1e-6, f"place of {name} after {DURATION} s in Exudyn")
