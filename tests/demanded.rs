@@ -270,7 +270,6 @@ fn a_demanded_velocity_must_not_jump() {
 #[test]
 fn smooth_corners_are_passed() {
     let tables = "use std.math.step
-        table level(t: Time) -> Length = points([-100, 0, 50, 100, 150, 250] ms, [0, 0, 5, 10, 10, 10] mm, interpolation: monotone, extrapolation: hold)
         fn round(a: Angle) -> Length = 10 mm*cos(a)";
     for (way, end) in [
         ("100 mm*step((time - 0.1 s)/(50 ms))", 0.1),
@@ -296,8 +295,9 @@ fn smooth_corners_are_passed() {
             assert!((found - end).abs() < 1e-9, "{way} at {sample}: {found} m");
             let [open, work] =
                 ["energy.imbalance", "energy.work_of_drives"].map(|path| column(&outcome, path));
-            let size = |x: &[f64]| x.iter().fold(1e-9_f64, |most, x| most.max(x.abs()));
-            let share = size(open) / size(work);
+            let size = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            // some of these ways do not move at all
+            let share = size(open) / size(work).max(1e-9);
             println!("{way} at {sample}: energy {share:.1e}");
             assert!(share < 1e-4, "{way} at {sample}: energy {share:.1e}");
         }
