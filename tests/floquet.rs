@@ -366,7 +366,7 @@ fn a_start_that_rings_comes_to_the_motion_that_repeats() {
         let decrement = -TAU * mode.value.re / mode.value.im;
         near(mode.logarithmic_decrement(), decrement, 1e-15);
     }
-    let far = "close by, but the state is not on it";
+    let far = "a motion of this period is near, but the search from the state does not find it";
     let stated = refused(&program, "stated");
     assert!(stated.contains(far) && stated.contains("bob"), "{stated}");
     let other = refused(&program, "other");

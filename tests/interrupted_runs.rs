@@ -339,7 +339,7 @@ fn complete_results_of_another_run_are_not_replaced_by_resuming() {
     };
     refused(&["--set", "load=1kg"], "load was 1.2 kg and is 1 kg");
     refused(&["--channels", "height"], "it records other channels");
-    refused(&["--last", "10 ms"], "the part that is kept is another");
+    refused(&["--last", "10 ms"], "the recorded part differs");
     ok(&place.run("out", &["--resume"]));
     assert!(std::fs::read(&path).unwrap() == whole);
     let model = place.path("swing.eng");

@@ -840,7 +840,7 @@ fn coefficients_that_change_with_time_are_refused() {
     ] {
         let message = refused(&program, analysis);
         assert!(
-            message.contains(&format!("by {element} they depend on time")),
+            message.contains(&format!("because of {element} they depend on time")),
             "{analysis}: {message}"
         );
     }

@@ -522,7 +522,7 @@ fn results_that_are_missing_are_told() {
     write(folder.join("bar.eng"), &BAR.replace("= 1000 N", "= 900 N"));
     let errors = done(&folder, &["report", "bar.eng"]);
     assert!(
-        errors.contains("settle: the model's text is not that of the results"),
+        errors.contains("settle: the results are of another text of the model"),
         "{errors}"
     );
     // a file that is no result

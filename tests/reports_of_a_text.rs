@@ -507,7 +507,7 @@ fn what_samples_cannot_tell_is_refused() {
     );
     assert_eq!(
         error("same"),
-        "equal[1] and equal[2] both turn at 1200 rpm: over the speed they are one"
+        "equal[1] and equal[2] both turn at 1200 rpm: a picture over the speed cannot separate them"
     );
     // a value that is no number is not skipped
     assert!(
@@ -1374,7 +1374,7 @@ fn orders_of_equal_speeds_are_refused() {
     let report = ran.report();
     assert_eq!(
         error(&report, "mixed"),
-        "grid[1,1] and grid[1,2] both turn at 1000 rpm: over the speed they are one"
+        "grid[1,1] and grid[1,2] both turn at 1000 rpm: a picture over the speed cannot separate them"
     );
     assert_eq!(history(&report, "apart").panels[0].x.len(), 2);
 }

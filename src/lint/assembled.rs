@@ -17,6 +17,9 @@ use eng_system::system::{Origin, Role};
 const STANDS: f64 = 1e-3;
 /// The pin counts as the part that does not turn if its speed is below this share of the shell's.
 const SLOWER: f64 = 0.5;
+/// Share of the cycle's speed below which a shell swings with a rod and does not turn with a shaft. A rod that is twice as long as its
+/// throw reaches it at a dead centre, and most rods are longer.
+const SWINGS: f64 = 0.5;
 /// Offset along a line, in radii of gyration, from which on two bodies are beside each other. For a piston
 /// under gas the offset counts in bores: rods that share a pin are an eighth of a bore to its sides, and a
 /// small end with a width of a quarter of a bore would touch the pin's bosses.
@@ -235,7 +238,9 @@ impl Start<'_> {
             let about = b.rotation.column(2).into_owned();
             let [of_pin, of_shell] =
                 [a, b].map(|m| (m.rotation * m.angular_velocity).dot(&about).abs());
-            if of_pin >= SLOWER * of_shell || of_shell < 1.0 {
+            // a rod turns slower than its crank, and swings about a wrist pin that does not turn at all
+            let swings = SWINGS * self.cycle_speed().unwrap_or(0.0);
+            if of_pin >= SLOWER * of_shell || of_shell < swings.max(1.0) {
                 continue;
             }
             let message = format!(
@@ -277,7 +282,9 @@ impl Start<'_> {
             return cycle && motion.bodies.iter().all(|body| self.spin_of(*body) < slow);
         }
         // a rotor that turns freely at a speed that its start states coasts, or is driven by a torque
-        if motion.about.is_some() && motion.bodies.iter().all(|body| self.spin_of(*body) > 1.0) {
+        if let Some((axis, _)) = motion.about
+            && (motion.bodies.iter()).all(|body| self.spin_about(*body, &axis) > 1.0)
+        {
             return false;
         }
         // another message reports a body that moves in all directions
@@ -334,6 +341,14 @@ impl Start<'_> {
         let places = parameters.map(|parameter| parameter.origin.clone());
         super::decide(&mut finding, places.collect());
         Some(finding)
+    }
+
+    /// Angular speed of a body about an axis (inertial, unit length) at the start (rad/s).
+    fn spin_about(&self, body: usize, axis: &V3) -> f64 {
+        let body = &self.model.bodies[body];
+        let rates = &self.state.velocity[body.velocity + 3..body.velocity + 6];
+        let rotation = body.frame(&self.state.pose).rotation;
+        (rotation * V3::from_column_slice(rates)).dot(axis).abs()
     }
 
     /// Angular speed of a body at the start (rad/s).
