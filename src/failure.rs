@@ -215,7 +215,7 @@ fn demanded(
     };
     let message = message.with_note(format!("the equation is `{equation}`"));
     message.with_help(match velocity {
-        true => "a jump of the velocity needs an impulse, which Eng does not model: ramp the speed over some time, such as by `step((time - 1 s)/(10 ms))` of `std.math`, round the corner, or read a smooth table (cubic, with a level end where it is held)",
+        true => "a jump of the velocity needs an impulse, which Eng does not model: ramp the speed over some time, such as by `step((time - 1 s)/(10 ms))` of `std.math`, round the corner, or read a table with `interpolation: monotone` whose last two values are equal",
         false => "bodies do not move at once: move them in some time, such as by `step((time - 1 s)/(10 ms))` of `std.math`",
     })
 }

@@ -303,3 +303,28 @@ fn smooth_corners_are_passed() {
         }
     }
 }
+
+/// Functions that touch zero without a slope demand no jump, whatever the distance of samples and however the steps end there.
+#[test]
+fn functions_that_touch_zero_demand_no_jump() {
+    for (way, end) in [
+        ("max(0 mm, 1 mm*sin(360 deg/(4 ms)*time)^3)", 0.0),
+        ("max(0 mm, 10 m/s^2*time*abs(time))", 0.4),
+        (
+            "max(0 mm, 1 mm*sin(360 deg/(40 ms)*time)*abs(sin(360 deg/(40 ms)*time)))",
+            0.0,
+        ),
+    ] {
+        let samples = SAMPLES.map(|sample| format!("sample: {sample}"));
+        for settings in samples
+            .iter()
+            .map(String::as_str)
+            .chain(["sample: 2 ms, step: 0.1 ms"])
+        {
+            let outcome = ran(&drawn(way, "", &format!("duration: 0.2 s, {settings}")));
+            let travel = column(&outcome, "guide.travel");
+            let found = travel[travel.len() - 1];
+            assert!((found - end).abs() < 1e-9, "{way}, {settings}: {found} m");
+        }
+    }
+}

@@ -196,7 +196,7 @@ fn the_command_writes_bodies_or_says_why_not() {
             "--out",
             "elsewhere",
             "--first-point",
-            "99999990",
+            "99999999",
         ],
         &["bar.eng", "--to", "op4", "--out", "bar.bdf"],
     ] {

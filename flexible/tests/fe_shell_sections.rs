@@ -383,7 +383,7 @@ fn unsound_shapes_and_sheets_are_refused() {
     );
     let text = found(&mesh);
     assert!(
-        text.contains("a first axis of its material that stands across"),
+        text.contains("a first axis of its material that is normal to its surface"),
         "{text}"
     );
     shaped(&mut mesh, ShellShape::default());

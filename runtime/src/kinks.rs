@@ -638,6 +638,16 @@ impl Kinks {
         self.items[item].element
     }
 
+    /// The value of a function at the last evaluated state.
+    pub fn value(&self, item: usize) -> f64 {
+        self.next[item][0]
+    }
+
+    /// The rate of a function at the last evaluated state (1/s).
+    pub fn rate(&self, item: usize) -> f64 {
+        self.next[item][1]
+    }
+
     /// The time (s), with its sign, from the last evaluated state to a kink, and the time in which its function changes by
     /// its limit, both at its present rate. The state has a time (s).
     pub fn times_to(&self, item: usize, time: f64, factor: f64) -> [f64; 2] {

@@ -128,9 +128,9 @@ pub(super) struct ReduceArguments {
     /// Write only this body; may be given several times [default: all]
     #[arg(long, value_name = "PATH", requires = "to")]
     pub body: Vec<String>,
-    /// Number of the first point of each body in Nastran and Abaqus
-    #[arg(long, value_name = "NUMBER", requires = "to", default_value_t = 1)]
-    pub first_point: usize,
+    /// Number of the first point in Nastran and Abaqus; the points of further bodies follow [default: 1]
+    #[arg(long, value_name = "NUMBER", requires = "to")]
+    pub first_point: Option<usize>,
 }
 
 /// A form of reduced bodies for another code.

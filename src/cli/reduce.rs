@@ -13,9 +13,11 @@ use std::path::{Path, PathBuf};
 /// The reason why bodies were not written.
 #[derive(Debug, thiserror::Error)]
 enum Refused {
+    #[error("--first-point is for the formats dmig and abaqus; the others have no points")]
+    NoPoints,
     #[error(transparent)]
     HandOver(#[from] HandOverError),
-    #[error("there is no flexible body {asked}: {known}")]
+    #[error("there is no flexible body {asked}; the flexible bodies are: {known}")]
     Unknown { asked: String, known: String },
     #[error(
         "two models have different bodies with the name {0}, whose files would have one name: write one model in a file of its own"
@@ -46,6 +48,13 @@ pub(super) fn reduce(arguments: &ReduceArguments, console: &mut Terminal<'_>) ->
         return Ok(());
     }
     console.errors.messages(&messages, program.texts())?;
+    // before anything is printed, because the reader of the output may close it
+    let written = match (arguments.to, &arguments.out) {
+        (Some(to), Some(out)) if !messages.has_errors() => {
+            hand_over(arguments, &reductions, to, out, console)?
+        }
+        _ => Vec::new(),
+    };
     let mut texts = Vec::new();
     for reduction in &reductions {
         let text = reduction.text();
@@ -55,12 +64,12 @@ pub(super) fn reduce(arguments: &ReduceArguments, console: &mut Terminal<'_>) ->
             texts.push(text);
         }
     }
-    if messages.has_errors() {
-        return Err(Stop::Code(MODEL_WRONG));
+    for path in written {
+        writeln!(console.output, "wrote {}", path.display())?;
     }
-    match (arguments.to, &arguments.out) {
-        (Some(to), Some(out)) => hand_over(arguments, &reductions, to, out, console),
-        _ => Ok(()),
+    match messages.has_errors() {
+        true => Err(Stop::Code(MODEL_WRONG)),
+        false => Ok(()),
     }
 }
 
@@ -71,7 +80,7 @@ fn hand_over(
     to: BodyTarget,
     out: &Path,
     console: &mut Terminal<'_>,
-) -> Result<(), Stop> {
+) -> Result<Vec<PathBuf>, Stop> {
     match written(arguments, reductions, to, out) {
         Ok(paths) => {
             for reduction in reductions {
@@ -85,10 +94,7 @@ fn hand_over(
                     )?;
                 }
             }
-            for path in paths {
-                writeln!(console.output, "wrote {}", path.display())?;
-            }
-            Ok(())
+            Ok(paths)
         }
         Err(error) => {
             writeln!(console.errors, "error: {error}")?;
@@ -124,10 +130,22 @@ fn written(
         BodyTarget::Dmig => BodyFormat::Dmig,
         BodyTarget::Abaqus => BodyFormat::Abaqus,
     };
+    if arguments.first_point.is_some() && !format.has_points() {
+        return Err(Refused::NoPoints);
+    }
     // nothing is written unless all files can be made
     let mut files: Vec<BodyFile> = Vec::new();
+    let mut first = arguments.first_point.unwrap_or(1);
+    let mut numbered = Vec::new();
     for reduction in reductions.iter().filter(|r| is_asked(arguments, r)) {
-        for file in reduction.files(format, arguments.first_point)? {
+        // several models may hold one body
+        if numbered.contains(&(reduction.path(), reduction.text())) {
+            continue;
+        }
+        numbered.push((reduction.path(), reduction.text()));
+        let own = reduction.files(format, first)?;
+        first += reduction.points(format);
+        for file in own {
             match files.iter().find(|known| known.name == file.name) {
                 None => files.push(file),
                 Some(known) if *known == file => {}

@@ -28,6 +28,13 @@ pub enum BodyFormat {
     Abaqus,
 }
 
+impl BodyFormat {
+    /// Whether bodies have numbered points in it.
+    pub fn has_points(self) -> bool {
+        matches!(self, BodyFormat::Dmig | BodyFormat::Abaqus)
+    }
+}
+
 /// A file of a reduced body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyFile {
@@ -68,10 +75,8 @@ impl Reduction {
         let markers = self.body.markers.iter();
         let markers = markers.map(|marker| (marker.name.clone(), marker.position));
         let markers = markers.collect::<Vec<_>>();
-        // at most one point for each coordinate
-        let last = first.saturating_add(markers.len() + motion.mass.rows);
-        let numbered = matches!(format, BodyFormat::Dmig | BodyFormat::Abaqus);
-        if numbered && (first == 0 || last > LARGEST_POINT) {
+        let last = first.saturating_add(self.points(format)).saturating_sub(1);
+        if format.has_points() && (first == 0 || last > LARGEST_POINT) {
             let body = self.path.clone();
             return Err(HandOverError::Points { body, first, last });
         }
@@ -122,6 +127,18 @@ impl Reduction {
             }
         }
         Ok(files)
+    }
+
+    /// Number of the points of the body in a format.
+    pub fn points(&self, format: BodyFormat) -> usize {
+        let coordinates = RIGID + self.body.invariants.modes;
+        let carriers = match format {
+            BodyFormat::Numpy | BodyFormat::Op4 => return 0,
+            BodyFormat::Dmig => coordinates,
+            // a node carries six
+            BodyFormat::Abaqus => coordinates.div_ceil(6),
+        };
+        self.body.markers.len() + carriers
     }
 
     /// Parts of the body that linear matrices leave out.
