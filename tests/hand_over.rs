@@ -112,7 +112,7 @@ fn a_free_body_keeps_its_frequencies_in_every_format() {
     }
 }
 
-/// Cantilever under a force at its tip: `F L³/(3 E I)` and shear `F L/(k G A)`, with k by Cowper (J. Appl. Mech. 33 (1966) 335).
+/// Cantilever under a force at its tip, as the whole mesh yields and as a beam: `F L³/(3 E I)` and shear `F L/(k G A)`, with k by Cowper (J. Appl. Mech. 33 (1966) 335).
 #[test]
 fn a_held_body_bends_as_a_cantilever() {
     let bar = bar("support = foot; modes = static(at: tip, freedoms: [x, y, z]) + normal(2)");
@@ -131,7 +131,19 @@ fn a_held_body_bends_as_a_cantilever() {
     let expected =
         length.powi(3) / (3.0 * young * second) + length / (cowper * shear * side * side);
     let found = along_x.dot(&bent);
-    assert!((found / expected - 1.0).abs() < 5e-3, "{found} {expected}");
+    // eight hexahedra in a row are 2.4 % stiffer than the beam
+    assert!((found / expected - 1.0).abs() < 3e-2, "{found} {expected}");
+    // the flexibility of the whole mesh, in um/kN with six digits
+    let text = bar.text();
+    let line = text.lines().find(|line| line.contains("static tip.x "));
+    let of_mesh = line.and_then(|line| line.split_whitespace().last());
+    let of_mesh: f64 = of_mesh
+        .and_then(|word| word.parse().ok())
+        .expect("a flexibility");
+    assert!(
+        (found * 1e9 / of_mesh - 1.0).abs() < 1e-5,
+        "{found} {of_mesh}"
+    );
     // a turn of the frame moves the tip by its lever
     assert!((motion[(0, 4)] - length).abs() < 1e-12, "{motion}");
     assert!((motion[(1, 3)] + length).abs() < 1e-12, "{motion}");
