@@ -284,6 +284,7 @@ fn smooth_corners_are_passed() {
         ),
         ("10 mm*max(0, min(1 - time/(0.1 s), -0.5))", 0.0),
     ] {
+        let mut energy = 1e-9_f64;
         for sample in SAMPLES {
             let outcome = ran(&drawn(
                 way,
@@ -293,11 +294,16 @@ fn smooth_corners_are_passed() {
             let travel = column(&outcome, "guide.travel");
             let found = travel[travel.len() - 1];
             assert!((found - end).abs() < 1e-9, "{way} at {sample}: {found} m");
-            let [open, work] =
-                ["energy.imbalance", "energy.work_of_drives"].map(|path| column(&outcome, path));
+            let [open, work, kinetic] = [
+                "energy.imbalance",
+                "energy.work_of_drives",
+                "energy.kinetic",
+            ]
+            .map(|path| column(&outcome, path));
             let size = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            // some of these ways do not move at all
-            let share = size(open) / size(work).max(1e-9);
+            // a way that rests takes no work; two samples alone may show the spring at rest
+            energy = energy.max(size(work)).max(size(kinetic));
+            let share = size(open) / energy;
             println!("{way} at {sample}: energy {share:.1e}");
             assert!(share < 1e-4, "{way} at {sample}: energy {share:.1e}");
         }
