@@ -1,15 +1,20 @@
 //! Definitions in words: the text of an item of a file or of the library, by its name.
 
 use eng_compiler::library::LIBRARY;
-use eng_grammar::ast::{BindingKind, File, Form, Item, ItemKind, Kind};
+use eng_grammar::ast::{BindingKind, File, Form, Item, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostics, SourceMap, parse};
 use std::fmt::Write;
 
 /// The text about a definition of the library: `Revolute`, `std.joints.Revolute`, `mm`, `Length`.
 pub(crate) fn of_library(path: &str) -> Option<String> {
+    with_library(|files, texts| of_modules(files.iter().map(|(m, f)| (*m, f)), path, texts))
+}
+
+/// Reads the library and looks something up in it.
+fn with_library<T>(look: impl FnOnce(&[(&'static str, File)], &SourceMap) -> T) -> T {
     let mut texts = SourceMap::new();
     let mut unread = Diagnostics::new();
-    let files: Vec<(&str, File)> = LIBRARY
+    let files: Vec<(&'static str, File)> = LIBRARY
         .iter()
         .map(|(module, text)| {
             let name = format!("{}.eng", module.replace('.', "/"));
@@ -17,8 +22,7 @@ pub(crate) fn of_library(path: &str) -> Option<String> {
             (*module, parse(text, source, &mut unread))
         })
         .collect();
-    let modules = files.iter().map(|(module, file)| (*module, file));
-    of_modules(modules, path, &texts)
+    look(&files, &texts)
 }
 
 /// The text about a definition of some modules: their paths and trees, those that are looked at first before others.
@@ -32,6 +36,9 @@ pub(crate) fn of_modules<'a>(
     let path = path.split('[').next().unwrap_or_default();
     let (around, name) = path.rsplit_once('.').unwrap_or(("", path));
     let items = |(_, file): &(&'a str, &'a File)| file.items.iter();
+    if let Some((module, file)) = modules.iter().find(|(module, _)| *module == path) {
+        return Some(contents(module, file));
+    }
     let found = match around {
         "" => {
             let top = || modules.iter().flat_map(items);
@@ -48,8 +55,16 @@ pub(crate) fn of_modules<'a>(
             let of_module = modules.iter().filter(|(module, _)| *module == around);
             let named = of_module.flat_map(items).find(|item| is_called(item, name));
             named.or_else(|| {
-                let mut holders = modules.iter().flat_map(items);
-                inside(holders.find(|item| is_called(item, around))?, name)
+                let all = || modules.iter().flat_map(items);
+                let holder = all().find(|item| is_called(item, around))?;
+                // the interfaces of a class have items of it
+                let levels = std::iter::successors(Some(holder), |level| {
+                    let interface = interface(level)?;
+                    all().find(|item| is_called(item, interface))
+                });
+                levels
+                    .take(MOST_LEVELS)
+                    .find_map(|level| inside(level, name))
             })
         }
     };
@@ -60,6 +75,87 @@ pub(crate) fn of_modules<'a>(
     let of = module.filter(|(module, _)| module.starts_with("std."));
     let of = of.map_or(String::new(), |(module, _)| format!(" of `{module}`"));
     Some(text(path, &of, item, texts))
+}
+
+/// Most interfaces above a class; a circle of them is a mistake that the checker reports.
+const MOST_LEVELS: usize = 8;
+
+/// The name of the interface that a definition has after a colon.
+fn interface(item: &Item) -> Option<&str> {
+    let ItemKind::Declaration(declaration) = &item.kind else {
+        return None;
+    };
+    match &declaration.form {
+        Form::Class { interface, .. } | Form::Plain { interface, .. } => {
+            interface.as_ref().map(|name| name.text.as_str())
+        }
+        Form::Instance { .. } => None,
+    }
+}
+
+/// The names that a module defines, with the first sentences of their comments.
+fn contents(module: &str, file: &File) -> String {
+    let mut text = format!("{module}: a module of the library\n");
+    for line in &file.docs {
+        let _ = writeln!(text, "    {}", format!("//! {}", line.trim()).trim_end());
+    }
+    let mut table = crate::tables::Table::new(&[&["name", "is", "about"]]);
+    for item in &file.items {
+        let Some(name) = item.kind.name() else {
+            continue;
+        };
+        let about = item.docs.first().map_or("", |line| line.trim());
+        table.row(vec![
+            name.text.clone(),
+            is(item).to_owned(),
+            about.to_owned(),
+        ]);
+    }
+    let _ = write!(text, "\n{}", table.render_left(1));
+    text
+}
+
+/// The lints of a name that classes of the library and of a program state, with the classes and the places.
+pub(crate) fn lints<'a>(
+    modules: impl Iterator<Item = (&'a str, &'a File)>,
+    name: &str,
+    texts: &SourceMap,
+) -> Option<String> {
+    let mut text = String::new();
+    for item in modules.flat_map(|(_, file)| &file.items) {
+        let (Some(class), Some(block)) = (item.kind.name(), item.kind.block()) else {
+            continue;
+        };
+        for inner in &block.items {
+            let ItemKind::Statement(Statement::Require {
+                name: Some(own), ..
+            }) = &inner.kind
+            else {
+                continue;
+            };
+            if own.text != name {
+                continue;
+            }
+            let line = texts.line_column(inner.span.source, inner.span.start);
+            let file = texts.get(inner.span.source);
+            let _ = writeln!(
+                text,
+                "{name}: a lint of `{}`, stated at {}:{}",
+                class.text,
+                file.map_or("", |source| source.name.as_str()),
+                line.map_or(0, |(line, _)| line)
+            );
+            for line in texts.text(inner.span).lines() {
+                let _ = writeln!(text, "    {line}");
+            }
+        }
+    }
+    (!text.is_empty()).then_some(text)
+}
+
+/// The lints of the library with a name.
+pub(crate) fn lints_of_library(name: &str) -> Option<String> {
+    with_library(|files, texts| lints(files.iter().map(|(m, f)| (*m, f)), name, texts))
 }
 
 /// Names of the definitions of a file.
@@ -146,6 +242,12 @@ fn text(path: &str, of: &str, item: &Item, texts: &SourceMap) -> String {
     }
     for line in texts.text(item.span).lines() {
         let _ = writeln!(text, "    {line}");
+    }
+    if let ItemKind::Declaration(declaration) = &item.kind
+        && let Some(condition) = &declaration.condition
+    {
+        let condition = texts.text(condition.span);
+        let _ = writeln!(text, "  it exists only where `{condition}` holds");
     }
     if let ItemKind::Declaration(declaration) = &item.kind
         && let Form::Instance { value, .. } = &declaration.form

@@ -63,6 +63,14 @@ impl Program {
             texts.extend(definitions::of_library(path));
         }
         if texts.is_empty() {
+            let modules = self.modules();
+            texts.extend(definitions::lints(
+                modules.iter().copied(),
+                path,
+                self.texts(),
+            ));
+        }
+        if texts.is_empty() {
             return Err(Error::NoItem {
                 path: path.to_owned(),
                 nearest: nearest(path, &known),

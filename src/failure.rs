@@ -1,6 +1,7 @@
 //! Messages for failures of the runtime, with their places in the text.
 
 use crate::codes;
+use crate::counted::counted;
 use crate::places::{at_first, place, related, span};
 use eng_grammar::Diagnostic;
 use eng_runtime::{
@@ -66,14 +67,25 @@ pub(crate) fn overlooked(kink: &Overlooked, analysis: &Origin) -> Diagnostic {
         None => message,
     };
     let message = match kink.origin.defined_at {
-        Some(at) => message.also(span(at), "its load or rate bends here"),
+        Some(at) => message.also(
+            span(at),
+            match kink.jerk {
+                Some(_) => "the acceleration that it demands jumps here",
+                None => "its load or rate bends here",
+            },
+        ),
         None => message,
     };
+    let note = match &kink.jerk {
+        Some(jerk) => format!(
+            "the demanded acceleration jumps by {}: positions are wrong by up to {} after the step, and its force is that of neither side",
+            jerk.jump.gap("/s²"),
+            jerk.error.gap("")
+        ),
+        None => format!("the depth that matters there is {}", shown(kink.limit)),
+    };
     message
-        .with_note(format!(
-            "the depth that matters there is {}",
-            shown(kink.limit)
-        ))
+        .with_note(note)
         .with_help("leave out `step`: under error control steps end at kinks")
 }
 
@@ -422,7 +434,8 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                 1..=MOST_PARAMETERS => elsewhere.iter().fold(message, |message, (at, told)| {
                     let label = match told.as_slice() {
                         [rest @ .., first] if !rest.is_empty() => {
-                            format!("{first} and {} more numbers", rest.len())
+                            let more = counted(rest.len(), "more number", "more numbers");
+                            format!("{first} and {more}")
                         }
                         one => one.concat(),
                     };

@@ -82,6 +82,7 @@ mod simulation;
 mod sources;
 mod tables;
 pub mod timings;
+mod vocabulary;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
 pub use eng_runtime::inputs::Point;

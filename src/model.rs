@@ -256,6 +256,7 @@ impl Model {
                 .iter()
                 .filter(|e| e.role == eng_system::system::Role::Dynamic)
         };
+        let classes: std::collections::BTreeSet<u32> = dynamic().map(|e| e.class).collect();
         let rows: usize = dynamic()
             .map(|e| system.classes[e.class as usize].rows.len())
             .sum();
@@ -273,7 +274,7 @@ impl Model {
             counted(6 * system.bodies.len() + modes, "velocity", "velocities"),
             self.besides(),
             counted(dynamic().count(), "element", "elements"),
-            counted(system.classes.len(), "class", "classes"),
+            counted(classes.len(), "class", "classes"),
             counted(rows, "constraint equation", "constraint equations"),
             counted(system.journals.len(), "journal", "journals"),
             counted(system.parameters.len(), "parameter", "parameters"),

@@ -77,7 +77,7 @@ fn an_unknown_code_is_answered_by_the_nearest() {
         assert_eq!(
             text(&output.stderr),
             format!(
-                "error: `{asked}` is no code, function, analysis, figure or name of the library\n\
+                "error: `{asked}` is no code, word, function, analysis, figure, lint or name of the library\n\
                  `eng explain` lists all codes; `eng explain MODEL.eng {asked}` looks in a model\n"
             )
         );
@@ -125,6 +125,45 @@ fn functions_are_explained() {
         text(&output.stdout)
             .starts_with("`wrapped(angle, period, from: -180 deg)`: the angle less")
     );
+}
+
+/// Words, built-in names, modules, lints and items of interfaces are explained.
+#[test]
+fn words_modules_and_lints_are_explained() {
+    for (asked, told) in [
+        (
+            "place",
+            vec!["`place` is a word of the language: `place a on b` in a class"],
+        ),
+        ("joint", vec!["a class of constraints between markers"]),
+        ("input", vec!["changes during a run"]),
+        ("pi", vec!["3.14159"]),
+        ("time", vec!["the time since the start"]),
+        (
+            "std.engine",
+            vec![
+                "std.engine: a module of the library",
+                "Engine",
+                "a component",
+            ],
+        ),
+        (
+            "loose",
+            vec!["`loose` is a lint: nothing holds a body", "`accept loose`"],
+        ),
+        ("usual", vec!["usual: a lint of `", "advise usual: "]),
+        (
+            "Impedance.minimum_film",
+            vec!["an output of `std.journals`", "output minimum_film"],
+        ),
+    ] {
+        let output = eng(&["explain", asked]);
+        assert_eq!(output.status.code(), Some(0), "{asked}");
+        let found = text(&output.stdout);
+        for part in told {
+            assert!(found.contains(part), "{asked}: no {part} in\n{found}");
+        }
+    }
 }
 
 const SWING: &str = "use std.joints.Revolute

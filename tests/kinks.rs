@@ -222,10 +222,16 @@ fn a_load_between_two_kinks_is_not_stepped_over() {
 }
 
 /// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law states no `resolve`.
-fn pushed(push: &str, [at, speed]: [f64; 2], settings: &str) -> eng::Outcome {
+fn pushed(push: &str, start: [f64; 2], settings: &str) -> eng::Outcome {
+    pushed_with("", push, start, settings)
+}
+
+/// The same with more definitions.
+fn pushed_with(more: &str, push: &str, [at, speed]: [f64; 2], settings: &str) -> eng::Outcome {
     let text = format!(
         "
         use std.joints.Translational
+        {more}
         force Law(a: Marker, b: Marker) {{
             let way = dot(a.origin - b.origin, b.z) + 0*time*1 m/s
             let rate = der(way)
@@ -563,4 +569,41 @@ fn wrapped_angles_have_no_kink_where_they_begin_anew() {
     }
     // ten ends of bumps
     assert!(counts.iter().all(|count| *count <= 40), "{counts:?}");
+}
+
+/// Ends of tables of two arguments, the cut of `atan2`, corners of `acos(cos(x))`: loads that bend or jump there end steps. A block passes each of them under a load of its way alone, so energy gives its speed.
+#[test]
+fn loads_of_tables_and_angles_end_steps() {
+    let tables = "
+        table chart(x: Length, n: 1) -> Force = points([0, 20, 40] mm, [0, 1], [[0, 0], [-4, -4], [-16, -16]] N, x: hold, n: hold)";
+    // the table of three points is the parabola −0.01 N/mm² x², held behind 40 mm: its work in J
+    let held = -0.01 * 40.0_f64.powi(3) / 3.0 * 1e-3 - 16.0 * 0.06;
+    for push in [
+        "chart(way, 0.5)",
+        "-1 N/(1 rad)*acos(cos(0.1 rad/(1 mm)*way - 1 rad))",
+        "1 N/(1 rad)*atan2(sin(0.1 rad/(1 mm)*way - 1 rad), cos(0.1 rad/(1 mm)*way - 1 rad))",
+    ] {
+        for sample in ["0.3 ms", "7 ms", "25 ms"] {
+            let settings = format!("duration: 75 ms, sample: {sample}");
+            let outcome = pushed_with(tables, push, [0.0, 2.0], &settings);
+            let column = |path: &str| &outcome.results.column(path).expect("a column").values;
+            let kinks = outcome
+                .summary
+                .as_ref()
+                .expect("a summary")
+                .statistics
+                .kinks;
+            let open = column("energy.imbalance");
+            let open = open.iter().fold(0.0_f64, |most, x| most.max(x.abs())) / 2.0;
+            println!("{push} at {sample}: energy {open:.1e}, {kinks} shorter trials");
+            assert!(kinks > 0, "{push} at {sample}");
+            assert!(open < 2e-6, "{push} at {sample}: energy {open:.1e}");
+            let (travel, speed) = (column("guide.travel"), column("guide.speed"));
+            let (x, v) = (travel[travel.len() - 1], speed[speed.len() - 1]);
+            if push.starts_with("chart") {
+                let due = 4.0 + 2.0 * (held - 16.0 * (x - 0.1));
+                assert!((v * v - due).abs() < 4e-6, "{push} at {sample}: {v}");
+            }
+        }
+    }
 }

@@ -45,6 +45,15 @@ pub struct NamedRow {
     pub is_length: bool,
 }
 
+/// A jump of the acceleration that a constraint demands within a fixed step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jerk {
+    /// The equation, with the jump of its acceleration.
+    pub jump: Box<NamedRow>,
+    /// The equation, with the error of its position over the step.
+    pub error: Box<NamedRow>,
+}
+
 impl std::fmt::Display for NamedRow {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} ({})", self.origin.path, self.equation)
@@ -54,7 +63,7 @@ impl std::fmt::Display for NamedRow {
 impl NamedRow {
     /// The residual with its unit. Equations that are no lengths are products of unit axes; for small gaps
     /// these are angles.
-    fn gap(&self, per: &str) -> String {
+    pub fn gap(&self, per: &str) -> String {
         let value = self.value.abs();
         match (self.is_length, per) {
             (true, _) => format!("{} mm{per}", short(1e3 * value, 4)),

@@ -1,6 +1,7 @@
 //! A simulation: one parameter set of a compiled model, its state, and all data to integrate it.
 
 mod astray;
+mod beginning;
 mod demanded;
 mod driving;
 mod kinked;

@@ -34,7 +34,8 @@ pub(super) fn explain(
     }
     let found = codes::find(asked).map(explanation);
     let found = found.or_else(|| kind(asked)).or_else(|| function(asked));
-    match found.or_else(|| crate::definitions::of_library(asked)) {
+    let found = found.or_else(|| crate::definitions::of_library(asked));
+    match found.or_else(|| word_or_lint(asked)) {
         Some(text) => {
             write!(console.output, "{text}")?;
             Ok(())
@@ -42,7 +43,7 @@ pub(super) fn explain(
         None => {
             write!(
                 console.errors,
-                "error: `{asked}` is no code, function, analysis, figure or name of the library"
+                "error: `{asked}` is no code, word, function, analysis, figure, lint or name of the library"
             )?;
             match nearest(asked) {
                 Some(near) => writeln!(console.errors, "; did you mean {near}?")?,
@@ -55,6 +56,17 @@ pub(super) fn explain(
             Err(Stop::Code(USAGE_OR_SYSTEM))
         }
     }
+}
+
+/// A word of the language, or the lints of a name.
+fn word_or_lint(asked: &str) -> Option<String> {
+    if let Some(word) = crate::vocabulary::word(asked) {
+        return Some(wrapped(&word) + "\n");
+    }
+    let own = crate::vocabulary::lint(asked).map(|lint| wrapped(&lint) + "\n");
+    let parts = [own, crate::definitions::lints_of_library(asked)];
+    let found: Vec<String> = parts.into_iter().flatten().collect();
+    (!found.is_empty()).then(|| found.join("\n"))
 }
 
 /// A part of a model, or a list of its parts.

@@ -201,6 +201,16 @@ impl Condition {
     }
 }
 
+/// The kinks of a table along one argument: the points at which a derivative jumps that must not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TableKink {
+    /// The argument.
+    pub argument: u8,
+    /// The highest derivative along the argument that must be continuous. For the value of a table in a load it is the first, in a
+    /// constraint the second; for a derivative of the table it is higher by its order.
+    pub smooth: u8,
+}
+
 /// A function of the motion that changes its sign where a load, a rate or a constraint of a class is not smooth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kink {
@@ -208,8 +218,8 @@ pub struct Kink {
     pub text: String,
     /// Dimension of the function, if the text shows it.
     pub dimension: Option<Dimension>,
-    /// The argument of a table, whose ends are the kinks; `None` for a function that is zero at the kink.
-    pub table: Option<u8>,
+    /// The table whose argument the function is; `None` for a function that is zero at the kink.
+    pub table: Option<TableKink>,
     /// Whether constraints depend on it.
     pub constrains: bool,
     /// Whether it jumps by a whole period where a `wrapped` angle begins anew.

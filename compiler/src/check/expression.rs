@@ -422,6 +422,7 @@ impl<'p> Checker<'p> {
             }
             self.hides_word(&binder.name, &element);
             self.not_local(&inner, &binder.name);
+            self.not_member(&inner, &binder.name);
             inner.locals.push((binder.name.clone(), element));
         }
         inner

@@ -263,6 +263,17 @@ impl<'p> Checker<'p> {
         }
     }
 
+    /// Refuses an index with the name of an item of the definition around it.
+    pub(super) fn not_member(&mut self, scope: &Scope<'p>, name: &Name) {
+        for definition in [scope.at_use, scope.definition].into_iter().flatten() {
+            let held = self.held(definition, &name.text);
+            if let Some(first) = held.and_then(|held| held.member.span()) {
+                self.defined_twice(&name.text, name.span, first);
+                return;
+            }
+        }
+    }
+
     pub(super) fn member(&mut self, id: DefinitionId, name: &str) -> Option<Member<'p>> {
         self.held(id, name).map(|held| held.member)
     }

@@ -100,6 +100,8 @@ struct Checker<'p> {
     lints: BTreeSet<&'p str>,
     /// Places of angles with a finished check for turns, so that each gets one message.
     turns_told: BTreeSet<Span>,
+    /// The last expression with a unit behind a value, which a message reported.
+    unit_behind: Option<Span>,
     /// The findings for later stages.
     findings: Findings,
 }
@@ -173,6 +175,7 @@ impl<'p> Checker<'p> {
             depth: 0,
             lints: program.lints(),
             turns_told: BTreeSet::new(),
+            unit_behind: None,
             findings: Findings::default(),
         }
     }

@@ -180,13 +180,28 @@ impl<'p> Checker<'p> {
             }
             other => {
                 let found = self.describe(other);
+                let name = self.sources.text(target.span);
+                let help = match other {
+                    Type::Body(_) => format!(
+                        "a body has `{name}.position`, `{name}.rotation`, `{name}.velocity` and `{name}.angular_velocity`"
+                    ),
+                    Type::Marker => {
+                        format!("for instance `start rotation({name}, ground) = 30 deg`")
+                    }
+                    Type::Instance(_) | Type::InstanceOf(_) => {
+                        format!(
+                            "name one of its quantities, such as `start {name}.angle = 30 deg` of a hinge"
+                        )
+                    }
+                    _ => "for instance `start rotation(crank.main, ground) = 30 deg`".to_owned(),
+                };
                 self.report(
                     Diagnostic::error(
                         codes::START,
                         "only quantities of the motion can be set at the start",
                     )
                     .at(target.span, format!("this is {found}"))
-                    .with_help("for instance `start rotation(crank.main, ground) = 30 deg`"),
+                    .with_help(help),
                 );
                 self.infer(scope, value);
             }

@@ -114,6 +114,11 @@ impl<'p> Checker<'p> {
         right: &Expr,
         name: &str,
     ) {
+        let whole = left.span.to(right.span);
+        // in `2 N*depth/s/mm` the message about `s` stands for both, because their remedies would overlap
+        if self.unit_behind.replace(whole) == Some(left.span) {
+            return;
+        }
         let message = Diagnostic::error(
             codes::UNKNOWN_NAME,
             format!("`{name}` is a unit, and here a value is expected"),
@@ -135,7 +140,7 @@ impl<'p> Checker<'p> {
             ))
             .with_fix(
                 "write the whole unit before the values",
-                left.span.to(right.span),
+                whole,
                 format!("{unit}{values}"),
             );
         self.report(message);

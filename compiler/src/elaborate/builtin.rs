@@ -100,7 +100,11 @@ impl<'a> Elaborator<'a, '_> {
         match function.kind {
             Kind::Plain(op) | Kind::ToAngle(op) => {
                 let x = self.only_scalar(values, span)?;
-                Ok(Value::Scalar(self.bench.unary(x, |g, n| g.unary(op, n))))
+                let value = self.bench.unary(x, |g, n| g.unary(op, n));
+                if matches!(op, Elementary::Acos | Elementary::Asin) {
+                    self.note_kink(value.stage, value.node, 0, span, span, scope)?;
+                }
+                Ok(Value::Scalar(value))
             }
             Kind::OfAngle(op) => {
                 let argument = values.first().map_or(span, |(_, place)| *place);
@@ -113,6 +117,13 @@ impl<'a> Elaborator<'a, '_> {
                 let near = self.wrapped(values, option, &path, span)?;
                 self.note_kink(near.stage, near.node, 0, span, span, scope)?;
                 Ok(Value::Scalar(near))
+            }
+            Kind::Numbers if name == "atan2" => {
+                let y = values.first().map_or(span, |(_, place)| *place);
+                let [a, b] = self.scalars::<2>(values, span)?;
+                let angle = self.bench.binary(a, b, Graph::atan2);
+                self.note_kink(angle.stage, angle.node, 0, y, span, scope)?;
+                Ok(Value::Scalar(angle))
             }
             Kind::Numbers => {
                 let value = self.of_numbers(name, values, span)?;
@@ -235,10 +246,6 @@ impl<'a> Elaborator<'a, '_> {
             "sqrt" => {
                 let x = self.only_scalar(values, span)?;
                 Ok(Value::Scalar(self.bench.sqrt(x)))
-            }
-            "atan2" => {
-                let [y, x] = self.scalars::<2>(values, span)?;
-                Ok(Value::Scalar(self.bench.binary(y, x, Graph::atan2)))
             }
             _ => self.checked(None, span, &format!("there is no `{name}`")),
         }
@@ -536,6 +543,8 @@ impl<'a> Elaborator<'a, '_> {
         let c = g.add(p, q);
         let difference = g.atan2(s, c);
         let node = g.add(reference, difference);
+        // no step turns so far that it reaches the cut
+        element.turns.push(difference);
         element.rotations.push((a, b, node));
         Ok(scalar(node))
     }

@@ -50,7 +50,7 @@ fn kinks_of(functions: &ClassFunctions, meta: &ClassMeta) -> Vec<Kink> {
         .chain(meta.bound_kinks.iter().cloned())
         .zip(&functions.kinds_of_kinks)
         .map(|(kink, kind)| Kink {
-            table: kind.table.then_some(0),
+            table: kind.table,
             constrains: kind.constrains,
             wraps: kind.wraps,
             ..kink

@@ -8,7 +8,7 @@
 use super::scalar::{FIXED, PROVISIONAL, RATE, Scalar, Stage, TIME};
 use super::{Elaborator, Eval};
 use crate::codes;
-use crate::ir::kinks::{function_of, smoothly_needed};
+use crate::ir::kinks::{functions_of, smoothly_needed};
 use crate::ir::{BoundKink, KinkPlace, Node, Op, dependencies, forward, inputs_of};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::input::Interpolation;
@@ -156,22 +156,23 @@ impl Elaborator<'_, '_> {
         let mut found = Vec::new();
         let mut known = BTreeSet::new();
         for (node, op) in self.bound_operations(nodes) {
-            let Some((value, table)) = function_of(&mut self.bench.bind.graph, op) else {
-                continue;
-            };
-            if !known.insert((value, table)) {
-                continue;
-            }
-            let Some(rate) = self.rate_of_bound(value) else {
-                continue;
-            };
-            let place = KinkPlace { node, argument: 0 };
-            let text = self.bench.bind.kinks.get(&place).cloned();
-            let handle = table.map(|table| self.constant_of_bound(table));
-            let constants = (self.constant_of_bound(value), self.constant_of_rate(rate));
-            if let (Some(value), Some(rate)) = constants {
-                let table = handle.flatten();
-                found.push((BoundKink { value, rate, table }, text.unwrap_or_default()));
+            for function in functions_of(&mut self.bench.bind.graph, op) {
+                if !known.insert(function) {
+                    continue;
+                }
+                let Some(rate) = self.rate_of_bound(function.value) else {
+                    continue;
+                };
+                let argument = function.table.map_or(0, |(_, kind)| kind.argument);
+                let place = KinkPlace { node, argument };
+                let text = self.bench.bind.kinks.get(&place).cloned();
+                let value = self.constant_of_bound(function.value);
+                let rate = self.constant_of_rate(rate);
+                let table = (function.table)
+                    .and_then(|(handle, kind)| Some((self.constant_of_bound(handle)?, kind)));
+                if let (Some(value), Some(rate)) = (value, rate) {
+                    found.push((BoundKink { value, rate, table }, text.unwrap_or_default()));
+                }
             }
         }
         found

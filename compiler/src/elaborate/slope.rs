@@ -52,7 +52,11 @@ impl<'a> Elaborator<'a, '_> {
         let (x, place) = self.checked(values.next(), span, "no argument is given")?;
         let x = self.as_scalar(x, place)?;
         Ok(Value::Scalar(match function {
-            Value::Table(table) => self.bench.slope_of_table(table.handle, x, order),
+            Value::Table(table) => {
+                let slope = self.bench.slope_of_table(table.handle, x, order);
+                self.note_kink(slope.stage, slope.node, 0, place, span, scope)?;
+                slope
+            }
             function @ (Value::Closure(_) | Value::Partial(_)) => {
                 let asked = Asked {
                     function: &function,

@@ -156,6 +156,11 @@ impl Graph {
         self.nodes[node.0 as usize]
     }
 
+    /// The node of an operation that the graph has.
+    pub(crate) fn known(&self, op: &Op) -> Option<Node> {
+        self.interned.get(op).copied()
+    }
+
     /// Adds an operation without folding. Equal operations share a node.
     pub fn push(&mut self, op: Op) -> Node {
         if !self.plain

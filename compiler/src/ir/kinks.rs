@@ -1,10 +1,13 @@
 //! The kink functions of a class: where its loads, the rates of its states and its constraints are not smooth.
 //!
 //! A value has a kink where a comparison changes, where the arguments of `min` or `max` are equal, where the
-//! argument of `abs` is zero, and at an end of a table of one argument. Each of these is a function of the
-//! motion that changes its sign at the kink. The functions come from the graph of loads and constraints. So a kink
-//! counts in the text of the class, of a function that it calls, and of a library. A function of constants alone
-//! never changes and does not count. A constant that follows an input between two points of time changes.
+//! argument of `abs` is zero, at points of a table, at the cut of `atan2`, and where `acos(cos(x))` or `asin(sin(x))` turns back.
+//! Each of these is a function of the motion that changes its sign at the kink. The functions come from the graph of loads and
+//! constraints. So a kink counts in the text of the class, of a function that it calls, and of a library. A function of constants
+//! alone never changes and does not count. A constant that follows an input between two points of time changes.
+//!
+//! The points of a table that are kinks depend on its numbers, so the runtime finds them. The function is the argument, and
+//! [`TableKink`] says how smooth it must be there.
 //!
 //! A kink in a branch that is not selected changes nothing. So each function has a number that is 1 while the value
 //! of its operation is used, and 0 while each `if` on the way selects another branch. `min` and `max` use both arguments, because their own kink
@@ -18,15 +21,22 @@ use super::differentiate::{
     time_derivative_with, uses_fields,
 };
 use super::graph::{Function, Graph, Node, Op};
+use super::look_up::Orders;
 use super::optimise::dependencies;
 use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
+use eng_system::system::TableKink;
 use std::collections::BTreeMap;
+
+/// The highest derivative that must be continuous: that of a load, which bends otherwise, and that of a constraint, whose
+/// acceleration jumps otherwise.
+const OF_LOADS: u8 = 1;
+const OF_CONSTRAINTS: u8 = 2;
 
 /// An operation with a kink, and which of its arguments this is; zero for all but tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct KinkPlace {
-    /// A comparison, a minimum, a maximum, an amount or a table's value.
+    /// A comparison, a minimum, a maximum, an amount, an angle or a table's value.
     pub node: Node,
     /// The argument of a table.
     pub argument: u8,
@@ -39,15 +49,15 @@ pub struct BoundKink {
     pub value: u32,
     /// Its rate.
     pub rate: u32,
-    /// The handle of the table whose argument the function is.
-    pub table: Option<u32>,
+    /// The constant with the handle of the table whose argument the function is.
+    pub table: Option<(u32, TableKink)>,
 }
 
 /// The kind of a kink function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KinkKind {
     /// It is the argument of a table.
-    pub table: bool,
+    pub table: Option<TableKink>,
     /// Constraints depend on it.
     pub constrains: bool,
     /// It jumps by a whole period where a `wrapped` angle begins anew.
@@ -67,19 +77,68 @@ pub(crate) struct Kinks {
     pub reads_accelerations: bool,
 }
 
-/// The function that changes its sign at the kink of an operation, and the handle of its table.
-pub(crate) fn function_of(graph: &mut Graph, op: Op) -> Option<(Node, Option<Node>)> {
-    match op {
-        Op::Less(a, b) | Op::LessEqual(a, b) => Some((graph.subtract(b, a), None)),
-        Op::Minimum(a, b) | Op::Maximum(a, b) => Some((graph.subtract(a, b), None)),
-        Op::Abs(a) => Some((a, None)),
+/// A function that changes its sign at the kink of an operation, or the argument of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct KinkFunction {
+    /// Its value.
+    pub value: Node,
+    /// The handle of the table, and the orders of the look-up.
+    pub table: Option<(Node, TableKink)>,
+    /// It has a kink only while this number is negative.
+    pub below: Option<Node>,
+}
+
+/// The kink functions of an operation; one for each argument of a table, with the derivatives that loads need.
+pub(crate) fn functions_of(graph: &mut Graph, op: Op) -> Vec<KinkFunction> {
+    let mut below = None;
+    let value = match op {
         // an equation holds at single moments, or where another kink begins: it changes no sign
-        // tables of several arguments are charts of laws, which a motion leaves seldom: their ends cost more
-        // than the law itself
-        Op::Table(handle, arguments, orders) if orders.arguments() == 1 => {
-            Some((arguments[0], Some(handle)))
+        Op::Less(a, b) | Op::LessEqual(a, b) => graph.subtract(b, a),
+        Op::Minimum(a, b) | Op::Maximum(a, b) => graph.subtract(a, b),
+        Op::Abs(a) => a,
+        // the cut is the half-plane x < 0 of y = 0
+        Op::Atan2(y, x) => {
+            below = Some(x);
+            y
         }
-        _ => None,
+        // a triangular wave, whose corners are where the argument is ±1
+        Op::Elementary(Elementary::Acos | Elementary::Asin, of) => match graph.op(of) {
+            Op::Elementary(Elementary::Cos, x) => graph.unary(Elementary::Sin, x),
+            Op::Elementary(Elementary::Sin, x) => graph.unary(Elementary::Cos, x),
+            _ => return Vec::new(),
+        },
+        Op::Table(handle, arguments, orders) => {
+            let each = arguments.iter().zip(orders.each()).enumerate();
+            let function = |(k, (value, order)): (usize, (&Node, &u8))| KinkFunction {
+                value: *value,
+                table: Some((
+                    handle,
+                    TableKink {
+                        argument: k as u8,
+                        smooth: order + OF_LOADS,
+                    },
+                )),
+                below: None,
+            };
+            return each.map(function).collect();
+        }
+        _ => return Vec::new(),
+    };
+    vec![KinkFunction {
+        value,
+        table: None,
+        below,
+    }]
+}
+
+/// The operation whose text names a kink: for a derivative of a table it is the look-up of the value, if the text has one.
+fn named(graph: &Graph, node: Node) -> Node {
+    match graph.op(node) {
+        Op::Table(handle, arguments, orders) => {
+            let value = Op::Table(handle, arguments, Orders::of_value(orders.arguments()));
+            graph.known(&value).unwrap_or(node)
+        }
+        _ => node,
     }
 }
 
@@ -96,46 +155,78 @@ pub(crate) fn find(
     let count = graph.nodes().len();
     let used = uses(graph, &watched);
     let of_rows = smoothly_needed(graph, rows);
-    let nowhere = graph.constant(-1.0);
+    let (nowhere, zero) = (graph.constant(-1.0), graph.constant(0.0));
     let mut kinks = Kinks::default();
-    let mut values: Vec<Node> = Vec::new();
-    let mut handles = Vec::new();
+    let mut functions: Vec<KinkFunction> = Vec::new();
     let mut active: Vec<Node> = Vec::new();
     for node in (0..count as u32).map(Node) {
         let Some(used) = used[node.0 as usize].filter(|_| !turns.contains(&node)) else {
             continue;
         };
-        let Some((value, handle)) = function_of(graph, graph.op(node)) else {
-            continue;
-        };
-        let handle = handle.unwrap_or(nowhere);
         let constrains = of_rows[node.0 as usize];
-        let mut pairs = values.iter().zip(&handles);
-        if let Some(known) = pairs.position(|known| known == (&value, &handle)) {
-            active[known] = either(graph, Some(active[known]), used);
-            kinks.kinds[known].constrains |= constrains;
-            continue;
+        for function in functions_of(graph, graph.op(node)) {
+            let mut used = used;
+            if let Some(below) = function.below {
+                let cut = graph.less(below, zero);
+                used = graph.select(cut, used, zero);
+                if used == zero {
+                    continue;
+                }
+            }
+            let handle_and_argument =
+                |f: &KinkFunction| f.table.map(|(handle, kind)| (handle, kind.argument));
+            let table = function.table.map(|(_, kind)| TableKink {
+                smooth: kind.smooth
+                    + if constrains {
+                        OF_CONSTRAINTS - OF_LOADS
+                    } else {
+                        0
+                    },
+                ..kind
+            });
+            let same = |known: &KinkFunction| {
+                known.value == function.value
+                    && handle_and_argument(known) == handle_and_argument(&function)
+            };
+            if let Some(known) = functions.iter().position(same) {
+                active[known] = either(graph, Some(active[known]), used);
+                let kind = &mut kinks.kinds[known];
+                kind.constrains |= constrains;
+                if let (Some(known), Some(now)) = (&mut kind.table, table) {
+                    known.smooth = known.smooth.max(now.smooth);
+                }
+                continue;
+            }
+            let value = function.value;
+            if !moves(graph, layout, value, changing)
+                || known_in_outputs_only(graph, &[value], layout)
+                // the answers of a field have no known rate
+                || uses_fields(graph, &[value], layout, false)
+            {
+                continue;
+            }
+            kinks.places.push(KinkPlace {
+                node: named(graph, node),
+                argument: table.map_or(0, |kind| kind.argument),
+            });
+            let parts = dependencies(graph, &[value]);
+            kinks.kinds.push(KinkKind {
+                table,
+                constrains,
+                // a count of turns is a sum of chosen constants
+                wraps: (turns.iter()).any(|turn| {
+                    parts[turn.0 as usize] && matches!(graph.op(*turn), Op::Select(..))
+                }),
+            });
+            functions.push(function);
+            active.push(used);
         }
-        if !moves(graph, layout, value, changing)
-            || known_in_outputs_only(graph, &[value], layout)
-            // the answers of a field have no known rate
-            || uses_fields(graph, &[value], layout, false)
-        {
-            continue;
-        }
-        kinks.places.push(KinkPlace { node, argument: 0 });
-        let parts = dependencies(graph, &[value]);
-        kinks.kinds.push(KinkKind {
-            table: handle != nowhere,
-            constrains,
-            // a count of turns is a sum of chosen constants
-            wraps: (turns.iter())
-                .any(|turn| parts[turn.0 as usize] && matches!(graph.op(*turn), Op::Select(..))),
-        });
-        values.push(value);
-        handles.push(handle);
-        active.push(used);
     }
+    let mut values: Vec<Node> = functions.iter().map(|function| function.value).collect();
+    let handles = functions
+        .iter()
+        .map(|f| f.table.map_or(nowhere, |(handle, _)| handle));
+    let mut handles: Vec<Node> = handles.collect();
     // where a `wrapped` angle begins anew, a constraint must not jump
     for (wrapped, value) in wraps {
         let Some(used) = used[wrapped.0 as usize].filter(|_| of_rows[wrapped.0 as usize]) else {
@@ -169,10 +260,10 @@ pub(crate) fn find(
         let mut constant = |index: u32| graph.input(layout.constant(index));
         values.push(constant(kink.value));
         slopes.push(constant(kink.rate));
-        handles.push(kink.table.map_or(nowhere, constant));
+        handles.push(kink.table.map_or(nowhere, |(handle, _)| constant(handle)));
         active.push(always);
         kinks.kinds.push(KinkKind {
-            table: kink.table.is_some(),
+            table: kink.table.map(|(_, kind)| kind),
             ..KinkKind::default()
         });
     }

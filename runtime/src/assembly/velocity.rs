@@ -5,17 +5,84 @@ use super::rows::{Along, Rows, pins, smallest_solution};
 use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::model::Model;
-use crate::state::State;
+use crate::state::{State, move_pose};
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
 
 /// Relative to the model's speed, a row that is left by more contradicts others.
 const CONTRADICTION: f64 = 1e-8;
 
+/// Distance behind the start at which a constraint is on the side to which the motion goes, as a share of the time in which the
+/// motion covers its own size; the share of it for a second look, and the least part of a rate that remains there if it jumps.
+const BEHIND: f64 = 1e-12;
+const NEARER: f64 = 0.25;
+const REMAINS: f64 = 0.5;
+/// Rate of a constraint behind the start that is a jump, as a share of the model's speed.
+const JUMP: f64 = 1e-6;
+/// Most searches of the side to which the motion goes.
+const SIDES: usize = 4;
+
+/// Velocities of the start; see [`admissible`]. A constraint may have a corner at the start, such as `abs(angle)` at zero. Before
+/// its start a motion has no values, so the side to which it goes decides: the state moves there, by less than its rounding error.
+pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
+    admissible(model, state)?;
+    let start = state.clone();
+    for _ in 0..SIDES {
+        let Some(behind) = behind_corner(model, &start, state)? else {
+            return Ok(());
+        };
+        state.copy_from(&behind);
+        admissible(model, state)?;
+    }
+    // no side is that of its own motion: the first step says what jumps
+    state.copy_from(&start);
+    Ok(())
+}
+
+/// A start just behind a corner, along velocities at which a constraint demands other velocities there. `None` if none does.
+fn behind_corner(
+    model: &Model,
+    start: &State,
+    moving: &State,
+) -> Result<Option<State>, RuntimeError> {
+    let system = &model.compiled.system;
+    let has_corners = |element: &usize| {
+        let class = model.class(*element);
+        system.elements[*element].role == Role::Dynamic
+            && class.kinks.iter().any(|kink| kink.constrains)
+    };
+    let elements: Vec<usize> = (0..model.elements.len()).filter(has_corners).collect();
+    if elements.is_empty() {
+        return Ok(None);
+    }
+    let rows = Rows::new(model, elements);
+    let scales = model.velocity_scales();
+    let pairs = moving.velocity.iter().zip(&scales);
+    let speed = pairs.fold(0.0_f64, |most, (v, s)| most.max((v / s).abs()));
+    if speed == 0.0 {
+        return Ok(None);
+    }
+    let behind = |share: f64| {
+        let e = share * BEHIND / speed;
+        let mut state = start.clone();
+        let along: Vec<f64> = moving.velocity.iter().map(|v| e * v).collect();
+        move_pose(model, &start.pose, &along, 1.0, &mut state.pose);
+        state.velocity.copy_from_slice(&moving.velocity);
+        state
+    };
+    let [far, near] = [1.0, NEARER].map(|share| rows.rates(model, &at(&behind(share))));
+    let (far, near) = (far?, near?);
+    let jumps = (0..rows.len()).any(|row| {
+        let size = near[row].abs() / rows.scales[row];
+        size > JUMP * speed && near[row].abs() >= REMAINS * far[row].abs()
+    });
+    Ok(jumps.then(|| behind(1.0)))
+}
+
 /// Velocities of smallest kinetic energy with `Φ̇ = 0` and the exact start rows. Guessed rows are fitted
 /// first; the exact ones then correct by the smallest change. Pins keep their places in their shells as far as all these
 /// rows allow.
-pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
+fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     state.velocity.fill(0.0);
     let system = &model.compiled.system;
     let of = |wanted: &dyn Fn(&Role) -> bool| -> Rows {

@@ -8,9 +8,12 @@
 //!
 //! Both sides are compared at one motion: Φ and Φ̇ of the element at the motion just before and just behind the kink, along the
 //! velocities and accelerations before it. The difference of a continuous value shrinks with the distance of both.
+//!
+//! The place of the kink is the zero of its function. Where the rate of the function does not lead to it, as at `(t − 1 s)³`,
+//! bisection finds the place. A function that only touches zero changes no sign, and demands no jump.
 
 use super::Simulation;
-use crate::error::{Moment, RuntimeError};
+use crate::error::{Jerk, Moment, RuntimeError};
 use crate::state::State;
 
 /// Smallest jump of a demanded velocity that counts: as a share of the model's motion, and of the model's length in a second. A
@@ -22,12 +25,18 @@ const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
 /// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there.
 const ROUNDINGS: [f64; 2] = [2048.0, 2.0];
-/// Distance from a kink within a step, as a share of the step.
-const WITHIN: f64 = 1e-5;
+/// Distance from a kink within a step, as a share of the step. Nearer to its corner, `acos(cos(x))` has a rate of few digits.
+const WITHIN: f64 = 1e-4;
 /// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed.
 const STRAIGHT: f64 = 0.5;
 /// Shortest distance from a kink (s).
 const SHORTEST: f64 = 1e-12;
+/// Growth of the distance over which a kink is searched.
+const WIDER: f64 = 4.0;
+/// Places behind the beginning of a step, in steps, up to which the motion before a kink is followed to find it.
+const ALONG: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
+/// Distance from a kink at which accelerations are compared, as a share of the step.
+const APART: f64 = 1e-3;
 
 /// Φ and Φ̇ of an element on the other side of a kink, less those on this side.
 type Difference = Vec<[f64; 2]>;
@@ -44,22 +53,32 @@ impl Simulation {
         let base = self.integrator.current.clone();
         let found = kinks.into_iter().try_for_each(|kink| {
             self.place_kinks(&base)?;
+            if self.kinks.is_moment(kink) {
+                let moment = self.kinks.moment_at(kink, here);
+                let rounding = f64::EPSILON * moment.abs().max(f64::MIN_POSITIVE);
+                let distances = ROUNDINGS.map(|count| count * rounding);
+                return self.refuse_jump(kink, &base, moment - here, distances);
+            }
             let [to_kink, around] = self.kinks.times_to(kink, here, factor);
-            let (to_kink, distances) = if self.kinks.is_moment(kink) {
-                let kink = self.kinks.moment_at(kink, here);
-                let rounding = f64::EPSILON * kink.abs().max(f64::MIN_POSITIVE);
-                (kink - here, ROUNDINGS.map(|count| count * rounding))
-            } else {
-                let around = around.max(8.0 * f64::EPSILON * here.abs()).max(SHORTEST);
-                (to_kink, [around, NEARER * around])
+            let around = around.max(8.0 * f64::EPSILON * here.abs()).max(SHORTEST);
+            let rate = self.kinks.rate(kink);
+            let ends = [to_kink - around, to_kink + around];
+            if self.passes(kink, &base, rate, ends)? {
+                return self.refuse_jump(kink, &base, to_kink, [around, NEARER * around]);
+            }
+            let Some(found) = self.crossed_beside(kink, &base, factor)? else {
+                return Ok(());
             };
-            self.refuse_jump(kink, &base, to_kink, distances)
+            let step = (self.options.step.fixed()).unwrap_or(self.size.step);
+            let distance = (WITHIN * step).max(SHORTEST);
+            self.refuse_jump(kink, &base, found, [distance, NEARER * distance])
         });
         self.stand()?;
         found
     }
 
-    /// Refuses kinks within the last step at which a constraint demands a jump: kinks with the times (s) from its beginning.
+    /// Refuses kinks within the last step at which a constraint demands a jump: kinks with the times (s) from its beginning. The
+    /// motion is that before the step, because behind a jump the step has a velocity between those of both sides.
     pub(super) fn refuse_jumps_within(
         &mut self,
         passed: &[(usize, f64)],
@@ -68,17 +87,123 @@ impl Simulation {
             return Ok(());
         }
         let h = self.integrator.current.time - self.integrator.previous.time;
+        let base = self.integrator.previous.clone();
         let found = passed.iter().try_for_each(|(kink, time)| {
-            let mut base = self.integrator.current.clone();
-            (self.integrator).interpolate(&self.model, time / h, &mut self.work, &mut base);
-            base.time = self.integrator.previous.time + time;
             self.place_kinks(&base)?;
-            let [to_kink, _] = self.kinks.times_to(*kink, base.time, 1.0);
-            let distances = [WITHIN * h, NEARER * WITHIN * h];
-            self.refuse_jump(*kink, &base, to_kink.clamp(-h, h), distances)
+            let before = self.kinks.value(*kink);
+            let mut place = None;
+            for (end, part) in ALONG.into_iter().enumerate() {
+                let ahead = if end == 0 { *time } else { part * h };
+                if self.value_at(*kink, &base, ahead)? * before < 0.0 {
+                    place = Some(self.between(*kink, &base, [0.0, ahead])?);
+                    break;
+                }
+            }
+            let Some(place) = place else { return Ok(()) };
+            let distance = (WITHIN * h).min(0.5 * place);
+            self.refuse_jump(*kink, &base, place, [distance, NEARER * distance])?;
+            self.tell_acceleration(*kink, &base, (place, h))
         });
         self.stand()?;
         found
+    }
+
+    /// Keeps a kink at a time (s) behind a motion, within a fixed step h (s), if the acceleration that a constraint demands jumps
+    /// there and the step does not follow: the positions err by up to an eighth of `h²` times the jump.
+    fn tell_acceleration(
+        &mut self,
+        kink: usize,
+        base: &State,
+        (place, h): (f64, f64),
+    ) -> Result<(), RuntimeError> {
+        if self.options.step.fixed().is_none() {
+            return Ok(());
+        }
+        let element = self.kinks.element(kink);
+        let mut jumps: Vec<Vec<f64>> = Vec::new();
+        for distance in [APART * h, NEARER * APART * h] {
+            let times = [-2.0, -1.0, 1.0, 2.0].map(|d| place + d * distance);
+            let rates = times.map(|e| self.demands(element, base, e));
+            let [Some(a), Some(b), Some(c), Some(d)] = &rates else {
+                return Ok(());
+            };
+            let rows = 0..a.len();
+            let jump = |row: usize| (d[row][1] - c[row][1] - b[row][1] + a[row][1]) / distance;
+            jumps.push(rows.map(jump).collect());
+        }
+        let [far, near] = &jumps[..] else {
+            return Ok(());
+        };
+        let limit = self.model.tolerance / self.model.length;
+        let errors = far.iter().zip(near).enumerate().map(|(row, (far, near))| {
+            let remains = near.abs() >= REMAINS * far.abs();
+            let error = 0.125 * h * h * near.abs() / self.model.row_scale(element, row);
+            (row, if remains { error } else { 0.0 })
+        });
+        let most = errors.max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((row, error)) = most.filter(|(_, error)| *error > limit) else {
+            return Ok(());
+        };
+        let named = |value: f64| Box::new(self.model.named_row(element, row, value));
+        let jerk = Jerk {
+            jump: named(near[row].abs()),
+            error: named(0.125 * h * h * near[row].abs()),
+        };
+        self.keep_overlooked(kink, (error / limit, Some(jerk)), h);
+        Ok(())
+    }
+
+    /// The time (s) behind a motion at which the function of a kink changes its sign, if it does so not farther away than a step and
+    /// is clearly on another side before than behind.
+    fn crossed_beside(
+        &mut self,
+        kink: usize,
+        base: &State,
+        factor: f64,
+    ) -> Result<Option<f64>, RuntimeError> {
+        let least = self.kinks.side(kink, base.time, factor);
+        let reach = (self.options.step.fixed()).unwrap_or(self.size.step);
+        let starts = self.integrator.statistics.steps == 0;
+        let mut distance = SHORTEST;
+        while distance < reach {
+            distance = (WIDER * distance).min(reach);
+            let ends = [if starts { 0.0 } else { -distance }, distance];
+            let before = self.value_at(kink, base, ends[0])?;
+            let behind = self.value_at(kink, base, ends[1])?;
+            if before.abs() > least && behind.abs() > least && before * behind < 0.0 {
+                return self.between(kink, base, ends).map(Some);
+            }
+        }
+        Ok(None)
+    }
+
+    /// The time (s) behind a motion, between two others, at which the function of a kink changes its sign.
+    fn between(
+        &mut self,
+        kink: usize,
+        base: &State,
+        [mut low, mut high]: [f64; 2],
+    ) -> Result<f64, RuntimeError> {
+        let side = self.value_at(kink, base, low)?.signum();
+        loop {
+            let middle = 0.5 * (low + high);
+            let done = middle <= low || middle >= high;
+            if done || high - low <= f64::EPSILON * (base.time + high).abs() {
+                return Ok(middle);
+            }
+            if side * self.value_at(kink, base, middle)? > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+    }
+
+    /// The function of a kink at a time (s) behind a motion.
+    fn value_at(&mut self, kink: usize, base: &State, e: f64) -> Result<f64, RuntimeError> {
+        let state = self.moved(base, e);
+        self.place_kinks(&state)?;
+        Ok(self.kinks.value(kink))
     }
 
     /// Evaluates the kink functions at a state.
@@ -103,16 +228,12 @@ impl Simulation {
         distances: [f64; 2],
     ) -> Result<(), RuntimeError> {
         let element = self.kinks.element(kink);
-        let rate = self.kinks.rate(kink);
         let mut differences: Vec<Difference> = Vec::new();
         for distance in distances {
             // before its start a motion has no values
             let starts = self.integrator.statistics.steps == 0;
             let before = if starts { 0.0 } else { to_kink - distance };
             let ends = [before, to_kink + distance];
-            if !self.passes(kink, base, rate, ends)? {
-                return Ok(());
-            }
             let ends = ends.map(|e| self.demands(element, base, e));
             let [Some(before), Some(behind)] = ends else {
                 // the next step reports values that are no numbers
@@ -150,8 +271,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Whether the function of a kink changes about as its rate says between two times (s) behind a motion. A function that only
-    /// touches zero, such as the cube of a sine, has no place of its kink that its rate could show, and demands no jump there.
+    /// Whether the function of a kink changes about as its rate says between two times (s) behind a motion. The place of its zero
+    /// then follows from the rate.
     fn passes(
         &mut self,
         kink: usize,
@@ -159,18 +280,10 @@ impl Simulation {
         rate: f64,
         [before, behind]: [f64; 2],
     ) -> Result<bool, RuntimeError> {
-        // the distances from a moment are roundings of it
-        if self.kinks.is_moment(kink) {
-            return Ok(true);
-        }
-        let mut values = [0.0; 2];
-        for (value, e) in values.iter_mut().zip([before, behind]) {
-            let state = self.moved(base, e);
-            self.place_kinks(&state)?;
-            *value = self.kinks.value(kink);
-        }
+        let starts = self.integrator.statistics.steps == 0;
+        let before = if starts { 0.0 } else { before };
+        let change = self.value_at(kink, base, behind)? - self.value_at(kink, base, before)?;
         let foreseen = rate * (behind - before);
-        let change = values[1] - values[0];
         Ok((change - foreseen).abs() <= STRAIGHT * foreseen.abs())
     }
 

@@ -138,7 +138,7 @@ impl Simulation {
         self.stand()?;
         self.kinks
             .evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
-        self.kinks.accept(0.0, None);
+        self.kinks.accept(&self.model, 0.0, None);
         self.at_kink = None;
         self.observe_state()?;
         self.take_energy();

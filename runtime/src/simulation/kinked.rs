@@ -1,7 +1,7 @@
 //! Steps that end at kinks, and fixed steps that pass them.
 
 use super::Simulation;
-use crate::error::RuntimeError;
+use crate::error::{Jerk, RuntimeError};
 use crate::integrator::{STEP_SHARE, Trial};
 use crate::state::State;
 
@@ -46,14 +46,35 @@ impl Simulation {
         let Some(found) = self.kinks.overlooked(&self.model, h, end.time) else {
             return Ok(());
         };
-        let ratio = |depth: f64, limit: f64| depth / limit;
-        let before = self.overlooked.as_ref();
-        if before.is_none_or(|b| ratio(found.depth, found.limit) > ratio(b.depth, b.limit)) {
-            let mut moment = self.moment();
-            moment.time += h;
-            self.overlooked = self.kinks.named(&self.model, &found, h, moment);
+        let mut moment = self.moment();
+        moment.time += h;
+        let weight = found.depth / found.limit;
+        if self
+            .overlooked
+            .as_ref()
+            .is_none_or(|known| weight > known.weight)
+        {
+            self.overlooked = (self.kinks).named(&self.model, &found, (h, moment), (weight, None));
         }
         Ok(())
+    }
+
+    /// Keeps a kink within the last fixed step h (s), whose weight is in units of its limit.
+    pub(super) fn keep_overlooked(
+        &mut self,
+        kink: usize,
+        (weight, jerk): (f64, Option<Jerk>),
+        h: f64,
+    ) {
+        if self
+            .overlooked
+            .as_ref()
+            .is_none_or(|known| weight > known.weight)
+        {
+            let passed = self.kinks.at_end(kink, self.integrator.current.time);
+            let told = (h, self.moment());
+            self.overlooked = (self.kinks).named(&self.model, &passed, told, (weight, jerk));
+        }
     }
 
     /// The length (s) of the next trial and the kink at its end, if a trial of a step h passes a kink.

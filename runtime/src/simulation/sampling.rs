@@ -49,8 +49,13 @@ impl Simulation {
     fn evaluate_current(&mut self) -> Result<(), RuntimeError> {
         let key = self.integrator.current.time.to_bits();
         if self.evaluated != Some(key) {
-            self.completed.copy_from(&self.integrator.current);
+            let time = self.integrator.current.time;
+            match self.behind_start()? {
+                Some(behind) => self.completed.copy_from(&behind),
+                None => self.completed.copy_from(&self.integrator.current),
+            }
             self.complete()?;
+            self.completed.time = time;
             self.evaluated = Some(key);
         }
         Ok(())

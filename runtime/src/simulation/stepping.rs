@@ -71,7 +71,8 @@ impl Simulation {
         self.dynamics.keep_memory(&self.model)?;
         self.kinks
             .evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
-        self.kinks.accept(0.0, None);
+        self.kinks.accept(&self.model, 0.0, None);
+        self.at_kink = self.first_moment();
         self.observe_state()?;
         self.take_energy();
         let e = &mut self.energy;
@@ -425,7 +426,7 @@ impl Simulation {
         let passed = (self.kinks).constrains_within(h, time, tolerance);
         self.integrator.accept(&self.model, h, time);
         self.dynamics.keep_memory(&self.model)?;
-        self.kinks.accept(h, self.at_kink);
+        self.kinks.accept(&self.model, h, self.at_kink);
         self.refuse_jumps_within(&passed)?;
         self.evaluated = None;
         self.cycle_at_ends = None;

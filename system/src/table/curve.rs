@@ -1,5 +1,6 @@
 //! Tables of one argument: piecewise cubics.
 
+use super::corners::Corners;
 use super::spline::{Closing, moments, monotone_slopes, periodic_moments, pieces};
 use super::{CLOSURE, PAST_END};
 
@@ -29,6 +30,7 @@ pub struct Curve {
     /// Coefficients of each interval in powers of (x − x_i).
     coefficients: Vec<[f64; 4]>,
     period: Option<f64>,
+    interpolation: Interpolation,
     extrapolation: Option<Extrapolation>,
 }
 
@@ -214,6 +216,7 @@ impl Curve {
             x,
             coefficients,
             period,
+            interpolation,
             extrapolation,
         })
     }
@@ -247,12 +250,18 @@ impl Curve {
     }
 
     /// See [`super::Table::kinks`].
-    pub fn kinks(&self) -> [Option<f64>; 2] {
-        if self.period.is_some() || self.extrapolation.is_none() {
-            return [None; 2];
-        }
-        let (first, last) = self.domain();
-        [Some(first), Some(last)]
+    pub fn kinks(&self, smooth: u8) -> Corners<'_> {
+        let inner = match self.interpolation {
+            Interpolation::Cubic => 2,
+            Interpolation::Monotone => 1,
+        };
+        // a natural spline has no second derivative at its ends
+        let end = match self.extrapolation {
+            Some(Extrapolation::Hold) => 0,
+            Some(Extrapolation::Linear) => inner,
+            None => u8::MAX,
+        };
+        Corners::new(&self.x, self.period, smooth, inner, [end; 2])
     }
 
     /// The value (order 0) or a derivative with respect to the argument; orders above 3 are zero.

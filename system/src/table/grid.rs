@@ -10,6 +10,7 @@ mod validity;
 pub use validity::GridError;
 
 use super::MOST_ARGUMENTS;
+use super::corners::Corners;
 use axis::Axis;
 use validity::{check_points, check_values};
 
@@ -121,19 +122,26 @@ impl Grid {
     }
 
     /// See [`super::Table::kinks`].
-    pub fn kinks(&self, index: usize) -> [Option<f64>; 2] {
+    pub fn kinks(&self, index: usize, smooth: u8) -> Corners<'_> {
+        // splines of third degree
+        const INNER: u8 = 2;
         let Some(axis) = self.axes.get(index) else {
-            return [None; 2];
+            return Corners::default();
         };
-        let Ends::Each(ends) = axis.ends else {
-            return [None; 2];
+        let (period, ends) = match axis.ends {
+            Ends::Periodic(period) => (Some(period), [INNER; 2]),
+            Ends::Each(ends) => {
+                let smooth_to = |end| match end {
+                    End::Hold => 0,
+                    End::Linear => 1,
+                    // a mirror continues the spline
+                    End::Even | End::Odd => INNER,
+                    End::Open => u8::MAX,
+                };
+                (None, ends.map(smooth_to))
+            }
         };
-        let points = [axis.knots.first().copied(), axis.knots.last().copied()];
-        let mut kinks = ends
-            .into_iter()
-            .zip(points)
-            .map(|(end, point)| point.filter(|_| matches!(end, End::Hold | End::Linear)));
-        [kinks.next().flatten(), kinks.next().flatten()]
+        Corners::new(&axis.knots, period, smooth, INNER, ends)
     }
 
     /// The first argument outside its points although it is a number and no continuation is stated.

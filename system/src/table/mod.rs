@@ -1,5 +1,6 @@
 //! Interpolated tables of one to three arguments.
 
+mod corners;
 mod curve;
 mod grid;
 mod spline;
@@ -7,6 +8,7 @@ mod spline;
 use crate::dimension::DisplayUnit;
 use crate::place::Location;
 use crate::significant::short;
+pub use corners::{BESIDE as POINTS_BESIDE, Corners};
 pub use curve::{Curve, Extrapolation, Interpolation, TableError};
 pub use grid::{Argument, End, Ends, Grid, GridError};
 use std::sync::Arc;
@@ -112,13 +114,12 @@ impl Table {
         }
     }
 
-    /// The first and last point of an argument beyond which the table is held or continues as a line; `None` for
-    /// an end where it is smooth (a period, a mirror) or has no continuation.
-    pub fn kinks(&self, argument: usize) -> [Option<f64>; 2] {
+    /// The points of an argument at which derivatives along it, up to the order `smooth`, are not continuous.
+    pub fn kinks(&self, argument: usize, smooth: u8) -> Corners<'_> {
         match &self.shape {
-            Shape::Curve(curve) if argument == 0 => curve.kinks(),
-            Shape::Curve(_) => [None; 2],
-            Shape::Grid(grid) => grid.kinks(argument),
+            Shape::Curve(curve) if argument == 0 => curve.kinks(smooth),
+            Shape::Curve(_) => Corners::default(),
+            Shape::Grid(grid) => grid.kinks(argument, smooth),
         }
     }
 

@@ -1,0 +1,69 @@
+//! A start at a kink: the motion begins on the side to which it goes.
+//!
+//! Before its start a motion has no values. So where a load or a demanded acceleration jumps at the first state, such as behind
+//! `if time > 0 s`, its value is that just behind the start. Outputs of the first state are those of a state just behind it, and
+//! the first step begins there if the kink is a moment.
+
+use super::Simulation;
+use crate::error::RuntimeError;
+use crate::state::State;
+use eng_system::system::StepControl;
+
+/// Distance behind a kink of the motion, as a share of the time in which the motion covers its own size.
+const BEHIND: f64 = 1e-12;
+/// Change of an acceleration or a rate at the kink that is a jump, as a share of the largest one.
+const JUMP: f64 = 1e-6;
+
+impl Simulation {
+    /// At the start, a kink in time at which the motion begins. Loads may jump there.
+    pub(super) fn first_moment(&self) -> Option<usize> {
+        match self.options.step {
+            StepControl::Tolerance(factor) => {
+                let time = self.integrator.current.time;
+                let here = self.kinks.here(time, factor);
+                here.into_iter().find(|kink| self.kinks.is_moment(*kink))
+            }
+            _ => None,
+        }
+    }
+
+    /// The state just behind the start, if the motion begins at kinks and accelerations or rates of states jump there.
+    pub(super) fn behind_start(&mut self) -> Result<Option<State>, RuntimeError> {
+        if self.integrator.statistics.steps > 0 {
+            return Ok(None);
+        }
+        let time = self.integrator.current.time;
+        let here = self.kinks.here(time, self.options.step.tolerance());
+        if here.is_empty() {
+            return Ok(None);
+        }
+        let base = self.integrator.current.clone();
+        let scales = self.model.velocity_scales();
+        let largest = |x: &[f64]| {
+            let pairs = x.iter().zip(&scales);
+            pairs.fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
+        };
+        let pace = largest(&base.velocity).max(libm::sqrt(largest(&base.acceleration)));
+        let mut e = 0.0_f64;
+        for kink in &here {
+            let behind = if self.kinks.is_moment(*kink) || pace == 0.0 {
+                time.next_up().next_up() - time
+            } else {
+                self.kinks.time_to(*kink) + BEHIND / pace
+            };
+            e = e.max(behind);
+        }
+        // a table may end here, or the first step reports the error
+        let found = self.ahead(&base, e);
+        self.stand()?;
+        let Ok(behind) = found else { return Ok(None) };
+        let jumps = |a: &[f64], b: &[f64]| {
+            let size = a.iter().chain(b).fold(0.0_f64, |most, x| most.max(x.abs()));
+            a.iter().zip(b).any(|(a, b)| (a - b).abs() > JUMP * size)
+        };
+        let found = jumps(&base.acceleration, &behind.acceleration)
+            || jumps(&base.rates, &behind.rates)
+            || jumps(&base.multipliers, &behind.multipliers);
+        Ok(found.then_some(behind))
+    }
+}
