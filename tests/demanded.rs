@@ -367,6 +367,8 @@ fn points_of_monotone_tables_end_steps() {
     let tables = "table rise(t: Time) -> Length = points([0, 20, 50, 70, 110, 130, 200] ms, [0, 1, 12, 15, 70, 78, 80] mm, interpolation: monotone)
         table round(t: Time) -> Length = points([0, 7, 18, 30, 40] ms, [0, 2, 3, 1, 0] mm, interpolation: monotone, periodic: 40 ms)";
     for (way, ends) in [("rise(time)", 5), ("round(time)", 19)] {
+        // two samples alone may show the spring at rest
+        let mut energy = 1e-9_f64;
         for sample in SAMPLES {
             let outcome = ran(&drawn(
                 way,
@@ -380,7 +382,8 @@ fn points_of_monotone_tables_end_steps() {
             ]
             .map(|path| column(&outcome, path));
             let size = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            let share = size(open) / size(work).max(size(kinetic));
+            energy = energy.max(size(work)).max(size(kinetic));
+            let share = size(open) / energy;
             let kinks = outcome.summary.expect("a summary").statistics.kinks;
             println!("{way} at {sample}: energy {share:.1e}, {kinks} shorter trials");
             assert!(share < 1e-4, "{way} at {sample}: energy {share:.1e}");
