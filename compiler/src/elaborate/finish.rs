@@ -253,7 +253,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             let value = self.structural_value(value);
             self.define(scope, name, Entry::Value(value));
         }
-        self.block(items, scope);
+        // the error was reported
+        let _ = self.block(items, scope);
     }
 
     /// The elements with their shared classes. Two classes are equal if their graphs and messages are equal.
