@@ -126,6 +126,10 @@ eng_grammar::codes! {
         "The body is a million times the model's size from the ground's origin and kept accelerating on its way: a force with the wrong sign drives it, or a table has a number in a wrong unit. Bodies in free flight or under a constant force, and runs that begin far away, give no message.",
         "let push = if place < 0 mm then stiffness*place else 0 N",
         "let push = if place < 0 mm then -stiffness*place else 0 N";
+    DEMANDED = "E0774", "a constraint demands a velocity or a position that jumps",
+        "A drive or a joint states a motion with a corner: `max`, `min`, `abs`, an `if`, the end of a table that is held, or the end of a `wrapped` angle. At the corner the demanded velocity jumps, and bodies follow it by an impulse alone. An impulse needs a law about its loss of energy, and Eng has none. Where only the demanded acceleration jumps, the run continues. Round the corner: ramp the speed over some time.",
+        "drive turn = PrescribedAngle(shaft.main, rail, angle_at: ramp)",
+        "drive turn = PrescribedAngle(shaft.main, rail, angle_at: smooth_ramp)";
     ADVISED = "W0711", "an `advise` fails during the run",
         "The run continues, but its class reports a doubt. Each element gives one message, at the first moment. The author of the class wrote the text.",
         "", "";

@@ -37,7 +37,7 @@ pub enum Error {
     },
     /// A constant in place of a parameter.
     #[error(
-        "{name} is a `const`, not a parameter: the structure is made with it; change it in the text, or state it in an analysis: {model}({name}: …)"
+        "{name} is a `const`, not a parameter: it decides the structure; change it in the text, or state it in an analysis: {model}({name}: …)"
     )]
     Constant {
         /// The constant.
@@ -114,7 +114,7 @@ pub enum Error {
     },
     /// A value in a unit with a shifted zero for a difference, such as 20 degC for a rise of temperature.
     #[error(
-        "{path} is a difference, the value is counted from the zero of its unit: write it in {unit}"
+        "{path} is a difference, and the value counts from the zero of its unit: write it in {unit}"
     )]
     Counted {
         /// The parameter.

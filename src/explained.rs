@@ -1,15 +1,16 @@
 //! The parts of a model in words: the kind of a path, the place of its text, and its numbers.
 
 use crate::counted::counted;
+use crate::definitions;
 use crate::machine::at;
 use crate::places::span;
-use crate::significant::short;
 use crate::tables::Table;
 use crate::{Error, Model, Program, Report};
 use eng_compiler::typed::{ClassText, LevelText};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_runtime::RuntimeError;
 use eng_system::code::Bound;
+use eng_system::significant::short;
 use eng_system::system::{
     BodyInertia, BodyRef, Channel, Element, ElementClass, Location, Origin, Role, System,
 };
@@ -21,7 +22,8 @@ const MOST: usize = 12;
 impl Program {
     /// A text about the element, body, marker, output or parameter with this path, for each model of the file
     /// that has it: its class with the text, its markers, parameters, equations and outputs. The numbers are
-    /// those of the defaults, and rigid bodies replace flexible ones.
+    /// those of the defaults, and rigid bodies replace flexible ones. Other paths are names of the text or of the library: a
+    /// model, a class, an analysis, a constant, a unit.
     ///
     /// # Errors
     /// A path that no model has; a model with a mistake.
@@ -42,6 +44,24 @@ impl Program {
             }));
             known.extend(explained.paths().map(str::to_owned));
         }
+        if texts.is_empty() && self.models().contains(&path) {
+            return self.model_in_words(path);
+        }
+        if texts.is_empty() {
+            let modules = self.modules();
+            let files = modules.iter().copied();
+            texts.extend(definitions::of_modules(files, path, self.texts()));
+            known.extend(
+                modules
+                    .first()
+                    .into_iter()
+                    .flat_map(|(_, file)| definitions::names(file))
+                    .map(str::to_owned),
+            );
+        }
+        if texts.is_empty() {
+            texts.extend(definitions::of_library(path));
+        }
         if texts.is_empty() {
             return Err(Error::NoItem {
                 path: path.to_owned(),
@@ -58,23 +78,50 @@ impl Program {
     pub fn items(&self) -> Result<String, Error> {
         let mut text = String::new();
         for name in self.models() {
-            let model = self.outlined(name)?;
-            let system = &model.compiled().system;
-            let mut table = Table::new(&[&["path", "is", "stated at"]]);
-            let texts = self.texts();
-            for body in &system.bodies {
-                let place = stated_at(texts, body.origin.used_at);
-                table.row(vec![body.origin.path.clone(), "body".to_owned(), place]);
-            }
-            for (element, class) in elements(system) {
-                let place = stated_at(texts, element.origin.used_at);
-                table.row(vec![element.origin.path.clone(), class.name.clone(), place]);
-            }
-            // writing to a String cannot fail
-            let _ = write!(text, "model {name}\n{}", table.render_left(1));
+            text.push_str(&items_of(name, &self.outlined(name)?, self.texts()));
         }
         Ok(text)
     }
+
+    /// The elements, bodies and parameters of a model.
+    fn model_in_words(&self, name: &str) -> Result<String, Error> {
+        let model = self.outlined(name)?;
+        let texts = self.texts();
+        let mut text = items_of(name, &model, texts);
+        let mut table = Table::new(&[&["parameter", "default", "stated at"]]);
+        let parameters = &model.compiled().system.parameters;
+        let mut found = false;
+        for (parameter, value) in parameters.iter().zip(&bound(&model)?.parameters) {
+            // those of elements belong to the texts of the elements
+            if !parameter.origin.path.contains('.') {
+                found = true;
+                table.row(vec![
+                    parameter.origin.path.clone(),
+                    parameter.display.text(*value),
+                    stated_at(texts, parameter.origin.used_at),
+                ]);
+            }
+        }
+        if found {
+            let _ = write!(text, "\n{}", table.render_left(1));
+        }
+        Ok(text)
+    }
+}
+
+/// The elements and bodies of a model with their classes.
+fn items_of(name: &str, model: &Model, texts: &SourceMap) -> String {
+    let system = &model.compiled().system;
+    let mut table = Table::new(&[&["path", "is", "stated at"]]);
+    for body in &system.bodies {
+        let place = stated_at(texts, body.origin.used_at);
+        table.row(vec![body.origin.path.clone(), "body".to_owned(), place]);
+    }
+    for (element, class) in elements(system) {
+        let place = stated_at(texts, element.origin.used_at);
+        table.row(vec![element.origin.path.clone(), class.name.clone(), place]);
+    }
+    format!("model {name}\n{}", table.render_left(1))
 }
 
 /// The values of a model with the defaults of its parameters.

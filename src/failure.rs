@@ -2,13 +2,13 @@
 
 use crate::codes;
 use crate::places::{at_first, place, related, span};
-use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::{
     Damped, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow, StartReport,
     Turning, Undefined, Unstable,
 };
 use eng_system::code::BindError;
+use eng_system::significant::significant;
 use eng_system::system::{Location, Origin, Parameter, System};
 use eng_system::table::Outside;
 
@@ -113,7 +113,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             }
             Undefined::Field(_) => place(d(codes::NO_FIELD), origin, "this field has no solution"),
         },
-        R::Field { origin, .. } => place(d(codes::NO_FIELD), origin, "its numbers make no field"),
+        R::Field { origin, .. } => place(d(codes::NO_FIELD), origin, "this field has no solution"),
         R::NotFinite { origin, .. } => place(d(codes::NOT_FINITE), origin, "this element")
             .with_help("keep a divisor from zero, such as by `norm(v, floor: 1 um)`, and a root's argument from below"),
         R::Newton { origin, .. } => place(d(codes::NO_STEP), origin, "the largest residual is here")
@@ -130,6 +130,9 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         }
         R::Jumps { jump, .. } => place(d(codes::JUMPS), &jump.origin, "jumps")
             .with_help(UNJUMPED),
+        R::Demanded { origin, text, row, velocity, .. } => {
+            demanded(d(codes::DEMANDED), (origin, text), &row.equation, *velocity)
+        }
         R::Stopped(slow) => paced(d(codes::STOPPED), &slow.pace),
         R::TurnsTooFar { origin, step, degrees, .. } => place(d(codes::OPTIONS), origin, "turns this fast")
             .with_help(format!("state a `step` below {} s, or none: then error control chooses the steps", significant(step * 90.0 / degrees, 2))),
@@ -168,7 +171,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::OverTime { elements, .. } => over_time(d(codes::TURNING), elements),
         R::Remembers { origin } => place(d(codes::TURNING), origin, "a film with memory")
-            .with_help("a rigid film with the rule `reynolds` remembers nothing; `transient` and `periodic` follow the others"),
+            .with_help("a rigid film with the rule `reynolds` has no memory; `transient` and `periodic` compute the other films"),
         R::Undecided { origin, .. } => place(d(codes::TURNING), origin, "a film without pressure")
             .with_help("linearise it under load, where its cavity has a place: leave out `start: assembled`, or state a load"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
@@ -193,6 +196,30 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
     }
 }
 
+/// The message about a constraint that demands a jump at a kink, with the place of the kink and its text.
+fn demanded(
+    message: Diagnostic,
+    (origin, text): (&Origin, &str),
+    equation: &str,
+    velocity: bool,
+) -> Diagnostic {
+    let used = Origin {
+        defined_at: None,
+        ..origin.clone()
+    };
+    let message = place(message, &used, "demands the jump");
+    let message = match origin.defined_at {
+        Some(at) if text.is_empty() => message.also(span(at), "its kink is here"),
+        Some(at) => message.also(span(at), "it jumps where this changes"),
+        None => message,
+    };
+    let message = message.with_note(format!("the equation is `{equation}`"));
+    message.with_help(match velocity {
+        true => "a jump of the velocity needs an impulse, which Eng does not model: ramp the speed over some time, such as by `step((time - 1 s)/(10 ms))` of `std.math`, round the corner, or read a smooth table (cubic, with a level end where it is held)",
+        false => "bodies do not move at once: move them in some time, such as by `step((time - 1 s)/(10 ms))` of `std.math`",
+    })
+}
+
 /// The message about a missing equilibrium.
 fn no_equilibrium(message: Diagnostic, carried: f64, turning: bool, films: bool) -> Diagnostic {
     let message = if carried > 0.0 {
@@ -205,8 +232,8 @@ fn no_equilibrium(message: Diagnostic, carried: f64, turning: bool, films: bool)
     };
     match (turning, films) {
         (false, true) => message
-            .with_note("at rest the film of a journal carries nothing")
-            .with_help("`turning: true` takes the motion that the text states, in which films carry; else let a joint or a spring hold the pins"),
+            .with_note("a film carries no load while its pin is at rest")
+            .with_help("state `turning: true`: then films carry in the motion that the text states; or hold the pins by a joint or a spring"),
         (false, false) => message.with_help(
             "hold the free motion by a joint, a spring or a drive; `at:` with an angle holds the cycle; a `guess` nearer to the equilibrium helps the search",
         ),
@@ -275,7 +302,7 @@ fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
         Pace::Stated => message.with_help("take a longer `step`, or none: then error control chooses the steps"),
         Pace::Longest => message.with_help("no step is longer than the distance of samples: take a longer `sample`"),
         Pace::Jump(jump) => place(message, &jump.origin, "jumps").with_help(UNJUMPED),
-        Pace::Error { origin, .. } => place(message, origin, "its motion asks for these steps")
+        Pace::Error { origin, .. } => place(message, origin, "its motion needs these steps")
             .with_help("something is very stiff or fast, or grows without bound: look at stiffness, damping (its sign, too), mass and clearance around this body"),
         Pace::Unsolved { origin, .. } => place(message, origin, "the largest residual is here")
             .with_help("something is very stiff, or a mechanism comes to the end of its reach: look at the outputs just before"),
@@ -383,11 +410,24 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                 );
                 Some((parameter.origin.used_at?, told))
             });
-            let elsewhere: Vec<_> = stated.filter(|(at, _)| Some(*at) != *used_at).collect();
+            // the numbers of one place, such as those of a record, share a label
+            let mut elsewhere: Vec<(Location, Vec<String>)> = Vec::new();
+            for (at, told) in stated.filter(|(at, _)| Some(*at) != *used_at) {
+                match elsewhere.iter_mut().find(|(known, _)| *known == at) {
+                    Some((_, others)) => others.push(told),
+                    None => elsewhere.push((at, vec![told])),
+                }
+            }
             match elsewhere.len() {
-                1..=MOST_PARAMETERS => elsewhere
-                    .iter()
-                    .fold(message, |message, (at, told)| at_first(message, *at, told)),
+                1..=MOST_PARAMETERS => elsewhere.iter().fold(message, |message, (at, told)| {
+                    let label = match told.as_slice() {
+                        [rest @ .., first] if !rest.is_empty() => {
+                            format!("{first} and {} more numbers", rest.len())
+                        }
+                        one => one.concat(),
+                    };
+                    at_first(message, *at, &label)
+                }),
                 _ => message,
             }
         }
@@ -498,8 +538,8 @@ fn upside_down(unstable: &Unstable, what: &str) -> Diagnostic {
         format!("{what} is unstable: {} leaves it", unstable.origin.path),
     );
     place(message, &unstable.origin, "leaves the balance").with_note(format!(
-        "a small deviation grows e-fold in {:.3e} s",
-        unstable.time
+        "a small deviation grows by the factor e in {} s",
+        significant(unstable.time, 3)
     ))
 }
 
@@ -534,7 +574,7 @@ pub(crate) fn periodic(
             .map(|c| c.display.clone());
         if let Some(unit) = unit {
             facts.push(format!(
-                "{} grows by {:.6} {} a cycle",
+                "{} grows by {:.6} {} per cycle",
                 name(growth.channel),
                 growth.by / unit.scale,
                 unit.symbol
@@ -584,7 +624,10 @@ pub(crate) fn periodic(
 fn condition(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     match (origin.used_at, origin.defined_at) {
         (Some(at), _) => related(
-            message.at(span(at), format!("{}: does not hold for this", origin.path)),
+            message.at(
+                span(at),
+                format!("{}: the condition fails here", origin.path),
+            ),
             origin,
             label,
         ),

@@ -1,7 +1,7 @@
 //! Kernels of the fields that a text can name: oil films by `eng-film`.
 
 use eng_film::{
-    Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Profile,
+    Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Part, Profile,
     Quantity, Roughness, Shape, Thinning,
 };
 use eng_system::field::{
@@ -71,6 +71,10 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
             feed: match numbers.list("opening_content").get(at) {
                 Some(content) if *content < 1.0 => Feed::Content(*content),
                 _ => Feed::Pressure,
+            },
+            on: match numbers.list("opening_on_pin").get(at) {
+                Some(on_pin) if *on_pin != 0.0 => Part::Pin,
+                _ => Part::Shell,
             },
         }
     });
@@ -322,10 +326,17 @@ impl FieldKernel for Bearing {
         self.0.carried_shapes()
     }
 
+    fn yields(&self) -> bool {
+        let source = self.0.film().source();
+        !source.shapes.is_empty() || source.rough.is_some()
+    }
+
     fn grid(&self) -> FieldGrid {
         let film = self.0.film();
         let [around, across] = film.lines().map(<[f64]>::to_vec);
+        // those of the pin move over the grid
         let openings = film.source().openings.iter();
+        let openings = openings.filter(|opening| opening.on == Part::Shell);
         FieldGrid {
             radius: film.source().radius,
             around,

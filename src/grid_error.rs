@@ -9,8 +9,8 @@
 use crate::machine::Machine;
 use crate::recorded_field::{RecordedField, Twice};
 use crate::results::Results;
-use crate::significant::significant;
 use eng_system::field::FieldGrid;
+use eng_system::significant::significant;
 
 /// Moments of the last cycle at which films are solved again.
 const MOMENTS: usize = 20;

@@ -13,9 +13,9 @@
 use crate::analysis::Analysis;
 use crate::modes::{coefficients, linearised_at};
 use crate::results::{ResultsError, file_stem, replace_file};
-use crate::significant::short;
 use eng_runtime::LinearModes;
 use eng_system::analysis::{AnalysisKind, Names};
+use eng_system::significant::short;
 use eng_system::{Dimension, DisplayUnit};
 use nalgebra::DMatrix;
 use serde::Serialize;

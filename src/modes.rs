@@ -20,6 +20,7 @@ use eng_runtime::linearised::{
 };
 use eng_runtime::model::Model;
 use eng_system::recorded::{KINETIC, LOST, POTENTIAL, RIGID, Recorded, of_modes};
+use eng_system::significant::short;
 use std::f64::consts::PI;
 
 /// Key of the metadata for the coefficients: see [`PERIODIC`] and [`FROZEN`].
@@ -189,9 +190,9 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     }
     if modes.zeros > 0 && modes.orbit.is_none() {
         told.push_str(&format!(
-            "; {} eigenvalues are zero (below {:.1e} Hz)",
+            "; {} eigenvalues are zero (below {} Hz)",
             modes.zeros,
-            modes.resolution / (2.0 * PI)
+            short(modes.resolution / (2.0 * PI), 2)
         ));
     }
     if modes.left_out != [0, 0] {
@@ -206,8 +207,8 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     }
     if modes.variation > LEAST_TOLD {
         facts.push(format!(
-            "the coefficients change a little while bodies turn or time passes, and are held: eigenvalues are known to about {:.1e} of their size",
-            modes.variation
+            "the coefficients change a little while bodies turn or time passes, and are held: eigenvalues are known to about {} of their size",
+            short(modes.variation, 2)
         ));
     }
     if let Some(orbit) = &modes.orbit {
@@ -240,25 +241,28 @@ fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
     let error = |mode: &Mode| mode.repeating.as_ref().map_or(0.0, |r| r.error);
     let worst = modes.modes.iter().map(error).fold(0.0, f64::max);
     let mut told = format!(
-        "modes of a period of {:.6} ms in {} steps: exponents change by at most {worst:.1e} 1/s with steps of double length; the state comes back within {:.1e} of the allowed distance",
+        "modes of a period of {:.6} ms in {} steps: exponents change by at most {} 1/s with steps of double length; the state comes back within {} of the allowed distance",
         1e3 * orbit.period,
         orbit.steps,
-        orbit.gap
+        short(worst, 2),
+        short(orbit.gap, 2)
     );
     if let Some(phase) = orbit.phase {
-        told.push_str(&format!(", its own direction within {phase:.1e}"));
+        told.push_str(&format!(", its own direction within {}", short(phase, 2)));
     }
     let mut facts = vec![told];
     if modes.zeros > 0 {
         facts.push(format!(
-            "{} multipliers are neutral (within {:.1e} of 1): free turning or sliding, the phase of the motion, or an oscillation at a multiple of its frequency; they are judged neither stable nor unstable",
-            modes.zeros, orbit.neutral
+            "{} multipliers are neutral (within {} of 1): free turning or sliding, the phase of the motion, or an oscillation at a multiple of its frequency; they are judged neither stable nor unstable",
+            modes.zeros,
+            short(orbit.neutral, 2)
         ));
     }
     if orbit.lost > 0 {
         facts.push(format!(
-            "{} motions decay faster than {:.3e} 1/s and are lost in rounding",
-            orbit.lost, orbit.reach
+            "{} motions decay faster than {} 1/s and are lost in rounding",
+            orbit.lost,
+            short(orbit.reach, 3)
         ));
     }
     let listed = |test: &dyn Fn(&Repeating) -> bool| -> String {

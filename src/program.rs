@@ -281,6 +281,13 @@ impl Program {
         hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
     }
 
+    /// The paths and trees of all texts: the main file first, then those that it uses.
+    pub(crate) fn modules(&self) -> Vec<(&str, &eng_grammar::ast::File)> {
+        let modules = &self.inner.typed.program.modules;
+        let modules = modules.iter().rev();
+        modules.map(|m| (m.path.as_str(), &m.file)).collect()
+    }
+
     /// The text of the class whose name is at a place.
     pub(crate) fn class_at(
         &self,

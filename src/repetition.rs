@@ -2,9 +2,9 @@
 
 use crate::codes;
 use crate::places::place;
-use crate::significant::significant;
 use eng_grammar::Diagnostic;
 use eng_runtime::{PeriodicSummary, Remedy};
+use eng_system::significant::{short, significant};
 use eng_system::system::{Origin, System};
 use std::collections::BTreeMap;
 
@@ -123,7 +123,10 @@ impl Repetition {
         let least = match &self.slowest {
             Some(Slowest {
                 channel, change, ..
-            }) => format!("; the last differs by {change:.2e} of its swing in {channel}"),
+            }) => format!(
+                "; the last differs by {} of its swing in {channel}",
+                short(*change, 3)
+            ),
             None => String::new(),
         };
         format!("{repeats} after {} cycles{least}", self.cycles)
@@ -191,11 +194,11 @@ impl Repetition {
 /// The growth or decay of deviations from cycle to cycle, as words after a plural.
 pub(crate) fn pace(factor: f64) -> String {
     if factor < HARDLY_SHRINKS {
-        format!("shrink by the factor {factor:.3} a cycle")
+        format!("shrink by the factor {factor:.3} per cycle")
     } else if factor <= HARDLY_GROWS {
-        format!("do not shrink: the factor is {factor:.3} a cycle")
+        format!("do not shrink: the factor is {factor:.3} per cycle")
     } else {
-        format!("grow by the factor {factor:.3} a cycle")
+        format!("grow by the factor {factor:.3} per cycle")
     }
 }
 

@@ -76,7 +76,10 @@ fn an_unknown_code_is_answered_by_the_nearest() {
         assert_eq!(output.status.code(), Some(2));
         assert_eq!(
             text(&output.stderr),
-            format!("error: there is no code {asked}\n`eng explain` lists all codes\n")
+            format!(
+                "error: `{asked}` is no code, function, analysis, figure or name of the library\n\
+                 `eng explain` lists all codes; `eng explain MODEL.eng {asked}` looks in a model\n"
+            )
         );
     }
 }
@@ -252,4 +255,76 @@ fn a_path_that_a_model_has_not_is_refused() {
         errors.contains("`eng explain MODEL.eng main[1]`"),
         "{errors}"
     );
+}
+
+/// Definitions of a text and of the library give their kind, place, comment and text.
+#[test]
+fn definitions_are_explained() {
+    let folder = std::env::temp_dir().join(format!("eng_explained_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let model = folder.join("rig.eng");
+    let written = "/// The springs.\nconst count = 2\nchoice Side = left | right\nunit dash = 3 mm\n\
+        record Size { let a: Length }\nfn twice(x: Length) -> Length = 2*x\n\
+        model Rig {\n    param reach: Length = 3 mm\n    let far = twice(reach)\n    gravity = [0, 0, 0] m/s^2\n    \
+        body bob { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\n    output seen = far*count as mm\n}\n\
+        analysis run = assemble(Rig())\n";
+    std::fs::write(&model, written).expect("written");
+    let path = model.to_str().expect("a path");
+    for (name, begin) in [
+        (
+            "count",
+            "count: a constant, stated at rig.eng:2\n    /// The springs.\n    const count = 2\n",
+        ),
+        (
+            "right",
+            "right: a choice, stated at rig.eng:3\n    choice Side = left | right\n",
+        ),
+        (
+            "dash",
+            "dash: a unit, stated at rig.eng:4\n    unit dash = 3 mm\n",
+        ),
+        (
+            "Size",
+            "Size: a record, stated at rig.eng:5\n    record Size { let a: Length }\n",
+        ),
+        ("twice", "twice: a function, stated at rig.eng:6\n"),
+        (
+            "far",
+            "far: a value, stated at rig.eng:9\n    let far = twice(reach)\n",
+        ),
+        ("Rig.far", "Rig.far: a value, stated at rig.eng:9\n"),
+        (
+            "run",
+            "run: an analysis, stated at rig.eng:14\n    analysis run = assemble(Rig())\n",
+        ),
+        ("Rig", "model Rig\n"),
+        (
+            "Revolute",
+            "Revolute: a joint of `std.joints`, stated at std/joints.eng:",
+        ),
+    ] {
+        let output = eng(&["explain", path, name]);
+        assert_eq!(text(&output.stderr), "", "{name}");
+        let told = text(&output.stdout);
+        assert!(told.starts_with(begin), "{name}: {told}");
+    }
+    for (name, begin) in [
+        ("mm", "mm: a unit of `std.units`, stated at std/units.eng:"),
+        (
+            "std.joints.Screw",
+            "std.joints.Screw: a joint of `std.joints`, stated at ",
+        ),
+        (
+            "Stiffness",
+            "Stiffness: a dimension of `std.units`, stated at ",
+        ),
+    ] {
+        let told = text(&eng(&["explain", name]).stdout);
+        assert!(told.starts_with(begin), "{name}: {told}");
+    }
+    // a wrong name has its own answer
+    let output = eng(&["explain", path, "nowhere"]);
+    assert!(!output.status.success());
+    assert!(text(&output.stderr).starts_with("error: there is no nowhere in the model"));
+    std::fs::remove_dir_all(&folder).expect("removed");
 }

@@ -80,7 +80,7 @@ model Warm { gravity = [0, 0, 0] m/s^2
     assert_eq!(
         set("rise", "20 degC"),
         Err(
-            "rise is a difference, the value is counted from the zero of its unit: write it in K"
+            "rise is a difference, and the value counts from the zero of its unit: write it in K"
                 .to_owned()
         )
     );

@@ -656,7 +656,7 @@ fn wrong_uses_of_inputs_are_told() {
     );
     told(
         refused(simulation.set_input(load, 2000.0)),
-        "load: 2000 N is outside its limits: it lies between -1000 N and 1000 N",
+        "load: 2000 N is outside its limits: it must be above -1000 N and below 1000 N",
     );
     told(
         refused(simulation.set_input(

@@ -280,7 +280,7 @@ fn damaged_and_foreign_leftovers_are_told_of() {
     // another run's leftovers
     std::fs::write(&checkpoint, &state).unwrap();
     for (other, says) in [
-        (["--channels", "height"], "other channels are kept"),
+        (["--channels", "height"], "it records other channels"),
         (["--set", "load=1kg"], "load was 1.2 kg and is 1 kg"),
     ] {
         let output = place.run("out", &["--resume", other[0], other[1]]);
@@ -338,7 +338,7 @@ fn complete_results_of_another_run_are_not_replaced_by_resuming() {
         assert_eq!(place.files("out"), files, "{more:?}");
     };
     refused(&["--set", "load=1kg"], "load was 1.2 kg and is 1 kg");
-    refused(&["--channels", "height"], "other channels are kept");
+    refused(&["--channels", "height"], "it records other channels");
     refused(&["--last", "10 ms"], "the part that is kept is another");
     ok(&place.run("out", &["--resume"]));
     assert!(std::fs::read(&path).unwrap() == whole);

@@ -56,25 +56,29 @@ fn error(text: &str, analysis: &str, column: &str) -> (f64, u64) {
             compared += 1;
         }
     }
-    assert!(compared > 5, "{analysis}: {compared} samples compared");
+    assert!(compared > 1, "{analysis}: {compared} samples compared");
     let most = due.iter().fold(f64::MIN, |m, x| m.max(*x));
     let least = due.iter().fold(f64::MAX, |m, x| m.min(*x));
     let steps = outcome.summary.expect("a summary").statistics.steps;
     (worst / (most - least), steps)
 }
 
-/// Errors are within 0.1 % of the swing at the default tolerance, with close and with distant samples: the samples must
-/// not decide which contacts a step finds.
+/// Errors are within 0.1 % of the swing at the default tolerance, with close and with distant samples, and with samples at both
+/// ends alone: the samples must not decide which contacts a step finds.
 #[test]
 fn contacts_move_as_another_integrator_says() {
-    for (analysis, column, fine, coarse) in [
-        ("ball", "height", "1 ms", "50 ms"),
-        ("reed", "lift", "0.1 ms", "2 ms"),
-        ("cam", "lift", "0.2 ms", "4 ms"),
-        ("backlash", "first", "0.5 ms", "20 ms"),
-        ("backlash", "second", "0.5 ms", "20 ms"),
+    for (analysis, column, samples) in [
+        ("ball", "height", ["1 ms", "50 ms", "1.1 s"]),
+        ("reed", "lift", ["0.1 ms", "2 ms", "40 ms"]),
+        ("cam", "lift", ["0.2 ms", "4 ms", "40 ms"]),
+        ("backlash", "first", ["0.5 ms", "20 ms", "0.2 s"]),
+        ("backlash", "second", ["0.5 ms", "20 ms", "0.2 s"]),
+        ("lossy", "first", ["0.5 ms", "20 ms", "0.2 s"]),
+        ("lossy", "second", ["0.5 ms", "20 ms", "0.2 s"]),
+        ("damped", "first", ["0.5 ms", "20 ms", "0.2 s"]),
+        ("damped", "second", ["0.5 ms", "20 ms", "0.2 s"]),
     ] {
-        for sample in [fine, coarse] {
+        for sample in samples {
             let (error, steps) = error(&sampled(analysis, sample), analysis, column);
             println!("{analysis}.{column} at {sample}: {error:.1e} of its swing, {steps} steps");
             assert!(error < 1e-3, "{analysis}.{column} at {sample}: {error:.1e}");
@@ -162,6 +166,13 @@ fn a_load_between_two_kinks_is_not_stepped_over() {
             1e-3,
         ),
         ("1 kN*max(0, 1 - abs(time - 0.1 s)/(1 ms))", 0, 1.0, 1e-4),
+        // so short that nothing moves within it: the error of positions shows no error of the velocity
+        (
+            "2 MN*(if time > 0.1 s and time < 0.100001 s then sin((time - 0.1 s)/(1 us)*180 deg)^2 else 0)",
+            0,
+            1.0,
+            3e-4,
+        ),
         (
             "if way > 50 mm and way < 51 mm then 1 kN else 0 N",
             1,
@@ -302,6 +313,19 @@ fn motions_start_again_behind_jumps() {
             1.0,
             thin,
             1e-6,
+        ),
+        // sheets thinner than the tolerance of positions
+        (
+            "if way > 3 mm and way < 3.001 mm then -40 kN else 0 N",
+            1.0,
+            thin,
+            1e-5,
+        ),
+        (
+            "if way > 3 mm and way < 3.00001 mm then -4 MN else 0 N",
+            1.0,
+            thin,
+            1e-4,
         ),
         ("if way > 30 mm then -2 N else 3 N", 1.0, f64::NAN, 1e-6),
         ("if rate > 0.9 m/s then -2 N else -1 N", 1.0, f64::NAN, 1e-3),
@@ -460,4 +484,83 @@ fn checkpoints_keep_the_bits(model: &Model) {
         }
     }
     assert!(whole.statistics().kinks > 0);
+}
+
+/// A kink in a branch that is not selected ends no step. The same kink in a selected branch does, and `min` and `max` use both arguments.
+#[test]
+fn kinks_of_branches_that_are_not_selected_end_no_steps() {
+    let spring = "- 1000 N/m*way";
+    for (push, ends) in [
+        ("0 N", false),
+        ("(if way > 100 mm then 10 N/m*abs(way) else 0 N)", false),
+        ("(if way < 100 mm then 10 N/m*abs(way) else 0 N)", true),
+        (
+            "(if way > 100 mm then (if rate > 0 m/s then -2 N else 2 N) else 0 N)",
+            false,
+        ),
+        ("min(10 N/m*abs(way), -1 N)", true),
+        ("max(10 N/m*abs(way), -1 N)", true),
+        ("max(-10 N/m*abs(way), 1 N)", true),
+    ] {
+        let outcome = pushed(
+            &format!("{push} {spring}"),
+            [10.0, 0.0],
+            "duration: 0.5 s, sample: 50 ms",
+        );
+        let kinks = outcome.summary.expect("a summary").statistics.kinks;
+        println!("{push}: {kinks} shorter trials");
+        assert_eq!(kinks > 0, ends, "{push}: {kinks} trials");
+    }
+}
+
+/// A law of a `wrapped` angle: a bump of 120° in each turn. Its ends end steps, and the place where the angle begins anew does not, also if a
+/// sample lies there. The impulse of a turn is `100 N · 16/15 · (60/360)/(50 Hz)`.
+#[test]
+fn wrapped_angles_have_no_kink_where_they_begin_anew() {
+    let due = 5.0 * 100.0 * 16.0 / 15.0 / 6.0 / 50.0;
+    let mut counts = Vec::new();
+    for from in ["-180 deg", "-170 deg", "-77.7 deg"] {
+        for sample in ["0.7 ms", "1 ms", "10 ms"] {
+            let text = format!(
+                "
+                use std.joints.Revolute
+                use std.drives.PrescribedRotation
+                fn lift(t: Angle) -> Force = if t > -60 deg and t < 60 deg then 100 N*(1 - (t/(60 deg))^2)^2 else 0 N
+                force Law(a: Marker, b: Marker, block: Marker) {{
+                    let turn = wrapped(rotation(a, b), 360 deg, from: {from})
+                    apply force lift(turn)*b.z on block against b
+                }}
+                model Cam {{
+                    gravity = [0, 0, 0] m/s^2
+                    marker rail = origin
+                    body shaft {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2 }}
+                    body block {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2 }}
+                    joint bearing = Revolute(shaft.origin, rail)
+                    drive turn = PrescribedRotation(shaft.origin, rail, speed: 3000 rpm)
+                    force law = Law(shaft.origin, rail, block.origin)
+                    output speed = dot(block.origin.velocity, ground.z)
+                }}
+                analysis run = transient(Cam(), duration: 0.1 s, sample: {sample})"
+            );
+            let outcome = program(&text)
+                .analysis("run")
+                .expect("an analysis")
+                .run(&mut |_| {})
+                .unwrap_or_else(|failed| panic!("{}", failed.error));
+            let speed = &outcome.results.column("speed").expect("a column").values;
+            let speed = speed[speed.len() - 1];
+            let kinks = outcome.summary.expect("a summary").statistics.kinks;
+            println!(
+                "from {from} at {sample}: {:.1e}, {kinks} shorter trials",
+                speed / due - 1.0
+            );
+            assert!(
+                (speed - due).abs() < 1e-3 * due,
+                "{from} at {sample}: {speed}"
+            );
+            counts.push(kinks);
+        }
+    }
+    // ten ends of bumps
+    assert!(counts.iter().all(|count| *count <= 40), "{counts:?}");
 }

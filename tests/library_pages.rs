@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Modules of laws and of functions for them.
-const MODULES: [&str; 10] = [
+const MODULES: [&str; 15] = [
     "joints",
     "drives",
     "forces",
@@ -15,6 +15,11 @@ const MODULES: [&str; 10] = [
     "valvetrain",
     "math",
     "frames",
+    "sections",
+    "cranks",
+    "layouts",
+    "cylinder",
+    "engine",
 ];
 
 /// Words that begin an item of a file.

@@ -285,6 +285,8 @@ fn right_models_are_quiet() {
         "tests/mesh",
         "examples/inline4",
         "examples/slider_crank",
+        "examples/concept",
+        "examples/v6",
     ] {
         let mut files: Vec<PathBuf> = std::fs::read_dir(root().join(folder))
             .expect("a folder")

@@ -443,16 +443,16 @@ fn what_samples_cannot_tell_is_refused() {
         }
     };
     let fast =
-        "is faster than samples every 100 us can tell, which is below 5 kHz; run it with `sample:";
+        "is too fast for samples every 100 us, which resolve less than 5 kHz; run it with `sample:";
     for name in ["high", "low", "band"] {
         assert_eq!(error(name), format!("timed: 6 kHz {fast} 83 us` or less"));
     }
     assert_eq!(
         error("order"),
-        "turned: order 400 is faster than samples every 0.5 deg can tell, which is below order 360; run it with `sample: 0.44 deg` or less"
+        "turned: order 400 is too fast for samples every 0.5 deg, which resolve less than order 360; run it with `sample: 0.44 deg` or less"
     );
     // evenly sampled over time, too
-    assert!(error("frequency").starts_with("turned: 8 kHz is faster than samples every 69.44 us"));
+    assert!(error("frequency").starts_with("turned: 8 kHz is too fast for samples every 69.44 us"));
     let period = "has no whole period in the signal, which is 200 ms long";
     assert_eq!(error("slow"), format!("timed: 3 Hz {period}"));
     assert_eq!(error("drift"), format!("timed: 3 Hz {period}"));
@@ -470,7 +470,7 @@ fn what_samples_cannot_tell_is_refused() {
     );
     assert_eq!(
         error("point"),
-        "timed: a block of 100 us is shorter than two samples, which lie 100 us apart"
+        "timed: a block of 100 us is shorter than two samples, which are 100 us apart"
     );
     assert_eq!(
         error("turns"),
@@ -478,7 +478,7 @@ fn what_samples_cannot_tell_is_refused() {
     );
     assert_eq!(
         error("orders"),
-        "runup[1]: order 200 is faster than samples every 1 deg can tell, which is below order 180; run it with `sample: 0.89 deg` or less"
+        "runup[1]: order 200 is too fast for samples every 1 deg, which resolve less than order 180; run it with `sample: 0.89 deg` or less"
     );
     assert_eq!(
         error("along"),
@@ -491,7 +491,7 @@ fn what_samples_cannot_tell_is_refused() {
     let axis = history(&report, "axis");
     assert!(
         axis.subtitle
-            .contains("the samples hold no more than order 360"),
+            .contains("the samples resolve no more than order 360"),
         "{}",
         axis.subtitle
     );
@@ -501,7 +501,7 @@ fn what_samples_cannot_tell_is_refused() {
     assert!(
         map.figure
             .subtitle
-            .ends_with("the samples hold no more than order 180"),
+            .ends_with("the samples resolve no more than order 180"),
         "{}",
         map.figure.subtitle
     );
@@ -659,7 +659,7 @@ fn a_signal_over_another_one() {
     assert!((one.curves[0].y[0] - 1500.0).abs() < 1.0 && one.curves[1].x == one.curves[0].x);
     let two = error(&report, "two");
     assert!(
-        two.contains("turned and coarse have other samples"),
+        two.contains("turned and coarse have different samples"),
         "{two}"
     );
 }
@@ -878,7 +878,7 @@ fn what_cannot_be_made_is_said_in_its_place() {
     assert_eq!(error("absent"), "no results of coarse");
     assert_eq!(
         error("differing"),
-        "timed and turned have other samples (2001 samples against 2881); `resample(a, like: b)` gives one at the other's samples"
+        "timed and turned have different samples (2001 samples against 2881); `resample(a, like: b)` gives one at the other's samples"
     );
     assert_eq!(
         error("long"),
@@ -1322,7 +1322,7 @@ fn half_of_the_samples_is_refused() {
     for name in ["at", "passed"] {
         assert_eq!(
             error(&report, name),
-            "run: order 180 is faster than samples every 1 deg can tell, which is below order 180; run it with `sample: 0.9 deg` or less"
+            "run: order 180 is too fast for samples every 1 deg, which resolve less than order 180; run it with `sample: 0.9 deg` or less"
         );
     }
     assert!(value(&report, "below").abs() < 1e-2);
@@ -1428,7 +1428,7 @@ report bare {{ let a = maximum(other.p) }}
     ]);
     assert!(
         errors.contains(
-            "warning: the results are of different parameters: speed is as the text states in those of round, set to 2000 rpm in those of other; run them again alike"
+            "warning: the results are of different parameters: speed is as the text states in those of round, set to 2000 rpm in those of other; run them again with equal parameters"
         ),
         "{errors}"
     );

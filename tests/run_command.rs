@@ -194,7 +194,9 @@ fn a_value_outside_its_limits_is_told_with_its_places() {
     assert_eq!(output.status.code(), Some(1));
     let told = errors(&output);
     assert!(
-        told.contains("length = 3000 mm is outside its limits: it lies between 10 mm and 2000 mm"),
+        told.contains(
+            "length = 3000 mm is outside its limits: it must be above 10 mm and below 2000 mm"
+        ),
         "{told}"
     );
     assert!(
@@ -297,7 +299,7 @@ fn check_tells_what_is_advised_and_required_of_parameters() {
         "{told}"
     );
     assert!(told.contains("clearance is stated here"), "{told}");
-    assert!(told.contains("is it the diametral one?"), "{told}");
+    assert!(told.contains("is it the diametral clearance?"), "{told}");
     assert_eq!(told.matches("error[E0720]").count(), 1, "{told}");
     assert!(
         told.contains("Vogel's equation of this oil holds above -97.43 degC, not at -100 degC"),

@@ -349,6 +349,9 @@ impl FieldKernel for Counted<Arc<dyn FieldKernel>> {
     fn shapes(&self) -> usize {
         self.inner.shapes()
     }
+    fn yields(&self) -> bool {
+        self.inner.yields()
+    }
     fn grid(&self) -> FieldGrid {
         self.inner.grid()
     }

@@ -315,7 +315,7 @@ static ABOUT: [(&str, &str, &str); 50] = [
     (
         "slope",
         "slope(f, x)",
-        "the first derivative of a table or function of one argument at x, exact; where a function is due, slope(f) is one",
+        "the first derivative of a table or function of one argument at x, exact; as an argument that is a function, slope(f) is the derivative",
     ),
     (
         "curvature",

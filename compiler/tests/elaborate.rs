@@ -233,7 +233,7 @@ fn parameters_bind_by_path() {
         .expect_err("outside its limits");
     assert_eq!(
         error.to_string(),
-        "step = 2000 mm is outside its limits: it lies between 1 mm and 1000 mm"
+        "step = 2000 mm is outside its limits: it must be above 1 mm and below 1000 mm"
     );
     overrides[index("step")] = None;
     overrides[index("spring.free")] = Some(-0.02);

@@ -114,7 +114,7 @@ fn a_law_that_does_not_fill_the_interface_is_no_journal() {
     );
     assert_eq!(
         refused("journal", "radial_clearance", ""),
-        "E0421 the journal `OwnFilm` does not say that it fills `JournalLaw`"
+        "E0421 the journal `OwnFilm` does not state that it fills `JournalLaw`"
     );
     // the parameter that it does not repeat is that of the interface, and is expected at the use
     assert_eq!(
@@ -430,7 +430,7 @@ fn the_lengths_that_classes_resolve_are_the_units_of_position_errors() {
     assert!(
         refused
             .to_string()
-            .contains("the length that positions resolve must be positive, not -2.000e-6 m"),
+            .contains("the length after `resolve` must be positive, not -0.002 mm"),
         "{refused}"
     );
 }
@@ -546,7 +546,7 @@ fn a_class_with_some_arguments_is_a_class() {
     let unnamed = BOUND.replace("Rotor(law: Three)", "Rotor(law: Grooved(grooves: 3))");
     let refused = elaborated(&unnamed).expect_err("no name");
     assert!(
-        refused[0].contains("an analysis gives a model classes by their names"),
+        refused[0].contains("an analysis passes a class to a model by its name"),
         "{refused:?}"
     );
 }

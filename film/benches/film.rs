@@ -1,7 +1,7 @@
 //! Time of a solution and of its tangent: `cargo bench -p eng-film`. Least of many, µs, on one thread.
 
 use eng_film::{
-    Cavitation, Elastic, Feed, Film, FilmSource, Inputs, Opening, Roughness, Shape, Thinning,
+    Cavitation, Elastic, Feed, Film, FilmSource, Inputs, Opening, Part, Roughness, Shape, Thinning,
     inputs,
 };
 use std::time::Instant;
@@ -32,6 +32,7 @@ fn film(rule: Cavitation, cells: [usize; 2], half: bool) -> Film {
     let mut source = FilmSource::plain(1.0, 1.0, 1.0, rule, cells);
     source.half_width = half;
     source.openings = vec![Opening {
+        on: Part::Shell,
         around: [2.8, 3.5],
         across: [-0.375, 0.375],
         feed: Feed::Pressure,

@@ -85,9 +85,10 @@ pub enum SourceError {
     },
     /// An opening without reach.
     #[error(
-        "opening {opening} of a film reaches from {} to {} {direction}: the second must lie above the first",
+        "opening {opening} of a film reaches from {} to {} {direction}: the second must lie above the first{}",
         shown(direction, *from),
-        shown(direction, *to)
+        shown(direction, *to),
+        if *direction == "around" { ", by 360 deg at most" } else { "" }
     )]
     EmptyOpening {
         /// Number of the opening, from 1.
@@ -116,6 +117,14 @@ pub enum SourceError {
          let it end inside the bearing, or reach over the end"
     )]
     OpeningAtEnd {
+        /// Number of the opening, from 1.
+        opening: usize,
+    },
+    /// An opening of the pin that is a line, or starved.
+    #[error(
+        "opening {opening} of a film is on the pin: it must reach around, and be full of oil at a pressure"
+    )]
+    PinOpening {
         /// Number of the opening, from 1.
         opening: usize,
     },
@@ -207,7 +216,7 @@ pub enum FilmError {
     },
     /// An elastic surface that finds no balance with the film.
     #[error(
-        "the elastic surface finds no place within {rounds} rounds: it may be too soft for the load, or the step too long"
+        "film and elastic surface find no balance within {rounds} rounds: the surface may be too soft for the load, or the step too long"
     )]
     NoSurface {
         /// Rounds of Newton's method.

@@ -4,7 +4,7 @@ use crate::error::{FilmError, SourceError};
 use crate::grid::{Grid, Link};
 use crate::inputs::{END_PRESSURE, SHAPE_FORCE, SUPPLY, TILT, TILT_RATE, VISCOSITY};
 use crate::ring::RingMatrix;
-use crate::source::{Cavitation, Feed, FilmSource, Lines, mean_over};
+use crate::source::{Cavitation, Feed, FilmSource, Lines, Opening, Part, mean_over};
 use crate::surfaces::{OfGap, Surfaces};
 use crate::waves::Waves;
 
@@ -78,6 +78,10 @@ pub(crate) struct LevelWork {
     /// Weight times `h³/12μ`, and the slopes of its logarithm by h and ω.
     pub conductance: Vec<f64>,
     pub conductance_slope: Vec<[f64; 2]>,
+    /// Factor of the weight by openings of the pin, and its slope by the turn (1/rad).
+    pub turning: Vec<[f64; 2]>,
+    /// Share of a cell that openings of the pin cover, and its slope by the turn.
+    pub covered: Vec<[f64; 2]>,
     /// Gap that carries oil.
     pub cell_gap: Vec<f64>,
     /// Slopes of both carrying gaps by h.
@@ -120,6 +124,15 @@ impl LevelWork {
         self.conductance[at] * (q(link.a) - q(link.b))
     }
 
+    /// Slope of the logarithm of a conductance by the turn. That of an opening over no part of a cell is not needed: it
+    /// begins with slope zero.
+    pub(crate) fn opens_by_turn(&self, at: usize) -> f64 {
+        match self.turning[at] {
+            [0.0, _] => 0.0,
+            [factor, slope] => slope / factor,
+        }
+    }
+
     fn new(level: &Level, fixed: usize) -> Self {
         let (cells, links) = (level.grid.cells.len(), level.grid.links.len());
         LevelWork {
@@ -128,6 +141,8 @@ impl LevelWork {
             link_turn: vec![0.0; links],
             conductance: vec![0.0; links],
             conductance_slope: vec![[0.0; 2]; links],
+            turning: vec![[1.0, 0.0]; links],
+            covered: vec![[0.0; 2]; cells],
             cell_gap: vec![0.0; cells],
             carried_slope: [vec![1.0; links], vec![1.0; cells]],
             shear: vec![OfGap::default(); cells],
@@ -156,7 +171,19 @@ impl Film {
     pub fn new(source: FilmSource) -> Result<Self, SourceError> {
         source.check()?;
         let finest = Grid::new(&source, &source.around, &source.across)?;
-        if finest.cells.iter().all(|cell| cell.held.is_some()) {
+        let around = |opening: usize| {
+            let [from, to] = source.openings[opening].around;
+            to - from >= std::f64::consts::TAU * (1.0 - 1e-12)
+        };
+        let mut open: Vec<bool> = finest
+            .cells
+            .iter()
+            .map(|cell| cell.held.is_some())
+            .collect();
+        for feeding in &finest.feedings {
+            open[feeding.cell] |= around(feeding.opening);
+        }
+        if open.iter().all(|open| *open) {
             return Err(SourceError::AllOpen {
                 width: source.width,
             });
@@ -430,13 +457,14 @@ impl Film {
         if self.source.half_width && x[TILT..TILT_RATE + 2] != [0.0; 4] {
             return Err(FilmError::TiltOfHalf);
         }
-        // an opening at the pressure of the cavity is full of oil as well
-        let holds = |opening: &crate::source::Opening| match opening.feed {
-            Feed::Pressure => true,
-            Feed::Content(content) => content > 0.0,
+        // an opening of the shell at the pressure of the cavity is full of oil as well; one of the pin has nothing to push it
+        let holds = |(opening, pressure): (&Opening, &f64)| match (opening.feed, opening.on) {
+            (Feed::Pressure, Part::Shell) => true,
+            (Feed::Pressure, Part::Pin) => *pressure > 0.0,
+            (Feed::Content(content), _) => content > 0.0,
         };
         let flooded = self.source.ends == crate::source::Ends::Open && x[END_PRESSURE] > 0.0;
-        let oil = flooded || self.source.openings.iter().any(holds);
+        let oil = flooded || (self.source.openings.iter().zip(&x[SUPPLY..])).any(holds);
         if self.source.cavitation == Cavitation::MassConserving && work.step.is_none() && !oil {
             return Err(FilmError::NoOil);
         }

@@ -36,6 +36,7 @@ impl Film {
             *rate = -x_rate * cell.mean_normal[0] - y_rate * cell.mean_normal[1];
         }
         self.add_pin_profile(level, state, x);
+        self.set_turning(level, state, x);
         let shapes = self.source.shapes.len();
         let first = SUPPLY + self.source.openings.len();
         let (amplitudes, rates) = x[first..first + 2 * shapes].split_at(shapes);
@@ -56,7 +57,7 @@ impl Film {
             state.link_gap[at] = carried[0];
             state.carried_slope[0][at] = carried[1];
             let conducted = surfaces.conducted(gap, carried, spin, link.carry == 0.0);
-            state.conductance[at] = link.weight * factor * conducted.value;
+            state.conductance[at] = link.weight * state.turning[at][0] * factor * conducted.value;
             state.conductance_slope[at] = [conducted.by_gap, conducted.by_spin];
         }
         for (at, cell) in grid.cells.iter().enumerate() {
@@ -70,7 +71,8 @@ impl Film {
             state.cell_rate[at] *= by_rate;
             // an opening is deep: its surfaces do not touch
             if cell.held.is_none() {
-                state.touching[at] = surfaces.touching(gap);
+                let whole = 1.0 - state.covered[at][0];
+                state.touching[at] = surfaces.touching(gap).map(|number| whole * number);
             }
         }
     }

@@ -6,7 +6,7 @@
 
 use crate::error::{Place, SourceError};
 use crate::ring::{EAST, HIGH};
-use crate::source::{Ends, FilmSource, Lines, Opening, mean_of_wave};
+use crate::source::{Ends, FilmSource, Lines, Opening, Part, mean_of_wave};
 
 /// A face between two cells, or between a cell and a fixed place.
 #[derive(Clone, Copy, Debug)]
@@ -67,8 +67,17 @@ pub(crate) struct Cell {
     pub mean_normal: [f64; 2],
     /// Clearance and profile of the shell, m.
     pub base: f64,
-    /// The opening that covers it.
+    /// The opening of the shell that covers it.
     pub held: Option<usize>,
+}
+
+/// A link from a cell to an opening of the pin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Feeding {
+    pub cell: usize,
+    pub opening: usize,
+    /// Weight of the link, before the share of the cell.
+    pub weight: f64,
 }
 
 /// Cells and links of one size.
@@ -84,6 +93,10 @@ pub(crate) struct Grid {
     /// Links, column by column. Their places are apart: a search needs the links alone, many times.
     pub links: Vec<Link>,
     pub sites: Vec<Site>,
+    /// The first links: those from cells to openings of the pin that may lie over them.
+    pub feedings: Vec<Feeding>,
+    /// Distances of both sides of each link from its face: rad or m. Of a fixed place it is 0.
+    pub reaches: Vec<[f64; 2]>,
 }
 
 impl Grid {
@@ -128,6 +141,8 @@ impl Grid {
             cells,
             links: Vec::new(),
             sites: Vec::new(),
+            feedings: Vec::new(),
+            reaches: Vec::new(),
         };
         grid.link(source);
         Ok(grid)
@@ -148,8 +163,28 @@ impl Grid {
         let (columns, rows, count) = (self.around, self.across, self.cells.len());
         let half = source.width / 2.0;
         let side = |cell: usize, held: Option<usize>| held.map_or(cell, |opening| count + opening);
-        let (mut links, mut sites) = (Vec::new(), Vec::new());
-        let mut face = |a, b, weight, carry, angle: f64, z: f64| {
+        self.feedings = feedings(source, self);
+        let (mut links, mut sites, mut reaches) = (Vec::new(), Vec::new(), Vec::new());
+        // the places of these rows that they write are written again by the links of the cells among each other
+        for feeding in &self.feedings {
+            let cell = &self.cells[feeding.cell];
+            links.push(Link {
+                a: feeding.cell,
+                b: count + feeding.opening,
+                weight: feeding.weight,
+                toward: HIGH,
+                carry: 0.0,
+            });
+            sites.push(Site {
+                angle: cell.angle,
+                z: cell.z,
+                normal: cell.normal,
+                base: cell.base,
+            });
+            reaches.push([0.0; 2]);
+        }
+        let mut face = |a, b, weight, carry, angle: f64, z: f64, reach: [f64; 2]| {
+            reaches.push(reach);
             let (sin, cos) = libm::sincos(angle);
             links.push(Link {
                 a,
@@ -191,12 +226,13 @@ impl Grid {
                 let (z, a, b) = (before.z, side(west, from), side(east, to));
                 match line.filter(|_| from.is_none() && to.is_none()) {
                     Some(line) => {
-                        face(a, count + line, weight(reach(before)), carry, angle, z);
-                        face(count + line, b, weight(reach(behind)), carry, angle, z);
+                        let [west, east] = [reach(before), reach(behind)];
+                        face(a, count + line, weight(west), carry, angle, z, [west, 0.0]);
+                        face(count + line, b, weight(east), carry, angle, z, [0.0, east]);
                     }
                     None => {
-                        let distance = reach(before) + reach(behind);
-                        face(a, b, weight(distance), carry, angle, z);
+                        let sides = [reach(before), reach(behind)];
+                        face(a, b, weight(sides[0] + sides[1]), carry, angle, z, sides);
                     }
                 }
             }
@@ -209,7 +245,8 @@ impl Grid {
                     }
                     _ => 0.0,
                 };
-                let distance = reach(below) + reach(above);
+                let sides = [reach(below), reach(above)];
+                let distance = sides[0] + sides[1];
                 let inner = below.is_some() && above.is_some();
                 let middle = source.half_width && line == 0;
                 if distance == 0.0 || (!inner && (source.ends == Ends::Sealed || middle)) {
@@ -228,10 +265,11 @@ impl Grid {
                     0.0,
                     middle_cell.angle,
                     self.heights[line],
+                    sides,
                 );
             }
         }
-        (self.links, self.sites) = (links, sites);
+        (self.links, self.sites, self.reaches) = (links, sites, reaches);
     }
 
     /// The cell in which a place lies.
@@ -252,6 +290,33 @@ impl Grid {
     }
 }
 
+/// The cells that openings of the pin may cover, column by column.
+fn feedings(source: &FilmSource, grid: &Grid) -> Vec<Feeding> {
+    let on_pin = |opening: &usize| source.openings[*opening].on == Part::Pin;
+    let openings: Vec<usize> = (0..source.openings.len()).filter(on_pin).collect();
+    let mut found = Vec::new();
+    if openings.is_empty() {
+        return found;
+    }
+    for (at, cell) in grid.cells.iter().enumerate() {
+        for opening in &openings {
+            let [low, high] = source.openings[*opening].across;
+            if cell.held.is_some() || cell.z <= low || cell.z >= high {
+                continue;
+            }
+            let row = at % grid.across;
+            let around = source.radius * cell.sector;
+            let across = grid.heights[row + 1] - grid.heights[row];
+            found.push(Feeding {
+                cell: at,
+                opening: *opening,
+                weight: 2.0 * (around / across + across / around),
+            });
+        }
+    }
+    found
+}
+
 /// A place with its angle in one turn.
 pub(crate) fn place(angle: f64, across: f64) -> Place {
     Place {
@@ -267,7 +332,11 @@ const SAME_ANGLE: f64 = 1e-9;
 fn covers(opening: &Opening, angle: f64, z: f64) -> bool {
     let [from, to] = opening.around;
     let [low, high] = opening.across;
-    to > from && low < z && z < high && (angle - from).rem_euclid(std::f64::consts::TAU) < to - from
+    opening.on == Part::Shell
+        && to > from
+        && low < z
+        && z < high
+        && (angle - from).rem_euclid(std::f64::consts::TAU) < to - from
 }
 
 /// Whether an opening is a line at this angle.
@@ -276,7 +345,7 @@ fn is_line(opening: &Opening, angle: f64, z: f64) -> bool {
     let [low, high] = opening.across;
     let turn = std::f64::consts::TAU;
     let beside = (angle - from + turn / 2.0).rem_euclid(turn) - turn / 2.0;
-    to == from && low < z && z < high && beside.abs() < SAME_ANGLE
+    opening.on == Part::Shell && to == from && low < z && z < high && beside.abs() < SAME_ANGLE
 }
 
 /// Cells for each stretch between edges, so that the largest cell becomes as small as it can.
@@ -352,6 +421,7 @@ fn lines_around(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceEr
     let mut edges: Vec<f64> = source
         .openings
         .iter()
+        .filter(|opening| opening.on == Part::Shell)
         .filter(|opening| opening.around[1] - opening.around[0] < turn - SAME_ANGLE)
         .flat_map(|opening| opening.around)
         .map(|edge| edge.rem_euclid(turn))

@@ -13,7 +13,7 @@ pub struct Inputs<'a> {
     pub tilt_rate: [f64; 2],
     /// ω: spin of the pin against the shell, rad/s.
     pub spin: f64,
-    /// φ: turn of the pin against the shell, rad. Only profiles of the pin use it.
+    /// φ: turn of the pin against the shell, rad. Profiles and openings of the pin use it.
     pub turn: f64,
     /// μ at the cavitation pressure, Pa s.
     pub viscosity: f64,

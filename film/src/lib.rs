@@ -52,6 +52,7 @@ mod ring;
 mod source;
 mod surfaces;
 mod tangent;
+mod turning;
 mod waves;
 
 pub use elastic::{Elastic, ElasticWork};
@@ -60,5 +61,5 @@ pub use error::{FilmError, Place, SourceError};
 pub use film::{Film, Work};
 pub use inputs::Inputs;
 pub use results::{Quantity, Summary};
-pub use source::{Cavitation, Ends, Feed, FilmSource, Lines, Opening, Profile};
+pub use source::{Cavitation, Ends, Feed, FilmSource, Lines, Opening, Part, Profile};
 pub use surfaces::{Roughness, Thinning};

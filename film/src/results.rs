@@ -352,6 +352,10 @@ impl Film {
             let (shift, rise) = vertex([before, behind], [low, pressure(top), high]);
             highest += rise;
             at.across += shift;
+            // rounding of a film that is the same on both sides
+            if at.across.abs() < TIE * self.source.width {
+                at.across = 0.0;
+            }
         }
         (highest, at)
     }

@@ -28,11 +28,23 @@ pub enum Feed {
     Content(f64),
 }
 
-/// An opening in the shell that covers a rectangle of the film. Its edges become lines of the grid.
+/// The part of a bearing that has an opening.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// The shell. The edges of the opening become lines of the grid.
+    #[default]
+    Shell,
+    /// The pin. The opening turns with it over the cells: see `film/src/turning.rs`.
+    Pin,
+}
+
+/// An opening that covers a rectangle of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Opening {
-    /// Edges around, rad from the shell's x about its z; the second above the first, by 2π at most. Both may
-    /// be equal: a line.
+    /// The part that has it.
+    pub on: Part,
+    /// Edges around, rad from the x of this part about the shell's z; the second above the first, by 2π at most. Both
+    /// edges of an opening of the shell may be equal: a line.
     pub around: [f64; 2],
     /// Edges across, m from mid width. An edge beyond an end opens the end.
     pub across: [f64; 2],
@@ -47,6 +59,7 @@ impl Opening {
     pub fn axial_groove(at: f64, length: f64, width: f64, radius: f64, feed: Feed) -> Self {
         let half = width / (2.0 * radius);
         Opening {
+            on: Part::Shell,
             around: [at - half, at + half],
             across: [-length / 2.0, length / 2.0],
             feed,
@@ -57,6 +70,7 @@ impl Opening {
     #[must_use]
     pub fn ring_groove(from: f64, to: f64, width: f64, feed: Feed) -> Self {
         Opening {
+            on: Part::Shell,
             around: [from, to],
             across: [-width / 2.0, width / 2.0],
             feed,
@@ -71,6 +85,7 @@ impl Opening {
     pub fn hole(at: f64, offset: f64, diameter: f64, radius: f64, feed: Feed) -> Self {
         let half = 0.847_213_084_793_979 * diameter / 2.0;
         Opening {
+            on: Part::Shell,
             around: [at - half / radius, at + half / radius],
             across: [offset - half, offset + half],
             feed,
@@ -191,7 +206,7 @@ pub struct FilmSource {
     pub cavitation: Cavitation,
     /// Ends.
     pub ends: Ends,
-    /// Openings in the shell.
+    /// Openings of both parts. Where one of the pin lies over one of the shell, the shell's holds.
     pub openings: Vec<Opening>,
     /// Sum of changes of the gap that belong to the shell.
     pub profile: Vec<Profile>,
@@ -320,7 +335,7 @@ impl FilmSource {
         }
         for (second, other) in self.openings.iter().enumerate() {
             for (first, opening) in self.openings[..second].iter().enumerate() {
-                if overlap(opening, other) {
+                if opening.on == other.on && overlap(opening, other) {
                     return Err(SourceError::Overlap {
                         first: first + 1,
                         second: second + 1,
@@ -360,6 +375,9 @@ impl FilmSource {
                 from,
                 to,
             });
+        }
+        if opening.on == Part::Pin && (to == from || opening.feed != Feed::Pressure) {
+            return Err(SourceError::PinOpening { opening: number });
         }
         let [low, high] = opening.across;
         if !(high > low && low.is_finite() && high.is_finite()) {

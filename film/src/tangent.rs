@@ -291,6 +291,7 @@ impl Film {
         let openings = self.source.openings.len();
         let first = SUPPLY + openings;
         let turning = !self.source.pin_profile.is_empty();
+        let opened = !level.grid.feedings.is_empty();
         let (mut by_spin, mut by_viscosity) = ([0.0; N], [0.0; N]);
         // sums of a run of links at one angle: by the gap, and by the gap times z
         let (mut normal, mut run) = ([0.0; 2], [[0.0; N]; 2]);
@@ -330,6 +331,11 @@ impl Film {
             add(&mut run[1], site.z, &by_gap);
             add(&mut by_spin, -carried * gap - thins * pressed, &drop);
             add(&mut by_viscosity, pressed, &drop);
+            if opened {
+                let opens = state.opens_by_turn(at);
+                add(&mut slopes[TURN], opens * flowing, &by_flow);
+                add(&mut slopes[TURN], -opens * pressed, &drop);
+            }
             if turning {
                 add(&mut slopes[TURN], state.link_turn[at], &by_gap);
             }
@@ -412,12 +418,21 @@ impl Film {
                 }
                 if rough {
                     let [touch, slope] = state.touching[at];
+                    // asperities over an opening of the pin do not touch
+                    let by_turn = match state.covered[at] {
+                        [_, 0.0] => 0.0,
+                        [covered, slope] => -touch * slope / (1.0 - covered),
+                    };
                     for (lane, output) in group.outputs.iter().enumerate() {
                         if let Some(output) = *output {
-                            by_gap[lane] += slope * self.weight(solution, output, at);
+                            let weight = self.weight(solution, output, at);
+                            by_gap[lane] += slope * weight;
+                            slopes[TURN][lane] += by_turn * weight;
                         }
                     }
                     let load = touch * cell.area;
+                    let by_turn = boundary[0] * by_turn * cell.area;
+                    add(&mut slopes[TURN], by_turn, &group.rubbing);
                     add(&mut by_gap, boundary[0] * slope * cell.area, &group.rubbing);
                     add(&mut slopes[SPIN], boundary[1] * load, &group.rubbing);
                     add(&mut slopes[SPIN], boundary[0] * load, &group.loss);

@@ -3,7 +3,7 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Ends, Feed, Film, FilmSource, Inputs, Opening, Quantity, Shape, inputs,
+    Cavitation, Ends, Feed, Film, FilmSource, Inputs, Opening, Part, Quantity, Shape, inputs,
 };
 use serde_json::Value;
 use states::{number, pair, reference};
@@ -14,6 +14,7 @@ fn ring(exact: &Value, cells: usize) -> [f64; 5] {
     let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::MassConserving, [cells, 1]);
     source.ends = Ends::Sealed;
     source.openings = vec![Opening {
+        on: Part::Shell,
         around: groove,
         across: [-1.0, 1.0],
         feed: Feed::Pressure,

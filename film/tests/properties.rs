@@ -4,7 +4,8 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Lines, Opening, Profile, Shape, inputs,
+    Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Lines, Opening, Part, Profile, Shape,
+    inputs,
 };
 use proptest::prelude::*;
 use states::{Solved, solved};
@@ -33,11 +34,13 @@ fn grooved(rule: Cavitation, cells: [usize; 2]) -> FilmSource {
     let mut source = FilmSource::plain(1.0, 1.2, 1.0, rule, cells);
     source.openings = vec![
         Opening {
+            on: Part::Shell,
             around: [2.6, 3.3],
             across: [-0.3, 0.35],
             feed: Feed::Pressure,
         },
         Opening {
+            on: Part::Shell,
             around: [5.0, 5.0],
             across: [-1.0, 1.0],
             feed: Feed::Pressure,
@@ -204,6 +207,7 @@ fn a_turned_bearing_turns_its_force() {
             let mut source = FilmSource::plain(1.0, 1.2, 1.0, rule, [48, 8]);
             let edge = |cell: f64| (cell + cells) * std::f64::consts::TAU / 48.0;
             source.openings = vec![Opening {
+                on: Part::Shell,
                 around: [edge(20.0), edge(25.0)],
                 across: [-0.3, 0.3],
                 feed: Feed::Pressure,
@@ -388,7 +392,7 @@ proptest! {
         let x = inputs.write();
         for rule in [Cavitation::Reynolds, Cavitation::MassConserving] {
             let mut source = FilmSource::plain(1.0, 1.0, 1.0, rule, [36, 8]);
-            source.openings = vec![Opening { around: [groove, groove + 0.4], across: [-0.2, 0.2], feed: Feed::Pressure }];
+            source.openings = vec![Opening { on: Part::Shell, around: [groove, groove + 0.4], across: [-0.2, 0.2], feed: Feed::Pressure }];
             let film = Film::new(source).expect("a film");
             let memory = &content[..film.memory()];
             let solve = |work: &mut eng_film::Work| {
@@ -415,6 +419,7 @@ fn data_out_of_range_are_refused() {
         Film::new(source).expect_err("wrong data").to_string()
     };
     let hole = |at: f64, low: f64, high: f64| Opening {
+        on: Part::Shell,
         around: [at, at + 0.2],
         across: [low, high],
         feed: Feed::Pressure,
@@ -434,6 +439,7 @@ fn data_out_of_range_are_refused() {
             .contains("lies beyond the ends of the bearing, whose width is 24 mm")
     );
     let all_around = Opening {
+        on: Part::Shell,
         around: [0.0, std::f64::consts::TAU],
         ..hole(0.0, -13e-3, 13e-3)
     };
@@ -507,6 +513,7 @@ fn an_opening_without_pressure_feeds() {
     let load = |pressure: f64| {
         let source = FilmSource {
             openings: vec![Opening {
+                on: Part::Shell,
                 around: [2.6, 3.3],
                 across: [-0.3, 0.35],
                 feed: Feed::Pressure,

@@ -200,6 +200,7 @@ fn limits_of_ocvirk_and_sommerfeld() {
         let mut source = eng_film::FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [360, 1]);
         source.ends = eng_film::Ends::Sealed;
         source.openings.push(eng_film::Opening {
+            on: eng_film::Part::Shell,
             around: [std::f64::consts::PI; 2],
             across: [-1.0, 1.0],
             feed: eng_film::Feed::Pressure,

@@ -3,7 +3,7 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Feed, Film, FilmSource, Inputs, Opening, Profile, Quantity, Roughness, Shape,
+    Cavitation, Feed, Film, FilmSource, Inputs, Opening, Part, Profile, Quantity, Roughness, Shape,
     Thinning, inputs,
 };
 use states::{number, pair, reference};
@@ -105,11 +105,13 @@ fn everything(rule: Cavitation) -> FilmSource {
     let mut source = FilmSource::plain(1.0, 1.2, 1.0, rule, [36, 9]);
     source.openings = vec![
         Opening {
+            on: Part::Shell,
             around: [2.6, 3.3],
             across: [-0.3, 0.35],
             feed: Feed::Pressure,
         },
         Opening {
+            on: Part::Shell,
             around: [4.0, 4.2],
             across: [-0.1, 0.2],
             feed: Feed::Content(0.7),
@@ -239,6 +241,42 @@ fn tangent_is_the_derivative() {
     }
 }
 
+/// The film with openings of the pin, one of which lies in part over one of the shell.
+fn fed_by_the_pin(mut source: FilmSource) -> FilmSource {
+    source.openings.push(Opening {
+        on: Part::Pin,
+        around: [0.31, 0.83],
+        across: [-0.3, 0.2],
+        feed: Feed::Pressure,
+    });
+    source.openings.push(Opening {
+        on: Part::Pin,
+        around: [2.41, 2.56],
+        across: [-0.1, 0.5],
+        feed: Feed::Pressure,
+    });
+    source
+}
+
+#[test]
+fn tangent_with_openings_of_the_pin_is_the_derivative() {
+    let x = Inputs {
+        supply: &[0.5, 0.2, 0.9, 0.7],
+        ..moving()
+    };
+    for rule in [
+        Cavitation::Reynolds,
+        Cavitation::Half,
+        Cavitation::MassConserving,
+    ] {
+        let source = fed_by_the_pin(everything(rule));
+        check(&format!("{rule:?}, pin"), source.clone(), &x.write(), None);
+        let mut piezo = rough(source);
+        piezo.piezo = 0.3;
+        check(&format!("{rule:?}, rough pin"), piezo, &x.write(), None);
+    }
+}
+
 #[test]
 fn tangent_within_a_step_is_the_derivative() {
     let source = everything(Cavitation::MassConserving);
@@ -265,6 +303,7 @@ fn half_width_has_the_tangent_of_the_whole() {
     let mut source = everything(Cavitation::Reynolds);
     source.across = eng_film::Lines::Equal(10);
     source.openings = vec![Opening {
+        on: Part::Shell,
         around: [2.6, 3.3],
         across: [-0.24, 0.24],
         feed: Feed::Pressure,

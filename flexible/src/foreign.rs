@@ -11,6 +11,7 @@ use crate::read::matrix::{
 use crate::solve::factor::diagonal;
 use crate::sparse::SymmetricMatrix;
 use crate::units::MeshUnits;
+use eng_system::significant::short;
 
 /// Part of the largest diagonal entry below which a negative one counts as rounding.
 const ROUNDING: f64 = 1e-12;
@@ -219,8 +220,9 @@ fn resists(
     let positive = diagonal.iter().any(|x| *x > ROUNDING * largest);
     Err(FlexibleError::Matrix {
         problem: format!(
-            "{title} is a stiffness with {value:e} on the diagonal at freedom {} of node {node}, and {count} of {} diagonals are negative: \
+            "{title} is a stiffness with {} on the diagonal at freedom {} of node {node}, and {count} of {} diagonals are negative: \
              it is not positive semi-definite, a displacement there would give energy",
+            short(*value, 5),
             component + 1,
             diagonal.len()
         ),

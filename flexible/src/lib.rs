@@ -40,12 +40,14 @@ pub mod read;
 pub mod recover;
 pub mod reduce;
 pub mod rotary;
+pub mod small_motion;
 pub mod solve;
 pub mod sparse;
 pub mod stack;
 pub mod store;
 pub mod surface;
 pub mod units;
+pub mod write;
 
 pub use error::{FileProblem, FlexibleError, Part, Place};
 pub use mesh::Mesh;

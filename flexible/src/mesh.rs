@@ -4,6 +4,7 @@
 //! foreign matrices, supports and tie components refer to them. Node and element *indices* (`u32`) count
 //! from 0 in the order of the file; *ids* are the file's own numbers.
 
+use eng_system::significant::short;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -561,8 +562,11 @@ impl Mesh {
                 {
                     return wrong(
                         format!(
-                            "the mesh's material {} lacks a density, but has Young's modulus {:.4e} Pa and Poisson's ratio {}, the given one {young:.4e} Pa and {poisson}",
-                            own.name, own.young, own.poisson
+                            "the mesh's material {} lacks a density, but has Young's modulus {} Pa and Poisson's ratio {}, the given one {} Pa and {poisson}",
+                            own.name,
+                            short(own.young, 5),
+                            own.poisson,
+                            short(young, 5)
                         ),
                         "give the material that the mesh has, or the density in the file",
                     );

@@ -6,6 +6,7 @@ mod outline;
 mod report;
 mod surfaces;
 
+use eng_system::significant::short;
 pub use outline::{Outline, outline};
 pub use report::{BodyMass, ModeReport, Report, Served, Unserved};
 pub use surfaces::SurfaceRequest;
@@ -310,7 +311,9 @@ fn warn_of_mass(report: &mut Report) {
     let (mass, volumes) = (report.body.mass, estimate.mass);
     if (mass / volumes - 1.0).abs() > MASS_APART {
         report.warnings.push(format!(
-            "the mass matrix holds {mass:.4e} kg, the volumes and densities of the mesh make {volumes:.4e} kg: look at the units, or for masses of the run that the mesh does not name"
+            "the mass matrix holds {} kg, the volumes and densities of the mesh make {} kg: look at the units, or for masses of the run that the mesh does not name",
+            short(mass, 5),
+            short(volumes, 5)
         ));
     }
 }
@@ -431,9 +434,13 @@ fn matrices(
     if !held && along.iter().any(|mass| most - mass > DIRECTED * most) {
         let [x, y, z] = along;
         report.warnings.push(format!(
-            "{} moves {x:.4e} kg along x, {y:.4e} kg along y, {z:.4e} kg along z: the mass of a body is the same in all directions. It is taken as \
-             {:.4e} kg, the mean, and its centre and inertia from all three; write masses that act along x, y and z alike",
-            mass.title, rigid.mass
+            "{} moves {} kg along x, {} kg along y, {} kg along z: the mass of a body is the same in all directions. It is taken as \
+             {} kg, the mean, and its centre and inertia from all three; write masses that act along x, y and z alike",
+            mass.title,
+            short(x, 5),
+            short(y, 5),
+            short(z, 5),
+            short(rigid.mass, 5)
         ));
     }
     let partly = found.missing.iter().filter(|s| s.components & 0b111 != 0);
@@ -576,13 +583,14 @@ fn warn_of_rounding(request: &Request, structure: &Structure, set: &ModeSet, rep
     }
     let digits = -libm::log10(report.rigid_residual);
     let mut text = format!(
-        "the stiffness resists rigid motion with {:.1e} of its forces: it was written with about {digits:.0} digits",
-        report.rigid_residual
+        "the stiffness resists rigid motion with {} of its forces: it was written with about {digits:.0} digits",
+        short(report.rigid_residual, 2)
     );
     if let (Some(rigid), Some(first)) = (&structure.rigid, set.eigenvalues.first()) {
         // f ~ √λ, so a relative error of λ counts half
         let uncertain = 0.5 * rigid.noise() / first;
-        text += &format!(", which makes the first frequency uncertain by about {uncertain:.0e}");
+        let uncertain = short(uncertain, 1);
+        text += &format!(", which makes the first frequency uncertain by about {uncertain}");
     }
     text += "; OP2 and binary OP4 keep all of them";
     report.warnings.push(text);

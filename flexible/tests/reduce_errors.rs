@@ -345,7 +345,7 @@ fn foreign_matrices() {
     assert_eq!(
         reduced.report.warnings,
         [
-            "the mass matrix holds 3.1400e4 kg, the volumes and densities of the mesh make 3.1400e1 kg: look at the units, or for masses of the run that the mesh does not name"
+            "the mass matrix holds 31400 kg, the volumes and densities of the mesh make 31.4 kg: look at the units, or for masses of the run that the mesh does not name"
         ]
     );
 }

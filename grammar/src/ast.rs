@@ -78,6 +78,36 @@ pub enum ItemKind {
     Error,
 }
 
+impl ItemKind {
+    /// The name that it gives.
+    pub fn name(&self) -> Option<&Name> {
+        match self {
+            ItemKind::Dimension(dimension) => Some(&dimension.name),
+            ItemKind::Unit(unit) => Some(&unit.name),
+            ItemKind::Choice(choice) => Some(&choice.name),
+            ItemKind::Binding(binding) => Some(&binding.name),
+            ItemKind::Function(function) => Some(&function.name),
+            ItemKind::Table(table) => Some(&table.name),
+            ItemKind::Declaration(declaration) => Some(&declaration.name),
+            ItemKind::Report(report) => Some(&report.name),
+            ItemKind::Entry(entry) => Some(&entry.name),
+            ItemKind::Use(_)
+            | ItemKind::Statement(_)
+            | ItemKind::Attribute(_)
+            | ItemKind::Error => None,
+        }
+    }
+
+    /// Its block, if it has one.
+    pub fn block(&self) -> Option<&Block> {
+        match self {
+            ItemKind::Declaration(declaration) => declaration.block(),
+            ItemKind::Report(report) => Some(&report.block),
+            _ => None,
+        }
+    }
+}
+
 /// `use path.{names}`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Use {

@@ -52,7 +52,7 @@ codes! {
         "An item ends at the end of its line or at a semicolon.",
         "mass = 5 kg inertia = [1, 2, 3] g*m^2",
         "mass = 5 kg; inertia = [1, 2, 3] g*m^2";
-    UNPAIRED = "E0103", "a bracket or brace has no partner",
+    UNPAIRED = "E0103", "a bracket or brace has no matching one",
         "Every bracket that opens must close. The message shows the place of the open one.",
         "let sum = (a + b",
         "let sum = (a + b)";

@@ -58,9 +58,12 @@ pub fn parse_message(
             .filter(|close| !here[1..*close].contains('{'));
         let Some(close) = close else {
             diagnostics.push(
-                Diagnostic::error(codes::UNPAIRED, "a brace in a message has no partner")
-                    .at(span(brace, brace + 1), "this one")
-                    .with_help("write `{{` or `}}` for a brace itself"),
+                Diagnostic::error(
+                    codes::UNPAIRED,
+                    "a brace in a message has no matching brace",
+                )
+                .at(span(brace, brace + 1), "this one")
+                .with_help("write `{{` or `}}` for a brace itself"),
             );
             at = brace + 1;
             continue;

@@ -15,7 +15,7 @@ pub use plan::MatrixPlan;
 
 use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, CURVED_REACH, MarkerKinematics, Motion, Placed, REACH};
-use crate::elements::{self, Batch, Inputs, Scratch, undefined};
+use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::RuntimeError;
 use crate::field::Readings;
 use crate::flexible::Work;
@@ -479,27 +479,9 @@ impl Dynamics {
             let length = layout.residual_len() as usize;
             for pair in 0..batch.pairs.len() {
                 let out = &mut self.work.elements.outputs[..length];
-                elements::call(
-                    model,
-                    batch.class,
-                    Function::Residual,
-                    batch.inputs(pair),
-                    out,
-                )?;
+                batch.evaluate(model, pair, Function::Residual, self.at.time, out)?;
                 for lane in 0..batch.lanes(pair) {
-                    let index = batch.pairs[pair][lane];
-                    let element = &model.elements[index];
-                    if out.iter().any(|o| !o[lane].is_finite()) {
-                        let inputs = batch.inputs(pair);
-                        return Err(undefined(
-                            model,
-                            index,
-                            self.at.time,
-                            Function::Residual,
-                            inputs,
-                            lane,
-                        ));
-                    }
+                    let element = &model.elements[batch.pairs[pair][lane]];
                     for i in 0..rows {
                         self.constraints[element.row + i] = out[i][lane];
                     }

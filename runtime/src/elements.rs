@@ -95,6 +95,30 @@ impl Batch {
     pub fn inputs_mut(&mut self, pair: usize) -> &mut [Pair] {
         &mut self.inputs[pair * self.stride..(pair + 1) * self.stride]
     }
+
+    /// Calls a function of the class at the inputs of a pair.
+    ///
+    /// # Errors
+    /// An element with a number that is not finite.
+    pub fn evaluate(
+        &self,
+        model: &Model,
+        pair: usize,
+        function: Function,
+        time: f64,
+        out: &mut [Pair],
+    ) -> Result<(), RuntimeError> {
+        let inputs = self.inputs(pair);
+        call(model, self.class, function, inputs, out)?;
+        let mut lanes = 0..self.lanes(pair);
+        match lanes.find(|lane| out.iter().any(|number| !number[*lane].is_finite())) {
+            Some(lane) => {
+                let index = self.pairs[pair][lane];
+                Err(undefined(model, index, time, function, inputs, lane))
+            }
+            None => Ok(()),
+        }
+    }
 }
 
 /// Makes batches of elements, in the order of their classes.

@@ -23,6 +23,7 @@ use crate::state::State;
 use crate::transient::{Observer, Sample};
 use eng_system::analysis::Static;
 use eng_system::code::Compiled;
+use eng_system::significant::short;
 use eng_system::system::Extent;
 
 /// Rounds in which an angle of the cycle is held: the balance moves it by the square of its own moves.
@@ -161,7 +162,7 @@ fn states_rest(model: &Model, state: &State) -> Result<Option<Obstacle>, Runtime
                     message: format!(
                         "its state `{}` changes by {} % per second",
                         info.name,
-                        crate::error::digits(100.0 * rate.abs() / scale)
+                        short(100.0 * rate.abs() / scale, 4)
                     ),
                     carried: 0.0,
                 }));

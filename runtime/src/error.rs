@@ -5,6 +5,7 @@ mod pace;
 
 use eng_system::code::BindError;
 use eng_system::field::FieldError;
+use eng_system::significant::short;
 use eng_system::system::Origin;
 use eng_system::table::Outside;
 use eng_system::{Dimension, DisplayUnit};
@@ -23,7 +24,7 @@ pub struct Moment {
 
 impl std::fmt::Display for Moment {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "t = {:.9} s", self.time)?;
+        write!(f, "t = {} s", short(self.time, 9))?;
         if let Some(angle) = self.cycle_angle {
             write!(f, " ({:.2} °CA)", angle.to_degrees())?;
         }
@@ -54,10 +55,11 @@ impl NamedRow {
     /// The residual with its unit. Equations that are no lengths are products of unit axes; for small gaps
     /// these are angles.
     fn gap(&self, per: &str) -> String {
-        if self.is_length {
-            format!("{} mm{per}", digits(1e3 * self.value.abs()))
-        } else {
-            format!("{} rad{per}", digits(self.value.abs()))
+        let value = self.value.abs();
+        match (self.is_length, per) {
+            (true, _) => format!("{} mm{per}", short(1e3 * value, 4)),
+            (false, "") => format!("{}°", short(value.to_degrees(), 4)),
+            (false, _) => format!("{} rad{per}", short(value, 4)),
         }
     }
 }
@@ -106,16 +108,6 @@ fn whose(chain: Option<&Chain>) -> String {
     )
 }
 
-/// Four significant digits.
-pub(crate) fn digits(value: f64) -> String {
-    DisplayUnit {
-        symbol: "1".to_owned(),
-        scale: 1.0,
-        offset: 0.0,
-    }
-    .text(value)
-}
-
 fn standing(moment: &Moment, angle: f64) -> String {
     if moment.time == 0.0 {
         "the cycle does not turn: it is at rest at the start, and nothing accelerates it".to_owned()
@@ -130,22 +122,23 @@ fn standing(moment: &Moment, angle: f64) -> String {
 /// The amount by which a branch condition fails, in words.
 fn missed(value: f64, dimension: Option<Dimension>) -> String {
     if value.abs() <= 1e-9 {
-        "the only place found lies on the border of two branches".to_owned()
+        "the only position found is on the border of two branches".to_owned()
     } else {
         format!("it is missed by {}", gap(-value, dimension))
     }
 }
 
-/// A gap with its unit: lengths in mm, numbers without a unit, and all other values in SI units.
+/// A gap with its unit: lengths in mm, angles in degrees, numbers without a unit, and all other values in SI units.
 pub fn gap(value: f64, dimension: Option<Dimension>) -> String {
     match dimension {
-        Some(Dimension::LENGTH) => format!("{} mm", digits(1e3 * value)),
-        Some(Dimension::ONE) => digits(value),
+        Some(Dimension::LENGTH) => format!("{} mm", short(1e3 * value, 4)),
+        Some(Dimension::ONE) => short(value, 4),
+        Some(Dimension::ANGLE) => format!("{}°", short(value.to_degrees(), 4)),
         Some(dimension) => {
             let unit = DisplayUnit::si(dimension);
-            format!("{} {}", digits(value), unit.symbol)
+            format!("{} {}", short(value, 4), unit.symbol)
         }
-        None => format!("{} in SI units", digits(value)),
+        None => format!("{} in SI units", short(value, 4)),
     }
 }
 
@@ -321,8 +314,10 @@ pub enum RuntimeError {
     },
     /// The `guess` for a body is beyond the reach of its joints.
     #[error(
-        "{} is guessed {distance:.4e} m away from what it is joined to, and the parts of the model are at most {length:.4e} m large",
-        origin.path
+        "{} is guessed {} m away from the bodies that it is joined to, and the model is at most {} m large",
+        origin.path,
+        short(*distance, 4),
+        short(*length, 4)
     )]
     FarGuess {
         /// The body.
@@ -388,7 +383,7 @@ pub enum RuntimeError {
         moment: Moment,
     },
     /// Newton's iteration fails even with the smallest step.
-    #[error("no solution of the step at {moment} with h = {step:.3e} s: the largest residual is {size:.3e} {unit} in {} ({equation})", origin.path)]
+    #[error("no solution of the step at {moment} with h = {} s: the largest residual is {} {unit} in {} ({equation})", short(*step, 3), short(*size, 3), origin.path)]
     Newton {
         /// When.
         moment: Moment,
@@ -405,8 +400,10 @@ pub enum RuntimeError {
     },
     /// A tolerance is smaller than the rounding error of the solution.
     #[error(
-        "a tolerance of {tolerance:e} is below rounding{}: the least is about {least:.0e}",
-        moment.as_ref().map_or(String::new(), |m| format!(" at {m}"))
+        "a tolerance of {} is below rounding{}: the least is about {}",
+        short(*tolerance, 4),
+        moment.as_ref().map_or(String::new(), |m| format!(" at {m}")),
+        short(*least, 1)
     )]
     Rounding {
         /// The moment of the finding; `None` if it holds from the start.
@@ -418,7 +415,8 @@ pub enum RuntimeError {
     },
     /// Error control asks for steps that floating-point numbers cannot resolve.
     #[error(
-        "the step falls below {step:.3e} s at {moment}; {} is not smooth there: {}",
+        "the step falls below {} s at {moment}; {} is not smooth there: {}",
+        short(*step, 3),
         state.as_ref().map_or("the motion".to_owned(), |name| format!("the state `{name}`")),
         origin.path
     )]
@@ -433,7 +431,7 @@ pub enum RuntimeError {
         state: Option<String>,
     },
     /// A load or a rate jumps at the present motion, and no step passes the jump.
-    #[error("{jump} at {moment}, and the steps fall below {step:.3e} s there")]
+    #[error("{jump} at {moment}, and the steps fall below {} s there", short(*step, 3))]
     Jumps {
         /// When.
         moment: Moment,
@@ -441,6 +439,25 @@ pub enum RuntimeError {
         step: f64,
         /// The jump.
         jump: Jump,
+    },
+    /// A constraint demands a velocity or a position that jumps.
+    #[error(
+        "the {} that {} demands jumps by {} at {moment}",
+        if *velocity { "velocity" } else { "position" },
+        origin.path,
+        row.gap(if *velocity { "/s" } else { "" })
+    )]
+    Demanded {
+        /// When.
+        moment: Moment,
+        /// The element, and the place of the expression with the kink.
+        origin: Box<Origin>,
+        /// The expression with the kink as written; empty if no text states it.
+        text: String,
+        /// The equation, with the jump of its rate or of its value.
+        row: Box<NamedRow>,
+        /// Whether it is the velocity.
+        velocity: bool,
     },
     /// The observer ended the run before its end.
     #[error("the run was stopped at {moment}; its {slow}", moment = .0.moment, slow = .0)]
@@ -459,7 +476,10 @@ pub enum RuntimeError {
     },
     /// A body runs away from the model: its distance grows without bound.
     #[error(
-        "{} has run away at {moment}: it is {distance:.1e} m from the origin, {lengths:.0e} times the size of the model", origin.path
+        "{} has run away at {moment}: it is {} m from the origin, {} times the size of the model",
+        origin.path,
+        short(*distance, 2),
+        short(*lengths, 1)
     )]
     Astray {
         /// When.
@@ -517,8 +537,8 @@ pub enum RuntimeError {
     },
     /// The coefficients of the linearised motion change with time alone.
     #[error(
-        "the linearised motion at {moment} has no constant coefficients: by {} they depend on time; already {later:.1e} s later {}",
-        list_timed(elements), changed(*change)
+        "the linearised motion at {moment} has no constant coefficients: because of {} they depend on time; already {} s later {}",
+        list_timed(elements), short(*later, 2), changed(*change)
     )]
     OverTime {
         /// When.
@@ -531,7 +551,7 @@ pub enum RuntimeError {
         change: f64,
     },
     /// A field of an element has a memory, and linearised equations have no unknowns for it.
-    #[error("{}: a linearised motion has no unknowns for what this film remembers, its oil or the shape of its elastic surface", origin.path)]
+    #[error("{}: a linearised motion has no unknowns for the memory of this film: its oil, or the shape of its elastic surface", origin.path)]
     Remembers {
         /// The element.
         origin: Box<Origin>,
@@ -553,7 +573,7 @@ pub enum RuntimeError {
         body: Box<LeavingBody>,
     },
     /// A motion that should repeat does not.
-    #[error("the motion from {moment} on does not repeat after {period:.6e} s: {what}{}", why.said())]
+    #[error("the motion from {moment} on does not repeat after {} s: {what}{}", short(*period, 6), why.said())]
     NotRepeating {
         /// The beginning of the period.
         moment: Moment,
@@ -587,7 +607,7 @@ pub enum RuntimeError {
         films: bool,
     },
     /// The analysis needs an angle, but the model states no cycle.
-    #[error("the analysis counts in cycle angle, but the model has no cycle")]
+    #[error("the analysis counts in angles of the cycle, but the model has no cycle")]
     NoCycle,
     /// The cycle does not advance.
     #[error("{}", standing(moment, *angle))]

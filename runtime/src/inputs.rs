@@ -317,7 +317,7 @@ impl Signals {
                     model,
                     index,
                     format!(
-                        "{} is outside its limits: it lies between {} and {}",
+                        "{} is outside its limits: it must be above {} and below {}",
                         shown(point.value),
                         shown(low),
                         shown(high)

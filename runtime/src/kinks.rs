@@ -1,4 +1,4 @@
-//! Kinks of loads and rates: places where a step must end.
+//! Kinks of loads, rates and constraints: places where a step must end.
 //!
 //! A stop, a backlash or a valve has a function g of the motion that changes its sign where the force bends:
 //! the compiler derives these functions ([`Function::Kinks`]). The error of a step is estimated at its end, so
@@ -11,12 +11,16 @@
 //! | g is | its limit |
 //! | --- | --- |
 //! | a length, in an element whose class states `resolve` | the smallest length that it resolves |
-//! | another length | the tolerance of positions |
+//! | another length | the tolerance of positions, or a fiftieth of the constant distance from another kink of the element |
 //! | an angle | this tolerance over the model's length |
 //! | a time | rounding: a moment is known exactly |
 //! | anything else | 1e-5 of the largest value of g so far, the share that errors of states may have |
 //!
 //! A factor on the tolerances multiplies all but times. A factor above 1 does not multiply a stated length.
+//!
+//! A function counts in a step that uses it at the beginning or at the end: it is not used while an `if`
+//! selects a branch without it. A function of a `wrapped` angle jumps by a whole period with this angle, and such a jump is no
+//! change of sign.
 
 use crate::dynamics::Dynamics;
 use crate::elements::{self, Batch, Inputs};
@@ -34,6 +38,11 @@ const BEFORE: f64 = 0.01;
 /// Distance up to which it is at the kink, and up to which rounding decides the side, in these distances.
 const AT: f64 = 2.0;
 const BESIDE: f64 = 0.5;
+/// Share of the distance of two kinks of an element that limits both, and its least share of the limit. A jump of a load between
+/// two kinks, such as on a thin sheet, acts over this distance alone. Two functions nearer to each other are one.
+const APART: (f64, f64) = (0.02, 1e-4);
+/// Difference of the rates of two functions whose kinks have a constant distance, as a share of their rates.
+const PARALLEL: f64 = 1e-6;
 /// Limit of a time, as a share of the time itself.
 const MOMENT: f64 = 8.0 * f64::EPSILON;
 /// Share of a step within which a kink counts as being at its beginning. Otherwise a function that is zero there
@@ -42,6 +51,8 @@ const BEGIN: f64 = 1e-6;
 /// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
 /// pressures have become equal, a body that sticks. To end every step there would gain nothing.
 const STAYS: f64 = 3.0;
+/// Share of the change of a function over a step that its rates do not explain, from which on a `wrapped` angle began anew.
+const WRAPPED: f64 = 0.5;
 
 /// The limit of a kink function; see the table above.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +69,10 @@ struct Item {
     element: usize,
     kink: usize,
     limit: Limit,
+    /// Whether constraints depend on it.
+    constrains: bool,
+    /// Whether it jumps where a `wrapped` angle begins anew.
+    wraps: bool,
 }
 
 impl Item {
@@ -87,12 +102,21 @@ pub struct Kinks {
     now: Vec<[f64; 2]>,
     /// Values and rates at the end of the last trial.
     next: Vec<[f64; 2]>,
+    /// Whether selected branches use each function at the last accepted state, and at the end of the last trial.
+    used: Vec<bool>,
+    used_next: Vec<bool>,
+    /// Those that constraints depend on.
+    constraining: Vec<usize>,
     /// Changes of the rates over the last accepted step (1/s); zero where it passed the kink.
     bends: Vec<f64>,
     /// Largest magnitudes at accepted states.
     peaks: Vec<f64>,
     /// Number of steps one after the other that passed each kink.
     stays: Vec<f64>,
+    /// The other functions of the same element and dimension, for lengths and angles that the text states no limit for.
+    beside: Vec<Vec<usize>>,
+    /// Distance of each kink from the nearest of them, if it does not change; otherwise infinite.
+    apart: Vec<f64>,
     out: Vec<Pair>,
 }
 
@@ -139,9 +163,14 @@ impl Kinks {
             items: Vec::new(),
             now: Vec::new(),
             next: Vec::new(),
+            used: Vec::new(),
+            used_next: Vec::new(),
+            constraining: Vec::new(),
             bends: Vec::new(),
             peaks: Vec::new(),
             stays: Vec::new(),
+            beside: Vec::new(),
+            apart: Vec::new(),
             out: Vec::new(),
         };
         for (index, batch) in batches.iter().enumerate() {
@@ -166,6 +195,8 @@ impl Kinks {
                         element,
                         kink: k,
                         limit: limit(model, element, kink),
+                        constrains: kink.constrains,
+                        wraps: kink.wraps,
                     };
                     let ends = if kink.table.is_some() { 2 } else { 1 };
                     kinks.items.extend(std::iter::repeat_n(item, ends));
@@ -173,14 +204,33 @@ impl Kinks {
             }
             kinks
                 .out
-                .resize(kinks.out.len().max(3 * class.kinks.len()), [0.0; 2]);
+                .resize(kinks.out.len().max(4 * class.kinks.len()), [0.0; 2]);
         }
         let count = kinks.items.len();
         kinks.now = vec![[0.0; 2]; count];
         kinks.next = vec![[0.0; 2]; count];
+        kinks.used = vec![true; count];
+        kinks.used_next = vec![true; count];
+        let constraining = (0..count).filter(|item| kinks.items[*item].constrains);
+        kinks.constraining = constraining.collect();
         kinks.bends = vec![0.0; count];
         kinks.peaks = vec![0.0; count];
         kinks.stays = vec![0.0; count];
+        kinks.apart = vec![f64::INFINITY; count];
+        let kind = |item: &Item| {
+            let dimension = model.class(item.element).kinks[item.kink].dimension;
+            let tolerance = matches!(item.limit, Limit::Tolerance(_));
+            tolerance.then_some((item.element, dimension))
+        };
+        let items = &kinks.items;
+        let beside = (0..count).map(|item| {
+            let others = (0..count).filter(|other| {
+                let kinds = kind(&items[item]).zip(kind(&items[*other]));
+                *other != item && kinds.is_some_and(|(a, b)| a == b)
+            });
+            others.collect()
+        });
+        kinks.beside = beside.collect();
         kinks
     }
 
@@ -210,13 +260,15 @@ impl Kinks {
             let batch = group.own.as_ref().unwrap_or(common);
             let class = &model.compiled.system.classes[batch.class];
             let count = class.kinks.len();
-            let out = &mut self.out[..3 * count];
+            let out = &mut self.out[..4 * count];
             let mut at = group.first;
             for pair in 0..batch.pairs.len() {
                 elements::call(model, batch.class, Function::Kinks, batch.inputs(pair), out)?;
                 for lane in 0..batch.lanes(pair) {
                     for (k, kink) in class.kinks.iter().enumerate() {
                         let [value, rate] = [out[k][lane], out[count + k][lane]];
+                        let used = out[3 * count + k][lane] != 0.0;
+                        self.used_next[at] = used;
                         let Some(argument) = kink.table else {
                             self.next[at] = [value, rate];
                             at += 1;
@@ -229,6 +281,7 @@ impl Kinks {
                             table.map_or([None; 2], |table| table.kinks(usize::from(argument)));
                         // an end without a kink is a function that never changes
                         self.next[at] = low.map_or([1.0, 0.0], |low| [value - low, rate]);
+                        self.used_next[at + 1] = used;
                         self.next[at + 1] = high.map_or([1.0, 0.0], |high| [high - value, -rate]);
                         at += 2;
                     }
@@ -260,8 +313,34 @@ impl Kinks {
             }
         }
         self.now.copy_from_slice(&self.next);
+        self.used.copy_from_slice(&self.used_next);
         for (peak, [value, _]) in self.peaks.iter_mut().zip(&self.now) {
             *peak = peak.max(value.abs());
+        }
+        self.measure_distances();
+    }
+
+    /// Distances of the kinks of an element from each other, at the last accepted state.
+    fn measure_distances(&mut self) {
+        for (item, others) in self.beside.iter().enumerate() {
+            let [value, rate] = self.now[item];
+            let distances = others.iter().filter_map(|other| {
+                let [beside, its_rate] = self.now[*other];
+                let sign = if rate * its_rate < 0.0 { -1.0 } else { 1.0 };
+                let parallel = (rate - sign * its_rate).abs() <= PARALLEL * rate.abs();
+                let distance = (value - sign * beside).abs();
+                let is_other = distance > APART.1 * self.tolerance(item);
+                (parallel && rate != 0.0 && is_other).then_some(distance)
+            });
+            self.apart[item] = distances.fold(f64::INFINITY, f64::min);
+        }
+    }
+
+    /// The tolerance of positions that limits a function; zero for one with another limit.
+    fn tolerance(&self, item: usize) -> f64 {
+        match self.items[item].limit {
+            Limit::Tolerance(tolerance) => tolerance,
+            _ => 0.0,
         }
     }
 
@@ -269,7 +348,10 @@ impl Kinks {
     fn limit(&self, item: usize, time: f64, factor: f64) -> f64 {
         match self.items[item].limit {
             Limit::Stated(length) => length * factor.min(1.0),
-            Limit::Tolerance(tolerance) => tolerance * factor,
+            Limit::Tolerance(tolerance) => {
+                let limit = tolerance * factor;
+                limit.min((APART.0 * self.apart[item]).max(APART.1 * limit))
+            }
             Limit::Time => MOMENT * time.abs(),
             Limit::Share => STATE_SHARE * factor * self.peaks[item],
         }
@@ -295,7 +377,7 @@ impl Kinks {
     pub fn passed(&self, h: f64, time: f64, factor: f64) -> Option<Crossing> {
         let mut first: Option<Crossing> = None;
         for (item, (from, to)) in self.now.iter().zip(&self.next).enumerate() {
-            if same_side(*from, *to, h) || self.stays[item] >= STAYS {
+            if !self.counts(item) || same_side(*from, *to, h) || self.stays[item] >= STAYS {
                 continue;
             }
             let limit = self.limit(item, time, factor);
@@ -306,13 +388,34 @@ impl Kinks {
                 Limit::Time | Limit::Share => ([limit; 2], 0.0),
                 _ => ([AT * aim, -BESIDE * aim], aim),
             };
-            if let Some(found) = crossing(*from, *to, h, depths, aim)
+            if let Some(found) = self.crossing(item, h, depths, aim)
                 && first.is_none_or(|first| found.time < first.time)
             {
                 first = Some(Crossing { item, ..found });
             }
         }
         first
+    }
+
+    /// Whether a function counts in the last trial.
+    fn counts(&self, item: usize) -> bool {
+        self.used[item] || self.used_next[item]
+    }
+
+    /// The crossing of a function in the last trial of h (s), see [`crossing`].
+    ///
+    /// A function of a `wrapped` angle that jumps within the trial is continued by the jump, from its beginning and from its end:
+    /// between them the rates at both ends say by how much it would change.
+    fn crossing(&self, item: usize, h: f64, limits: [f64; 2], aim: f64) -> Option<Crossing> {
+        let (from, to) = (self.now[item], self.next[item]);
+        let change = to[0] - from[0];
+        let jump = change - 0.5 * h * (from[1] + to[1]);
+        if !self.items[item].wraps || jump.abs() <= WRAPPED * change.abs() {
+            return crossing(from, to, h, limits, aim);
+        }
+        let before = crossing(from, [to[0] - jump, to[1]], h, limits, aim);
+        let behind = || crossing([from[0] + jump, from[1]], to, h, limits, aim);
+        before.or_else(behind)
     }
 
     /// The time (s) after which a function is before its kink, if its rate goes on to change as over the last step;
@@ -359,6 +462,24 @@ impl Kinks {
         }
     }
 
+    /// The time (s) from a kink to the next one of its element, if their distance is constant, at its present rate; otherwise
+    /// infinite.
+    pub fn time_beside(&self, item: usize) -> f64 {
+        self.apart[item] / self.now[item][1].abs()
+    }
+
+    /// The first time (s) of a step h (s) in which a function changes its sign at its present rate, if a step of h would
+    /// take this for its beginning. The function is not within its limit, and its kink is beside another one.
+    pub fn at_once(&self, h: f64, time: f64, factor: f64) -> Option<f64> {
+        let far = self.now.iter().enumerate().filter(|(item, [value, _])| {
+            let far = value.abs() > self.end(*item, time, factor);
+            self.used[*item] && self.apart[*item].is_finite() && far
+        });
+        far.map(|(_, [value, rate])| -value / rate)
+            .filter(|time| *time > 0.0 && *time <= 2.0 * BEGIN * h)
+            .min_by(f64::total_cmp)
+    }
+
     /// Whether the functions of the last evaluation have another sign at a kink than at the last accepted state, and go on
     /// to leave it.
     pub fn is_left(&self, item: usize) -> bool {
@@ -385,7 +506,8 @@ impl Kinks {
         let mut ends = self.next.iter().enumerate();
         ends.find(|(item, [value, rate])| {
             let time = -value / rate;
-            self.items[*item].limit == Limit::Time && time > 0.0 && time <= BEGIN * h
+            let soon = time > 0.0 && time <= BEGIN * h;
+            self.items[*item].limit == Limit::Time && soon && self.used_next[*item]
         })
         .map(|(item, _)| item)
     }
@@ -405,7 +527,8 @@ impl Kinks {
 
     /// The longest time (s) below `most` in which a function changes its sign at its present rate.
     pub fn time_left(&self, most: f64) -> f64 {
-        let times = self.now.iter().map(|[value, rate]| -value / rate);
+        let used = self.now.iter().zip(&self.used).filter(|(_, used)| **used);
+        let times = used.map(|([value, rate], _)| -value / rate);
         let soon = times.filter(|time| *time > 0.0 && *time < most);
         soon.fold(0.0, f64::max)
     }
@@ -419,10 +542,10 @@ impl Kinks {
     pub fn overlooked(&self, model: &Model, h: f64, time: f64) -> Option<Crossing> {
         let pairs = self.now.iter().zip(&self.next).enumerate();
         let found: Vec<Crossing> = pairs
-            .filter(|(_, (from, to))| !same_side(**from, **to, h))
-            .filter_map(|(item, (from, to))| {
+            .filter(|(item, (from, to))| self.counts(*item) && !same_side(**from, **to, h))
+            .filter_map(|(item, _)| {
                 let limit = self.limit(item, time, 1.0);
-                let found = crossing(*from, *to, h, [limit; 2], 0.0)?;
+                let found = self.crossing(item, h, [limit; 2], 0.0)?;
                 Some(Crossing { item, ..found })
             })
             .collect();
@@ -461,7 +584,8 @@ impl Kinks {
         let mut pairs = self.now.iter().zip(&self.next).enumerate();
         let found = pairs.find(|(item, (from, to))| {
             let limit = self.end(*item, time, factor);
-            to[1] != 0.0 && to[0].abs() <= limit && from[0].abs() > limit
+            let comes = to[0].abs() <= limit && from[0].abs() > limit;
+            self.used_next[*item] && to[1] != 0.0 && comes
         });
         found.map(|(item, _)| item)
     }
@@ -470,18 +594,70 @@ impl Kinks {
     pub fn begins_at_other(&self, kink: usize, time: f64, factor: f64) -> bool {
         let mut functions = self.now.iter().enumerate();
         functions.any(|(item, [value, rate])| {
-            item != kink && *rate != 0.0 && value.abs() <= self.limit(item, time, factor)
+            let is_at = *rate != 0.0 && value.abs() <= self.limit(item, time, factor);
+            item != kink && self.used[item] && is_at
         })
     }
 
     /// The first time within a step h (s) at which a function would change its sign at its present rate. The step
     /// begins at a time (s). A function within its limit is at its kink already.
     pub fn foreseen(&self, h: f64, time: f64, factor: f64) -> Option<(f64, usize)> {
-        let far = (self.now.iter().enumerate())
-            .filter(|(item, [value, _])| value.abs() > self.limit(*item, time, factor));
+        let far = (self.now.iter().enumerate()).filter(|(item, [value, _])| {
+            self.used[*item] && value.abs() > self.limit(*item, time, factor)
+        });
         far.map(|(item, [value, rate])| (-value / rate, item))
             .filter(|(time, _)| *time > BEGIN * h && *time < h)
             .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The kinks of constraints at which the last accepted state is, at a time (s), except those at which it rests.
+    pub fn constrains_here(&self, time: f64, factor: f64) -> Vec<usize> {
+        let here = self.constraining.iter().copied().filter(|item| {
+            let [value, rate] = self.now[*item];
+            self.used[*item] && rate != 0.0 && value.abs() <= self.end(*item, time, factor)
+        });
+        here.collect()
+    }
+
+    /// The kinks of constraints that the last trial of h (s) passes, with the time (s) from its beginning. The trial ends at
+    /// a time (s).
+    pub fn constrains_within(&self, h: f64, time: f64, factor: f64) -> Vec<(usize, f64)> {
+        let passed = self.constraining.iter().filter_map(|item| {
+            let (from, to) = (self.now[*item], self.next[*item]);
+            if !self.counts(*item) || same_side(from, to, h) {
+                return None;
+            }
+            let found = self.crossing(*item, h, [self.end(*item, time, factor); 2], 0.0)?;
+            Some((*item, found.time))
+        });
+        passed.collect()
+    }
+
+    /// The element of a kink.
+    pub fn element(&self, item: usize) -> usize {
+        self.items[item].element
+    }
+
+    /// The time (s), with its sign, from the last evaluated state to a kink, and the time in which its function changes by
+    /// its limit, both at its present rate. The state has a time (s).
+    pub fn times_to(&self, item: usize, time: f64, factor: f64) -> [f64; 2] {
+        let [value, rate] = self.next[item];
+        let limit = self
+            .limit(item, time, factor)
+            .max(self.end(item, time, factor));
+        [-value / rate, limit / rate.abs()]
+    }
+
+    /// The element and the place of a kink, and its expression.
+    pub fn place(&self, model: &Model, item: usize) -> (Origin, String) {
+        let Item { element, kink, .. } = self.items[item];
+        let kink = &model.class(element).kinks[kink];
+        let origin = &model.compiled.system.elements[element].origin;
+        let origin = Origin {
+            defined_at: kink.defined_at.or(origin.defined_at),
+            ..origin.clone()
+        };
+        (origin, kink.text.clone())
     }
 
     /// A kink with its names.
@@ -494,13 +670,10 @@ impl Kinks {
     ) -> Option<Overlooked> {
         let item = self.items.get(passed.item)?;
         let kink = model.class(item.element).kinks.get(item.kink)?;
-        let element = &model.compiled.system.elements[item.element].origin;
+        let (origin, text) = self.place(model, passed.item);
         Some(Overlooked {
-            origin: Box::new(Origin {
-                defined_at: kink.defined_at.or(element.defined_at),
-                ..element.clone()
-            }),
-            text: kink.text.clone(),
+            origin: Box::new(origin),
+            text,
             dimension: kink.dimension,
             moment,
             step: h,
@@ -509,16 +682,13 @@ impl Kinks {
         })
     }
 
-    /// Values and rates at the last accepted state, changes of rates, largest values so far and passages, for a
+    /// Values and rates at the last accepted state, changes of rates, largest values so far, passages and uses, for a
     /// checkpoint.
     pub fn numbers(&self) -> Vec<f64> {
         let pairs = self.now.iter().flatten();
-        pairs
-            .chain(&self.bends)
-            .chain(&self.peaks)
-            .chain(&self.stays)
-            .copied()
-            .collect()
+        let counts = pairs.chain(&self.bends).chain(&self.peaks);
+        let used = self.used.iter().map(|used| f64::from(u8::from(*used)));
+        counts.chain(&self.stays).copied().chain(used).collect()
     }
 
     /// Sets them from a checkpoint.
@@ -527,11 +697,16 @@ impl Kinks {
         for (now, pair) in self.now.iter_mut().zip(pairs.as_chunks::<2>().0) {
             *now = *pair;
         }
+        let (counts, used) = rest.split_at((3 * self.now.len()).min(rest.len()));
         let bends = self.bends.iter_mut();
-        let counts = bends.chain(&mut self.peaks).chain(&mut self.stays);
-        for (place, number) in counts.zip(rest) {
+        let places = bends.chain(&mut self.peaks).chain(&mut self.stays);
+        for (place, number) in places.zip(counts) {
             *place = *number;
         }
+        for (place, number) in self.used.iter_mut().zip(used) {
+            *place = *number != 0.0;
+        }
+        self.measure_distances();
     }
 }
 

@@ -175,9 +175,7 @@ fn unit_gradients(
     let rows = Rows::new(model, constraining);
     let (mut values, mut matrix) = rows.gradients(model, &at(rest), Along::Pose)?;
     rows.scale_gradients(model, &mut values, &mut matrix);
-    let mut gradients = matrix.columns(velocities, |_| 1.0);
-    let sizes = gradients.sizes();
-    gradients.scale(|i, _| if sizes[i] > 0.0 { 1.0 / sizes[i] } else { 1.0 });
+    let (gradients, _) = matrix.columns(velocities, |_| 1.0).unit_rows();
     Ok(gradients)
 }
 

@@ -23,6 +23,7 @@ use crate::simulation::{Energy, Simulation, Slow, Warning};
 use crate::start::{StartReport, Unstable};
 use crate::transient::{Advance, Observer, RunSummary, Sample, Verdict, run_by_cycles};
 use eng_system::code::Compiled;
+use eng_system::significant::short;
 use eng_system::system::{Extent, Periodic, StepControl, Transient};
 use motion::{Motion, Moved};
 use repetition::{Comparison, Growth};
@@ -128,9 +129,9 @@ pub fn run_periodic(
     let samples = libm::ceil(period / periodic.sample - 1e-6);
     if !(periodic.sample > 0.0 && (1.0..=MOST_SAMPLES).contains(&samples)) {
         return refuse(format!(
-            "a distance of the samples of {:.4e}° does not fit a cycle of {:.6}°: it must be above zero, at most the cycle, and at least a millionth of it",
-            periodic.sample.to_degrees(),
-            period.to_degrees()
+            "a distance of the samples of {}° does not fit a cycle of {}°: it must be above zero, at most the cycle, and at least a millionth of it",
+            short(periodic.sample.to_degrees(), 4),
+            short(period.to_degrees(), 6)
         ));
     }
     if !(periodic.change > 0.0 && periodic.change.is_finite()) {

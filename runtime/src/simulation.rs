@@ -1,6 +1,7 @@
 //! A simulation: one parameter set of a compiled model, its state, and all data to integrate it.
 
 mod astray;
+mod demanded;
 mod driving;
 mod kinked;
 mod pace;
@@ -143,6 +144,8 @@ pub struct Simulation {
     at_kink: Option<usize>,
     /// The change of accelerations (of the model's size, 1/s²) behind this kink, if they jump there; otherwise 0.
     jump_at_kink: f64,
+    /// The step (s) before a kink, until steps are as long again; otherwise zero.
+    before_kink: f64,
     /// The kink that a fixed step overlooked most.
     overlooked: Option<Overlooked>,
     /// The state of the last outputs, projected and completed.
@@ -277,6 +280,7 @@ impl Simulation {
             overlooked: None,
             at_kink: None,
             jump_at_kink: 0.0,
+            before_kink: 0.0,
             dynamics,
             system: AccelerationSystem::new(&model)?,
             outputs: Outputs::all(&model)?,
@@ -546,7 +550,7 @@ fn check(options: &Options, model: &Model) -> Result<(), RuntimeError> {
     let refuse = |message: String| Err(RuntimeError::Options { message });
     if !(0.0..=1.0).contains(&options.rho_infinity) {
         return refuse(format!(
-            "the spectral radius at infinite frequency is {}; it lies in 0…1",
+            "the spectral radius at infinite frequency is {}; it must be from 0 to 1",
             options.rho_infinity
         ));
     }

@@ -34,6 +34,7 @@ use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
 use crate::state::State;
 use balance::{Balance, Terms};
+use eng_system::significant::short;
 use eng_system::system::{ConditionKind, Origin, Role, Start};
 
 /// The kind of start of a simulation.
@@ -170,8 +171,9 @@ impl Equilibrium {
                 change,
             }) => write!(
                 f,
-                "; turning flexible bodies as in the motion that repeats after {:.4} ms, at {angles} angles to {change:.1e}",
-                1e3 * period
+                "; turning flexible bodies as in the motion that repeats after {:.4} ms, at {angles} angles to {}",
+                1e3 * period,
+                short(*change, 2)
             )?,
             Some(Turning::Followed {
                 periods,
@@ -180,8 +182,9 @@ impl Equilibrium {
             }) => write!(
                 f,
                 "; turning flexible bodies and their films as in the motion that repeats after {:.4} ms, followed for {periods} \
-                 periods to {change:.1e}",
-                1e3 * period
+                 periods to {}",
+                1e3 * period,
+                short(*change, 2)
             )?,
             Some(Turning::WithTheBody { reason, .. }) => write!(
                 f,
@@ -192,8 +195,9 @@ impl Equilibrium {
         if let Some(unstable) = &self.unstable {
             write!(
                 f,
-                "; upside down: {} leaves it, e-fold in {:.3e} s",
-                unstable.origin.path, unstable.time
+                "; unstable: {} leaves the balance, by the factor e in {} s",
+                unstable.origin.path,
+                short(unstable.time, 3)
             )?;
         }
         Ok(())

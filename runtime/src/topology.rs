@@ -186,7 +186,7 @@ fn dependent_rows(matrix: &Gradients) -> Vec<(usize, Vec<(usize, f64)>)> {
         return dependencies(&matrix.dense());
     };
     let part = factor.dependent_part();
-    let found = dependencies(&matrix.dense_rows(&part)).into_iter();
+    let found = dependencies(&matrix.select(&part).dense()).into_iter();
     found
         .map(|(row, shares)| {
             let shares = shares.into_iter();

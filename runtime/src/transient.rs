@@ -10,6 +10,7 @@ use crate::simulation::{Energy, Options, Simulation, Slow, Warning};
 use crate::start::StartReport;
 use eng_system::analysis::Kind;
 use eng_system::code::Compiled;
+use eng_system::significant::short;
 use eng_system::system::{Extent, StepControl, Transient};
 use renewal::Renewal;
 use std::ops::ControlFlow;
@@ -206,9 +207,10 @@ pub fn countable(kind: &dyn Kind) -> Result<(), RuntimeError> {
     }
     let too_many = |part: f64, whole: f64, name: &str, unit: &str| {
         refuse(format!(
-            "{name} of {part:e} {unit} are {:.1e} in {whole} {unit}: more than can be counted; take at least {:e} {unit}",
-            whole / part,
-            whole / MOST
+            "{name} of {} {unit} are {} in {whole} {unit}: more than can be counted; take at least {} {unit}",
+            short(part, 4),
+            short(whole / part, 2),
+            short(whole / MOST, 4)
         ))
     };
     match (duration, sample) {

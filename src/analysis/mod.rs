@@ -11,7 +11,6 @@ use crate::places::{at_first, place, set_by};
 use crate::program::{Bodies, Program};
 use crate::recorded_field::RecordedField;
 use crate::results::{Recording, Results};
-use crate::significant::short;
 use crate::simulation::run_error_with;
 use crate::timings::{Clock, Timings};
 use crate::{Error, Quantity, RuntimeError};
@@ -22,6 +21,7 @@ use eng_runtime::{
     Warning,
 };
 use eng_system::code::BindError;
+use eng_system::significant::short;
 use eng_system::system::{AnalysisKind, BodyRef, Extent, PointValue, Start, StepControl};
 use std::num::NonZeroUsize;
 use std::sync::OnceLock;
@@ -448,9 +448,9 @@ impl Analysis {
         };
         (last.steps >= STANDING.0 && last.fraction < STANDING.1).then(|| {
             format!(
-                "the duration is {:.0}° of the cycle, and until then it has turned {:.1e}° in {:.3} s: does anything turn it?",
+                "the duration is {:.0}° of the cycle, and until then it has turned {}° in {:.3} s: does anything turn it?",
                 whole.to_degrees(),
-                (last.fraction * whole).to_degrees(),
+                short((last.fraction * whole).to_degrees(), 2),
                 last.time
             )
         })

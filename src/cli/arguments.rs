@@ -119,6 +119,31 @@ pub(super) struct ReduceArguments {
     /// The model's file
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
+    /// Write the reduced bodies for another code
+    #[arg(long, value_enum, value_name = "FORMAT", requires = "out")]
+    pub to: Option<BodyTarget>,
+    /// Write into this folder
+    #[arg(long, value_name = "DIR", requires = "to")]
+    pub out: Option<PathBuf>,
+    /// Write only this body; may be given several times [default: all]
+    #[arg(long, value_name = "PATH", requires = "to")]
+    pub body: Vec<String>,
+    /// Number of the first point of each body in Nastran and Abaqus
+    #[arg(long, value_name = "NUMBER", requires = "to", default_value_t = 1)]
+    pub first_point: usize,
+}
+
+/// A form of reduced bodies for another code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum BodyTarget {
+    /// Arrays of NumPy: matrices, constants of the floating frame, shapes at all nodes
+    Numpy,
+    /// Nastran's OP4 as text: matrices of small motions
+    Op4,
+    /// Nastran's bulk data: scalar points with DMIG, markers by MPC
+    Dmig,
+    /// Abaqus: *MATRIX INPUT with a deck, markers by *EQUATION
+    Abaqus,
 }
 
 #[derive(Debug, Args)]

@@ -1,10 +1,11 @@
 //! `eng explain`.
 
 use super::arguments::ExplainArguments;
-use super::open::checked;
+use super::open::open;
 use super::terminal::Terminal;
-use super::{Refusal, Stop, USAGE_OR_SYSTEM};
+use super::{MODEL_WRONG, Refusal, Stop, USAGE_OR_SYSTEM};
 use crate::codes::{self, Code};
+use eng_grammar::SourceMap;
 use std::path::Path;
 
 /// Width of the text.
@@ -32,18 +33,25 @@ pub(super) fn explain(
         return Err(Stop::Code(USAGE_OR_SYSTEM));
     }
     let found = codes::find(asked).map(explanation);
-    match found.or_else(|| kind(asked)).or_else(|| function(asked)) {
+    let found = found.or_else(|| kind(asked)).or_else(|| function(asked));
+    match found.or_else(|| crate::definitions::of_library(asked)) {
         Some(text) => {
             write!(console.output, "{text}")?;
             Ok(())
         }
         None => {
-            write!(console.errors, "error: there is no code {asked}")?;
+            write!(
+                console.errors,
+                "error: `{asked}` is no code, function, analysis, figure or name of the library"
+            )?;
             match nearest(asked) {
                 Some(near) => writeln!(console.errors, "; did you mean {near}?")?,
                 None => writeln!(console.errors)?,
             }
-            writeln!(console.errors, "`eng explain` lists all codes")?;
+            writeln!(
+                console.errors,
+                "`eng explain` lists all codes; `eng explain MODEL.eng {asked}` looks in a model"
+            )?;
             Err(Stop::Code(USAGE_OR_SYSTEM))
         }
     }
@@ -51,7 +59,17 @@ pub(super) fn explain(
 
 /// A part of a model, or a list of its parts.
 fn part(model: &Path, path: Option<&str>, console: &mut Terminal<'_>) -> Result<(), Stop> {
-    let program = checked(model, console)?;
+    let checked = match open(model) {
+        Ok(checked) => checked,
+        Err(refusal) => return Err(refusal.show(&SourceMap::new(), console)),
+    };
+    let Some(program) = checked.program() else {
+        let report = checked.report();
+        console
+            .errors
+            .messages(report.diagnostics(), report.texts())?;
+        return Err(Stop::Code(MODEL_WRONG));
+    };
     let text = match path {
         Some(path) => program.explain(path.trim()),
         None => program.items(),

@@ -154,7 +154,7 @@ fn refuse_missing(
     if found.in_time.is_empty() && missing.is_empty() {
         writeln!(
             console.errors,
-            "error: {} has nothing for a page: run an analysis in time",
+            "error: {} has no results for a page: run an analysis of a motion",
             folder.display()
         )?;
         return Err(Stop::Code(USAGE_OR_SYSTEM));
@@ -205,7 +205,7 @@ fn write_all(
             None => {
                 writeln!(
                     console.errors,
-                    "error: no motion was kept; run the model again"
+                    "error: the results have no motion; run the model again"
                 )?;
                 return Err(Stop::Code(USAGE_OR_SYSTEM));
             }

@@ -5,8 +5,8 @@ use super::terminal::Terminal;
 use super::{Stop, USAGE_OR_SYSTEM};
 use crate::repetition::Repetition;
 use crate::results::{Kind, Listed, Selection, listed};
-use crate::significant::short;
 use crate::tables::Table;
+use eng_system::significant::short;
 
 /// Lists the contents of result files. It reports unreadable files and still lists the others.
 pub(super) fn results(

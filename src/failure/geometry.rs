@@ -3,12 +3,12 @@
 use super::diagnostic;
 use crate::codes;
 use crate::places::{place, related, span};
-use crate::significant::{fixed, short};
 use eng_grammar::Diagnostic;
 use eng_runtime::error::Chain;
 use eng_runtime::joint::Joint;
 use eng_runtime::start::hanging::Hanging;
 use eng_runtime::{NamedRow, RuntimeError};
+use eng_system::significant::{fixed, short};
 use eng_system::system::{BodyRef, Location, Origin, Role, System};
 
 /// The warning about bodies that nothing holds.
@@ -73,7 +73,7 @@ pub(super) fn wrong_branch(
     chain: Option<&Chain>,
     system: &System,
 ) -> Diagnostic {
-    let message = place(message, origin, "assembled the other way round");
+    let message = place(message, origin, "assembled in another position");
     let message = with_markers(message, origin, system);
     let message = with_lengths(message, chain, system);
     let message = with_guesses(message, chain, system);
@@ -117,7 +117,7 @@ pub(super) fn locked(
     for row in rows {
         if !told.contains(&&row.origin) && told.len() < 3 {
             told.push(&row.origin);
-            message = place(message, &row.origin, "holds against the others here");
+            message = place(message, &row.origin, "resists the others here");
         }
     }
     let message = with_lengths(message, chain, system);
@@ -125,7 +125,9 @@ pub(super) fn locked(
         Some(chain) => with_axes(message, chain),
         None => message,
     }
-    .with_help("no force is at fault: change a length or an axis, or let a joint hold less")
+    .with_help(
+        "forces play no part: change a length or an axis, or take a joint with fewer equations",
+    )
 }
 
 /// The remedy if the assembly finds no position.

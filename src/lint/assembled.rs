@@ -207,7 +207,7 @@ impl Start<'_> {
         let offset = (a.position - b.position).norm();
         (offset > UNPLACED).then(|| {
             let message = format!(
-                "{} begins {} mm from {}: nothing says where it begins, and where nothing does, a body is at the origin",
+                "{} begins {} mm from {}: the text does not state where it begins, so it begins at the origin",
                 self.path(markers[0]),
                 mm(offset),
                 self.path(markers[1])
@@ -239,7 +239,7 @@ impl Start<'_> {
                 continue;
             }
             let message = format!(
-                "the shell {} turns with {} rpm, the pin {} with {} rpm: are pin and shell swapped?",
+                "the shell {} turns at {} rpm, the pin {} at {} rpm: are pin and shell swapped?",
                 self.path(*shell),
                 rpm(of_shell),
                 self.path(*pin),
@@ -305,6 +305,11 @@ impl Start<'_> {
     fn sinks(&self) -> Option<Finding> {
         // if it cannot be evaluated, the run reports the error
         let (element, way) = sag(self.model, self.state, self.gravity()).ok().flatten()?;
+        // the stiffness of a film at rest is no number of the text
+        let journals = &self.model.compiled.system.journals;
+        if journals.iter().any(|j| j.element as usize == element) {
+            return None;
+        }
         // the model's length is that of its bodies; a spring may be longer than all of them
         let apart = self.pair(element).map_or(0.0, |markers| {
             let [a, b] = markers.map(|marker| self.marker(marker));
@@ -314,7 +319,7 @@ impl Start<'_> {
             return None;
         }
         let message = format!(
-            "under the weight that it carries it gives way by {} mm: is its stiffness in the right unit?",
+            "it yields by {} mm under the weight that it carries: is its stiffness in the right unit?",
             mm(way)
         );
         let mut finding = self.finding(codes::SINKS, lint::SAG, element, message);
@@ -370,7 +375,7 @@ impl Start<'_> {
             origin: first,
             message: format!("nothing holds it {directions}: no joint, spring or film{with}"),
             label: "moves freely".to_owned(),
-            help: "hold it by a joint, a spring or a film; a shaft on films has a thrust bearing, a joint that holds it along its axis".to_owned(),
+            help: "hold it by a joint, a spring or a film; a shaft on films needs a thrust bearing: a joint that holds it along its axis".to_owned(),
             decided_by: Vec::new(),
         }
     }

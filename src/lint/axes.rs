@@ -17,7 +17,7 @@ impl Start<'_> {
     pub(super) fn askew(&self) -> Vec<Finding> {
         let system = &self.model.compiled.system;
         let journals = system.journals.iter().filter_map(|journal| {
-            let effect = "the film takes the pin for parallel to the shell";
+            let effect = "the film assumes that pin and shell are parallel";
             self.across(journal.element, [journal.pin, journal.shell], effect)
         });
         let measured = (0..).zip(&system.elements).filter_map(|(index, element)| {

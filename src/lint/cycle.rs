@@ -118,7 +118,7 @@ impl Start<'_> {
             name: lint::CYCLE.to_owned(),
             origin: system.cycle.as_ref()?.origin.clone(),
             message: "the cycle runs backwards: gas is read from the end of its cycle to the beginning".to_owned(),
-            label: "this angle falls".to_owned(),
+            label: "this angle decreases".to_owned(),
             help: "measure the angle the way the crank turns, `rotation(crank.flange, ground)`, with the z axis of the second marker; or change the sign of the speed at start and drive".to_owned(),
             decided_by: Vec::new(),
         };

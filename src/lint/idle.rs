@@ -38,7 +38,7 @@ impl Start<'_> {
             return None;
         }
         let message = format!(
-            "{} turns with {} rpm at the start, {} with {} rpm: it winds up",
+            "{} turns at {} rpm at the start, {} at {} rpm: it winds up",
             self.path(markers[0]),
             rpm(speeds[0]),
             self.path(markers[1]),

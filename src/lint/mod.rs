@@ -12,13 +12,13 @@ pub(crate) use turned::turned as of_turn;
 
 use crate::codes;
 use crate::places::{MOST_PLACES, decided, related, span};
-use crate::significant::short;
 use eng_grammar::Diagnostic;
 use eng_runtime::Warning;
 use eng_runtime::model::Model;
 use eng_runtime::state::State;
 use eng_system::code::{Advice, Bound, Compiled};
 use eng_system::lint::Accepted;
+use eng_system::significant::short;
 use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Role, System};
 
 /// A lint's finding about one object.
@@ -48,7 +48,7 @@ impl Finding {
             name: advice.name.clone(),
             origin: advice.origin.clone(),
             message: advice.message.clone(),
-            label: "does not hold for this".to_owned(),
+            label: "the condition fails here".to_owned(),
             help: String::new(),
             decided_by: advice.decided_by.clone(),
         }
@@ -61,7 +61,7 @@ impl Finding {
             name: warning.name.clone(),
             origin: warning.origin.clone(),
             message: format!("{} at {}", warning.message, warning.moment),
-            label: "does not hold for this".to_owned(),
+            label: "the condition fails here".to_owned(),
             help: String::new(),
             decided_by: Vec::new(),
         };
@@ -302,7 +302,7 @@ pub(crate) fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Acce
 pub(crate) fn needless(accepted: &Accepted) -> Diagnostic {
     Diagnostic::warning(
         codes::ACCEPT_UNHEARD,
-        format!("nothing says `{}` here", accepted.name),
+        format!("no warning `{}` appears here", accepted.name),
     )
     .at(span(accepted.at), "accepts nothing")
     .with_help("remove it, so that a later mistake of this kind is reported")

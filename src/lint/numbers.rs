@@ -264,7 +264,9 @@ fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
     let (message, marker) = if radius < NO_BALL * least {
         let ball = mm(least);
         (
-            format!("{told}; even a ball of tungsten of this mass has {ball} mm"),
+            format!(
+                "{told}; even a ball of tungsten of this mass has a radius of gyration of {ball} mm"
+            ),
             false,
         )
     } else if long && (wide && ratio > USUAL.end || body.both_sides && ratio < USUAL.start) {
@@ -400,7 +402,7 @@ fn without_gas(system: &System) -> Vec<Finding> {
             continue;
         }
         let message = format!(
-            "{} has no gas, as {} has",
+            "{} has no gas, although {} has",
             body.origin.path, system.bodies[*like].origin.path
         );
         found.push(Finding {
@@ -412,7 +414,7 @@ fn without_gas(system: &System) -> Vec<Finding> {
             },
             message,
             label: "of another cylinder".to_owned(),
-            help: "give each cylinder its gas; `scale: 0` takes it away".to_owned(),
+            help: "give each cylinder its gas; `scale: 0` switches it off".to_owned(),
             decided_by: vec![body.origin.clone()],
         });
     }
@@ -430,7 +432,7 @@ fn whole_turns(system: &System, bound: &Bound) -> Option<Finding> {
         return None;
     }
     let message = format!(
-        "the cycle repeats every {}, which are no whole turns: is its unit right?",
+        "the cycle repeats every {}, which is no whole number of half turns: is its unit right?",
         degrees(period, 5)
     );
     Some(wrong_period(cycle, message, Vec::new()))

@@ -74,7 +74,7 @@ fn rod(system: &System, bound: &Bound, body: BodyRef) -> Option<Finding> {
             way(to)
         ),
         label: "this rod".to_owned(),
-        help: "the centre of mass of a rod is between its ends: see the signs of its markers"
+        help: "the centre of mass of a rod is between its ends: check the signs of its markers"
             .to_owned(),
         decided_by: Vec::new(),
     };

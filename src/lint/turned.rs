@@ -203,7 +203,7 @@ fn swings(system: &System, angle: f64) -> Option<Finding> {
         name: lint::CYCLE.to_owned(),
         origin: system.cycle.as_ref()?.origin.clone(),
         message: format!(
-            "the cycle's angle turns back at {} and never comes round",
+            "the cycle's angle turns back at {} and never completes a turn",
             deg(angle)
         ),
         label: "an angle that swings".to_owned(),
@@ -252,7 +252,7 @@ fn gravity(
     let down = (down.norm() > 0.0).then(|| down.normalize())?;
     let mean = cylinders.iter().map(|c| c.up.dot(&down)).sum::<f64>() / cylinders.len() as f64;
     let message = if mean > UPSIDE_DOWN {
-        "gravity acts from the crankshaft towards the heads: has it lost its sign?"
+        "gravity acts from the crankshaft towards the heads: is its sign right?"
     } else if shaft.is_some_and(|axis| axis.dot(&down).abs() > UPRIGHT) {
         "gravity acts along the crankshaft: is it along the right axis?"
     } else {
@@ -452,11 +452,11 @@ impl Watched<'_> {
         let off = libm::asin(self.up.dot(&shaft).abs().min(1.0));
         SLANTED.contains(&off).then(|| {
             let message = format!(
-                "its bore is {} deg off the plane square to the crankshaft",
+                "its bore is {} deg off the plane perpendicular to the crankshaft",
                 short(off.to_degrees(), 3)
             );
             let help =
-                "a bore's z axis is square to the shaft: see the components of the head's marker";
+                "a bore's z axis is perpendicular to the shaft: check the components of the head's marker";
             let finding = self.finding(compiled, lint::BORE, message, help);
             self.with_places(finding, compiled, &[Where::Head])
         })
@@ -489,10 +489,10 @@ impl Watched<'_> {
         } else if own > NO_STROKE && other > NO_STROKE && !self.guided {
             (
                 format!(
-                    "piston and head move by {} mm and stay as far apart: do they run together that should run against each other?",
+                    "piston and head both move by {} mm, and their distance stays the same: should they move against each other?",
                     short(1e3 * own, 3)
                 ),
-                "the gas has no stroke: see the gears, throws and axes of both",
+                "the gas has no stroke: check the gears, throws and axes of both",
             )
         } else {
             return None;
@@ -563,7 +563,7 @@ impl Watched<'_> {
                 compiled,
                 lint::BORE,
                 message,
-                "rods are two to ten times as long as the throw: see the markers of both",
+                "rods are two to ten times as long as the throw: check the markers of both",
             );
             found.push(self.with_places(finding, compiled, &[Where::Rod, Where::Throw]));
         }
@@ -573,7 +573,7 @@ impl Watched<'_> {
                 compiled,
                 lint::MIRRORED,
                 message,
-                "is the `branch` of the liner, or the head's z axis, the wrong way round?",
+                "check the sign in the `branch` of the liner, and the direction of the head's z axis",
             );
             found.push(self.with_places(finding, compiled, &[Where::Head]));
         }

@@ -56,7 +56,7 @@ pub enum PostError {
     #[error("no results of {}", .0.join(", "))]
     NotRun(Vec<String>),
     /// A channel that was not kept.
-    #[error("the results of {analysis} have no {path}; were other channels kept (--channels)?")]
+    #[error("the results of {analysis} have no {path}; perhaps `--channels` left it out")]
     NoChannel {
         /// The analysis.
         analysis: String,
@@ -68,7 +68,7 @@ pub enum PostError {
     NoValue(String),
     /// Two runs with other samples.
     #[error(
-        "{first} and {second} have other samples ({detail}); `resample(a, like: b)` gives one at the other's samples"
+        "{first} and {second} have different samples ({detail}); `resample(a, like: b)` gives one at the other's samples"
     )]
     Samples {
         /// The analysis of the left side.
@@ -80,7 +80,7 @@ pub enum PostError {
     },
     /// Samples without equal distances.
     #[error(
-        "{0}: samples are even neither in time nor in crank angle; run it with a `sample:` from which on they are"
+        "{0}: the samples are evenly spaced neither in time nor in crank angle; run it with a `sample:` at which they are"
     )]
     Uneven(String),
     /// Too few samples for frequencies.
@@ -96,7 +96,7 @@ pub enum PostError {
     NoSpeed(String),
     /// A frequency that the samples do not resolve.
     #[error(
-        "{analysis}: {stated} is faster than samples {held}; run it with `sample: {needed}` or less"
+        "{analysis}: {stated} is too fast for samples {held}; run it with `sample: {needed}` or less"
     )]
     TooFast {
         /// The analysis.
@@ -135,7 +135,9 @@ pub enum PostError {
         needed: &'static str,
     },
     /// Two runs with one speed in a figure over speed.
-    #[error("{first} and {second} both turn at {speed}: over the speed they are one")]
+    #[error(
+        "{first} and {second} both turn at {speed}: a picture over the speed cannot separate them"
+    )]
     SameSpeed {
         /// An analysis.
         first: String,
@@ -205,7 +207,7 @@ pub enum PostError {
         path: String,
     },
     /// No motion beside the results.
-    #[error("{0}: no motion was kept, and a film is drawn from it; run it again")]
+    #[error("{0}: the results have no motion, which the picture of a film needs; run it again")]
     NoMotion(String),
     /// A journal without cells, or a motion without the numbers of its film.
     #[error("the motion of {analysis} does not have the film of {path}; run it again")]
@@ -216,7 +218,9 @@ pub enum PostError {
         path: String,
     },
     /// A moment that the motion does not have.
-    #[error("the motion of {analysis} has no moment at {moment}: it is that of the last cycle")]
+    #[error(
+        "the motion of {analysis} has no moment at {moment}: the results have the last cycle alone"
+    )]
     NoMoment {
         /// The analysis.
         analysis: String,
@@ -245,7 +249,7 @@ pub enum PostError {
     #[error("{0} is no finite number")]
     NotFinite(String),
     /// A tree that no checked text gives.
-    #[error("a {found} is where a {due} is expected")]
+    #[error("expected a {due}, found a {found}")]
     Shape {
         /// The necessary kind.
         due: &'static str,

@@ -97,7 +97,7 @@ impl Track {
             analysis: self.samples.analysis.clone(),
             stated: limit_text(stated),
             held: format!(
-                "every {} can tell, which is below {}",
+                "every {}, which resolve less than {}",
                 extent_text(length(sampled.sampling, 1.0)),
                 limit_text(highest(sampled.sampling))
             ),
@@ -129,7 +129,7 @@ impl Track {
         if count.is_nan() || count < 2.0 {
             let step = extent_text(length(sampled.sampling, 1.0));
             return Err(refused(format!(
-                "shorter than two samples, which lie {step} apart"
+                "shorter than two samples, which are {step} apart"
             )));
         }
         if count > sampled.count as f64 {

@@ -2,11 +2,13 @@
 //! them.
 
 mod cache;
+mod hand_over;
 mod look;
 mod request;
 mod sense;
 mod table;
 
+pub use hand_over::{BodyFile, BodyFormat, HandOverError};
 pub(crate) use look::Looks;
 
 use crate::Sources;
@@ -60,7 +62,7 @@ impl Reduction {
         let title = if empty {
             format!("{} has no mode: it moves as a rigid body", self.path)
         } else {
-            format!("no static mode of {} serves some of its loads", self.path)
+            format!("some loads of {} have no static mode", self.path)
         };
         let mut message = Diagnostic::warning(eng_compiler::codes::UNSERVED, title)
             .at(span(self.at), "the body is stiffer there than its mesh");

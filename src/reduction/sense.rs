@@ -3,12 +3,12 @@
 use super::look::Facts;
 use super::{failed, span};
 use crate::codes;
-use crate::significant::short;
 use eng_flexible::FlexibleError;
 use eng_flexible::mesh::{Carries, Code, Element, ElementKind, Mesh, Unread, Variant};
 use eng_grammar::Diagnostic;
 use eng_system::flexible::{FlexibleSource, MarkerPlace};
 use eng_system::reduced::ReducedMarker;
+use eng_system::significant::short;
 
 /// Sizes of parts that engines and rigs have (m).
 const SIZES: (f64, f64) = (1e-3, 50.0);

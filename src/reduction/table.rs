@@ -2,8 +2,8 @@
 
 use super::Reduction;
 use crate::counted::counted;
-use crate::significant::{fixed, significant};
 use eng_flexible::reduce::BodyMass;
+use eng_system::significant::{fixed, short, significant};
 use std::fmt::{self, Write};
 
 impl Reduction {
@@ -68,8 +68,9 @@ impl Reduction {
         for dropped in &report.dropped {
             writeln!(
                 out,
-                "  left out: {} ({:.1e} of its strain is new)",
-                dropped.label, dropped.remains
+                "  left out: {} ({} of its strain is new)",
+                dropped.label,
+                short(dropped.remains, 2)
             )?;
         }
         self.write_markers(out, size)?;

@@ -6,11 +6,11 @@ use super::{Entry, ReportError};
 use crate::motion::BodyMotion;
 use crate::recorded_field::RecordedField;
 use crate::results::Results;
-use crate::significant::significant;
 use eng_report::animation::{FilmSurface, Films, Pose, Surface};
 use eng_report::readable_unit;
 use eng_system::Dimension;
 use eng_system::field::{CellQuantity, FieldGrid};
+use eng_system::significant::significant;
 
 /// Height of the hill of the highest pressure, as a share of the largest radius of a film.
 const HILL: f64 = 0.5;
@@ -69,7 +69,7 @@ pub(super) fn shells<'e>(
             continue;
         };
         if field.columns_of(motion).is_none() {
-            notes.push(format!("{path}: its film is not drawn, because the motion was kept without it; run the model again."));
+            notes.push(format!("{path}: its film is not drawn, because the results do not have it; run the model again."));
             continue;
         }
         let poses = match &shell.body {

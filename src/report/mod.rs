@@ -69,7 +69,7 @@ pub enum ReportError {
         source: eng_system::field::FieldError,
     },
     /// No motion.
-    #[error("{0}: no motion was kept; run the model again")]
+    #[error("{0}: the results have no motion; run the model again")]
     NoMotion(String),
     /// The operating system refused.
     #[error("{}: {source}", path.display())]

@@ -83,7 +83,7 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     for entry in entries {
         if entry.outdated() {
             warnings.push(format!(
-                "{}: the model's text is not that of the results; run it again",
+                "{}: the results are of another text of the model; run it again",
                 entry.name()
             ));
         }
@@ -92,7 +92,7 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
             warnings.push(format!("{}: {}", entry.name(), found.text()));
         }
         if entry.outcome.motion.is_none() {
-            warnings.push(format!("{}: no motion was kept", entry.name()));
+            warnings.push(format!("{}: the results have no motion", entry.name()));
         }
     }
     let all: Vec<_> = entries

@@ -187,7 +187,7 @@ fn outline(rigid: &mut [RigidBody], radius: f64) {
 fn no_moment(at: At) -> (String, String) {
     (
         format!("Stresses at {at}: the motion has no such moment."),
-        format!("no stresses at {at}: the kept motion has no such moment"),
+        format!("no stresses at {at}: the motion has no such moment"),
     )
 }
 

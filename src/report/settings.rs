@@ -47,7 +47,7 @@ pub(crate) fn mixed(runs: &[(&Results, &Described)]) -> Vec<String> {
                 })
                 .collect();
             Some(format!(
-                "the results are of different parameters: {path} is {}; run them again alike",
+                "the results are of different parameters: {path} is {}; run them again with equal parameters",
                 told.join(", ")
             ))
         })

@@ -336,8 +336,8 @@ fn difference(found: &Results, begun: &Results) -> String {
         [first, second, rest @ ..] => format!("{first}, {second}, and {} more", rest.len()),
         [] if differs("version") => "another version of eng made them".to_owned(),
         [] if differs("source_hash") => "the text has changed since".to_owned(),
-        [] if paths(found) != paths(begun) => "other channels are kept".to_owned(),
-        [] => "its analysis, its steps, a mesh or the part that is kept is another".to_owned(),
+        [] if paths(found) != paths(begun) => "it records other channels".to_owned(),
+        [] => "its analysis, its steps, a mesh or the recorded part differs".to_owned(),
     }
 }
 

@@ -8,10 +8,10 @@ use crate::grid_error::{GridError, grid_errors};
 use crate::lint::{self, Finding};
 use crate::machine::Machine;
 use crate::repetition::Repetition;
-use crate::significant::significant;
 use crate::timings::Timings;
 use crate::{Analysis, Error, Progress, Results, Slow, Verdict, Watch};
 use eng_grammar::{Diagnostic, Diagnostics};
+use eng_system::significant::{short, significant};
 use eng_system::system::PointValue;
 use patience::{Look, Patience, in_words};
 use std::num::NonZeroUsize;
@@ -126,10 +126,10 @@ fn run_on(
         (Ok(outcome), _) => Ok(run_outcome(analysis, outcome)?),
         (Err(Failed { error, .. }), Some((passed, now, left))) if error.is_stopped() => {
             let note = format!(
-                "{} steps in {} s of computing were {:.1e} % of the run; at this pace the rest takes {}",
+                "{} steps in {} s of computing were {} % of the run; at this pace the rest takes {}",
                 now.steps,
                 passed.as_secs(),
-                100.0 * now.fraction,
+                short(100.0 * now.fraction, 2),
                 in_words(left)
             );
             Err(error.with_note(&note).into())
@@ -220,9 +220,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         };
         let moves = !system.bodies.is_empty() && !outcome.results.are_modes();
         if moves && analysis.recorded_to().is_some_and(gone) {
-            facts.push(
-                "its motion is not there: without --resume it is run again and makes it".to_owned(),
-            );
+            facts.push("its motion is missing: run it without --resume to make it".to_owned());
         }
     }
     if let Some(start) = &outcome.start {
@@ -255,9 +253,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         ));
         let e = &summary.energy;
         facts.push(format!(
-            "energy: {} J kinetic, {:.3e} J out of balance",
+            "energy: {} J kinetic, {} J out of balance",
             significant(e.kinetic, 6),
-            e.imbalance()
+            significant(e.imbalance(), 3)
         ));
         let damped = summary.damped.as_ref();
         if let Some(warning) = damped.map(|d| crate::failure::damped(d, analysis.origin())) {

@@ -4,7 +4,7 @@
 use super::document::Document;
 use crate::sources::Sources;
 use eng_grammar::ast::{
-    Binder, Block, Declaration, Expr, ExprKind, File, Form, Function, Item, ItemKind, Kind, Name,
+    Binder, Declaration, Expr, ExprKind, File, Form, Function, Item, ItemKind, Kind, Name,
     Parameter, TypeExpr, TypeExprKind, UseNames,
 };
 use eng_grammar::{Diagnostics, SourceId, Span, parse};
@@ -81,33 +81,6 @@ impl<'i> Found<'i> {
             What::Item(item, _) => Some(item),
             _ => None,
         }
-    }
-}
-
-/// The name that an item gives.
-pub(super) fn name_of(item: &ItemKind) -> Option<&Name> {
-    match item {
-        ItemKind::Dimension(dimension) => Some(&dimension.name),
-        ItemKind::Unit(unit) => Some(&unit.name),
-        ItemKind::Choice(choice) => Some(&choice.name),
-        ItemKind::Binding(binding) => Some(&binding.name),
-        ItemKind::Function(function) => Some(&function.name),
-        ItemKind::Table(table) => Some(&table.name),
-        ItemKind::Declaration(declaration) => Some(&declaration.name),
-        ItemKind::Report(report) => Some(&report.name),
-        ItemKind::Entry(entry) => Some(&entry.name),
-        ItemKind::Use(_) | ItemKind::Statement(_) | ItemKind::Attribute(_) | ItemKind::Error => {
-            None
-        }
-    }
-}
-
-/// The block of an item.
-pub(super) fn block_of(item: &ItemKind) -> Option<&Block> {
-    match item {
-        ItemKind::Declaration(declaration) => declaration.block(),
-        ItemKind::Report(report) => Some(&report.block),
-        _ => None,
     }
 }
 
@@ -327,7 +300,7 @@ impl<'l> Index<'l> {
         let mut items = items;
         while let Some(item) = items.iter().find(|item| holds(item.span, place)) {
             around.push(item);
-            items = block_of(&item.kind).map_or(&[], |block| &block.items);
+            items = item.kind.block().map_or(&[], |block| &block.items);
         }
         for item in around.into_iter().rev() {
             let inner: Vec<What<'_>> = match &item.kind {
@@ -507,7 +480,7 @@ fn holds(span: Span, place: usize) -> bool {
 fn of_items(module: usize, items: &[Item]) -> Vec<Found<'_>> {
     let mut found = Vec::new();
     for item in items {
-        if let Some(name) = name_of(&item.kind) {
+        if let Some(name) = item.kind.name() {
             found.push(Found {
                 module,
                 what: What::Item(item, name),

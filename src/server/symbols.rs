@@ -1,7 +1,6 @@
 //! The outline of a text.
 
 use super::document::{Document, range};
-use super::index::{block_of, name_of};
 use eng_grammar::ast::{BindingKind, Item, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceId, parse};
 use serde_json::{Value, json};
@@ -18,10 +17,10 @@ fn listed(text: &str, items: &[Item], depth: usize) -> Vec<Value> {
     }
     let named = items
         .iter()
-        .filter_map(|item| Some((item, name_of(&item.kind)?)));
+        .filter_map(|item| Some((item, item.kind.name()?)));
     named
         .map(|(item, name)| {
-            let inner = block_of(&item.kind).map_or(&[][..], |block| &block.items);
+            let inner = item.kind.block().map_or(&[][..], |block| &block.items);
             json!({
                 "name": name.text,
                 "kind": kind(&item.kind),

@@ -10,7 +10,7 @@ pub(crate) use cycle::{last_cycle, shifted};
 pub use summary::{Summarised, SummaryTable};
 pub(crate) use summary::{in_words, mean, readable};
 
-use crate::significant::without_sign_of_zero;
+use eng_system::significant::without_sign_of_zero;
 
 /// A table. Its first column is aligned left; the others are aligned right unless [`Table::render_left`] says
 /// otherwise.

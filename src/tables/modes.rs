@@ -4,7 +4,7 @@ use super::Table;
 use crate::modes::{are_frozen, are_of_a_period, composition, values};
 use crate::results::{Column, Results};
 use crate::run::RunOutcome;
-use crate::significant::significant;
+use eng_system::significant::significant;
 
 /// The largest number of printed rows. The file has all rows.
 const MOST_ROWS: usize = 40;

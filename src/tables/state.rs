@@ -2,7 +2,7 @@
 
 use super::Table;
 use crate::results::{Column, Results, TIME};
-use crate::significant::short;
+use eng_system::significant::short;
 
 /// Values that are printed: more are in the file.
 const MOST_VALUES: usize = 24;

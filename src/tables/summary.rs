@@ -4,8 +4,8 @@
 use super::{Table, last_cycle};
 use crate::machine::{InterfaceSummary, SummarisedElement};
 use crate::results::{CYCLE_ANGLE, Results, TIME};
-use crate::significant::significant;
 use eng_system::DisplayUnit;
+use eng_system::significant::significant;
 use eng_system::system::summary::{SummaryColumn, Taken};
 
 /// A number of a summary.

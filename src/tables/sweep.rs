@@ -3,7 +3,7 @@
 use super::{SummaryTable, Table, last_cycle};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use crate::run::RunOutcome;
-use crate::significant::short;
+use eng_system::significant::short;
 use eng_system::{Dimension, DisplayUnit};
 
 /// The analyses of one name with an index, two or more of them: `runup[1]`, `runup[2]`, …

@@ -12,11 +12,12 @@
 //! | `Outputs` | common, accelerations, rates, signals | outputs |
 //! | `Conditions` | common | one number for each condition, which must be positive |
 //! | `Rotations` | common | unwrapped angle of each rotation (rad) |
-//! | `Kinks` | common; with accelerations, rates and signals if the class states this | each kink function; its rate; the handle of its table, or −1 |
+//! | `Kinks` | common; with accelerations, rates and signals if the class states this | each kink function; its rate; the handle of its table, or −1; 1 while selected branches use it, else 0 |
 //!
 //! G is the derivative of Φ along the pose directions: δx in inertial axes, and δπ in the marker's axes with
 //! δR = R δπ~. The twist (ẋ, ω in marker axes) is the rate of these. `∂W/∂λ = −Gᵀ`.
 
+use crate::significant::short;
 use crate::system::Slot;
 use crate::table::{Outside, Table};
 
@@ -182,7 +183,7 @@ pub enum BindError {
         outside: Option<Box<Outside>>,
     },
     /// A value whose square is too large for a number, so that lengths and energies cannot be computed.
-    #[error("a number of {path} is {value:.1e} in SI units: no machine has such a number")]
+    #[error("a number of {path} is {} in SI units: no machine has such a number", short(*value, 2))]
     TooLarge {
         /// Path of the slot.
         path: String,
@@ -190,7 +191,7 @@ pub enum BindError {
         value: f64,
     },
     /// A parameter leaves its limits.
-    #[error("{path} = {value} is outside its limits: it lies between {low} and {high}")]
+    #[error("{path} = {value} is outside its limits: it must be above {low} and below {high}")]
     Limits {
         /// Path of the parameter.
         path: String,

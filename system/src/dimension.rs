@@ -1,5 +1,6 @@
 //! Dimensions, display units and quantities.
 
+use crate::significant::short;
 use serde::{Deserialize, Serialize};
 
 /// Exponents are stored as multiples of 1/60, so that square and cube roots stay exact.
@@ -205,20 +206,7 @@ impl DisplayUnit {
     /// An SI value in a message: four significant digits and the unit. A pure number has no unit.
     pub fn text(&self, si: f64) -> String {
         let value = self.from_si(si);
-        let magnitude = libm::floor(libm::log10(value.abs()));
-        let mut text = if value == 0.0 {
-            "0".to_owned()
-        } else if !value.is_finite() {
-            format!("{value}")
-        } else if (-4.0..9.0).contains(&magnitude) {
-            let digits = (3.0 - magnitude).max(0.0) as usize;
-            format!("{value:.digits$}")
-        } else {
-            format!("{value:.3e}")
-        };
-        if text.contains('.') && !text.contains('e') {
-            text = text.trim_end_matches('0').trim_end_matches('.').to_owned();
-        }
+        let mut text = short(value, 4);
         if self.symbol != "1" {
             text.push(' ');
             text.push_str(&self.symbol);

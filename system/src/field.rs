@@ -194,6 +194,7 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         argument("opening_low", LENGTH, Takes::Settings, true),
         argument("opening_high", LENGTH, Takes::Settings, true),
         argument("opening_content", ONE, Takes::Settings, true),
+        argument("opening_on_pin", ONE, Takes::Settings, true),
         argument("lemon", LENGTH, Takes::Setting, true),
         argument("lemon_at", ANGLE, Takes::Setting, true),
         argument("offset", LENGTH, Takes::Setting, true),
@@ -365,7 +366,7 @@ pub struct FieldGrid {
     pub around: Vec<f64>,
     /// Lines across (m), from mid width along the shell's z.
     pub across: Vec<f64>,
-    /// Edges of each opening: around (rad), across (m).
+    /// Edges of each opening that rests on the grid: around (rad), across (m).
     pub openings: Vec<[[f64; 2]; 2]>,
 }
 
@@ -398,6 +399,8 @@ pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// Count of shapes of an elastic surface that a body moves. Their amplitudes, then their rates, are drives behind those
     /// of the kernel's row, and their forces are answers behind the others.
     fn shapes(&self) -> usize;
+    /// Whether the pin may leave the circle of its clearance, because a surface yields or asperities carry.
+    fn yields(&self) -> bool;
     /// Its cells.
     fn grid(&self) -> FieldGrid;
     /// The same field on twice as many cells in both directions.

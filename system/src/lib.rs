@@ -38,10 +38,10 @@ pub mod recorded;
 pub mod reduced;
 pub mod report;
 pub mod secants;
+pub mod significant;
 pub mod stack;
 pub mod surface;
 pub mod system;
 pub mod table;
-pub mod turn;
 
 pub use dimension::{Dimension, DisplayUnit};

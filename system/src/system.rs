@@ -201,7 +201,7 @@ impl Condition {
     }
 }
 
-/// A function of the motion that changes its sign where a load or a rate of a class is not smooth.
+/// A function of the motion that changes its sign where a load, a rate or a constraint of a class is not smooth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kink {
     /// The expression with the kink as written: `max(depth, 0 mm)`; empty if no text states it.
@@ -210,6 +210,10 @@ pub struct Kink {
     pub dimension: Option<Dimension>,
     /// The argument of a table, whose ends are the kinks; `None` for a function that is zero at the kink.
     pub table: Option<u8>,
+    /// Whether constraints depend on it.
+    pub constrains: bool,
+    /// Whether it jumps by a whole period where a `wrapped` angle begins anew.
+    pub wraps: bool,
     /// Place of the expression.
     pub defined_at: Option<Location>,
 }
@@ -447,7 +451,7 @@ pub struct System {
     /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,
     /// Quantities that lints follow through a turn without forces, in the order of their inputs of the bind graph.
-    pub followed: Vec<crate::turn::Followed>,
+    pub followed: Vec<crate::lint::Followed>,
     /// Lints that the text accepts.
     pub accepted: Vec<crate::lint::Accepted>,
 }

@@ -38,7 +38,7 @@ impl<'p> Checker<'p> {
                 item.span,
                 "this",
                 "at an analysis",
-                "everything an analysis takes is an argument",
+                "an analysis has only arguments",
             );
         }
         let ExprKind::Call { callee, arguments } = &value.kind else {
@@ -226,7 +226,7 @@ impl<'p> Checker<'p> {
                 let text = self.sources.text(value.span).to_owned();
                 self.report(
                     Diagnostic::error(codes::ANALYSIS, "a model needs its parentheses")
-                        .at(value.span, "the model itself, not one made of it")
+                        .at(value.span, "the name alone")
                         .with_help(format!("write `{text}()`"))
                         .with_fix("add the parentheses", value.span, format!("{text}()")),
                 );

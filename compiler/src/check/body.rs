@@ -200,7 +200,7 @@ impl<'p> Checker<'p> {
         let (what, help) = match &item.kind {
             ItemKind::Binding(_) => (
                 "a named value",
-                "put it into the model around, where the body sees it",
+                "put it into the model; the body can read it there",
             ),
             ItemKind::Declaration(_) => {
                 ("this part", "it belongs in the model; a body has markers")
@@ -327,7 +327,7 @@ impl<'p> Checker<'p> {
                 block.span,
                 "a block",
                 "at a marker",
-                "its place and axes are all a marker has",
+                "a marker has a place and axes, and nothing else",
             );
         }
         match &value.kind {
@@ -429,7 +429,7 @@ impl<'p> Checker<'p> {
                     codes::MISSING_ARGUMENT,
                     format!("a turn needs `{missing}:`, too"),
                 )
-                .at(call.span, "half a turn")
+                .at(call.span, "one of two arguments")
                 .with_help("for instance `at(origin, about: z, by: 30 deg)`"),
             );
         }
@@ -457,8 +457,8 @@ impl<'p> Checker<'p> {
                 let is_axis = matches!(&value.kind, ExprKind::Name(axis) if matches!(axis.as_str(), "x" | "y" | "z"));
                 if !is_axis {
                     self.report(
-                        Diagnostic::error(codes::MARKER, "a turn is about an axis of the marker")
-                            .at(value.span, "`x`, `y` or `z`"),
+                        Diagnostic::error(codes::MARKER, "`about` names an axis of the marker")
+                            .at(value.span, "expected `x`, `y` or `z`"),
                     );
                 }
             }

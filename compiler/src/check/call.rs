@@ -564,7 +564,7 @@ impl<'p> Checker<'p> {
                 expr.span,
                 match is_interface {
                     true => "an interface, and no class",
-                    false => "does not say that it fits the interface",
+                    false => "does not state this interface",
                 },
             );
             if let Some((span, text)) = &due.declared {
@@ -612,7 +612,7 @@ impl<'p> Checker<'p> {
             )
             .at(
                 expr.span,
-                format!("whoever uses it as a `{interface_name}` gives `{name}`"),
+                format!("a use as `{interface_name}` states `{name}`"),
             )
             .also(place, "given here");
             self.report(message.with_help(format!(
@@ -631,7 +631,7 @@ impl<'p> Checker<'p> {
                     extra.name
                 ),
             )
-            .at(expr.span, format!("nobody would give it `{}`", extra.name));
+            .at(expr.span, format!("nothing states `{}`", extra.name));
             if let Some(span) = extra.span {
                 message = message.also(span, "has no default");
             }

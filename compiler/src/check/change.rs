@@ -35,6 +35,7 @@ impl<'p> Checker<'p> {
                 "its numbers are its arguments; `with` changes numbers inside of a part",
             );
         }
+        self.stated_once(&changes.items);
         let inside = Scope {
             at_use: Some(class),
             ..scope.clone()

@@ -72,7 +72,10 @@ impl<'p> Checker<'p> {
             );
             self.report(
                 message
-                    .at(name.span, "where the choice is due, this name is the word")
+                    .at(
+                        name.span,
+                        "where the choice is expected, this name means the word",
+                    )
                     .also(word.span, "the word")
                     .with_help("give the value another name"),
             );
@@ -249,9 +252,12 @@ impl<'p> Checker<'p> {
             if !fits {
                 self.report(
                     Diagnostic::error(codes::CASES, "this `if` has no `else`")
-                        .at(condition.span, "not a comparison of the chain's value with a word of its choice")
+                        .at(condition.span, match conditions.len() {
+                            1 => "if this does not hold, there is no value",
+                            _ => "this compares no word of the choice that the others compare",
+                        })
                         .with_help(
-                            "`if` is a value, so it needs both sides; only a chain that compares one value with every word of its choice ends without `else`",
+                            "write `if … then … else …`; only a chain that compares one value with every word of its choice needs no `else`",
                         ),
                 );
                 return false;

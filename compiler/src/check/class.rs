@@ -112,7 +112,7 @@ fn placing_of_statement(holder: Holder, statement: &Statement) -> Placing {
         Statement::Resolve(_) => (
             holder.class,
             "a `resolve`",
-            "it belongs in a class: it says which length matters at the markers of the class",
+            "it belongs in a class: it states the length that matters at the markers of the class",
         ),
         Statement::Change { .. } => (
             false,
@@ -265,6 +265,7 @@ impl<'p> Checker<'p> {
                 _ => {}
             }
         }
+        self.stated_once(&block.items);
         self.states_and_rates(id, declaration);
         self.conformity(id, declaration);
         self.summaries(id, declaration);
@@ -475,7 +476,7 @@ impl<'p> Checker<'p> {
                 codes::MISSING_ARGUMENT,
                 format!("`{shown}` needs its arguments"),
             )
-            .at(value.span, "the class itself, not one made of it")
+            .at(value.span, "the name alone")
             .with_help(format!(
                 "write `{word} {} = {shown}(…)`",
                 declaration.name.text
@@ -545,7 +546,7 @@ impl<'p> Checker<'p> {
                             item.span,
                             "a branch",
                             &format!("at {}", with_article(kind_word(declaration.kind))),
-                            "only joints and drives constrain, and can assemble in two ways",
+                            "only joints and drives restrict motions, so only they have branches",
                         );
                         continue;
                     }

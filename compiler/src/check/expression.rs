@@ -421,7 +421,8 @@ impl<'p> Checker<'p> {
                 self.structural(&inner, &binder.range);
             }
             self.hides_word(&binder.name, &element);
-            inner.locals.push((binder.name.text.clone(), element));
+            self.not_local(&inner, &binder.name);
+            inner.locals.push((binder.name.clone(), element));
         }
         inner
     }
@@ -628,7 +629,7 @@ impl<'p> Checker<'p> {
             (UnaryOp::Negate, Type::Int) => Type::Int,
             (UnaryOp::Negate, Type::Scalar(quantity)) => {
                 if self.is_affine_point(quantity) {
-                    return self.multiple_of_point(quantity, operand.span, "turned in sign");
+                    return self.multiple_of_point(quantity, operand.span, "negated");
                 }
                 Type::Scalar(Quantity {
                     kind: quantity.kind.of_size(),

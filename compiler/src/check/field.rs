@@ -63,7 +63,7 @@ impl<'p> Checker<'p> {
         let Some(body) = body else {
             self.no_member(
                 format!(
-                    "a body that is a parameter has no marker `{}` that is known",
+                    "the marker `{}` of a body that is a parameter is not known",
                     name.text
                 ),
                 name,
@@ -100,8 +100,10 @@ impl<'p> Checker<'p> {
             return Type::Error;
         }
         let markers = self.markers_of(body);
-        let title = format!("the body `{}` has no marker `{}`", body.name, name.text);
-        self.no_member(title, name, markers.iter().map(String::as_str));
+        let title = format!("the body `{}` has no `{}`", body.name, name.text);
+        let markers = markers.iter().map(String::as_str);
+        let mass = (declared.kind == Kind::Body).then_some("mass");
+        self.no_member(title, name, markers.chain(mass));
         Type::Error
     }
 

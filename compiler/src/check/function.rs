@@ -8,7 +8,7 @@ use crate::codes;
 use crate::resolve::suggest::nearest;
 use crate::typed::lineage::{is_int, word_of_length};
 use eng_grammar::Diagnostic;
-use eng_grammar::ast::{Function, Kind};
+use eng_grammar::ast::{Function, Kind, Name};
 use std::sync::Arc;
 
 impl<'p> Checker<'p> {
@@ -73,11 +73,11 @@ impl<'p> Checker<'p> {
         for parameter in &function.parameters {
             let name = &parameter.name.text;
             if is_int(&parameter.ty) {
-                counted.locals.push((name.clone(), Type::Int));
+                counted.locals.push((parameter.name.clone(), Type::Int));
             } else if words.clone().any(|(word, _)| word == name) {
                 // no count: the length is refused with this type
                 let ty = self.ty(&scope, &parameter.ty);
-                counted.locals.push((name.clone(), ty));
+                counted.locals.push((parameter.name.clone(), ty));
             }
         }
         self.counted_lengths(function, &mut counted, &mut scope);
@@ -94,7 +94,7 @@ impl<'p> Checker<'p> {
                 optional: parameter.default.is_some(),
                 span: parameter.name.span,
             });
-            scope.locals.push((parameter.name.text.clone(), ty));
+            scope.locals.push((parameter.name.clone(), ty));
         }
         let result = self.result_of(function, &mut scope);
         self.function_needs(&scope, function);
@@ -162,14 +162,18 @@ impl<'p> Checker<'p> {
                 || names.any(|name| name == word)
                 || nearest(word, counts).is_some();
             // the second array of the same length finds the name of the first
-            let counted_before = counted.locals.iter().any(|(name, _)| name == word)
+            let counted_before = counted.local(word).is_some()
                 && !function.parameters.iter().any(|p| p.name.text == *word);
             if !known || counted_before {
                 self.findings.lengths.insert(span);
             }
             if !known {
-                counted.locals.push((word.clone(), Type::Int));
-                scope.locals.push((word.clone(), Type::Int));
+                let name = Name {
+                    text: word.clone(),
+                    span,
+                };
+                counted.locals.push((name.clone(), Type::Int));
+                scope.locals.push((name, Type::Int));
             }
         }
     }
@@ -194,7 +198,7 @@ impl<'p> Checker<'p> {
         } else if !function.generics.is_empty() {
             (
                 "needs a value",
-                "a function that an interface asks for has no dimension variables".to_owned(),
+                "a function that an interface requires has no dimension variables".to_owned(),
             )
         } else {
             return;
@@ -213,25 +217,9 @@ impl<'p> Checker<'p> {
     /// Checks the `let`s of a function and adds them to its locals.
     fn lets(&mut self, function: &'p Function, scope: &mut Scope<'p>) {
         for binding in &function.lets {
-            if scope
-                .locals
-                .iter()
-                .any(|(name, _)| *name == binding.name.text)
-            {
-                let first = function
-                    .parameters
-                    .iter()
-                    .map(|p| p.name.span)
-                    .chain(function.lets.iter().map(|l| l.name.span))
-                    .find(|span| self.sources.text(*span) == binding.name.text);
-                self.defined_twice(
-                    &binding.name.text,
-                    binding.name.span,
-                    first.unwrap_or(binding.name.span),
-                );
-            }
+            self.not_local(scope, &binding.name);
             let ty = self.binding(scope, binding);
-            scope.locals.push((binding.name.text.clone(), ty));
+            scope.locals.push((binding.name.clone(), ty));
         }
     }
 }

@@ -58,7 +58,7 @@ impl<'p> Checker<'p> {
         if let Some(other) = found {
             let message =
                 Diagnostic::error(codes::INTERFACE, format!("`{}` is no interface", name.text))
-                    .at(name.span, "this is an interface");
+                    .at(name.span, "an interface is expected here");
             let message = match self.declaration(other) {
                 Some(other) => message.also(other.name.span, "defined here"),
                 None => message,
@@ -80,7 +80,9 @@ impl<'p> Checker<'p> {
             format!("there is no interface `{}`", name.text),
         )
         .at(name.span, "not known");
-        interfaces.extend(self.program.offered.keys().map(String::as_str));
+        let offered = self.program.offered.iter();
+        let offered = offered.filter(|(_, offered)| offered.word == "interface");
+        interfaces.extend(offered.map(|(name, _)| name.as_str()));
         if let Some(offered) = self.program.offered.get(&name.text) {
             message = self.offer_use(message, id.module, &offered.module, &name.text);
         } else if let Some(near) = nearest(&name.text, interfaces) {
@@ -129,9 +131,9 @@ impl<'p> Checker<'p> {
                 Some(item) => message
                     .at(name.span, "it has more than functions")
                     .also(item_place(item), "for instance this")
-                    .with_help("a record fills an interface that has nothing but functions; one with parameters, loads or outputs is filled by a class"),
+                    .with_help("a record can fill only an interface of functions; an interface with parameters, loads or outputs needs a class"),
                 None => message
-                    .at(name.span, "it has nothing but functions")
+                    .at(name.span, "it has only functions")
                     .with_help("a record fills such an interface: `record Name : Interface { … }`"),
             }
         } else {
@@ -290,7 +292,7 @@ impl<'p> Checker<'p> {
                 Diagnostic::error(
                     codes::INTERFACE,
                     format!(
-                        "the function `{}` of `{class}` is not as `{interface}` asks for it",
+                        "the function `{}` of `{class}` differs from that of `{interface}`",
                         name.text
                     ),
                 )
@@ -396,7 +398,7 @@ impl<'p> Checker<'p> {
                 .at(own_span, format!("this is {own_text}"))
                 .also(
                     promise.name.span,
-                    format!("`{interface}` promises {wanted_text}"),
+                    format!("`{interface}` states {wanted_text}"),
                 ),
             );
             return;
@@ -442,7 +444,7 @@ impl<'p> Checker<'p> {
             .at(own_span, format!("needs `in {due}`"))
             .also(
                 promise.name.span,
-                format!("`{interface}` promises `in {due}`"),
+                format!("`{interface}` states `in {due}`"),
             )
             .with_help(format!(
                 "write `output {name} = … in {due}`: figures and tables read it so"
@@ -475,7 +477,7 @@ impl<'p> Checker<'p> {
         let message = if lacking.is_empty() {
             Diagnostic::error(
                 codes::NO_FILM,
-                format!("the journal `{text}` does not say that it fills `{name}`"),
+                format!("the journal `{text}` does not state that it fills `{name}`"),
             )
             .at(*span, format!("`: {name}` is missing"))
         } else {

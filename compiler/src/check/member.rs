@@ -1,7 +1,7 @@
 //! The named members of a definition and of its interfaces.
 
 use super::Checker;
-use super::scope::BUILT_IN_NAMES;
+use super::scope::{BUILT_IN_NAMES, Scope};
 use crate::codes;
 use crate::program::DefinitionId;
 use crate::resolve::suggest::nearest;
@@ -202,7 +202,7 @@ impl<'p> Checker<'p> {
             message
                 .also(first, "used here as something else")
                 .with_help(format!(
-                    "give the item that `{interface}` asks for: {}",
+                    "state the item that `{interface}` requires: {}",
                     kind_of(elder.member)
                 ))
         } else {
@@ -254,6 +254,13 @@ impl<'p> Checker<'p> {
                 .also(first, "first here")
                 .with_help("every name has one meaning in a definition: rename one of them"),
         );
+    }
+
+    /// Refuses a name that an index, a parameter or a `let` around it has already.
+    pub(super) fn not_local(&mut self, scope: &Scope<'p>, name: &Name) {
+        if let Some((first, _)) = scope.local(&name.text) {
+            self.defined_twice(&name.text, name.span, first.span);
+        }
     }
 
     pub(super) fn member(&mut self, id: DefinitionId, name: &str) -> Option<Member<'p>> {

@@ -28,6 +28,7 @@ mod lint;
 mod member;
 mod mismatch;
 mod names;
+mod once;
 mod operator;
 mod partial;
 mod report;

@@ -339,7 +339,7 @@ impl<'p> Checker<'p> {
                     self.report(
                         Diagnostic::error(
                             codes::LIST_LENGTH,
-                            format!("a list of {m} and a list of {n} have no sum"),
+                            format!("a list of {m} and a list of {n} cannot be added"),
                         )
                         .at(sides.op_span, "element by element")
                         .also(sides.left.span, format!("{m} elements"))

@@ -47,7 +47,7 @@ impl<'p> Checker<'p> {
             let message = Diagnostic::error(
                 codes::MISSING_ARGUMENT,
                 format!(
-                    "`{}` gets some of its arguments, and not by name",
+                    "some arguments of `{}` are given without their names",
                     signature.name
                 ),
             )

@@ -25,7 +25,7 @@ pub(super) struct Scope<'p> {
     /// The class in whose use the surrounding block is.
     pub(super) at_use: Option<DefinitionId>,
     /// Binders and function parameters, innermost last.
-    pub(super) locals: Vec<(String, Type)>,
+    pub(super) locals: Vec<(Name, Type)>,
     /// Dimension variables.
     pub(super) generics: Vec<(String, u32)>,
     /// Whether the place is inside an output.
@@ -59,10 +59,18 @@ impl<'p> Scope<'p> {
             ..Scope::top(definition.module)
         }
     }
+
+    /// A binder or function parameter.
+    pub(super) fn local(&self, name: &str) -> Option<&(Name, Type)> {
+        self.locals.iter().rev().find(|(n, _)| n.text == name)
+    }
 }
 
 /// Names of the language itself.
 pub(super) const BUILT_IN_NAMES: [&str; 4] = ["pi", "time", "ground", "cycle"];
+
+/// Truth values. `True` of other languages is one of them.
+const BOOLEANS: [&str; 2] = ["true", "false"];
 
 impl<'p> Checker<'p> {
     pub(super) fn declaration(&self, id: DefinitionId) -> Option<&'p Declaration> {
@@ -71,7 +79,7 @@ impl<'p> Checker<'p> {
 
     /// The meaning of a name, without the names of the language.
     pub(super) fn find(&mut self, scope: &Scope<'p>, name: &str) -> Option<Found<'p>> {
-        if let Some((_, ty)) = scope.locals.iter().rev().find(|(n, _)| n == name) {
+        if let Some((_, ty)) = scope.local(name) {
             self.read_locals.insert(name.to_owned());
             return Some(Found::Local(ty.clone()));
         }
@@ -97,8 +105,10 @@ impl<'p> Checker<'p> {
     /// The type of a name.
     pub(super) fn name(&mut self, scope: &Scope<'p>, name: &str, span: Span) -> Type {
         // In a body's block `mass` is a name, so that the inertia can use it.
-        let local = scope.locals.iter().any(|(n, _)| n == name);
+        let local = scope.local(name).is_some();
         if name == "mass" && !local && scope.body.is_some_and(has_mass) {
+            // `mass = mass` reads a parameter of this name
+            self.find(scope, name);
             return Type::Scalar(Quantity::hard(Dimension::MASS));
         }
         if let Some(word) = self.due_word(name, span) {
@@ -123,7 +133,7 @@ impl<'p> Checker<'p> {
                             codes::MISPLACED,
                             "there is no time at the top of a file",
                         )
-                        .at(span, "only classes and models live in time"),
+                        .at(span, "only classes and models may read it"),
                     );
                     return Type::Error;
                 }
@@ -161,7 +171,7 @@ impl<'p> Checker<'p> {
                 Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"));
             return self.report(message.at(span, "not known"));
         }
-        let mut known: Vec<String> = scope.locals.iter().map(|(n, _)| n.clone()).collect();
+        let mut known: Vec<String> = scope.locals.iter().map(|(n, _)| n.text.clone()).collect();
         for definition in [scope.at_use, scope.definition].into_iter().flatten() {
             let table = self.class_table(definition);
             known.extend(table.members.keys().map(|n| (*n).to_owned()));
@@ -182,23 +192,37 @@ impl<'p> Checker<'p> {
         }
         known.extend(BUILT_IN_NAMES.iter().map(|n| (*n).to_owned()));
         known.extend(crate::functions::names().map(str::to_owned));
+        let is_unit = self.program.units.contains_key(name)
+            && crate::functions::find(name).is_none()
+            && self.choice_with(scope.module, name).is_none()
+            && self.module_of(name).is_none();
+        if is_unit {
+            return self.report(
+                Diagnostic::error(
+                    codes::UNKNOWN_NAME,
+                    format!("`{name}` is a unit, and here a value is expected"),
+                )
+                .at(span, "no value has this name")
+                .with_help(format!(
+                    "a unit follows a number, a list or a parenthesis: `1 {name}`; `… as {name}` shows a value in it"
+                )),
+            );
+        }
         let mut message =
             Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
                 .at(span, "not known");
         if let Some(choice) = self.choice_with(scope.module, name) {
             message = message.with_help(format!(
-                "`{name}` is a word of the choice `{choice}`, which is not due here: write `{choice}.{name}`"
+                "`{name}` is a word of the choice `{choice}`, which is not expected here: write `{choice}.{name}`"
             ));
         } else if let Some(path) = self.module_of(name) {
             message = self.offer_use(message, scope.module, &path, name);
         } else if crate::functions::find(name).is_some() {
             message = message.with_help(format!(
-                "`{name}` is a function of the language, which is called: `{name}(…)`; a function that is passed on is one of the text: `fn own(…) = {name}(…)`"
+                "call this function of the language, `{name}(…)`; to pass it on, define one of your own: `fn own(…) = {name}(…)`"
             ));
-        } else if self.program.units.contains_key(name) {
-            message = message.with_help(format!(
-                "`{name}` is a unit: it follows a number, as in `1 {name}`, a list or a parenthesis"
-            ));
+        } else if let Some(word) = BOOLEANS.iter().find(|word| word.eq_ignore_ascii_case(name)) {
+            message = message.meant(span, (*word).to_owned());
         } else if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
             message = message.meant(span, near);
         } else if let Some((near, path)) =
@@ -287,7 +311,7 @@ impl<'p> Checker<'p> {
                         codes::WRONG_TYPE,
                         format!("`{name}` is a choice, not a value"),
                     )
-                    .at(span, "a value is due here")
+                    .at(span, "a value is expected here")
                     .also(choice.name.span, "defined here")
                     .with_help(format!("state one of its words: `{name}.{word}`")),
                 );
@@ -389,7 +413,7 @@ impl<'p> Checker<'p> {
             Some(Progress::Open) => {
                 self.report(
                     Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
-                        .at(span, "this leads back to where it came from")
+                        .at(span, "this value depends on itself")
                         .with_help("the order of items does not matter, but no value may follow from itself"),
                 );
                 self.values.insert(key, Progress::Done(Type::Error));

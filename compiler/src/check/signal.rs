@@ -86,8 +86,8 @@ impl Checker<'_> {
                 codes::REPORT_SHAPE,
                 format!("`{name}` takes samples of a run, and `{analysis}` gives modes"),
             )
-            .at(expr.span, "a row a mode, not a sample")
-            .with_note("of modes there are `mode`, `minimum`, `maximum`, operators and, in a `campbell`, `modes:`")
+            .at(expr.span, "a row for each mode, not for each sample")
+            .with_note("for modes there are `mode`, `minimum`, `maximum`, operators and, in a `campbell`, `modes:`")
             .with_help(format!("for instance `mode({text}, 1)`, or of that near a frequency `mode({text}, 100 Hz)`")),
         );
         None
@@ -106,7 +106,7 @@ impl Checker<'_> {
                     ),
                     _ => (
                         "modes are combined with samples".to_owned(),
-                        "one side has a row a mode, the other a row a sample",
+                        "one side has a row for each mode, the other for each sample",
                     ),
                 }
             }

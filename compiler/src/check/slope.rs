@@ -3,9 +3,11 @@
 use super::Checker;
 use super::scope::Scope;
 use super::types::{Kind, Quantity, Signature, Type};
+use crate::codes;
 use crate::functions::BuiltIn;
-use eng_grammar::Span;
+use crate::resolve::suggest::listing;
 use eng_grammar::ast::{Argument, Expr};
+use eng_grammar::{Diagnostic, Span};
 use std::sync::Arc;
 
 impl<'p> Checker<'p> {
@@ -81,6 +83,25 @@ impl<'p> Checker<'p> {
         match self.infer_function(scope, first) {
             Type::Function(signature) if takes_one(&signature) => Some(signature),
             Type::Error => None,
+            Type::Function(signature) if signature.parameters.len() > 1 => {
+                let shown = self.sources.text(first.span).to_owned();
+                let names = signature.parameters.iter().map(|p| p.name.as_str());
+                let others: Vec<String> =
+                    names.clone().skip(1).map(|n| format!("{n}: …")).collect();
+                self.report(
+                    Diagnostic::error(
+                        codes::WRONG_TYPE,
+                        format!("`{}` takes a function of one argument", function.name),
+                    )
+                    .at(first.span, format!("it takes {}", listing(names, 12)))
+                    .with_help(format!(
+                        "state the others by their names: `{}({shown}({}), …)`",
+                        function.name,
+                        others.join(", ")
+                    )),
+                );
+                None
+            }
             other => {
                 let what = format!("the first argument of `{}`", function.name);
                 let wanted = "a table or function of one argument, by its name";

@@ -43,7 +43,7 @@ impl<'p> Checker<'p> {
             }
             Statement::Accept(names) => self.accept(names),
             Statement::Resolve(length) => {
-                let due = Due::new("the length that positions resolve");
+                let due = Due::new("the length after `resolve`");
                 let length_type = Type::Scalar(Quantity::hard(Dimension::LENGTH));
                 self.expect(scope, length, &length_type, &due);
             }
@@ -53,6 +53,7 @@ impl<'p> Checker<'p> {
                 let due = Due::new("the value after `place`");
                 self.expect(scope, moving, &Type::Marker, &due);
                 self.expect(scope, on, &Type::Marker, &Due::new("the value after `on`"));
+                self.placed_on_itself(moving, on);
                 if let Some(height) = height {
                     let length = Type::Scalar(Quantity::hard(Dimension::LENGTH));
                     self.expect(scope, height, &length, &Due::new("the height after `at`"));
@@ -87,6 +88,18 @@ impl<'p> Checker<'p> {
                     .declared(state.span, "a rate is the state's dimension in a time");
                 self.expect(scope, value, &rate, &due);
             }
+        }
+    }
+
+    fn placed_on_itself(&mut self, moving: &Expr, on: &Expr) {
+        if let (ExprKind::Name(a), ExprKind::Name(b)) = (&moving.kind, &on.kind)
+            && a == b
+        {
+            self.report(
+                Diagnostic::error(codes::MISPLACED, format!("`place` puts `{a}` on itself"))
+                    .at(moving.span.to(on.span), "one marker")
+                    .with_help("name the two markers that should meet: `place pin on shell`"),
+            );
         }
     }
 

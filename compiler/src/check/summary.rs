@@ -77,7 +77,7 @@ impl<'p> Checker<'p> {
         );
         let message = Diagnostic::error(
             codes::SUMMARY,
-            format!("the output `{name}` of the {of} is of no interface"),
+            format!("no interface of the {of} has the output `{name}`"),
         )
         .at(
             word.span,

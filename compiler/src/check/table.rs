@@ -190,10 +190,10 @@ impl<'p> Checker<'p> {
                     self.report(
                         Diagnostic::error(
                             codes::LIST_LENGTH,
-                            format!("`{}` has {m} arguments and {n} values", name.text),
+                            format!("the table `{}` has {m} points and {n} values", name.text),
                         )
                         .at(ys.span, format!("{n} values"))
-                        .also(xs.span, format!("{m} arguments")),
+                        .also(xs.span, format!("{m} points")),
                     );
                 }
             }

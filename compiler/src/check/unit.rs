@@ -45,7 +45,7 @@ impl<'p> Checker<'p> {
                     .map(|u| u.symbol.clone());
                 let mut message = Diagnostic::error(
                     codes::AFFINE_UNIT,
-                    format!("`{name}` has a shifted zero and makes no unit with others"),
+                    format!("`{name}` has a shifted zero and cannot be combined with other units"),
                 )
                 .at(factor.name.span, "counts from a zero of its own");
                 if let Some(plain) = plain {
@@ -85,6 +85,10 @@ impl<'p> Checker<'p> {
         {
             return false;
         }
+        if self.program.units.contains_key(name) {
+            self.unit_behind_value(operator, left, right, name);
+            return true;
+        }
         let factor = |span: Span| UnitFactor {
             name: Name {
                 text: name.clone(),
@@ -100,6 +104,41 @@ impl<'p> Checker<'p> {
         };
         self.unknown_unit(scope, 1, &whole);
         true
+    }
+
+    /// Reports a unit behind a value, where the text is a value, too: `3 N*depth/mm`.
+    fn unit_behind_value(
+        &mut self,
+        (_, sign): (BinaryOp, Span),
+        left: &Expr,
+        right: &Expr,
+        name: &str,
+    ) {
+        let message = Diagnostic::error(
+            codes::UNKNOWN_NAME,
+            format!("`{name}` is a unit, and here a value is expected"),
+        )
+        .at(right.span, "read as a value of this name");
+        let number = number_of(left);
+        let text = |span: Span| self.sources.text(span);
+        let between = Span::new(
+            left.span.source,
+            number.end as usize,
+            left.span.end as usize,
+        );
+        let (first, values) = (text(number), text(between));
+        let unit = format!("{first}{}{}", text(sign), text(right.span));
+        let value = values.trim_start_matches(['*', '/']);
+        let message = message
+            .with_note(format!(
+                "the unit of `{first}` ends before `{value}`, which is a value and no unit"
+            ))
+            .with_fix(
+                "write the whole unit before the values",
+                left.span.to(right.span),
+                format!("{unit}{values}"),
+            );
+        self.report(message);
     }
 
     fn unknown_unit(&mut self, scope: &Scope<'p>, place: usize, whole: &UnitExpr) {
@@ -253,6 +292,14 @@ impl<'p> Checker<'p> {
             };
             self.report(message);
         }
+    }
+}
+
+/// The number with a unit at the begin of a product.
+fn number_of(product: &Expr) -> Span {
+    match &product.kind {
+        ExprKind::Binary { left, .. } => number_of(left),
+        _ => product.span,
     }
 }
 

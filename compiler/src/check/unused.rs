@@ -27,7 +27,7 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                     };
                     for inner in declaration.block().into_iter().flat_map(|b| &b.items) {
                         if let ItemKind::Binding(binding) = &inner.kind
-                            && matches!(binding.kind, BindingKind::Let | BindingKind::Field)
+                            && should_be_read(declaration.kind, binding.kind)
                             && !checker.used.contains(&(id, binding.name.text.clone()))
                         {
                             checker.report(
@@ -36,7 +36,12 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                                     format!("`{}` is not used", binding.name.text),
                                 )
                                 .at(binding.name.span, "named, but never read")
-                                .with_help("remove it, or show it by an `output`"),
+                                .with_help(match binding.kind {
+                                    BindingKind::Let | BindingKind::Field => {
+                                        "remove it, or show it by an `output`"
+                                    }
+                                    _ => "its value has no effect: remove it, or use its name",
+                                }),
                             );
                         }
                     }
@@ -44,6 +49,17 @@ pub(super) fn warn(checker: &mut Checker<'_>) {
                 _ => {}
             }
         }
+    }
+}
+
+/// Whether a value has no effect if nothing in the text reads it. A class may repeat a parameter of its interface.
+fn should_be_read(holder: Kind, binding: BindingKind) -> bool {
+    match binding {
+        BindingKind::Let | BindingKind::Field => true,
+        BindingKind::Const | BindingKind::Param | BindingKind::Input => {
+            matches!(holder, Kind::Model | Kind::Component)
+        }
+        BindingKind::State | BindingKind::Output => false,
     }
 }
 

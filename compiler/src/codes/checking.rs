@@ -111,7 +111,7 @@ eng_grammar::codes! {
         "let sign = if sense == clockwise then -1",
         "let sign = if sense == clockwise then -1 else if sense == counterclockwise then 1";
     CHOICE = "E0329", "a choice or a value of one is defined wrongly",
-        "A choice has two words or more, and each once. A value of a choice must not have the name of one of its words: where the choice is due, this name is the word.",
+        "A choice has two words or more, and each once. A value of a choice must not have the name of one of its words: where the choice is expected, this name means the word.",
         "choice End = timing_end | timing_end",
         "choice End = timing_end | driving_end";
     FLEXIBLE = "E0390", "a flexible body is described by something that is not known",

@@ -35,7 +35,7 @@ eng_grammar::codes! {
         "A direction of length zero has no meaning. Only the direction of `x:` and `z:` counts, and not their length. If both are stated, x is made perpendicular to z, so they must not be parallel.",
         "marker main = at(origin, z: [0, 0, 0])",
         "marker main = at(origin, z: [0, 0, 1])";
-    GROUND_ALONE = "E0509", "`ground` has no partner marker",
+    GROUND_ALONE = "E0509", "`ground` needs another marker beside it",
         "As an argument, `ground` is a marker at the place of the element's other marker at the start. Without another marker it has no place: name a marker of the model.",
         "joint pin = Revolute(ground, ground)",
         "marker rail = [0, 0, 0] mm\njoint pin = Revolute(crank.main, rail)";
@@ -81,7 +81,7 @@ eng_grammar::codes! {
         "The unit in the brackets of a column's name is a unit of the table's dimension; without brackets the column is in 1.",
         "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [mm]\"])",
         "table gas(theta: CrankAngle) -> AbsolutePressure = csv(\"gas.csv\", columns: [\"theta [deg]\", \"p [bar]\"])";
-    TABLE_POINTS = "E0521", "the points of a table make no function",
+    TABLE_POINTS = "E0521", "the points of a table define no function",
         "Arguments increase, and there are at least two points. The points of a periodic table span at most a period. If they span a whole period, the last value equals the first.",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 30] deg, [0, 4, 5] mm)",
         "table lift(theta: CrankAngle) -> Length = points([0, 30, 60] deg, [0, 4, 5] mm)";
@@ -152,7 +152,7 @@ eng_grammar::codes! {
         "Loads, rates of states, outputs and conditions may read an input. Structure, geometry, masses, scales, starts and constraints may not: a constraint needs accelerations, and the others are fixed at the start. A torque that follows a speed, for instance a `force` of your own, replaces a drive whose speed is an input; a number that stays during a run is a `param`.",
         "model Line {\n    input weight: Mass = 1 kg\n    body bob { mass = weight }\n}",
         "model Line {\n    param weight: Mass = 1 kg\n    body bob { mass = weight }\n}";
-    OTHER_AXES = "E0540", "components along different axes are taken together",
+    OTHER_AXES = "E0540", "components along different axes are combined",
         "Components along a marker's axes are numbers: they can only be added to, multiplied with and shown in the same axes. Vectors have no axes and are added in space.",
         "output both = film[1].eccentricity + film[2].eccentricity in shell",
         "output both = vector([film[1].eccentricity.x, film[1].eccentricity.y, 0 mm], shell)\n    + vector([film[2].eccentricity.x, film[2].eccentricity.y, 0 mm], case) in shell";
@@ -168,6 +168,10 @@ eng_grammar::codes! {
         "`solve` changes the unknowns until each value of the function is zero. A value that depends on none of them never changes, and an unknown that no value depends on can have any value. The function perhaps reads another number in place of its argument.",
         "fn distance(x: Length) -> Length = reach - 3 mm\nlet x = solve(distance, 1 mm)",
         "fn distance(x: Length) -> Length = x - 3 mm\nlet x = solve(distance, 1 mm)";
+    NO_LIMITS = "E0544", "the limits of a number leave no value",
+        "`in (low, high)` states open limits: the number must be above the first and below the second. So the first must be the smaller one.",
+        "param bore: Length = 86 mm in (500 mm, 10 mm)",
+        "param bore: Length = 86 mm in (10 mm, 500 mm)";
     INTERNAL = "E0599", "the compiler or the runtime contradicts itself",
         "No model should cause this: an earlier check should have reported the mistake. Please report it with the model. Until it is corrected, another form of the text at the named place may help.",
         "", "";
@@ -178,7 +182,7 @@ eng_grammar::codes! {
         "The model runs, but its class reports a probable mistake. The author of the class wrote the text.",
         "advise teeth > 11 else \"so few teeth are undercut\"",
         "const teeth = 23\nadvise teeth > 11 else \"so few teeth are undercut\"";
-    UNTIED = "W0503", "a body is tied to nothing",
+    UNTIED = "W0503", "a body is connected to nothing",
         "No joint, force or journal acts on the body: it moves by gravity and its start velocity alone. If this is intended, write `accept loose` in the body. A model without any connection to the ground gives no warning.",
         "", "";
     ADRIFT = "W0504", "bodies have no path to the ground",

@@ -385,7 +385,7 @@ impl<'a> Elaborator<'a, '_> {
     fn class_without_a_name(&mut self, class: DefinitionId, span: Span) -> Reported {
         let mut message = Diagnostic::error(
             codes::NOT_HANDED_ON,
-            "an analysis gives a model classes by their names",
+            "an analysis passes a class to a model by its name",
         )
         .at(span, "a class with arguments, without a name");
         if let Some(class) = self.program.declaration(class) {

@@ -143,7 +143,7 @@ impl<'a> Elaborator<'a, '_> {
                 Err(self.report(
                     Diagnostic::error(
                         codes::OTHER_AXES,
-                        "components along different axes are taken together",
+                        "components along different axes are combined",
                     )
                     .at(b_span, format!("along the axes of {q}"))
                     .also(a_span, format!("along the axes of {p}"))

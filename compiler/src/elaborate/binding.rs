@@ -144,7 +144,18 @@ impl<'a> Elaborator<'a, '_> {
                             let v = e.as_scalar(v, expr.span)?;
                             e.structural(v, expr.span)
                         };
-                        (bound(self, low)?, bound(self, high)?)
+                        let both = (bound(self, low)?, bound(self, high)?);
+                        if both.0 >= both.1 {
+                            return Err(self.report(
+                                Diagnostic::error(
+                                    codes::NO_LIMITS,
+                                    format!("no number is within the limits of {path}"),
+                                )
+                                .at(low.span.to(high.span), "the first is not below the second")
+                                .with_help("write the lower limit first: `in (10 mm, 500 mm)`"),
+                            ));
+                        }
+                        both
                     }
                     None => (f64::NEG_INFINITY, f64::INFINITY),
                 };
@@ -366,7 +377,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The usual unit of a dimension.
-    fn usual_unit(&self, dimension: Dimension) -> DisplayUnit {
+    pub(super) fn usual_unit(&self, dimension: Dimension) -> DisplayUnit {
         if dimension.is_one() {
             return DisplayUnit::si(dimension);
         }

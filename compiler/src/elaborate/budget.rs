@@ -54,7 +54,7 @@ impl Budget {
             let message = Diagnostic::error(
                 codes::TOO_MANY_USES,
                 format!(
-                    "functions and values of this model are put in more than {MOST_USES} times"
+                    "the compiler would insert functions and values of this model more than {MOST_USES} times"
                 ),
             );
             return Err(Some(Box::new(message.with_help("where a function calls another one twice, give its value a name with `let` and use that twice"))));

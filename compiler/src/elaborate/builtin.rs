@@ -13,6 +13,24 @@ use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::elementary::Elementary;
 
+/// The whole numbers of arguments that are counts or lists of counts; `None` if another number is among them.
+fn whole_numbers(values: &[(Value<'_>, Span)]) -> Option<Vec<i64>> {
+    let mut found = Vec::new();
+    for (value, _) in values {
+        match value {
+            Value::Int(i) => found.push(*i),
+            Value::List(items) => {
+                for item in items {
+                    let Value::Int(i) = item else { return None };
+                    found.push(*i);
+                }
+            }
+            _ => return None,
+        }
+    }
+    Some(found)
+}
+
 impl<'a> Elaborator<'a, '_> {
     /// Warns of `cos(16)`: a number of the text that is more than a turn in rad and has no unit of angle.
     fn angle_without_unit(
@@ -92,7 +110,9 @@ impl<'a> Elaborator<'a, '_> {
             }
             Kind::Numbers if name == "wrapped" => {
                 let path = self.scope(scope).path.clone();
-                self.wrapped(values, option, &path, span)
+                let near = self.wrapped(values, option, &path, span)?;
+                self.note_kink(near.stage, near.node, 0, span, span, scope)?;
+                Ok(Value::Scalar(near))
             }
             Kind::Numbers => {
                 let value = self.of_numbers(name, values, span)?;
@@ -138,7 +158,7 @@ impl<'a> Elaborator<'a, '_> {
         from: Option<Scalar>,
         path: &str,
         span: Span,
-    ) -> Eval<Value<'a>> {
+    ) -> Eval<Scalar> {
         let place = values.last().map_or(span, |(_, place)| *place);
         let [angle, period] = self.scalars::<2>(values, span)?;
         let from = from.unwrap_or_else(|| self.bench.constant(-std::f64::consts::PI));
@@ -182,10 +202,19 @@ impl<'a> Elaborator<'a, '_> {
         let near = bench.subtract(near, shift);
         let near = bench.binary(near, from, Graph::maximum);
         let after = operations(bench);
+        // a function that is zero there, with the rate of the angle
+        let half_turn = bench.constant(std::f64::consts::PI);
+        let half_turns = bench.multiply(periods, half_turn);
+        let sine = bench.unary(half_turns, |graph, x| graph.unary(Elementary::Sin, x));
+        let size = bench.divide(period, half_turn);
+        let ends = bench.multiply(size, sine);
         if let Some(element) = bench.element.as_mut() {
             element.turns.extend((before..after).map(Node));
+            if near.stage == Stage::Motion {
+                element.wraps.push((near.node, ends.node));
+            }
         }
-        Ok(Value::Scalar(near))
+        Ok(near)
     }
 
     fn of_numbers(
@@ -301,6 +330,15 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Value<'a>> {
         match name {
             "min" | "max" => {
+                if let Some(whole) = whole_numbers(&values) {
+                    let extreme = match name {
+                        "min" => whole.into_iter().min(),
+                        _ => whole.into_iter().max(),
+                    };
+                    return extreme
+                        .map(Value::Int)
+                        .ok_or_else(|| self.nothing(name, span));
+                }
                 let list = self.numbers_of(values)?;
                 let op = if name == "min" {
                     Graph::minimum
@@ -317,6 +355,14 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(Value::Scalar(best))
             }
             "sum" => {
+                if let Some(whole) = whole_numbers(&values)
+                    && !whole.is_empty()
+                {
+                    let sum = whole
+                        .into_iter()
+                        .try_fold(0_i64, |sum, i| sum.checked_add(i));
+                    return sum.map(Value::Int).ok_or_else(|| self.not_countable(span));
+                }
                 let list = self.numbers_of(values)?;
                 let mut rest = list.into_iter();
                 let Some(mut sum) = rest.next() else {

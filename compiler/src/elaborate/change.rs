@@ -138,7 +138,7 @@ impl<'a> Elaborator<'a, '_> {
                 Diagnostic::error(
                     codes::LENGTHS,
                     format!(
-                        "a list of {} takes the place of one of {}",
+                        "a list of {} cannot replace one of {}",
                         new.len(),
                         own.len()
                     ),

@@ -48,9 +48,11 @@ fn kinks_of(functions: &ClassFunctions, meta: &ClassMeta) -> Vec<Kink> {
         .map(|place| meta.kinks.get(place).cloned().unwrap_or_default());
     of_motion
         .chain(meta.bound_kinks.iter().cloned())
-        .zip(&functions.kinks_of_tables)
-        .map(|(kink, table)| Kink {
-            table: table.then_some(0),
+        .zip(&functions.kinds_of_kinks)
+        .map(|(kink, kind)| Kink {
+            table: kind.table.then_some(0),
+            constrains: kind.constrains,
+            wraps: kind.wraps,
             ..kink
         })
         .collect()

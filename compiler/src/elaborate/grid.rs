@@ -216,7 +216,7 @@ fn grid_text(error: &GridError, points: &Points) -> String {
             before,
             after,
         } => format!(
-            "the points of `{argument}` do not rise: {} is followed by {}",
+            "the points of `{argument}` do not increase: {} is followed by {}",
             shown(index, before),
             shown(index, after)
         ),
@@ -236,7 +236,7 @@ fn grid_text(error: &GridError, points: &Points) -> String {
             first,
             last,
         } => format!(
-            "the period of `{argument}` closes at {}, but the values differ: {} and {}",
+            "the period of `{argument}` ends at {}, but the values differ: {} and {}",
             points.place(*row),
             unit.text(*first),
             unit.text(*last)

@@ -288,7 +288,9 @@ impl<'a> Elaborator<'a, '_> {
         let name = input.map_or("an input", |input| input.path.as_str());
         let title = format!(
             "the input `{name}` decides {} of `{}`, which cannot change during a run",
-            fixed.decides, fixed.path
+            fixed.decides,
+            // the path of a start value has the same words
+            fixed.path.trim_start_matches("start of ")
         );
         let mut message = Diagnostic::error(codes::INPUT_DECIDES, title);
         if let Some(at) = fixed.at {

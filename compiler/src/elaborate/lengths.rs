@@ -277,12 +277,12 @@ impl<'a> Elaborator<'a, '_> {
             Diagnostic::error(
                 codes::INTERFACE,
                 format!(
-                    "the output `{}` has other indices than its interface promises",
+                    "the output `{}` has other indices than its interface states",
                     name.text
                 ),
             )
             .at(name.span, format!("this has {given}"))
-            .also(promise.name.span, format!("promised with {wanted}")),
+            .also(promise.name.span, format!("stated with {wanted}")),
         ))
     }
 }

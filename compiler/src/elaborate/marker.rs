@@ -228,9 +228,7 @@ impl<'a> Elaborator<'a, '_> {
                     "a marker is placed in the axes of a marker of its own body",
                 )
                 .at(expr.span, label)
-                .with_help(
-                    "two bodies meet by joints and films, not by the places of their markers",
-                ),
+                .with_help("connect two bodies by joints or films"),
             ));
         }
         let nodes = self.bench.bind.slots();
@@ -308,7 +306,7 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.report(
                 Diagnostic::error(codes::DIRECTION, "the directions x and z are parallel")
                     .at(span, "no axes have both")
-                    .with_help("state one of them, or two that are across each other"),
+                    .with_help("state one of them, or two that are not parallel"),
             ));
         }
         let path = self.scope(scope).path.clone();

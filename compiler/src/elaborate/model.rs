@@ -153,7 +153,7 @@ impl<'a> Elaborator<'a, '_> {
             let d = Diagnostic::error(codes::TWO_CYCLES, "a model has one cycle")
                 .at(declaration.name.span, "a second one")
                 .also(first.declaration.name.span, "the first")
-                .with_help("a component that others use leaves the cycle to the model");
+                .with_help("let the model alone state the cycle");
             self.diagnostics.push(d);
             return;
         }

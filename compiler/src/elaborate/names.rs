@@ -103,7 +103,7 @@ pub(crate) fn check_names(analysis: &Analysis, system: &System, diagnostics: &mu
             let title = format!("`{argument}` has `{}` twice", name.path);
             diagnostics.push(
                 Diagnostic::error(codes::NO_CHANNEL_OF_ANALYSIS, title)
-                    .at(place, "an earlier name of the list stands for it, too"),
+                    .at(place, "an earlier name of the list already includes it"),
             );
             continue;
         }

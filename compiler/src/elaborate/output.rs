@@ -290,6 +290,9 @@ impl<'a> Elaborator<'a, '_> {
                 .flat_map(|field| field.drives.iter().map(at))
                 .collect(),
             turns: element.turns.iter().map(at).collect(),
+            wraps: (element.wraps.iter())
+                .map(|(wrapped, zero)| (at(wrapped), at(zero)))
+                .collect(),
             changing,
             bound_kinks,
             graph,
@@ -463,7 +466,7 @@ impl<'a> Elaborator<'a, '_> {
             )
             .at(name.span, "a reaction or state of another element")
             .with_help(
-                "elements see markers and parameters only: compute the quantity from markers",
+                "an element reads only markers and parameters: compute the quantity from markers",
             )
         })
     }
@@ -559,7 +562,7 @@ fn too_large(element: &ElementBuilder) -> Option<Diagnostic> {
     (element.graph.nodes().len() > MOST_OPERATIONS).then(|| {
         Diagnostic::error(
             codes::ELEMENT_TOO_LARGE,
-            format!("one element takes more than {MOST_OPERATIONS} operations"),
+            format!("one element needs more than {MOST_OPERATIONS} operations"),
         )
         .with_help("where functions call each other twice, give values that are used twice a name with `let`; or divide it into several elements or outputs")
     })

@@ -392,22 +392,21 @@ impl<'a> Elaborator<'a, '_> {
     /// The local index of a marker in the present element.
     pub fn local_marker(&mut self, marker: u32, span: Option<Span>) -> Eval<u32> {
         self.used_marker(marker);
-        let local =
-            match self.bench.element.as_mut() {
-                Some(element) => element.marker(marker),
-                None => {
-                    let mut message = Diagnostic::error(
-                        codes::MOTION,
-                        "a marker moves: it is known in classes and outputs only",
-                    );
-                    if let Some(span) = span {
-                        message = message.at(span, "only parameters are allowed here");
-                    }
-                    return Err(self.report(message.with_help(
-                        "measure it in a class, which sees its markers, or in an output",
-                    )));
+        let local = match self.bench.element.as_mut() {
+            Some(element) => element.marker(marker),
+            None => {
+                let mut message = Diagnostic::error(
+                    codes::MOTION,
+                    "only parameters are allowed here, and this reads a marker, which moves",
+                );
+                if let Some(span) = span {
+                    message = message.at(span, "the marker is read here");
                 }
-            };
+                return Err(self.report(message.with_help(
+                        "measure it in a class, which reads its markers, or in an output; a condition on the motion belongs in a class or in the block of a use",
+                    )));
+            }
+        };
         match local {
             Some(local) => Ok(local),
             None => {

@@ -87,7 +87,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The error for the use of a part, with its path, that does not exist.
     pub fn absent(&mut self, declaration: &ast::Declaration, path: &str, place: Span) -> Reported {
-        let mut message = Diagnostic::error(codes::ABSENT, format!("`{path}` is not there"))
+        let mut message = Diagnostic::error(codes::ABSENT, format!("`{path}` does not exist"))
             .at(place, "used here");
         if let Some(condition) = &declaration.condition {
             message = message.also(condition.span, "this does not hold");

@@ -109,10 +109,18 @@ impl<'a> Elaborator<'a, '_> {
                 let title = |paths: &[&str]| titled(&text, paths);
                 let places = |diagnostic: Diagnostic| match used_at.map(span_of) {
                     Some(place) => diagnostic
-                        .at(place, "needed by the item used here")
+                        .at(place, "used here")
                         .also(condition.span, "this does not hold"),
                     None => diagnostic.at(condition.span, "this does not hold"),
                 };
+                // the text of a component does not show which part is wrong
+                let part = self.context.uses.last().map(|(place, _)| *place);
+                if let (false, None, Some(part)) = (advise, used_at, part) {
+                    let message = Diagnostic::error(codes::REQUIRED, title(&[path]))
+                        .at(part, "this part needs it")
+                        .also(condition.span, "this does not hold");
+                    return Err(self.report(message));
+                }
                 if !advise {
                     let message = places(Diagnostic::error(codes::REQUIRED, title(&[path])));
                     return Err(self.report(message));
@@ -224,7 +232,7 @@ impl<'a> Elaborator<'a, '_> {
                 Some(unit) => DisplayUnit::from(self.unit(unit)?),
                 None => {
                     let dimension = self.dimension_at(span, scope)?;
-                    self.natural_unit(dimension)
+                    self.usual_unit(dimension)
                 }
             };
             found.parts.push(Part::Value {

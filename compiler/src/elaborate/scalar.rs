@@ -132,6 +132,8 @@ pub(crate) struct ElementBuilder {
     pub kinks: BTreeMap<KinkPlace, Kink>,
     /// Operations that count turns.
     pub turns: Vec<Node>,
+    /// `wrapped` angles, and functions that are zero where they begin anew.
+    pub wraps: Vec<(Node, Node)>,
     /// Its fields.
     pub fields: Vec<FieldDraft>,
     /// Quantities that lints follow through a turn, with their indices in the model.

@@ -62,7 +62,9 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.report(
                 Diagnostic::error(codes::LENGTHS, title)
                     .at(place, "the estimates")
-                    .with_help("put what does not depend on the others into functions of its own"),
+                    .with_help(
+                        "solve an equation that does not depend on the others in a call of its own",
+                    ),
             ));
         }
         let system = self.system_of(asked, &from, is_list)?;
@@ -206,17 +208,17 @@ impl<'a> Elaborator<'a, '_> {
         };
         let title = match (still, unread) {
             (Some(k), _) => format!(
-                "equation{} does not depend on the unknown{}",
+                "the equation{} of `solve` does not depend on the unknown{}",
                 number(k),
                 if count > 1 { "s" } else { "" }
             ),
-            (_, Some(k)) => format!("no equation depends on unknown{}", number(k)),
+            (_, Some(k)) => format!("no equation of `solve` depends on the unknown{}", number(k)),
             (None, None) => return Ok(()),
         };
         Err(self.report(
             Diagnostic::error(codes::NO_UNKNOWN, title)
                 .at(asked.call, "`solve` changes the argument of its function until the function is zero")
-                .with_help("the function reads its argument: `fn distance(x: Length) -> Length = x - 3 mm`"),
+                .with_help("let the function read its argument: `fn distance(x: Length) -> Length = x - 3 mm`"),
         ))
     }
 
@@ -269,7 +271,7 @@ impl<'a> Elaborator<'a, '_> {
         let mut message = Message {
             text: name.clone(),
             parts: vec![Part::Text(format!(
-                "`solve` finds no zero of `{name}` near its estimate: its last value is "
+                "`solve` finds no zero of `{name}` near its estimate: at its last value, "
             ))],
             compared: None,
         };
@@ -278,7 +280,7 @@ impl<'a> Elaborator<'a, '_> {
             if k > 0 {
                 message
                     .parts
-                    .push(Part::Text(", where the function is ".to_owned()));
+                    .push(Part::Text(", the function is ".to_owned()));
             }
             for (i, value) in numbers.into_iter().enumerate() {
                 if i > 0 {
@@ -287,7 +289,7 @@ impl<'a> Elaborator<'a, '_> {
                 message.parts.push(Part::Value {
                     value,
                     display: match dimension {
-                        Some(dimension) => self.natural_unit(dimension),
+                        Some(dimension) => self.usual_unit(dimension),
                         None => DisplayUnit::si(Dimension::ONE),
                     },
                     span: asked.call,

@@ -242,7 +242,10 @@ impl<'a> Elaborator<'a, '_> {
         self.report(
             Diagnostic::error(
                 codes::TABLE_POINTS,
-                format!("the points of table `{}` make no function", table.name.text),
+                format!(
+                    "the points of the table `{}` define no function",
+                    table.name.text
+                ),
             )
             .at(table.source.span, text),
         )
@@ -318,7 +321,7 @@ impl<'a> Elaborator<'a, '_> {
                     stated.map_or(table.source.span, |e| e.span),
                     format!("read in {}", unit.symbol),
                 )
-                .with_help("see which unit the numbers have: a column in pascal is `p [Pa]`"),
+                .with_help("check the unit of the numbers: a column in pascal is `p [Pa]`"),
             );
         }
     }
@@ -390,7 +393,7 @@ fn points_text(error: &TableError, (x, y): &(DisplayUnit, DisplayUnit), points: 
         TableError::NotRising {
             row, before, after, ..
         } => format!(
-            "the argument does not rise at {}: {} is followed by {}",
+            "the argument does not increase at {}: {} is followed by {}",
             place(row),
             x.text(*before),
             x.text(*after)
@@ -398,7 +401,7 @@ fn points_text(error: &TableError, (x, y): &(DisplayUnit, DisplayUnit), points: 
         TableError::NotPeriodic {
             row, first, last, ..
         } => format!(
-            "the period closes at {}, but the values differ: {} and {}",
+            "the period ends at {}, but the values differ: {} and {}",
             place(row),
             y.text(*first),
             y.text(*last)

@@ -170,7 +170,7 @@ impl Elaborator<'_, '_> {
         Some(
             Diagnostic::warning(
                 codes::MOVES_NOTHING,
-                format!("`{path}` ties the turning of {on} to itself: it does not turn"),
+                format!("`{path}` couples the rotation of {on} to itself: it does not turn"),
             )
             .at(element.span, "the same two markers twice")
             .with_help("take the markers of both wheels")
@@ -237,13 +237,13 @@ impl Elaborator<'_, '_> {
             found.push(
                 Diagnostic::warning(
                     codes::UNTIED,
-                    format!("{noun} {} {verb} tied to nothing", listed(&paths)),
+                    format!("{noun} {} {verb} connected to nothing", listed(&paths)),
                 )
                 .at(
                     span_of(place),
-                    "no joint, force, journal or drive touches it",
+                    "no joint, force, journal or drive acts on it",
                 )
-                .with_help("tie it to something, or remove it")
+                .with_help("connect it to something, or remove it")
                 .acceptable(lint::LOOSE),
             );
         }
@@ -265,10 +265,10 @@ impl Elaborator<'_, '_> {
                     .map(|c| self.draft.bodies[c].origin.path.as_str())
                     .collect();
                 found.push(
-                    Diagnostic::warning(codes::ADRIFT, format!("{path} has no path to the ground"))
+                    Diagnostic::warning(codes::ADRIFT, format!("{path} is not connected to the ground"))
                         .at(span_of(place), "it will fall or drift")
                         .with_note(format!("it is connected to: {}", members.join(", ")))
-                        .with_help("tie one of these to `ground` by a joint or a force, if you do not intend that")
+                        .with_help("connect one of these to `ground` by a joint or a force, unless you intend that")
                         .acceptable(lint::LOOSE),
                 );
             }

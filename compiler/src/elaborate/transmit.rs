@@ -325,10 +325,7 @@ impl Elaborator<'_, '_> {
                 });
                 let message = Diagnostic::warning(
                     codes::UNSERVED,
-                    format!(
-                        "no static mode of {} serves some of its loads",
-                        source.origin.path
-                    ),
+                    format!("some loads of {} have no static mode", source.origin.path),
                 )
                 .at(
                     place.unwrap_or(body),
@@ -388,7 +385,7 @@ fn idle_terms(
             Diagnostic::warning(
                 codes::UNSERVED,
                 format!(
-                    "{}: this term is taken without freedoms: {effect}",
+                    "{}: this term has no freedoms: {effect}",
                     source.origin.path
                 ),
             )

@@ -13,8 +13,8 @@ use crate::ir::Node;
 use crate::ir::differentiate::uses_fields;
 use eng_grammar::ast::Argument;
 use eng_grammar::{Diagnostic, Span};
+use eng_system::lint::{Extreme, Followed};
 use eng_system::system::{Origin, OutputInfo, Role, System};
-use eng_system::turn::{Extreme, Followed};
 
 /// A quantity that a lint follows, before its element is finished.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +64,7 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.report(
                     Diagnostic::error(
                         codes::OF_TURN,
-                        "a quantity that never changes is largest nowhere",
+                        "`where_largest` needs a quantity that changes",
                     )
                     .at(x.span, "this depends on parameters alone"),
                 ));
@@ -248,13 +248,13 @@ impl<'a> Elaborator<'a, '_> {
             let draft = first.and_then(|index| drafts.get(index as usize));
             let message = Diagnostic::error(
                 codes::OF_TURN,
-                "numbers of a turn without forces belong to lints alone",
+                "only lints may use numbers of a turn without forces",
             );
             let message = match (draft, early.and_then(|check| check.defined_at)) {
                 (Some(draft), Some(at)) => message
                     .at(draft.span, "a number of the turn")
                     .also(span_of(at), "a requirement, which every run checks"),
-                (Some(draft), None) => message.at(draft.span, "this decides more than an `advise`"),
+                (Some(draft), None) => message.at(draft.span, "not in an `advise`"),
                 (None, Some(at)) => {
                     message.at(span_of(at), "a requirement, which every run checks")
                 }

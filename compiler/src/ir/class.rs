@@ -5,7 +5,7 @@ use super::differentiate::{
     time_derivative_with, uses_fields,
 };
 use super::graph::{Function, Graph, Node};
-use super::kinks::{self, BoundKink, KinkPlace};
+use super::kinks::{self, BoundKink, KinkKind, KinkPlace};
 use super::linearise::linearise;
 use super::optimise::optimise;
 use eng_system::layout::InputLayout;
@@ -37,6 +37,8 @@ pub struct ClassBody {
     /// Operations whose comparisons count turns. Values that follow from the count have no kink, because they repeat
     /// with the turn.
     pub turns: Vec<Node>,
+    /// `wrapped` angles, and functions that are zero where they begin anew.
+    pub wraps: Vec<(Node, Node)>,
     /// Constants that change with inputs between two points of time, and the constants that are their rates. Constraints
     /// read none of them.
     pub changing: Vec<(u32, u32)>,
@@ -59,8 +61,8 @@ pub struct ClassFunctions {
     pub kinks: Function,
     /// The operation of each kink function of the motion. Those of constants follow.
     pub kink_places: Vec<KinkPlace>,
-    /// Whether each kink function is the argument of a table.
-    pub kinks_of_tables: Vec<bool>,
+    /// The kind of each kink function.
+    pub kinds_of_kinks: Vec<KinkKind>,
     /// Whether the rates of kink functions depend on accelerations.
     pub kinks_read_accelerations: bool,
     /// Whether the loads or rates depend on twists.
@@ -178,8 +180,13 @@ impl ClassBody {
             .map(|(k, rate)| (layout.constant(*k), graph.input(layout.constant(*rate))))
             .collect();
         let known = (self.rates.as_slice(), &changing);
-        let besides = (self.turns.as_slice(), self.bound_kinks.as_slice());
-        let kinks = kinks::find(&mut graph, &layout, &loads, known, besides)?;
+        let besides = (
+            self.turns.as_slice(),
+            self.wraps.as_slice(),
+            self.bound_kinks.as_slice(),
+        );
+        let watched = (self.rows.as_slice(), loads.as_slice());
+        let kinks = kinks::find(&mut graph, &layout, watched, known, besides)?;
         let function = |name: &str, inputs: u32, outputs: Vec<Node>| Function {
             name: format!("{}.{name}", self.name),
             inputs,
@@ -197,7 +204,7 @@ impl ClassBody {
             rotations: function("rotations", layout.len(), self.rotations.clone()),
             kinks: kinks.function(&self.name, &layout, &graph),
             kink_places: kinks.places,
-            kinks_of_tables: kinks.tables,
+            kinds_of_kinks: kinks.kinds,
             kinks_read_accelerations: kinks.reads_accelerations,
             uses_twist,
             applies_load,

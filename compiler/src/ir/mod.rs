@@ -21,7 +21,7 @@ pub use differentiate::{
 };
 pub use graph::{Function, Graph, Node, Op};
 pub use interpret::{InterpretedClass, Interpreter};
-pub use kinks::{BoundKink, KinkPlace};
+pub use kinks::{BoundKink, KinkKind, KinkPlace};
 pub use look_up::Orders;
 pub(crate) use optimise::dependencies;
 pub use optimise::{copy_into, optimise};

@@ -91,7 +91,7 @@ impl<I: Defined, T: Clone> Definitions<I, T> {
                             codes::UNIT_CIRCLE,
                             format!("the {} `{name}` is defined by itself", I::WHAT),
                         )
-                        .at(item.name().span, "its definition comes back to it"),
+                        .at(item.name().span, "its definition leads back to it"),
                     );
                 }
                 self.done.insert(name.to_owned(), Entry::Bad);

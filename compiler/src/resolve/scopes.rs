@@ -11,21 +11,11 @@ use eng_grammar::{Diagnostic, Diagnostics, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The name that a top-level item defines, except units, which have a table of their own.
+/// The name that an item gives to the scope of its file. Units have names of their own.
 pub(crate) fn defined_name(item: &ItemKind) -> Option<&Name> {
     match item {
-        ItemKind::Dimension(dimension) => Some(&dimension.name),
-        ItemKind::Choice(choice) => Some(&choice.name),
-        ItemKind::Binding(binding) => Some(&binding.name),
-        ItemKind::Function(function) => Some(&function.name),
-        ItemKind::Table(table) => Some(&table.name),
-        ItemKind::Declaration(declaration) => Some(&declaration.name),
-        ItemKind::Report(report) => Some(&report.name),
-        ItemKind::Use(_)
-        | ItemKind::Unit(_)
-        | ItemKind::Statement(_)
-        | ItemKind::Attribute(_)
-        | ItemKind::Entry(_)
-        | ItemKind::Error => None,
+        ItemKind::Unit(_) | ItemKind::Entry(_) => None,
+        other => other.name(),
     }
 }
 

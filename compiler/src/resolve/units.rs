@@ -401,7 +401,7 @@ impl Units<'_> {
                 self.bad(
                     expr.span,
                     format!(
-                        "the unit `{}` has a shifted zero: others cannot be made of it",
+                        "the unit `{}` has a shifted zero: no other unit can be defined by it",
                         unit.symbol
                     ),
                 );

@@ -107,6 +107,7 @@ impl Builder {
             turns: Vec::new(),
             changing: Vec::new(),
             bound_kinks: Vec::new(),
+            wraps: Vec::new(),
         }
     }
 }

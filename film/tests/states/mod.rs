@@ -1,7 +1,9 @@
 //! The reference states as films: units with R = c = μ = 1, so that tilt counts in slopes `2 tilt/B`.
 #![allow(dead_code, reason = "each test file uses a part")]
 
-use eng_film::{Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Opening, Summary, Work};
+use eng_film::{
+    Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Opening, Part, Summary, Work,
+};
 use serde_json::Value;
 
 /// The file of reference numbers; its `source` and `conventions` state their origin.
@@ -32,6 +34,7 @@ pub fn source(state: &Value, cells: [usize; 2]) -> FilmSource {
     for groove in state["grooves"].as_array().into_iter().flatten() {
         let edge = |at: usize| groove[at].as_f64().expect("an edge");
         source.openings.push(Opening {
+            on: Part::Shell,
             around: [edge(0).to_radians(), edge(1).to_radians()],
             across: [edge(2) * width / 2.0, edge(3) * width / 2.0],
             feed: Feed::Pressure,
@@ -40,6 +43,7 @@ pub fn source(state: &Value, cells: [usize; 2]) -> FilmSource {
     if let Some(line) = state["zero_line_deg"].as_f64() {
         let angle = line.to_radians();
         source.openings.push(Opening {
+            on: Part::Shell,
             around: [angle, angle],
             across: [-width, width],
             feed: Feed::Pressure,

@@ -401,7 +401,7 @@ pub fn told(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
         let name = name(mesh, kind, variant);
         match (verdict(kind, variant, mesh.code, rule), rule) {
             (Verdict::Told(_, why), _) => told.push(format!(
-                "{count} × {name} are integrated in full, and {why}: coarse meshes come out stiffer here; `element_rules = exact` states that this is meant"
+                "{count} × {name} are integrated in full, and {why}: coarse meshes come out stiffer here; `element_rules = exact` states that this is intended"
             )),
             (_, StiffnessRule::Full) if matches!(variant, Variant::Letters(_)) => {
                 told.push(format!(

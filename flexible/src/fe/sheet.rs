@@ -157,5 +157,5 @@ pub(super) fn shape_fault(mesh: &Mesh, element: &Element, sheet: &Sheet) -> Opti
     let within = norm(cross(direction, normal));
     let across = within <= 1e-3 * norm(direction) * norm(normal) || within.is_nan();
     (sheet.is_directed() && across)
-        .then(|| "a first axis of its material that stands across its surface".into())
+        .then(|| "a first axis of its material that is normal to its surface".into())
 }

@@ -7,6 +7,7 @@ use super::vector::{cross, determinant, norm, subtract};
 use crate::element::{MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, ElementKind, Material, Mesh};
+use eng_system::significant::short;
 
 /// The count of numbers for a pair of nodes: the nine of its stiffness block by rows, then its mass.
 pub(super) const PAIR: usize = 10;
@@ -342,11 +343,10 @@ pub(super) fn inverted(faults: &[(u64, f64)]) -> FlexibleError {
                 1 => "1 element is".to_owned(),
                 count => format!("{count} elements are"),
             },
-            super::check::list(
-                faults
-                    .iter()
-                    .map(|(id, jacobian)| format!("element {id} (Jacobian {jacobian:.3e} m³)"))
-            )
+            super::check::list(faults.iter().map(|(id, jacobian)| format!(
+                "element {id} (Jacobian {} m³)",
+                short(*jacobian, 4)
+            )))
         ),
         "repair the mesh; if all elements are inverted, the order of their nodes is another program's",
     )

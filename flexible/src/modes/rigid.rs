@@ -5,6 +5,7 @@ use super::{applied, products, subtract};
 use crate::error::FlexibleError;
 use crate::solve::dense::symmetric_eigen;
 use crate::sparse::SymmetricMatrix;
+use eng_system::significant::short;
 
 /// Rigid motions R, orthonormal in the mass.
 #[derive(Clone, Debug)]
@@ -180,8 +181,9 @@ fn check_stretch(stiffness: &SymmetricMatrix, motions: &[f64]) -> Result<f64, Fl
         if share.is_nan() || share > 1e-6 {
             return Err(FlexibleError::Structure {
                 problem: format!(
-                    "rigid motion {} of the structure is resisted by its stiffness: {share:.1e} of the forces remain",
-                    number + 1
+                    "rigid motion {} of the structure is resisted by its stiffness: {} of the forces remain",
+                    number + 1,
+                    short(share, 2)
                 ),
                 advice: "a free body must not be supported or tied to the ground; matrices of another code need all their digits, the mesh of the same run and its units".into(),
             });

@@ -137,6 +137,11 @@ impl Recovery<'_> {
 }
 
 impl NodeShapes {
+    /// For each node six rows of the modes: translation, then rotation (zero if the node has no rotation).
+    pub fn rows(&self) -> &[f64] {
+        &self.rows
+    }
+
     /// Motion of the nodes.
     ///
     /// # Errors

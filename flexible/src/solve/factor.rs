@@ -6,6 +6,7 @@
 use super::ordering::{Ordering, out_of_memory, too_large};
 use crate::error::FlexibleError;
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
+use eng_system::significant::short;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
@@ -531,7 +532,7 @@ fn pivot_scale(matrix: &SymmetricMatrix) -> Vec<f64> {
 
 pub(crate) fn singular(row: usize, ratio: Option<f64>) -> FlexibleError {
     let found = match ratio {
-        Some(ratio) => format!("is {ratio:.1e} of its diagonal entry"),
+        Some(ratio) => format!("is {} of its diagonal entry", short(ratio, 2)),
         None => "is not positive".into(),
     };
     FlexibleError::Singular {
@@ -540,7 +541,7 @@ pub(crate) fn singular(row: usize, ratio: Option<f64>) -> FlexibleError {
             "a matrix is singular or not positive definite: the pivot of row {} {found}",
             row + 1
         ),
-        advice: "the structure can move there without resistance (or a part hangs by nothing): support it, or connect the part"
+        advice: "the structure can move there without resistance (or a part is connected to nothing): support it, or connect the part"
             .into(),
     }
 }

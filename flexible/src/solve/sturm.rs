@@ -8,6 +8,7 @@ use super::restrained::Restrained;
 use super::search::Search;
 use crate::error::FlexibleError;
 use crate::sparse::product::multiply;
+use eng_system::significant::short;
 
 /// Neighbours closer than this share of the eigenvalue are one cluster.
 const CLUSTER: f64 = 1e-6;
@@ -110,7 +111,8 @@ impl Search<'_> {
             if offset >= NUDGES {
                 return Err(FlexibleError::Numerical {
                     problem: format!(
-                        "the eigenvalues below {place:.6e} rad²/s² can't be counted: the factor there is inexact"
+                        "the eigenvalues below {} rad²/s² can't be counted: the factor there is inexact",
+                        short(place, 7)
                     ),
                     advice: "ask for a few modes more or fewer".into(),
                 });
@@ -207,7 +209,8 @@ pub(super) fn agree(pairs: &Pairs, count: usize, limit: f64) -> Result<SturmCoun
 pub(super) fn miscounted(found: usize, counted: usize, below: f64) -> FlexibleError {
     FlexibleError::Numerical {
         problem: format!(
-            "{found} modes are found below the eigenvalue {below:.6e} rad²/s², but {counted} counted"
+            "{found} modes are found below the eigenvalue {} rad²/s², but {counted} counted",
+            short(below, 7)
         ),
         advice: "stiffness or mass may not be positive semidefinite; or ask for a few modes more or fewer"
             .into(),

@@ -314,7 +314,7 @@ impl<'t> Builder<'t, '_> {
                 Rule::summary => self.report(
                     Diagnostic::error(codes::UNEXPECTED, "only an `output` has a `summary`")
                         .at(place, "not of an `output`")
-                        .with_help("it says which number of an output the tables of results show"),
+                        .with_help("it states which number of an output the tables of results show"),
                 ),
                 Rule::frame if binding.kind == BindingKind::Output => {
                     binding.frame = self.inner_expression(part, depth);
@@ -782,11 +782,14 @@ impl<'t> Builder<'t, '_> {
         if let Some(condition) = condition.filter(|_| !is_part) {
             let place = condition.span;
             self.report(
-                Diagnostic::error(codes::UNEXPECTED, format!("a {word} is always there"))
-                    .at(place, "its condition")
-                    .with_help(
-                        "bodies, markers, joints, forces, journals, drives and parts may have one",
-                    ),
+                Diagnostic::error(
+                    codes::UNEXPECTED,
+                    format!("`{word}` cannot have a condition"),
+                )
+                .at(place, "a condition")
+                .with_help(
+                    "bodies, markers, joints, forces, journals, drives and parts may have one",
+                ),
             );
         }
     }

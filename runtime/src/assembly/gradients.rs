@@ -68,14 +68,12 @@ impl Gradients {
         matrix
     }
 
-    /// Some rows as a matrix with zeros.
-    pub fn dense_rows(&self, rows: &[usize]) -> DMatrix<f64> {
-        let chosen = rows.iter().map(|i| self.rows[*i].clone()).collect();
-        let part = Gradients {
+    /// Some rows.
+    pub fn select(&self, rows: &[usize]) -> Gradients {
+        Gradients {
             columns: self.columns,
-            rows: chosen,
-        };
-        part.dense()
+            rows: rows.iter().map(|i| self.rows[*i].clone()).collect(),
+        }
     }
 
     /// Multiplies each entry by a function of its row and column.
@@ -115,6 +113,13 @@ impl Gradients {
     pub fn sizes(&self) -> DVector<f64> {
         let size = |row: &Vec<(usize, f64)>| libm::sqrt(row.iter().map(|(_, x)| x * x).sum());
         DVector::from_iterator(self.rows.len(), self.rows.iter().map(size))
+    }
+
+    /// The rows divided by their lengths, and the lengths. A row of zeros keeps them, divided by 1.
+    pub fn unit_rows(mut self) -> (Gradients, DVector<f64>) {
+        let sizes = self.sizes().map(|size| if size > 0.0 { size } else { 1.0 });
+        self.scale(|i, _| 1.0 / sizes[i]);
+        (self, sizes)
     }
 
     /// Whether all entries are finite.

@@ -150,6 +150,12 @@ impl Independent {
         factor.is_decided().then_some(factor)
     }
 
+    /// The factor of many rows, if all of them are clearly independent.
+    pub fn all(matrix: &Gradients) -> Option<Independent> {
+        let factor = (matrix.nrows() > FEW).then(|| Independent::of(matrix))??;
+        factor.unclear.is_empty().then_some(factor)
+    }
+
     /// The free parts of some velocities that follow each other, a column each: `P = 1 − Aᵀ (A Aᵀ)⁻¹ A`.
     pub fn projected(&self, first: usize, count: usize) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(self.rows.ncols(), count);

@@ -71,11 +71,7 @@ pub fn place(
             model,
             elements,
             body,
-            &Known {
-                stated,
-                placed: &placed,
-                wishes: &wishes,
-            },
+            &Known::of(stated, &placed, &wishes),
             &cubes,
             state,
         )?;
@@ -110,11 +106,7 @@ pub fn place(
             model,
             elements,
             body,
-            &Known {
-                stated,
-                placed: &placed,
-                wishes: &wishes,
-            },
+            &Known::of(stated, &placed, &wishes),
             &cubes,
             state,
         )?;
@@ -243,6 +235,16 @@ struct Known<'a> {
     stated: &'a Stated,
     placed: &'a [bool],
     wishes: &'a [Wish],
+}
+
+impl<'a> Known<'a> {
+    fn of(stated: &'a Stated, placed: &'a [bool], wishes: &'a [Wish]) -> Known<'a> {
+        Known {
+            stated,
+            placed,
+            wishes,
+        }
+    }
 }
 
 /// The rows and wishes of a search for a position.

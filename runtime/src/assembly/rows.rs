@@ -132,20 +132,37 @@ impl Rows {
 
     /// Values of the rows.
     pub fn values(&self, model: &Model, at: &At) -> Result<DVector<f64>, RuntimeError> {
+        self.numbers(model, at, Function::Residual)
+    }
+
+    /// Φ̇ of the rows at the given velocities.
+    pub fn rates(&self, model: &Model, at: &At) -> Result<DVector<f64>, RuntimeError> {
+        self.numbers(model, at, Function::Velocity)
+    }
+
+    /// The first outputs of a function of each element, one for each of its rows.
+    fn numbers(
+        &self,
+        model: &Model,
+        at: &At,
+        function: Function,
+    ) -> Result<DVector<f64>, RuntimeError> {
         let mut values = DVector::zeros(self.len());
         let mut first = 0;
         for element in &self.elements {
             let rows = model.class(*element).rows.len();
+            if rows == 0 {
+                continue;
+            }
             let class = model.elements[*element].class;
             let layout = &model.compiled.system.classes[class].layout;
-            let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
-            elements::call(
-                model,
-                class,
-                Function::Residual,
-                &inputs(model, *element, at),
-                &mut out,
-            )?;
+            let length = match function {
+                Function::Velocity => 2 * rows,
+                _ => layout.residual_len() as usize,
+            };
+            let mut out = vec![[0.0; 2]; length];
+            let inputs = inputs(model, *element, at);
+            elements::call(model, class, function, &inputs, &mut out)?;
             for i in 0..rows {
                 values[first + i] = out[i][0];
             }
@@ -245,31 +262,6 @@ impl Rows {
             }
         }
         Ok((values, matrix))
-    }
-
-    /// Φ̇ of the rows at the given velocities.
-    pub fn rates(&self, model: &Model, at: &At) -> Result<DVector<f64>, RuntimeError> {
-        let mut values = DVector::zeros(self.len());
-        let mut first = 0;
-        for element in &self.elements {
-            let rows = model.class(*element).rows.len();
-            if rows == 0 {
-                continue;
-            }
-            let mut out = vec![[0.0; 2]; 2 * rows];
-            elements::call(
-                model,
-                model.elements[*element].class,
-                Function::Velocity,
-                &inputs(model, *element, at),
-                &mut out,
-            )?;
-            for i in 0..rows {
-                values[first + i] = out[i][0];
-            }
-            first += rows;
-        }
-        Ok(values)
     }
 
     /// [`Rows::scale`] of derivatives without zeros.

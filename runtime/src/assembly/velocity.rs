@@ -2,7 +2,8 @@
 
 use super::at;
 use super::gradients::Gradients;
-use super::rows::{Along, Rows, smallest_solution};
+use super::independent::Independent;
+use super::rows::{Along, Rows, pins, smallest_solution};
 use crate::body::BodyModel;
 use crate::error::RuntimeError;
 use crate::flexible::Work;
@@ -15,7 +16,8 @@ use nalgebra::{DMatrix, DVector};
 const CONTRADICTION: f64 = 1e-8;
 
 /// Velocities of smallest kinetic energy with `Φ̇ = 0` and the exact start rows. Guessed rows are fitted
-/// first; the exact ones then correct by the smallest change.
+/// first; the exact ones then correct by the smallest change. Pins keep their places in their shells as far as all these
+/// rows allow.
 pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     state.velocity.fill(0.0);
     let system = &model.compiled.system;
@@ -42,21 +44,17 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     );
     let from_energy = InverseRoots::of(model, state);
     let solve = |matrix: &Gradients, rhs: &DVector<f64>| -> Result<DVector<f64>, RuntimeError> {
-        let mut reduced = from_energy.after(matrix);
-        let mut rhs = rhs.clone();
-        let sizes = reduced
-            .sizes()
-            .map(|size| if size > 0.0 { size } else { 1.0 });
-        reduced.scale(|i, _| 1.0 / sizes[i]);
-        rhs.component_div_assign(&sizes);
-        let x = smallest_solution(&reduced, &rhs).ok_or_else(|| RuntimeError::Malformed {
-            what: "the start velocities are not finite".to_string(),
+        let (reduced, sizes) = from_energy.after(matrix).unit_rows();
+        let x = smallest_solution(&reduced, &rhs.component_div(&sizes)).ok_or_else(|| {
+            RuntimeError::Malformed {
+                what: "the start velocities are not finite".to_string(),
+            }
         })?;
         Ok(from_energy.of_vector(&x))
     };
+    let all = matrix.clone().above(guess_matrix);
     let mut v = DVector::zeros(model.velocities);
     if !guessed.is_empty() {
-        let all = matrix.clone().above(guess_matrix);
         v = solve(&all, &(-stacked(&values, &guess_values)))?;
     }
     // Twice: the second pass takes the rounding of the first.
@@ -64,6 +62,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         let rest = &values + matrix.times(&v);
         v += solve(&matrix, &(-rest))?;
     }
+    v += keep_pins(model, state, &v, &all, &from_energy)?;
     state.velocity.copy_from_slice(v.as_slice());
 
     let scales = model.velocity_scales();
@@ -102,6 +101,79 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         rows: open.into_iter().map(|(_, _, row)| row).collect(),
         chain: chain.map(Box::new),
     })
+}
+
+/// Rate of a pin in its shell, as a share of the model's speed, that counts as rest.
+const RESTS: f64 = 1e-9;
+
+/// The change of least kinetic energy that takes the rates of pins in their shells away, without a change of other rows. Least
+/// energy alone would turn a crank that only films hold about its centre of mass, and its pins would leave their shells.
+fn keep_pins(
+    model: &Model,
+    state: &State,
+    v: &DVector<f64>,
+    others: &Gradients,
+    from_energy: &InverseRoots,
+) -> Result<DVector<f64>, RuntimeError> {
+    let none = || DVector::zeros(model.velocities);
+    let wishes = pins(model);
+    if wishes.is_empty() {
+        return Ok(none());
+    }
+    let (_, rates) = Rows::new(model, Vec::new())
+        .with(model, &wishes)
+        .gradients(model, &at(state), Along::Pose)?;
+    // each pin has two rows of its place and two of its axis
+    let places: Vec<usize> = (0..rates.nrows()).filter(|row| row % 4 < 2).collect();
+    let rates = rates.select(&places);
+    let left = rates.times(v);
+    let scales = model.velocity_scales();
+    let speed = (v.iter().zip(&scales)).fold(0.0_f64, |most, (v, s)| most.max((v / s).abs()));
+    if left.amax() <= RESTS * speed * model.length {
+        return Ok(none());
+    }
+    let malformed = || RuntimeError::Malformed {
+        what: "the start velocities are not finite".to_string(),
+    };
+    let (kept, _) = from_energy.after(others).unit_rows();
+    let rates = from_energy.after(&rates);
+    let sizes = rates.sizes();
+    let mut free = rates.dense();
+    take_away(&kept, &mut free).ok_or_else(malformed)?;
+    // the rest of a rate that the other rows determine is rounding
+    for (mut row, size) in free.row_iter_mut().zip(sizes.iter()) {
+        if row.norm() <= RESTS * size {
+            row.fill(0.0);
+        }
+    }
+    let x = smallest_solution(&Gradients::of(&free), &(-left)).ok_or_else(malformed)?;
+    Ok(from_energy.of_vector(&x))
+}
+
+/// The parts of the rows of `free` along the rows of `kept`, which have unit length, come off. `None` if a number is not
+/// finite.
+fn take_away(kept: &Gradients, free: &mut DMatrix<f64>) -> Option<()> {
+    if kept.nrows() == 0 {
+        return Some(());
+    }
+    if let Some(factor) = Independent::all(kept) {
+        for mut row in free.row_iter_mut() {
+            let mut rest = row.transpose();
+            factor.free(&mut rest);
+            row.tr_copy_from(&rest);
+        }
+        return Some(());
+    }
+    let svd = crate::singular::decompose(kept.dense())?;
+    let right = svd.v_t.as_ref()?;
+    let least = 1e-9 * svd.singular_values.amax();
+    for (direction, size) in right.row_iter().zip(svd.singular_values.iter()) {
+        if *size > least {
+            let along = &*free * direction.transpose();
+            *free -= along * direction;
+        }
+    }
+    Some(())
 }
 
 fn gradient_size(matrix: &Gradients, row: usize, scales: &[f64]) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::{Dynamics, shape_rows};
 use crate::chain::{self, CURVED_REACH, Motion};
-use crate::elements::{self, not_finite, undefined};
+use crate::elements::{self, not_finite};
 use crate::error::RuntimeError;
 use crate::model::{ElementModel, Model};
 use eng_system::code::Function;
@@ -40,27 +40,9 @@ impl Dynamics {
             }
             for pair in 0..batch.pairs.len() {
                 let out = &mut self.work.elements.outputs[..2 * rows];
-                elements::call(
-                    model,
-                    batch.class,
-                    Function::Velocity,
-                    batch.inputs(pair),
-                    out,
-                )?;
+                batch.evaluate(model, pair, Function::Velocity, self.at.time, out)?;
                 for lane in 0..batch.lanes(pair) {
-                    let index = batch.pairs[pair][lane];
-                    let element = &model.elements[index];
-                    if out.iter().any(|o| !o[lane].is_finite()) {
-                        let inputs = batch.inputs(pair);
-                        return Err(undefined(
-                            model,
-                            index,
-                            self.at.time,
-                            Function::Velocity,
-                            inputs,
-                            lane,
-                        ));
-                    }
+                    let element = &model.elements[batch.pairs[pair][lane]];
                     for i in 0..rows {
                         self.constraint_rates[element.row + i] = out[i][lane];
                         self.constraint_accelerations[element.row + i] = out[rows + i][lane];

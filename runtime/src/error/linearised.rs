@@ -29,8 +29,8 @@ impl TurningBody {
     /// The reason in words, after the name of the body.
     pub fn reason(&self) -> &'static str {
         match self.varies {
-            Varies::Shapes => "is flexible: its shapes turn with it, what holds it does not",
-            Varies::Inertia => "is no body of revolution about the axis that it turns about",
+            Varies::Shapes => "is flexible: its shapes turn with it, and its supports do not",
+            Varies::Inertia => "is no body of revolution about its axis of rotation",
             Varies::Loads => {
                 "has a joint or load that acts beside its axis or changes with its angle or with time"
             }
@@ -83,7 +83,7 @@ impl NotBack {
         match self {
             NotBack::OtherPeriod => "",
             NotBack::TooFar => {
-                "; a motion of this period is close by, but the state is not on it, and the search from there does not come to it"
+                "; a motion of this period is near, but the search from the state does not find it"
             }
         }
     }
@@ -114,10 +114,8 @@ impl TimedElement {
     pub fn reason(&self) -> &'static str {
         match self.timed {
             Timed::Coefficients => "has a stiffness or damping that changes with time",
-            Timed::Load => {
-                "has a load that changes with time, and with it the stiffness of what it acts on"
-            }
-            Timed::Motion => "moves what it holds at a speed that changes with time",
+            Timed::Load => "has a load that changes with time, and so does its stiffness",
+            Timed::Motion => "moves its markers at a speed that changes with time",
         }
     }
 }
@@ -130,7 +128,7 @@ pub(super) fn changed(share: f64) -> String {
             100.0 * share
         )
     } else {
-        "they are others".to_owned()
+        "they differ".to_owned()
     }
 }
 

@@ -1,6 +1,7 @@
 //! The reasons for short steps of a run.
 
 use super::Moment;
+use eng_system::significant::short;
 use eng_system::system::Origin;
 
 /// The reason why steps are not longer.
@@ -41,7 +42,7 @@ pub struct Slow {
 
 impl std::fmt::Display for Slow {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "steps are {:.3e} s long: {}", self.step, self.pace)
+        write!(f, "steps are {} s long: {}", short(self.step, 3), self.pace)
     }
 }
 
@@ -65,8 +66,10 @@ impl std::fmt::Display for Jump {
         };
         write!(
             f,
-            "the {what} of {} jumps by {:.4e} {}",
-            self.origin.path, self.by, self.unit
+            "the {what} of {} jumps by {} {}",
+            self.origin.path,
+            short(self.by, 4),
+            self.unit
         )
     }
 }
@@ -75,18 +78,18 @@ impl std::fmt::Display for Pace {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Pace::Stated => f.write_str("the text states this step"),
-            Pace::Longest => f.write_str("samples lie this close"),
+            Pace::Longest => f.write_str("samples are this close"),
             Pace::Jump(jump) => write!(f, "{jump}"),
             Pace::Error { origin, state } => {
                 let of = state
                     .as_deref()
                     .map_or(String::new(), |state| format!("{state} of "));
-                write!(f, "the error of {of}{} allows no longer ones", origin.path)
+                write!(f, "the error of {of}{} allows no longer steps", origin.path)
             }
             Pace::Unsolved { origin, equation } => {
                 write!(
                     f,
-                    "longer ones have no solution: {} ({equation})",
+                    "longer steps have no solution: {} ({equation})",
                     origin.path
                 )
             }

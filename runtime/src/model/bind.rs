@@ -211,7 +211,7 @@ impl Model {
         if let (Some(body), false) = (body, is_measurable(&position)) {
             return Err(RuntimeError::Body {
                 origin: Box::new(self.bodies[body].origin.clone()),
-                message: format!("its marker {path} is farther away than can be counted"),
+                message: format!("its marker {path} is too far away"),
             });
         }
         Ok(MarkerModel {
@@ -460,7 +460,7 @@ fn check_shapes(
             } else {
                 common
             },
-            3 * class.kinks.len(),
+            4 * class.kinks.len(),
         ),
     ];
     for (function, inputs, outputs) in expected {
@@ -515,9 +515,7 @@ fn body_kind(
     let mass = slots.get(*mass)?;
     let center = slots.vector(center_of_mass)?;
     if !is_measurable(&center) {
-        return Err(refuse(
-            "the centre of mass is farther away than can be counted",
-        ));
+        return Err(refuse("the centre of mass is too far away"));
     }
     let mut j = [0.0; 6];
     for (value, slot) in j.iter_mut().zip(inertia) {

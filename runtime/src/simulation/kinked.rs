@@ -22,11 +22,17 @@ const AT_ONCE: f64 = 0.5;
 const ACROSS: f64 = 1e-3;
 /// Distance of the states behind a kink, as a share of the time in which the motion covers about its own size.
 const BEHIND: f64 = 1e-4;
+/// Their largest distance, as a share of the time to the next kink of the element.
+const BESIDE: f64 = 0.1;
 /// Largest deviation of accelerations and rates behind a kink from a straight line through the state at the
 /// kink. A jump deviates by all of its size.
 const STRAIGHT: f64 = 0.5;
 /// Difference of accelerations or rates on both sides of a moment that is a jump, as a share of the largest of them.
 const JUMP: f64 = 1e-9;
+/// Error of the velocity of a step behind a kink that is allowed in any case, as a share of the largest velocity.
+const VELOCITY: f64 = 1e-4;
+/// Rounding of the increment of a step, of the model's length. Over a step it is one of the velocity.
+const ROUNDING: f64 = 1e-14;
 /// Share of the step that the error allows behind a kink, and largest growth of the step there. Behind a kink a force may grow
 /// as t^(3/2), as Hertz' contact does. The first step h then has an error of the velocity of the order h^(5/2), which the
 /// error of positions does not show, and a long flight after the contact multiplies it by its duration.
@@ -228,6 +234,49 @@ impl Simulation {
         Ok(time)
     }
 
+    /// Keeps the step (s) before a kink at which a step ends, until steps are as long again.
+    pub(super) fn keep_step_before_kink(&mut self, step: f64) {
+        if self.size.step >= self.before_kink {
+            self.before_kink = 0.0;
+        }
+        // beside the kink of a valve states move infinitely fast, and no step shows a rate
+        let followed = |kink: usize| self.kinks.is_way(kink) || self.kinks.is_moment(kink);
+        if self.at_kink.is_some_and(followed) {
+            self.before_kink = self.before_kink.max(step);
+        }
+    }
+
+    /// A trial of h (s) whose error is also that of the velocities, behind a kink.
+    pub(super) fn with_velocity_error(&self, trial: Trial, h: f64, factor: f64) -> Trial {
+        match trial {
+            Trial::Solved { error } if self.before_kink > 0.0 => Trial::Solved {
+                error: error.max(self.velocity_error(h, factor)),
+            },
+            other => other,
+        }
+    }
+
+    /// The error of the velocities of the last trial of h (s), in units of its limit.
+    ///
+    /// The error of the positions does not show a short pulse between two kinks: within a microsecond nothing moves. But the error of
+    /// the velocity remains, and over a step as long as that before the pulse it becomes one of positions. The scheme
+    /// integrates accelerations like a trapezoid: the error of a step is a twelfth of `h³` times their second rate.
+    fn velocity_error(&self, h: f64, factor: f64) -> f64 {
+        let (begin, end) = (&self.integrator.current, self.integrator.trial_state());
+        let scales = self.model.velocity_scales();
+        let (mut error, mut speed) = (0.0_f64, 0.0_f64);
+        for (i, scale) in scales.iter().enumerate() {
+            let rate = (end.acceleration[i] - begin.acceleration[i]) / h;
+            let change = rate - self.integrator.jerk[i];
+            error = error.max((change / scale).abs());
+            speed = speed.max((end.velocity[i] / scale).abs());
+        }
+        let shown =
+            STEP_SHARE * self.model.tolerance * factor / (self.model.length * self.before_kink);
+        let least = shown.max(VELOCITY * factor * speed).max(ROUNDING / h);
+        h * h / 12.0 * error / least
+    }
+
     /// Renews the rates of accelerations in the scheme, after a step h (s) that ended at a kink.
     ///
     /// The auxiliary a of the scheme belongs to the instant `t + (α_m − α_f) h`, so it contains the rate of the
@@ -246,6 +295,10 @@ impl Simulation {
         if found.is_err() {
             return Ok(());
         }
+        // multipliers of a very short step have large rounding errors, and the next step would take over their power
+        if self.options.energy {
+            self.powers[1] = self.dynamics.powers(&self.model, &start.multipliers)?.1;
+        }
         let scales = self.model.velocity_scales();
         let largest = |x: &[f64]| {
             let pairs = x.iter().zip(&scales);
@@ -256,6 +309,9 @@ impl Simulation {
             return Ok(());
         }
         let e = (BEHIND / pace).min(h.max(BEHIND * self.size.step));
+        // not beyond the other face of a thin sheet
+        let beside = self.at_kink.map(|kink| self.kinks.time_beside(kink));
+        let e = e.min(BESIDE * beside.unwrap_or(f64::INFINITY));
         let left = self.kinks.time_left(e);
         let way = self.at_kink.filter(|kink| self.kinks.is_way(*kink));
         let to_kink = way.map_or(0.0, |kink| self.kinks.time_to(kink));

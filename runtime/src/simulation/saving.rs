@@ -104,7 +104,7 @@ impl Simulation {
         w.numbers(&advised);
         w.numbers(&self.dynamics.signals().numbers());
         w.integer(self.at_kink.map_or(0, |kink| kink as u64 + 1));
-        w.numbers(&[self.jump_at_kink]);
+        w.numbers(&[self.jump_at_kink, self.before_kink]);
         w.numbers(&self.kinks.numbers());
         w.numbers(&self.dynamics.memory().numbers());
         for vibration in &self.integrator.vibrations {
@@ -248,9 +248,9 @@ impl Simulation {
         r.numbers(&mut segments)?;
         self.dynamics.signals_mut().set_numbers(&segments);
         self.at_kink = (r.integer()? as usize).checked_sub(1);
-        let mut jump = [0.0];
+        let mut jump = [0.0; 2];
         r.numbers(&mut jump)?;
-        [self.jump_at_kink] = jump;
+        [self.jump_at_kink, self.before_kink] = jump;
         let mut kinks = self.kinks.numbers();
         r.numbers(&mut kinks)?;
         self.kinks.set_numbers(&kinks);

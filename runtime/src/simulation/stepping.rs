@@ -179,6 +179,14 @@ impl Simulation {
     /// accelerations.
     pub(super) fn ahead(&mut self, from: &State, e: f64) -> Result<State, RuntimeError> {
         let moment = self.moment();
+        let mut near = self.moved(from, e);
+        self.system
+            .accelerations(&self.model, &mut self.dynamics, &mut near, moment)?;
+        Ok(near)
+    }
+
+    /// The state at a time e (s) after another one, along its velocities, accelerations and rates.
+    pub(super) fn moved(&mut self, from: &State, e: f64) -> State {
         let mut near = from.clone();
         near.time += e;
         for i in 0..self.model.velocities {
@@ -189,9 +197,7 @@ impl Simulation {
         for i in 0..self.model.states {
             near.states[i] += e * near.rates[i];
         }
-        self.system
-            .accelerations(&self.model, &mut self.dynamics, &mut near, moment)?;
-        Ok(near)
+        near
     }
 
     /// Whether the cycle is at rest at the start and nothing will turn it: no force or drive accelerates it
@@ -390,6 +396,7 @@ impl Simulation {
             });
         }
         self.after_jumps()?;
+        self.refuse_jumps_here()?;
         if let Some(kink) = self.at_kink {
             let passed = self.after_jump(kink)?;
             let time = self.integrator.current.time;
@@ -415,9 +422,11 @@ impl Simulation {
         let tolerance = self.options.step.tolerance();
         self.integrator
             .look_at_vibrations(&self.model, &mut self.dynamics, h, tolerance);
+        let passed = (self.kinks).constrains_within(h, time, tolerance);
         self.integrator.accept(&self.model, h, time);
         self.dynamics.keep_memory(&self.model)?;
         self.kinks.accept(h, self.at_kink);
+        self.refuse_jumps_within(&passed)?;
         self.evaluated = None;
         self.cycle_at_ends = None;
         if self.options.step.fixed().is_some() && time >= end {
@@ -617,6 +626,9 @@ impl Simulation {
         let limited = self.size.step >= allowed;
         self.size.limit(allowed);
         let wish = self.size.step;
+        if let Some(time) = self.kinks.at_once(wish, begin, factor) {
+            self.size.limit(2.0 * time);
+        }
         loop {
             let mut h = cut.map_or(self.size.step, |(at, _)| at);
             let last = cut.is_none() && h >= rest * (1.0 - 1e-9);
@@ -649,6 +661,7 @@ impl Simulation {
             if cut.is_some() {
                 continue;
             }
+            let trial = self.with_velocity_error(trial, h, factor);
             match trial {
                 Trial::Solved { error } if error <= 1.0 => {
                     if failures == 0 {
@@ -666,6 +679,7 @@ impl Simulation {
                     self.at_kink = ends_at.filter(near).or_else(reached);
                     self.at_kink = self.at_kink.or_else(|| self.kinks.moment_behind(h));
                     self.size.accepted(h, error);
+                    self.keep_step_before_kink(wish);
                     if ends_at.is_some() {
                         // the length up to a kink says nothing about the next step
                         self.size.step = self.size.step.max(wish);

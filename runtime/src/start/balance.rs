@@ -10,7 +10,8 @@
 //!
 //! with the velocities and accelerations of the steady motion. r₀ is the residual at the assembled position,
 //! so s = 0 is solved there. s grows to 1 in portions, which are halved if Newton's method fails. An iterate
-//! leaves at least a quarter of the remaining film, because beyond the shell the film laws have no meaning.
+//! leaves at least a quarter of the remaining film, because beyond the shell the film laws have no meaning. Where the surface
+//! yields, a pin may leave this circle. It then moves by a quarter of the clearance at most.
 //! At rest the search does not end at a position without stiffness, and it recognises a balance that is
 //! upside down (`stability`).
 
@@ -19,7 +20,7 @@ mod stability;
 mod telling;
 mod turning;
 
-use super::eccentricity::film_ratios;
+use super::eccentricity::{film_ratios, yielding};
 use super::motion::SteadyMotion;
 use super::picking::{split, unit_rows};
 use super::{Equilibrium, JournalStart, Obstacle};
@@ -39,7 +40,7 @@ use telling::{locked, no_number, not_finite};
 /// Share of a freedom's inertia times the square of the engine's pace, below which its stiffness counts as
 /// zero.
 const NEUTRAL: f64 = 1e-6;
-/// Part of a film that an iterate must leave.
+/// Part of a film that an iterate must leave, and share of the clearance by which a pin may move outwards where its shell yields.
 const LEFT: f64 = 0.25;
 /// Largest move of an iterate, in the model's length or rad.
 const REACH: f64 = 0.2;
@@ -575,21 +576,22 @@ impl<'a> Balance<'a> {
         }
         // The obstacle is a film that has nearly vanished; without one, the row with the largest residual.
         let ratios = film_ratios(model, &place.state.pose);
-        let thinnest =
-            ratios
-                .iter()
-                .enumerate()
-                .fold(None, |best: Option<(usize, f64)>, (i, r)| match best {
-                    Some((_, most)) if most >= *r => best,
-                    _ => Some((i, *r)),
-                });
+        let yields = yielding(model);
+        let thinnest = ratios
+            .iter()
+            .enumerate()
+            .filter(|(journal, _)| !yields[*journal])
+            .fold(None, |best: Option<(usize, f64)>, (i, r)| match best {
+                Some((_, most)) if most >= *r => best,
+                _ => Some((i, *r)),
+            });
         if let Some((journal, ratio)) = thinnest
             && ratio > 0.95
         {
             let element = model.compiled.system.journals[journal].element as usize;
             return Ok(Some((
                 model.compiled.system.elements[element].origin.clone(),
-                format!("the pin comes to {ratio:.4} of the clearance"),
+                format!("the pin reaches {ratio:.4} of the clearance"),
             )));
         }
         Ok(Some(worst.unwrap_or_else(|| {
@@ -628,13 +630,19 @@ impl<'a> Balance<'a> {
     /// The part of an increment that leaves enough of every film and stays below [`REACH`].
     fn allowed(&self, pose: &[f64], increment: &[f64], size: f64, trial: &mut [f64]) -> f64 {
         let before = film_ratios(self.model, pose);
+        let yields = yielding(self.model);
         let mut factor = (REACH / size).min(1.0);
         for _ in 0..40 {
             move_pose(self.model, pose, increment, factor, trial);
             let inside = before
                 .iter()
                 .zip(film_ratios(self.model, trial))
-                .all(|(old, new)| new <= *old || 1.0 - new >= LEFT * (1.0 - old));
+                .zip(&yields)
+                .all(|((old, new), yields)| match yields {
+                    _ if new <= *old => true,
+                    true => new - old <= LEFT,
+                    false => 1.0 - new >= LEFT * (1.0 - old),
+                });
             if inside {
                 break;
             }

@@ -105,6 +105,17 @@ pub fn eccentricities(model: &Model, pose: &[f64]) -> Vec<[f64; 2]> {
         .collect()
 }
 
+/// Whether the pin of each journal may leave the circle of its clearance, because its field yields.
+pub fn yielding(model: &Model) -> Vec<bool> {
+    let journals = model.compiled.system.journals.iter();
+    journals
+        .map(|journal| {
+            let kernels = model.kernels.get(journal.element as usize);
+            kernels.is_some_and(|kernels| kernels.iter().any(|kernel| kernel.yields()))
+        })
+        .collect()
+}
+
 /// |e|/c of every journal.
 pub fn film_ratios(model: &Model, pose: &[f64]) -> Vec<f64> {
     model

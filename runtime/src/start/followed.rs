@@ -5,7 +5,7 @@ use crate::dynamics::Dynamics;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::outputs::Outputs;
-use eng_system::turn::Extreme;
+use eng_system::lint::Extreme;
 
 /// Share of the swing within which two values count as equally large: the first of them is the largest.
 const ALIKE: f64 = 1e-9;

@@ -17,6 +17,7 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
 use crate::state::{State, move_pose};
+use eng_system::significant::short;
 use eng_system::system::Extent;
 use nalgebra::DVector;
 
@@ -171,8 +172,8 @@ pub(crate) fn bring(
         Some(target) => unreached(now, target),
         None => RuntimeError::Options {
             message: format!(
-                "`at` is too late: the motion is followed for {MOST_STEPS} steps of 10°, and they end at {:.4e} s",
-                state.time
+                "`at` is too late: the motion is followed for {MOST_STEPS} steps of 10°, and they end at {} s",
+                short(state.time, 4)
             ),
         },
     })
@@ -182,7 +183,7 @@ fn unreached(now: f64, target: f64) -> RuntimeError {
     let (wanted, now) = (target.to_degrees(), now.to_degrees());
     RuntimeError::Options {
         message: format!(
-            "the cycle does not come to {wanted:.3}°: a drive or the joints hold it at {now:.3}°"
+            "the cycle does not reach {wanted:.3}°: a drive or the joints hold it at {now:.3}°"
         ),
     }
 }

@@ -161,8 +161,8 @@ fn foreign_and_truncated_checkpoints_are_refused() {
     damaged[200] ^= 1;
     assert!(reason(&m.compiled, &damaged).contains("damaged"));
     let mut newer = bytes.clone();
-    newer[8] = 11;
-    assert!(reason(&m.compiled, &newer).contains("version 11"));
+    newer[8] += 1;
+    assert!(reason(&m.compiled, &newer).contains(&format!("version {};", newer[8])));
     assert!(reason(&spatial_chain(), &bytes).contains("another model"));
     assert!(Simulation::resume(&m.compiled, &[], Options::default(), &bytes).is_ok());
 }

@@ -4,12 +4,12 @@ use super::labels::capital;
 use super::{Drawer, PostError};
 use crate::motion::{At, moments};
 use crate::post::track::told_apart;
-use crate::significant::{short, significant};
 use eng_report::figure::{Figure, FilmMap, FilmPanel};
 use eng_report::readable_unit;
 use eng_system::Dimension;
 use eng_system::field::FILM_CELLS;
 use eng_system::figure as plan;
+use eng_system::significant::{short, significant};
 
 impl Drawer<'_> {
     pub(super) fn film(&self, map: &plan::FilmMap) -> Result<Figure, PostError> {

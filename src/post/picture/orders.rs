@@ -300,5 +300,10 @@ fn not_held(settings: &plan::SpectrumSettings, reach: f64) -> Option<String> {
     let beyond = settings
         .up_to
         .is_some_and(|up_to| up_to > reach * (1.0 + 1e-6));
-    beyond.then(|| format!("the samples hold no more than {}", limit_text(limit(reach))))
+    beyond.then(|| {
+        format!(
+            "the samples resolve no more than {}",
+            limit_text(limit(reach))
+        )
+    })
 }

@@ -8,7 +8,7 @@ pub struct Assemble;
 
 pub(super) const ROW: KindRow = KindRow {
     name: "assemble",
-    about: "the place where the text and the joints put everything",
+    about: "the position of all bodies by the text and the joints",
     also_called: &[],
     needs_cycle: None,
     arguments: &[],

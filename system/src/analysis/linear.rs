@@ -129,8 +129,8 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         };
         return Err(Unplanned::Refused {
             argument,
-            title: "matrices have inputs and outputs",
-            label: "the other list is missing",
+            title: "matrices need `inputs` and `outputs`",
+            label: "only one of the two lists is stated",
             help: "write `linear(Model(), inputs: [brake], outputs: [speed])`",
         });
     }

@@ -42,7 +42,7 @@ pub(super) const ROW: FigureRow = FigureRow {
         place(
             "at",
             Takes::Moment,
-            "an angle of the cycle, or a time; the kept moment next to it is drawn",
+            "an angle of the cycle, or a time; the nearest recorded moment is drawn",
         ),
     ],
     plan,

@@ -55,7 +55,7 @@ pub enum TableError {
     },
     /// Arguments do not rise.
     #[error(
-        "table {name}: the argument does not rise at row {row}: {before} is followed by {after}"
+        "table {name}: the argument does not increase at row {row}: {before} is followed by {after}"
     )]
     NotRising {
         /// Table.
@@ -77,7 +77,7 @@ pub enum TableError {
     },
     /// First and last value differ although they are the same point of the period.
     #[error(
-        "table {name}: the period closes at row {row}, but the values differ: {first} and {last}"
+        "table {name}: the period ends at row {row}, but the values differ: {first} and {last}"
     )]
     NotPeriodic {
         /// Table.

@@ -6,6 +6,7 @@ mod spline;
 
 use crate::dimension::DisplayUnit;
 use crate::place::Location;
+use crate::significant::short;
 pub use curve::{Curve, Extrapolation, Interpolation, TableError};
 pub use grid::{Argument, End, Ends, Grid, GridError};
 use std::sync::Arc;
@@ -208,7 +209,7 @@ impl std::fmt::Display for Outside {
             let scale = self.unit.as_ref().map_or(1.0, |unit| unit.scale);
             let symbol = self.unit.as_ref().map_or("", |unit| unit.symbol.as_str());
             let past = (self.argument - end).abs() / scale;
-            write!(f, "{past:.1e} {symbol} past {end_text}")?;
+            write!(f, "{} {symbol} past {end_text}", short(past, 2))?;
         } else {
             write!(f, "at {at}")?;
         }

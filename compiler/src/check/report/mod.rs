@@ -400,7 +400,7 @@ impl<'a> Reporter<'a, '_> {
             Named::Busy => {
                 self.tell(
                     Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
-                        .at(span, "this leads back to where it came from")
+                        .at(span, "this value depends on itself")
                         .with_help("the order of items does not matter, but no value may follow from itself"),
                 );
                 self.names.insert(known.0, (known.1, Named::Done(None)));

@@ -114,12 +114,15 @@ impl<'a> Reporter<'a, '_> {
         let known = || figure::KINDS.iter().map(|row| row.name);
         let message = Diagnostic::error(
             codes::REPORT_SHAPE,
-            "a figure is drawn by one of the functions that draw",
+            match name {
+                Some(name) => format!("there is no figure `{name}`"),
+                None => "a figure is a call: `figure name = history(…)`".to_owned(),
+            },
         )
         .at(span, "draws nothing");
         let message = match name.and_then(|name| nearest(name, known())) {
             Some(near) => message.meant(span, near),
-            None => message.with_note(format!("these are {}", listing(known(), 12))),
+            None => message.with_note(format!("the figures are {}", listing(known(), 12))),
         };
         self.tell(message);
     }
@@ -267,9 +270,9 @@ impl<'a> Reporter<'a, '_> {
         self.tell(
             Diagnostic::error(
                 codes::REPORT_RUNS,
-                format!("`{name}` shows one signal of several runs"),
+                format!("`{name}` needs one signal of several runs"),
             )
-            .at(first.span, "of one run, or several of one")
+            .at(first.span, "from a single run, or several signals")
             .with_help(help),
         );
         None
@@ -362,7 +365,10 @@ impl<'a> Reporter<'a, '_> {
                     format!("`{}` is no journal", place.path),
                 )
                 .at(expr.span, format!("`{name}` draws {}", row.about))
-                .with_note(format!("journals are {}", listing(known, 12)));
+                .with_note(match place.channels.journals.is_empty() {
+                    true => "the model has no journal".to_owned(),
+                    false => format!("its journals are {}", listing(known, 12)),
+                });
                 self.tell(message);
                 return None;
             }

@@ -87,8 +87,8 @@ impl<'a> Elaborator<'a, '_> {
         for (index, ground_span) in grounds {
             let Some(partner) = partner else {
                 return Err(self.report(
-                    Diagnostic::error(codes::GROUND_ALONE, "`ground` has no partner marker")
-                        .at(ground_span, "it lies where the element's other marker is, but there is none")
+                    Diagnostic::error(codes::GROUND_ALONE, "`ground` needs another marker beside it")
+                        .at(ground_span, "it is at the place of the element's other marker, but there is none")
                         .with_help("name a marker of the model, which is on the ground: `marker rail = [0, 0, 0] mm`"),
                 ));
             };

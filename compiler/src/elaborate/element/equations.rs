@@ -231,15 +231,13 @@ impl<'a> Elaborator<'a, '_> {
                 node: self.bench.bind.graph.less(zero, node),
             };
             let holds = self.bench.flag_number(positive);
-            let display = self.natural_unit(Dimension::LENGTH);
+            let display = self.usual_unit(Dimension::LENGTH);
             self.draft.checks.push(Check {
                 holds,
                 advise: false,
                 name: String::new(),
                 message: vec![
-                    Told::Text(
-                        "the length that positions resolve must be positive, not ".to_owned(),
-                    ),
+                    Told::Text("the length after `resolve` must be positive, not ".to_owned()),
                     Told::Value(node, display),
                 ],
                 path: path.to_owned(),
@@ -405,7 +403,7 @@ impl<'a> Elaborator<'a, '_> {
                     codes::UNMOVED,
                     "this constraint does not depend on the motion",
                 )
-                .at(span, "nothing can move to fulfil it")
+                .at(span, "no motion changes it")
                 .with_help("write a condition on parameters as `require`"),
             ));
         }

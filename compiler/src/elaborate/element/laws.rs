@@ -348,8 +348,11 @@ impl<'a> Elaborator<'a, '_> {
                 codes::MOTION,
                 format!("`{path}.{name}` depends on the motion"),
             )
-            .at(class_name.span, format!("its interface asks for `{name}`, which the results read once"))
-            .with_help("give it a number that follows from parameters; motion enters the law by its markers"),
+            .at(
+                class_name.span,
+                format!("its interface requires `{name}` as a number that stays the same"),
+            )
+            .with_help("compute it from parameters; the law reads the motion from its markers"),
         ))
     }
 

@@ -285,10 +285,10 @@ impl<'a> Elaborator<'a, '_> {
             Stage::Motion => Err(self.report(
                 Diagnostic::error(
                     codes::MOTION,
-                    "a value of the motion is where only parameters are allowed",
+                    "only parameters are allowed here, and this value changes with the motion",
                 )
                 .at(span, "depends on positions, velocities or time")
-                .with_help("quantities of the motion are known in classes and outputs"),
+                .with_help("the equations of a class and outputs may read the motion"),
             )),
         }
     }

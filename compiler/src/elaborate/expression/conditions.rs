@@ -138,6 +138,8 @@ impl<'a> Elaborator<'a, '_> {
                 text: text_as_written,
                 dimension,
                 table: None,
+                constrains: false,
+                wraps: false,
                 defined_at: Some(location(text)),
             });
         }

@@ -77,7 +77,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Reports a whole number whose value is too large.
-    pub(super) fn not_countable(&mut self, span: Span) -> super::super::Reported {
+    pub(in crate::elaborate) fn not_countable(&mut self, span: Span) -> super::super::Reported {
         self.report(
             Diagnostic::error(
                 codes::NOT_COUNTABLE,

@@ -48,6 +48,7 @@ use super::vector::{Vector, add, cross, dot, norm, scale};
 use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::fe::solid::tangents;
+use eng_system::significant::short;
 
 /// Most nodes of a shell.
 pub(super) const NODES: usize = 4;
@@ -268,7 +269,7 @@ pub(super) fn folded(faults: &[(u64, f64)]) -> FlexibleError {
             list(
                 faults
                     .iter()
-                    .map(|(id, area)| format!("element {id} (area {area:.3e} m²)"))
+                    .map(|(id, area)| format!("element {id} (area {} m²)", short(*area, 4)))
             )
         ),
         "repair the mesh: order the nodes around the element, and use a triangle where two of them are one",

@@ -3,6 +3,7 @@
 use super::{ForeignMatrix, MatrixKind};
 use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
+use eng_system::significant::short;
 
 /// The largest difference of two mirrored entries, as a share of the norm of the row.
 const SYMMETRIC_TO: f64 = 1e-9;
@@ -75,8 +76,8 @@ impl ForeignMatrix {
             if kind == MatrixKind::Mass && place.row == place.column && self.value(place) < 0.0 {
                 return Err(self.problem(
                     format!(
-                        "is a mass with {:e} on the diagonal at {}",
-                        self.value(place),
+                        "is a mass with {} on the diagonal at {}",
+                        short(self.value(place), 5),
                         self.row_name(place.row as usize)
                     ),
                     "look for negative densities or masses, or whether stiffness and mass were exchanged",
@@ -162,9 +163,12 @@ impl ForeignMatrix {
         let (below, above) = self.sides(place);
         Err(self.problem(
             format!(
-                "is not symmetric: worst at {}, column {}: {below:e} and mirrored {above:e}, {part:.1e} of the row's norm",
+                "is not symmetric: worst at {}, column {}: {} and mirrored {}, {} of the row's norm",
                 self.row_name(place.row as usize),
-                place.column + 1
+                place.column + 1,
+                short(below, 9),
+                short(above, 9),
+                short(part, 2)
             ),
             "a body needs symmetric matrices without gyroscopic, follower or friction terms; ask for the structural stiffness \
              alone, and write it with enough digits",

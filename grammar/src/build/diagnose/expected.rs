@@ -279,6 +279,7 @@ impl<'b> Failure<'b> {
             "&" => diagnostic.with_help("write `and`"),
             "|" => diagnostic.with_help("write `or`"),
             "#" => diagnostic.with_help("a comment begins with `//`"),
+            "?" => diagnostic.with_help("a value of two cases is `if condition then a else b`"),
             _ => diagnostic.with_help("names use the letters a to z, digits and `_`"),
         })
     }
@@ -297,7 +298,7 @@ impl<'b> Failure<'b> {
         let assigns = (self.found() == "=" && sign(self.before_text()))
             || (sign(self.found()) && self.word(self.at + 1) == "=");
         assigns.then(|| {
-            Diagnostic::error(codes::UNEXPECTED, "nothing is reassigned in Eng")
+            Diagnostic::error(codes::UNEXPECTED, "a name keeps its value in Eng")
                 .at(span, "not expected here")
                 .with_help("give each value its own name")
         })
@@ -409,7 +410,7 @@ impl<'b> Failure<'b> {
                 codes::UNEXPECTED,
                 "a condition that ends with a unit needs parentheses",
             )
-            .at(condition, "the unit would reach beyond it")
+            .at(condition, "without them the end of the unit is not clear")
             .with_fix("add the parentheses", condition, format!("({written})")),
         )
     }
@@ -466,7 +467,7 @@ impl<'b> Failure<'b> {
     fn doc_comment(&self) -> Option<Diagnostic> {
         let token = self.token(self.at)?;
         (token.kind == TokenKind::Doc).then(|| {
-            Diagnostic::error(codes::UNEXPECTED, "this documents nothing")
+            Diagnostic::error(codes::UNEXPECTED, "this comment documents no item")
                 .at(self.span(), "not before an item or a parameter")
                 .with_help("`//` begins a plain comment; `//!` is for the head of the file")
                 .with_fix(

@@ -36,6 +36,7 @@ use crate::rotation::{V3, logarithm, product};
 use crate::simulation::Simulation;
 use crate::state::{State, move_pose};
 use crate::transient::Observer;
+use eng_system::significant::short;
 use eng_system::system::StepControl;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -138,11 +139,15 @@ impl Round {
                     let moved = of_place >= of_rate;
                     let amount = if moved { moves[i] } else { rates[i] };
                     let text = match (place, moved) {
-                        (0..3, true) => format!("is {:.3e} m away", amount.abs()),
-                        (0..3, false) => format!("is {:.3e} m/s faster or slower", amount.abs()),
-                        (3..6, true) => format!("is turned by {:.3e}°", amount.abs().to_degrees()),
+                        (0..3, true) => format!("is {} m away", short(amount.abs(), 3)),
+                        (0..3, false) => {
+                            format!("is {} m/s faster or slower", short(amount.abs(), 3))
+                        }
+                        (3..6, true) => {
+                            format!("is turned by {}°", short(amount.abs().to_degrees(), 3))
+                        }
                         (3..6, false) => {
-                            format!("turns by {:.3e} rad/s faster or slower", amount.abs())
+                            format!("turns by {} rad/s faster or slower", short(amount.abs(), 3))
                         }
                         (_, true) => format!("is bent otherwise (mode {})", place - 5),
                         (_, false) => format!("bends at another rate (mode {})", place - 5),
@@ -160,7 +165,7 @@ impl Round {
             share = off / (1e-3 * size);
             worst = (
                 None,
-                format!("a state of an element differs by {off:.3e} (SI)"),
+                format!("a state of an element differs by {} (SI)", short(off, 3)),
             );
         }
         let ground = |x: Vec<f64>| self.first.in_ground_axes(DVector::from_vec(x));

@@ -113,7 +113,7 @@ fn held_at(
     let rows = candidates(balance, state)?;
     if chosen.iter().any(|i| *i >= rows.nrows()) {
         return Err(NoOrbit::Told(
-            "what is stated differs from angle to angle".to_owned(),
+            "the stated values differ from angle to angle".to_owned(),
         ));
     }
     let (count, neutral) = (chosen.len(), balance.neutral.nrows());
@@ -271,7 +271,7 @@ impl Angles {
             }
             if solution.residual > STALLED {
                 return Err(NoOrbit::Told(format!(
-                    "the equations of all angles are not solved: {} products leave {:.0} % of what is out of balance",
+                    "the equations of all angles are not solved: {} products leave {:.0} % of the unbalanced load",
                     solution.products,
                     100.0 * solution.residual
                 )));
@@ -324,7 +324,7 @@ impl Angles {
                 best
             }
         }) else {
-            return "its loads meet a frequency of its supports".to_owned();
+            return "its loads excite a natural frequency of its supports".to_owned();
         };
         let count = steps.len();
         let share = |order: usize| {

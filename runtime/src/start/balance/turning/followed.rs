@@ -32,9 +32,10 @@ use crate::linear::{BlockLu, LinearSolver, Pattern};
 use crate::model::Model;
 use crate::outputs::Watch;
 use crate::start::Turning;
-use crate::start::eccentricity::{eccentricities, eccentricity_rates, film_ratios};
+use crate::start::eccentricity::{eccentricities, eccentricity_rates, film_ratios, yielding};
 use crate::start::motion::{SteadyMotion, modal};
 use crate::state::{State, move_pose};
+use eng_system::significant::short;
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -369,7 +370,8 @@ impl Follower {
         move_pose(model, &from.pose, &all[..n], 1.0, &mut pose);
         if film_ratios(model, &pose)
             .iter()
-            .any(|ratio| *ratio >= WITHIN)
+            .zip(yielding(model))
+            .any(|(ratio, yields)| *ratio >= WITHIN && !yields)
         {
             return false;
         }
@@ -518,8 +520,9 @@ impl Balance<'_> {
         }
         if off > NEARLY || off.is_nan() {
             return Err(NoOrbit::Told(format!(
-                "its motion on the films does not repeat: the {PERIODS}th period of {:.4} ms changes the bending by {off:.1e} of itself",
-                1e3 * period
+                "its motion on the films does not repeat: the {PERIODS}th period of {:.4} ms changes the bending by {} of itself",
+                1e3 * period,
+                short(off, 2)
             )));
         }
         let rates = follower.rates(self)?;
@@ -614,7 +617,7 @@ impl Balance<'_> {
             Some(across * factors)
         });
         found.ok_or_else(|| {
-            NoOrbit::Told("what is stated cannot be met along its motion".to_owned())
+            NoOrbit::Told("the stated values cannot hold along its motion".to_owned())
         })
     }
 

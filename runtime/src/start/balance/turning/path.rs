@@ -11,6 +11,7 @@ use crate::outputs::{Outputs, Watch};
 use crate::rotation::{Quaternion, logarithm, product};
 use crate::start::motion::modal;
 use crate::state::State;
+use eng_system::significant::short;
 use std::f64::consts::TAU;
 
 /// Angles per turn without a cycle.
@@ -70,7 +71,8 @@ impl Path {
                     return Ok(Path { states, period });
                 }
                 Err((body, by)) => {
-                    off = format!("{body} is off by {by:.1e} of the model's size or of a radian");
+                    let by = short(by, 2);
+                    off = format!("{body} is off by {by} of the model's size or of a radian");
                 }
             }
         }

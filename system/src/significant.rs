@@ -1,7 +1,7 @@
 //! Numbers for people: significant digits, and no sign before a zero.
 
 /// A number with `digits` significant digits. It has an exponent if that is shorter than zeros.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
+pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -24,7 +24,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// [`significant`] without zeros at the end.
-pub(crate) fn short(value: f64, digits: usize) -> String {
+pub fn short(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
     let (digits, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
     if digits.contains('.') {
@@ -36,12 +36,12 @@ pub(crate) fn short(value: f64, digits: usize) -> String {
 }
 
 /// A number with `decimals` decimals. A number that rounds to zero has no sign.
-pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+pub fn fixed(value: f64, decimals: usize) -> String {
     without_sign_of_zero(format!("{value:.decimals$}"))
 }
 
 /// The text of a number; `-0.00` becomes `0.00`.
-pub(crate) fn without_sign_of_zero(text: String) -> String {
+pub fn without_sign_of_zero(text: String) -> String {
     match text.strip_prefix('-') {
         Some(rest) if rest.contains('0') && rest.chars().all(|c| matches!(c, '0' | '.' | ',')) => {
             rest.to_owned()

@@ -1,0 +1,143 @@
+//! Openings of the pin, which turn over the cells of the shell.
+//!
+//! An opening of the pin covers a share x of the largest width m that it can have in common with a column of cells. With
+//! `s = m x² (3 − 2x)`, m as a share of the column, each cell of the rows that the opening reaches has a link to the oil of the
+//! opening, and its faces come closer to it:
+//!
+//! ```text
+//! conductance of the link       k s/(1 − s + δ)        k = h³/12μ times the sum of both aspect ratios of the cell, twice
+//! distance of a side from its face          (1 − s) times that of a cell without opening
+//! ```
+//!
+//! So an uncovered cell has its usual equation, and a covered one the pressure of the opening, except for a part δ. Where the
+//! edges lie on lines of the grid, the equations are those of an opening of the shell. In between they change with the turn
+//! with continuous slopes. An error of the place of an edge, half a cell at most, is left.
+//!
+//! An opening of the shell takes precedence over one of the pin: its cells have no such link.
+
+use crate::film::{Film, Level, LevelWork};
+use crate::inputs::TURN;
+use std::f64::consts::TAU;
+
+/// δ: share by which the pressure of a covered cell may differ from that of its opening, roughly.
+const LEAK: f64 = 1e-8;
+
+/// Length that an opening of a length L (rad), whose first edge lies `start` behind the first line of a column (in 0 to
+/// 2π), shares with this column of a width, and the slope of this length by `start`.
+fn shared(start: f64, length: f64, width: f64) -> [f64; 2] {
+    let end = start + length;
+    let mut sum = [0.0; 2];
+    if start < width {
+        let inside = end < width;
+        sum[0] += end.min(width) - start;
+        sum[1] -= f64::from(u8::from(!inside));
+    }
+    // the end of an opening that comes round again
+    if end > TAU {
+        let inside = end < TAU + width;
+        sum[0] += (end - TAU).min(width);
+        sum[1] += f64::from(u8::from(inside));
+    }
+    sum
+}
+
+impl Film {
+    /// Shares of the cells that openings of the pin cover, with their slopes by the turn, and the factors that these shares
+    /// make of the weights of links. Does nothing for a film without such openings.
+    pub(crate) fn set_turning(&self, level: &Level, state: &mut LevelWork, x: &[f64]) {
+        let grid = &level.grid;
+        if grid.feedings.is_empty() {
+            return;
+        }
+        state.covered.fill([0.0; 2]);
+        for (feeding, factor) in grid.feedings.iter().zip(&mut state.turning) {
+            let column = feeding.cell / grid.across;
+            let [from, to] = self.source.openings[feeding.opening].around;
+            let start = (from + x[TURN] - grid.angles[column]).rem_euclid(TAU);
+            let width = grid.cells[feeding.cell].sector;
+            let [length, by_turn] = shared(start, to - from, width);
+            let most = width.min(to - from);
+            let (share, by_turn) = ((length / most).min(1.0), by_turn / most);
+            let covered = most / width * share * share * (3.0 - 2.0 * share);
+            let slope = most / width * 6.0 * share * (1.0 - share) * by_turn;
+            let left = 1.0 - covered + LEAK;
+            *factor = [covered / left, slope * (1.0 + LEAK) / (left * left)];
+            let own = &mut state.covered[feeding.cell];
+            *own = [own[0] + covered, own[1] + slope];
+        }
+        let first = grid.feedings.len();
+        let links = grid.links.iter().zip(&grid.reaches).skip(first);
+        for ((link, reaches), factor) in links.zip(state.turning[first..].iter_mut()) {
+            let (mut near, mut slope) = (0.0, 0.0);
+            for (side, reach) in [(link.a, reaches[0]), (link.b, reaches[1])] {
+                // fixed places have no reach
+                let covered = state.covered.get(side).copied().unwrap_or_default();
+                near += reach * (1.0 - covered[0]);
+                slope -= reach * covered[1];
+            }
+            let whole = reaches[0] + reaches[1];
+            let near = near.max(LEAK.sqrt() * whole);
+            *factor = [whole / near, -whole * slope / (near * near)];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inputs::Inputs;
+    use crate::source::{Cavitation, Feed, FilmSource, Opening, Part};
+
+    /// The factors of all links, and the shares of all cells, over a turn.
+    #[test]
+    fn slopes_are_those_of_factors_and_shares() {
+        let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [24, 5]);
+        source.openings = [[0.31, 0.83], [1.6, 1.7]]
+            .map(|around| Opening {
+                on: Part::Pin,
+                around,
+                across: [-0.3, 0.3],
+                feed: Feed::Pressure,
+            })
+            .to_vec();
+        let film = Film::new(source).unwrap();
+        let level = &film.levels[0];
+        let mut work = film.work();
+        let mut at = |turn: f64| {
+            let x = Inputs {
+                turn,
+                supply: &[1.0, 1.0],
+                ..Inputs::still(1.0)
+            };
+            let state = &mut work.levels[0];
+            film.set_gap(level, state, &x.write());
+            (state.turning.clone(), state.covered.clone())
+        };
+        let step = 1e-6;
+        let mut moving = 0;
+        // the second opening is narrower than a cell, and ends on a line of the grid after the first turn
+        for turn in [TAU / 24.0 * 8.0 - 1.7, 1.03, 4.2, -2.0] {
+            let [down, middle, up] = [-step, 0.0, step].map(|shift| at(turn + shift));
+            let numbers = |state: &(Vec<[f64; 2]>, Vec<[f64; 2]>)| {
+                [state.0.as_slice(), state.1.as_slice()].concat()
+            };
+            let [down, middle, up] = [down, middle, up].map(|state| numbers(&state));
+            for ((down, middle), up) in down.iter().zip(&middle).zip(&up) {
+                let slope = (up[0] - down[0]) / (2.0 * step);
+                // where an edge lies on a line, the slope has a bend, which the differences see
+                let error = (slope - middle[1]).abs();
+                assert!(error < 1e-3 * slope.abs().max(1.0), "{slope} {}", middle[1]);
+                moving += usize::from(slope != 0.0);
+            }
+            let covered: f64 = middle[middle.len() - level.grid.cells.len()..]
+                .iter()
+                .map(|covered| covered[0])
+                .sum();
+            assert!(
+                (covered * TAU / 24.0 / 3.0 - 0.62).abs() < 0.05,
+                "{covered}"
+            );
+        }
+        assert!(moving > 20, "{moving}");
+    }
+}

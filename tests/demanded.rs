@@ -1,0 +1,305 @@
+//! Motions that constraints demand, with corners: where the demanded acceleration jumps, the motion starts again; where the
+//! demanded velocity or position jumps, the run is refused by name. All motions are compared with closed forms.
+
+use eng::{Outcome, Program, Sources};
+
+const SAMPLES: [&str; 5] = ["0.3 ms", "2 ms", "7 ms", "50 ms", "0.2 s"];
+
+fn program(text: &str) -> Program {
+    match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
+        Ok(program) => program,
+        Err(report) => panic!("{report}"),
+    }
+}
+
+/// A block of 2 kg on a rail, held along `way` of the time. It draws a block of 1 kg on a spring of 1 kN/m.
+fn drawn(way: &str, more: &str, settings: &str) -> String {
+    format!(
+        "
+        use std.joints.Translational
+        {more}
+        drive Along(a: Marker, b: Marker) {{
+            constrain dot(a.origin - b.origin, b.z) == {way}
+        }}
+        force Spring(a: Marker, b: Marker, rail: Marker) {{
+            apply force (-1 kN/m*dot(a.origin - b.origin, rail.z))*rail.z on a against b
+        }}
+        model Drawn {{
+            gravity = [0, 0, 0] m/s^2
+            marker rail = [0, 0, 0] mm
+            body block {{ mass = 2 kg; inertia = [1, 1, 1] g*m^2 }}
+            body free {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2 }}
+            joint guide = Translational(block.origin, rail)
+            joint slide = Translational(free.origin, rail)
+            drive along = Along(block.origin, rail)
+            force spring = Spring(free.origin, block.origin, rail)
+        }}
+        analysis run = transient(Drawn(), {settings})"
+    )
+}
+
+fn ran(text: &str) -> Outcome {
+    let program = program(text);
+    let analysis = program.analysis("run").expect("an analysis");
+    let outcome = analysis.run(&mut |_| {});
+    outcome.unwrap_or_else(|failed| panic!("{}\n{text}", failed.error))
+}
+
+fn refused(text: &str) -> String {
+    let program = program(text);
+    let analysis = program.analysis("run").expect("an analysis");
+    match analysis.run(&mut |_| {}) {
+        Ok(_) => panic!("the run is not refused:\n{text}"),
+        Err(failed) => failed.error.to_string(),
+    }
+}
+
+fn column<'a>(outcome: &'a Outcome, path: &str) -> &'a [f64] {
+    &outcome.results.column(path).expect("a column").values
+}
+
+/// The demanded acceleration jumps at 0.1 s from `before` to 20 m/s². The drive's force is that of both blocks, the free one
+/// swings about the way that lags by a/ω², and the works close the energy.
+#[test]
+fn a_demanded_acceleration_may_jump() {
+    let pace = 1000.0_f64.sqrt();
+    let table = "table stroke(t: Time) -> Length = points([0, 0.05, 0.1] s, [0, 0, 0] mm, extrapolation: linear)
+        fn late(t: Time) -> Time = max(t - 100 ms, 0 s)";
+    for (way, before) in [
+        ("10 m/s^2*max(0 s, time - 0.1 s)^2", 0.0),
+        (
+            "(if time > 0.1 s then 10 m/s^2*(time - 0.1 s)^2 else 0 mm)",
+            0.0,
+        ),
+        (
+            "(if time >= 100 ms then 10 m/s^2*late(time)*late(time) else stroke(time))",
+            0.0,
+        ),
+        ("10 m/s^2*(time - 0.1 s)*abs(time - 0.1 s)", -20.0),
+        ("(1 m/s*time + 10 m/s^2*max(0 s, time - 0.1 s)^2)", 0.0),
+    ] {
+        for sample in SAMPLES {
+            let settings = format!("duration: 0.2 s, sample: {sample}");
+            let outcome = ran(&drawn(way, table, &settings));
+            let [time, force, at, energy, work] = [
+                "time",
+                "along.force.z",
+                "slide.travel",
+                "energy.imbalance",
+                "energy.work_of_drives",
+            ]
+            .map(|path| column(&outcome, path));
+            let steady = if way.starts_with("(1 m/s") { 1.0 } else { 0.0 };
+            let speed = if before == 0.0 { steady } else { 2.0 };
+            // x − s is a swing about −a/ω², from the start of each part
+            let swing = |a: f64, [gap, rate]: [f64; 2], t: f64| {
+                let (sine, cosine) = (pace * t).sin_cos();
+                let mean = -a / (pace * pace);
+                [
+                    mean + (gap - mean) * cosine + rate / pace * sine,
+                    rate * cosine - (gap - mean) * pace * sine,
+                ]
+            };
+            // the free block begins at rest
+            let at_start = [if before == 0.0 { 0.0 } else { 0.1 }, -speed];
+            let (mut worst, mut missed) = (0.0_f64, 0.0_f64);
+            for (k, t) in time.iter().enumerate() {
+                let late = (t - 0.1).max(0.0);
+                let (a, gap) = match late > 0.0 {
+                    true => (20.0, swing(20.0, swing(before, at_start, 0.1), late)[0]),
+                    false => (before, swing(before, at_start, *t)[0]),
+                };
+                let way = match before == 0.0 {
+                    true => steady * t + 10.0 * late * late,
+                    false => 10.0 * (t - 0.1) * (t - 0.1).abs(),
+                };
+                worst = worst.max((at[k] - way - gap).abs());
+                if (t - 0.1).abs() > 1e-6 {
+                    missed = missed.max((force[k] - 2.0 * a + 1000.0 * gap).abs());
+                }
+            }
+            let turned = work.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+            let open = energy.iter().fold(0.0_f64, |most, e| most.max(e.abs())) / turned;
+            println!("{way} at {sample}: {worst:.1e} m, {missed:.1e} N, energy {open:.1e}");
+            assert!(worst < 2e-6, "{way} at {sample}: {worst:.1e} m");
+            assert!(missed < 4e-3, "{way} at {sample}: {missed:.1e} N");
+            assert!(open < 2e-5, "{way} at {sample}: {open:.1e} of the work");
+        }
+    }
+}
+
+/// Two blocks of 1 kg on rails across each other; the way of the second is a function `lift` of that of the first, `x`.
+fn guided(lift: &str, more: &str, settings: &str) -> String {
+    format!(
+        "
+        use std.joints.Translational
+        {more}
+        joint Guide(a: Marker, b: Marker, x_frame: Marker, z_frame: Marker) {{
+            let x = dot(a.origin - x_frame.origin, x_frame.z)
+            constrain dot(b.origin - z_frame.origin, z_frame.z) == {lift}
+        }}
+        model Guided {{
+            gravity = [0, 0, 0] m/s^2
+            marker across = at([0, 0, 0] mm, z: [1, 0, 0])
+            marker up = origin
+            body first {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = at(origin, z: [1, 0, 0]) }}
+            body second {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2 }}
+            joint rail = Translational(first.eye, across)
+            joint slide = Translational(second.origin, up)
+            joint guide = Guide(first.eye, second.origin, across, up)
+            start rail.travel = 0 mm
+            start rail.speed = 1 m/s
+        }}
+        analysis run = transient(Guided(), {settings})"
+    )
+}
+
+/// A flat guide becomes a parabola at 50 mm: the demanded acceleration of the second block jumps there from 0 to 2 m/s² κ.
+/// Energy gives the speed, and its integral the place.
+#[test]
+fn a_guide_may_change_its_curvature() {
+    let (curvature, corner) = (10.0_f64, 0.05);
+    for lift in [
+        "5 m^-1*max(x - 50 mm, 0 mm)^2",
+        "(if x > 50 mm then 5 m^-1*(x - 50 mm)^2 else 0 mm)",
+    ] {
+        for sample in SAMPLES {
+            let settings = format!("duration: 0.2 s, sample: {sample}");
+            let outcome = ran(&guided(lift, "", &settings));
+            let [time, x, speed] =
+                ["time", "rail.travel", "rail.speed"].map(|path| column(&outcome, path));
+            let (mut worst, mut missed) = (0.0_f64, 0.0_f64);
+            for (k, t) in time.iter().enumerate() {
+                let u = curvature * (x[k] - corner).max(0.0);
+                let root = (1.0 + u * u).sqrt();
+                // arc length, at a speed of 1 m/s
+                let due = x[k].min(corner) + (u * root + u.asinh()) / (2.0 * curvature);
+                worst = worst.max((due - t).abs());
+                missed = missed.max((speed[k] * root - 1.0).abs());
+            }
+            println!("{lift} at {sample}: {worst:.1e} s, {missed:.1e} of the speed");
+            assert!(worst < 2e-6, "{lift} at {sample}: {worst:.1e} s");
+            assert!(missed < 2e-5, "{lift} at {sample}: {missed:.1e}");
+        }
+    }
+}
+
+/// A demanded velocity or position that jumps ends the run, with the element, the size of the jump and the expression. This does
+/// not depend on the distance of samples, and fixed steps find it, too.
+#[test]
+fn a_demanded_velocity_must_not_jump() {
+    let tables = "table ramp(t: Time) -> Length = points([0, 50, 100] ms, [0, 50, 100] mm, extrapolation: hold)
+        fn stroke(t: Time) -> Length = 20 mm/(1 rad)*wrapped(t/(100 ms)*1 rad, 1.3 rad, from: -1 rad)";
+    for (way, told) in [
+        (
+            "1 m/s*max(0 s, time - 0.1 s)",
+            ["velocity", "1000 mm/s", "max(0 s, time - 0.1 s)"],
+        ),
+        (
+            "(if time > 0.1 s then 2 m/s*(time - 0.1 s) else 0 mm)",
+            ["velocity", "2000 mm/s", "time > 0.1 s"],
+        ),
+        (
+            "500 mm/s*abs(time - 0.1 s)",
+            ["velocity", "1000 mm/s", "abs(time - 0.1 s)"],
+        ),
+        (
+            "1 m/s*min(time, 0.1 s)",
+            ["velocity", "1000 mm/s", "min(time, 0.1 s)"],
+        ),
+        (
+            "1 m/s*max(0 s, time)",
+            ["velocity", "1000 mm/s", "max(0 s, time)"],
+        ),
+        ("ramp(time)", ["velocity", "1000 mm/s", "ramp(time)"]),
+        (
+            "(if time > 0.1 s then 10 mm else 0 mm)",
+            ["position", "10 mm", "time > 0.1 s"],
+        ),
+        ("stroke(time)", ["position", "26 mm", "wrapped("]),
+    ] {
+        let settings = SAMPLES.map(|sample| format!("duration: 0.2 s, sample: {sample}"));
+        let fixed = "duration: 0.2 s, sample: 10 ms, step: 0.7 ms".to_owned();
+        for settings in settings.into_iter().chain([fixed]) {
+            let message = refused(&drawn(way, tables, &settings));
+            for part in told.iter().chain(&["E0774", "along"]) {
+                assert!(
+                    message.contains(part),
+                    "{way}, {settings}: no {part} in\n{message}"
+                );
+            }
+        }
+    }
+    for (lift, told) in [
+        (
+            "0.5*max(x - 50 mm, 0 mm)",
+            ["velocity", "500 mm/s", "max(x - 50 mm, 0 mm)"],
+        ),
+        (
+            "0.5*abs(x - 50 mm)",
+            ["velocity", "1000 mm/s", "abs(x - 50 mm)"],
+        ),
+        ("profile(x)", ["velocity", "200 mm/s", "profile(x)"]),
+        (
+            "(if x > 50 mm then 3 mm else 0 mm)",
+            ["position", "3 mm", "x > 50 mm"],
+        ),
+    ] {
+        let profile = "table profile(x: Length) -> Length = points([-950, -450, 50] mm, [0, 0.1, 0.2] m, extrapolation: hold)";
+        let settings = SAMPLES.map(|sample| format!("duration: 0.2 s, sample: {sample}"));
+        let fixed = "duration: 0.2 s, sample: 10 ms, step: 0.7 ms".to_owned();
+        for settings in settings.into_iter().chain([fixed]) {
+            let message = refused(&guided(lift, profile, &settings));
+            // fixed steps pass the corner, so they see the jump at a velocity between those of both sides
+            let parts = match settings.contains("step:") {
+                true => [told[0], told[2], told[2]],
+                false => told,
+            };
+            for part in parts.iter().chain(&["E0774", "guide"]) {
+                assert!(
+                    message.contains(part),
+                    "{lift}, {settings}: no {part} in\n{message}"
+                );
+            }
+        }
+    }
+}
+
+/// Corners that change no demanded velocity are none: both ends of `step`, a table with level ends, a `wrapped` angle in a function that
+/// repeats with it, a corner that no step reaches, one in a branch that is not selected, and one at which the motion rests.
+#[test]
+fn smooth_corners_are_passed() {
+    let tables = "use std.math.step
+        fn round(a: Angle) -> Length = 10 mm*cos(a)";
+    for (way, end) in [
+        ("100 mm*step((time - 0.1 s)/(50 ms))", 0.1),
+        (
+            "round(wrapped(time*50 rad/s, 360 deg))",
+            0.01 * 10.0_f64.cos(),
+        ),
+        ("10 mm*max(0, time/(1 s) - 0.3)", 0.0),
+        (
+            "(if time > 0.5 s then 1 mm*abs(time/(0.1 s) - 1) else 3 mm)",
+            0.003,
+        ),
+        ("10 mm*max(0, min(1 - time/(0.1 s), -0.5))", 0.0),
+    ] {
+        for sample in SAMPLES {
+            let outcome = ran(&drawn(
+                way,
+                tables,
+                &format!("duration: 0.2 s, sample: {sample}"),
+            ));
+            let travel = column(&outcome, "guide.travel");
+            let found = travel[travel.len() - 1];
+            assert!((found - end).abs() < 1e-9, "{way} at {sample}: {found} m");
+            let [open, work] =
+                ["energy.imbalance", "energy.work_of_drives"].map(|path| column(&outcome, path));
+            let size = |x: &[f64]| x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            // some of these ways do not move at all
+            let share = size(open) / size(work).max(1e-9);
+            println!("{way} at {sample}: energy {share:.1e}");
+            assert!(share < 1e-4, "{way} at {sample}: energy {share:.1e}");
+        }
+    }
+}

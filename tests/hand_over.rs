@@ -1,0 +1,216 @@
+//! Reduced bodies as files for other codes: read back, and compared with the body and with a closed form. `.ci/bodies.py` reads
+//! the same files with other programs.
+
+use eng::{BodyFile, BodyFormat, Program, Reduction, Sources};
+use eng_flexible::Files;
+use eng_flexible::read::matrix::{ForeignMatrix, read_abaqus_matrix, read_dmig, read_op4};
+use nalgebra::{DMatrix, DVector};
+use std::io::{Cursor, Read};
+use std::path::Path;
+use std::process::{Command, Output};
+
+struct Written(Vec<BodyFile>);
+
+impl Files for Written {
+    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
+        let file = self.0.iter().find(|file| file.name == name);
+        let file = file.ok_or(std::io::ErrorKind::NotFound)?;
+        Ok(Box::new(Cursor::new(file.contents.clone())))
+    }
+}
+
+fn bar(body: &str) -> Reduction {
+    let text = format!(
+        "model Bar {{ gravity = [0, 0, 0] m/s^2; flexible bar {{ mesh = nastran(\"bar.bdf\", units: mm_tonne_s); {body}
+            damping = 1 %; marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+            marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid) }} }}"
+    );
+    let sources = Sources::from_texts([
+        ("bar.eng".to_owned(), text),
+        (
+            "bar.bdf".to_owned(),
+            include_str!("mesh/bar.bdf").to_owned(),
+        ),
+    ]);
+    let program: Program = match eng::check(&sources, "bar.eng").into_program() {
+        Ok(program) => program,
+        Err(report) => panic!("{report}"),
+    };
+    program.model("Bar").expect("a model").reductions()[0].clone()
+}
+
+/// A matrix of a file as a dense one; one triangle is mirrored.
+fn dense(matrix: &ForeignMatrix, rows: usize, columns: usize) -> DMatrix<f64> {
+    let mut values = DMatrix::zeros(rows, columns);
+    for &(row, column, value) in &matrix.entries {
+        let (row, column) = (row as usize, column as usize);
+        values[(row, column)] = value;
+        if matrix.symmetric {
+            values[(column, row)] = value;
+        }
+    }
+    values
+}
+
+fn close(a: &DMatrix<f64>, b: &DMatrix<f64>, relative: f64) {
+    assert!((a - b).amax() <= relative * b.amax(), "{a} {b}");
+}
+
+#[test]
+fn a_free_body_keeps_its_frequencies_in_every_format() {
+    let bar = bar("modes = static(at: tip) + normal(6)");
+    let frequencies = bar.frequencies();
+    let size = 6 + frequencies.len();
+    let op4 = Written(bar.files(BodyFormat::Op4, 1).expect("files"));
+    let of_op4 = |name: &str, rows| {
+        let matrix = read_op4(&op4, "bar.op4", name).expect("a matrix");
+        assert_eq!((matrix.rows, matrix.columns), (rows, size));
+        dense(&matrix, rows, size)
+    };
+    let [stiffness, mass, damping] = ["KENG", "MENG", "BENG"].map(|name| of_op4(name, size));
+    // M⁻¹ᐟ² K M⁻¹ᐟ²
+    let root = mass.clone().cholesky().expect("a positive mass").l();
+    let inverse = root.try_inverse().expect("an inverse");
+    let mut found = (&inverse * &stiffness * inverse.transpose())
+        .symmetric_eigen()
+        .eigenvalues
+        .iter()
+        .map(|value| value.abs().sqrt() / std::f64::consts::TAU)
+        .collect::<Vec<_>>();
+    found.sort_by(f64::total_cmp);
+    assert!(found[5] < 1e-3 * found[6], "{found:?}");
+    for (found, expected) in found[6..].iter().zip(frequencies) {
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    }
+    // points of Nastran: two markers, then the coordinates. A coordinate without entries is not in its matrix.
+    let dmig = Written(bar.files(BodyFormat::Dmig, 1001).expect("files"));
+    for (name, expected) in [("KENG", &stiffness), ("MENG", &mass), ("BENG", &damping)] {
+        let matrix = read_dmig(&dmig, "bar.bdf", name).expect("a matrix");
+        let rows = matrix.freedoms.clone().expect("freedoms").rows;
+        let left = size - rows.len();
+        assert!(
+            rows.iter()
+                .all(|(point, freedom)| *point >= 1003 && *freedom == 0)
+        );
+        assert_eq!(rows[0].0, 1003 + left as u64);
+        let found = dense(&matrix, rows.len(), rows.len());
+        let part = expected.view((left, left), (rows.len(), rows.len()));
+        close(&found, &part.into_owned(), 1e-9);
+    }
+    let abaqus = Written(bar.files(BodyFormat::Abaqus, 1).expect("files"));
+    for (kind, expected) in [
+        ("stiffness", &stiffness),
+        ("mass", &mass),
+        ("damping", &damping),
+    ] {
+        let matrix = read_abaqus_matrix(&abaqus, &format!("bar.{kind}.mtx")).expect("a matrix");
+        let rows = matrix.freedoms.clone().expect("freedoms").rows;
+        let left = size - rows.len();
+        let found = dense(&matrix, rows.len(), rows.len());
+        let part = expected.view((left, left), (rows.len(), rows.len()));
+        close(&found, &part.into_owned(), 1e-15);
+    }
+}
+
+/// Cantilever under a force at its tip: `F L³/(3 E I)` and shear `F L/(k G A)`, with k by Cowper (J. Appl. Mech. 33 (1966) 335).
+#[test]
+fn a_held_body_bends_as_a_cantilever() {
+    let bar = bar("support = foot; modes = static(at: tip) + normal(2)");
+    let size = 6 + bar.frequencies().len();
+    let files = Written(bar.files(BodyFormat::Op4, 1).expect("files"));
+    let stiffness = dense(&read_op4(&files, "bar.op4", "KENG").expect("K"), size, size);
+    let motion = dense(&read_op4(&files, "bar.op4", "LENG").expect("L"), 12, size);
+    let elastic = stiffness.view((6, 6), (size - 6, size - 6)).into_owned();
+    // the frame is fixed; the tip is the first marker
+    let along_x: DVector<f64> = motion.row(0).columns(6, size - 6).transpose();
+    let bent = elastic.cholesky().expect("a stiffness").solve(&along_x);
+    let (young, poisson, side, length) = (210e9, 0.3, 0.02f64, 0.2f64);
+    let second = side.powi(4) / 12.0;
+    let shear = young / (2.0 * (1.0 + poisson));
+    let cowper = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson);
+    let expected =
+        length.powi(3) / (3.0 * young * second) + length / (cowper * shear * side * side);
+    let found = along_x.dot(&bent);
+    assert!((found / expected - 1.0).abs() < 5e-3, "{found} {expected}");
+    // a turn of the frame moves the tip by its lever
+    assert!((motion[(0, 4)] - length).abs() < 1e-12, "{motion}");
+    assert!((motion[(1, 3)] + length).abs() < 1e-12, "{motion}");
+}
+
+fn reduce(folder: &Path, words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_eng"))
+        .current_dir(folder)
+        .env("ENG_CACHE", folder.join("cache"))
+        .arg("reduce")
+        .args(words)
+        .output()
+        .expect("the command runs")
+}
+
+#[test]
+fn the_command_writes_bodies_or_says_why_not() {
+    let folder = std::env::temp_dir().join(format!("eng-hand-over-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mesh");
+    for name in ["bar.eng", "bar.bdf"] {
+        std::fs::copy(meshes.join(name), folder.join(name)).expect("a copy");
+    }
+    let done = reduce(
+        &folder,
+        &["bar.eng", "--to", "dmig", "--out", "out", "--body", "bar"],
+    );
+    let said = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(done.status.success() && said.contains("bar.bdf"), "{said}");
+    let json = std::fs::read_to_string(folder.join("out/bar.json")).expect("a description");
+    assert!(
+        json.contains("\"rotation z\"") && json.contains("\"mode 1\""),
+        "{json}"
+    );
+    let mut refusals = String::new();
+    for words in [
+        &["bar.eng", "--to", "op4"][..],
+        &["bar.eng", "--out", "elsewhere"],
+        &[
+            "bar.eng",
+            "--to",
+            "op4",
+            "--out",
+            "elsewhere",
+            "--body",
+            "crank",
+        ],
+        &[
+            "bar.eng",
+            "--to",
+            "dmig",
+            "--out",
+            "elsewhere",
+            "--first-point",
+            "0",
+        ],
+        &[
+            "bar.eng",
+            "--to",
+            "abaqus",
+            "--out",
+            "elsewhere",
+            "--first-point",
+            "99999990",
+        ],
+        &["bar.eng", "--to", "op4", "--out", "bar.bdf"],
+    ] {
+        let output = reduce(&folder, words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        assert!(!folder.join("elsewhere").exists(), "{words:?}");
+        let said = String::from_utf8_lossy(&output.stderr);
+        let line = said
+            .lines()
+            .find(|line| line.contains("error"))
+            .unwrap_or_default();
+        refusals.push_str(line);
+        refusals.push('\n');
+    }
+    insta::assert_snapshot!(refusals);
+    std::fs::remove_dir_all(&folder).expect("the folder goes");
+}
