@@ -24,7 +24,16 @@ table peaked(theta: CrankAngle) -> AbsolutePressure =
 
 /// An engine with hinges in its big ends at 3000 rpm. `arguments` replace or add arguments.
 fn engine(layout: &str, order: &str, arguments: &str) -> String {
-    let stated = |name: &str| arguments.contains(&format!("{name}:"));
+    // names within parentheses are arguments of something else
+    let mut depth = 0;
+    let outer: String = arguments
+        .chars()
+        .filter(|letter| {
+            depth += i32::from(*letter == '(') - i32::from(*letter == ')');
+            depth == 0
+        })
+        .collect();
+    let stated = |name: &str| outer.contains(&format!("{name}:"));
     let usual = [
         ("numbered_from", "timing_end"),
         ("seen_from", "timing_end"),
@@ -94,7 +103,7 @@ fn quiet(text: &str) {
     let said = told(text);
     let unused = said.matches("warning[W0201]").count();
     assert_eq!(said.matches("warning[").count(), unused, "{said}");
-    assert!(!said.contains("error"), "{said}");
+    assert!(!said.contains("error["), "{said}");
 }
 
 /// The angle (deg) at which each cylinder's pressure has its peak. There the piston must be at its dead centre.
