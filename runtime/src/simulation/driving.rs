@@ -115,16 +115,7 @@ impl Simulation {
     pub(super) fn begin_anew(&mut self) -> Result<(), RuntimeError> {
         let moment = self.moment();
         // the constraints' compensation of the steps before, which does not depend on loads
-        if !self.defect_of_step()? {
-            self.system.velocity_defect(
-                &self.model,
-                &mut self.dynamics,
-                &self.integrator.current,
-                moment,
-                &mut self.work,
-            )?;
-        }
-        self.integrator.set_defect(&self.work);
+        self.tell_defect(moment)?;
         let first = self.first_rates(moment)?;
         self.integrator.renew(
             &first.jerk,

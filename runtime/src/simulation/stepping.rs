@@ -470,7 +470,7 @@ impl Simulation {
 
     /// Writes into `work` the part of the current velocity that violates the constraints, in the measure of
     /// the step's kept matrix, because the step caused it in this measure. `false` if no factors are kept.
-    pub(super) fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
+    fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
         let state = &self.integrator.current;
         let (model, dynamics) = (&self.model, &mut self.dynamics);
         dynamics.place(model, state.time, &state.pose, &state.velocity);
@@ -497,6 +497,22 @@ impl Simulation {
         Ok(true)
     }
 
+    /// Tells the integrator the part of the current velocity that violates the constraints: of the step's kept
+    /// matrix, else of the mass matrix.
+    pub(super) fn tell_defect(&mut self, moment: Moment) -> Result<(), RuntimeError> {
+        if !self.defect_of_step()? {
+            self.system.velocity_defect(
+                &self.model,
+                &mut self.dynamics,
+                &self.integrator.current,
+                moment,
+                &mut self.work,
+            )?;
+        }
+        self.integrator.set_defect(&self.work);
+        Ok(())
+    }
+
     /// Replaces the error of a failed step by that of a lock, if the mechanism is at one.
     fn or_locked(&self, error: RuntimeError) -> RuntimeError {
         match error {
@@ -516,16 +532,7 @@ impl Simulation {
     fn trial(&mut self, h: f64, tolerance: Option<f64>) -> Result<Trial, RuntimeError> {
         let mut moment = self.moment();
         if self.integrator.needs_defect(h) {
-            if !self.defect_of_step()? {
-                self.system.velocity_defect(
-                    &self.model,
-                    &mut self.dynamics,
-                    &self.integrator.current,
-                    moment,
-                    &mut self.work,
-                )?;
-            }
-            self.integrator.set_defect(&self.work);
+            self.tell_defect(moment)?;
         }
         moment.time += h;
         self.integrator
