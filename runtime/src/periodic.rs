@@ -45,7 +45,7 @@ const ABOVE: f64 = 3.0;
 const GROWTH: f64 = 1e-3;
 /// Share of a difference that does not follow from the earlier ones, above which it counts as noise; and the
 /// number of consecutive cycles with such a share.
-const UNFORETOLD: f64 = 0.3;
+const UNPREDICTED: f64 = 0.3;
 const NOISY_CYCLES: usize = 3;
 /// Share of the least change so far, above which the changes of the last cycles no longer shrink.
 const STANDSTILL: f64 = 0.5;
@@ -448,13 +448,13 @@ impl Cycles<'_> {
             return false;
         };
         self.changes
-            .push((slowest.change, slowest.mode.map_or(0.0, |m| m.unforetold)));
+            .push((slowest.change, slowest.mode.map_or(0.0, |m| m.unpredicted)));
         let (earlier, last) = self
             .changes
             .split_at(self.changes.len().saturating_sub(NOISY_CYCLES));
         let least = |of: &[(f64, f64)]| of.iter().fold(f64::INFINITY, |w, x| w.min(x.0));
         !earlier.is_empty()
-            && last.iter().all(|(_, share)| *share > UNFORETOLD)
+            && last.iter().all(|(_, share)| *share > UNPREDICTED)
             && least(last) > STANDSTILL * least(earlier)
             && self.moved.beyond <= 1.0
             && self

@@ -259,12 +259,12 @@ impl Analysis {
             && *stated != value
         {
             let text = |x: f64| info.display.text(x);
-            let told = format!(
+            let line = format!(
                 "{path} = {}, not {} as the text states",
                 text(value),
                 text(*stated)
             );
-            self.replaced.push(told);
+            self.replaced.push(line);
         }
         self.set_here.push(path.clone());
         if let Some(place) = self.overrides.get_mut(parameter.index) {
@@ -434,10 +434,11 @@ impl Analysis {
             return Vec::new();
         };
         let parameters = simulation.model().advice.len();
-        let told = simulation.take_warnings();
+        let warnings = simulation.take_warnings();
         let system = &self.model.compiled().system;
-        let told = told.iter().skip(parameters);
-        told.map(|warning| Finding::of_run(warning, system))
+        let of_motion = warnings.iter().skip(parameters);
+        of_motion
+            .map(|warning| Finding::of_run(warning, system))
             .collect()
     }
 

@@ -187,7 +187,7 @@ pub struct Condition {
 impl Condition {
     /// The message with the values of the moment. `value` gives the number of an entry of the class's
     /// conditions (SI).
-    pub fn told(&self, value: impl Fn(usize) -> f64) -> String {
+    pub fn message_with(&self, value: impl Fn(usize) -> f64) -> String {
         if self.message.is_empty() {
             return self.text.clone();
         }

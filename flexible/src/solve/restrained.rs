@@ -51,7 +51,7 @@ fn values(rows: &[Combination], size: usize, x: &[f64]) -> Vec<f64> {
 }
 
 /// `X −= B c` with B and c by columns.
-fn take(size: usize, b: &[f64], c: &[f64], x: &mut [f64]) {
+fn subtract_product(size: usize, b: &[f64], c: &[f64], x: &mut [f64]) {
     let (inner, columns) = (b.len() / size.max(1), x.len() / size.max(1));
     matmul(
         MatMut::from_column_major_slice_mut(x, size, columns),
@@ -201,7 +201,7 @@ impl Restrained {
         }
         let mut correction = vec![0.0; size * count];
         let negative: Vec<f64> = inverse.iter().map(|x| -x).collect();
-        take(size, &responses, &negative, &mut correction);
+        subtract_product(size, &responses, &negative, &mut correction);
         Ok(Restrained {
             factor,
             held: Some(Response {
@@ -242,7 +242,7 @@ impl Restrained {
             // twice: the second pass removes the rounding error of the first
             for _ in 0..2 {
                 let along = values(&held.rows, size, vectors);
-                take(size, &held.correction, &along, vectors);
+                subtract_product(size, &held.correction, &along, vectors);
             }
         }
         Ok(())

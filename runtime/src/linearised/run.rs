@@ -54,7 +54,7 @@ pub fn run_linear(
             }
             while simulation.time() < end {
                 simulation.step_within(end)?;
-                tell(&mut simulation, observer, |s| s.time() / end)?;
+                report(&mut simulation, observer, |s| s.time() / end)?;
             }
             simulation.evaluate_channels(&mut values)?;
         }
@@ -138,7 +138,7 @@ impl Observer for Stretch<'_> {
     }
 }
 
-fn tell(
+fn report(
     simulation: &mut Simulation,
     observer: &mut dyn Observer,
     part: impl Fn(&Simulation) -> f64,
@@ -174,7 +174,7 @@ pub(super) fn turn_by(
     let (mut farthest, mut standing) = (f64::NEG_INFINITY, 0);
     loop {
         simulation.step()?;
-        tell(simulation, observer, |s| done(s) / angle)?;
+        report(simulation, observer, |s| done(s) / angle)?;
         let now = done(simulation);
         if now >= angle {
             simulation.sample_at_angle(start + sense * angle, values)?;

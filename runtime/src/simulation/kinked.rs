@@ -358,7 +358,7 @@ impl Simulation {
             return Ok(());
         }
         let multiplier_rate = rate(&a.multipliers, &b.multipliers);
-        self.tell_defect(moment)?;
+        self.pass_defect(moment)?;
         let mut rates = vec![0.0; self.model.rows];
         self.dynamics
             .constraints_along(&self.model, &jerk, &mut rates)?;

@@ -80,13 +80,13 @@ impl Simulation {
         self.outputs
             .evaluate(&self.model, &self.dynamics, &self.completed)
             .map_err(|error| self.at_moment(error))?;
-        self.take_sampled_energy();
+        self.compute_sampled_energy();
         Ok(())
     }
 
     /// Computes the energies of the completed state, at which the dynamics are placed. Works are Hermite's
     /// cubics over the last step, with the powers at its ends.
-    pub(super) fn take_sampled_energy(&mut self) {
+    pub(super) fn compute_sampled_energy(&mut self) {
         let [kinetic, gravity, strain, _] =
             self.dynamics.energy(&self.model, &self.completed.velocity);
         let to = self.integrator.current.time;

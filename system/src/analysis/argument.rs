@@ -60,7 +60,7 @@ pub struct Limit {
     /// "must be …".
     pub due: &'static str,
     /// The label and the help of its message, if "this is negative" would say too little.
-    pub told: Option<(&'static str, &'static str)>,
+    pub label_and_help: Option<(&'static str, &'static str)>,
 }
 
 /// Two arguments that contradict each other.
@@ -199,7 +199,7 @@ pub(super) const fn limit(fits: fn(f64) -> bool, due: &'static str) -> Limit {
     Limit {
         fits,
         due,
-        told: None,
+        label_and_help: None,
     }
 }
 

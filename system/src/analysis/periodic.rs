@@ -62,7 +62,7 @@ pub(super) const ROW: KindRow = KindRow {
                 Limit {
                     fits: |x| x >= 2.0,
                     due: "at least 2",
-                    told: Some((
+                    label_and_help: Some((
                         "too few to see one repeat",
                         "it is the number of cycles after which to give up; 40 is the default",
                     )),

@@ -96,7 +96,7 @@ fn chosen(balance: &mut Balance, state: &State) -> Result<Vec<usize>, NoOrbit> {
     let mut chosen = Vec::new();
     for i in 0..rows.nrows() {
         let left = split(&(rows.rows(i, 1) * &free))
-            .ok_or_else(|| NoOrbit::Told("its rows are no numbers".to_owned()))?;
+            .ok_or_else(|| NoOrbit::Reason("its rows are no numbers".to_owned()))?;
         if left.pick.nrows() > 0 {
             chosen.push(i);
             free *= left.free;
@@ -112,7 +112,7 @@ fn held_at(
 ) -> Result<DMatrix<f64>, NoOrbit> {
     let rows = candidates(balance, state)?;
     if chosen.iter().any(|i| *i >= rows.nrows()) {
-        return Err(NoOrbit::Told(
+        return Err(NoOrbit::Reason(
             "the stated values differ from angle to angle".to_owned(),
         ));
     }
@@ -267,10 +267,10 @@ impl Angles {
                 return Ok(());
             }
             if size > FAR {
-                return Err(NoOrbit::Told(self.resonance(balance, &steps)));
+                return Err(NoOrbit::Reason(self.resonance(balance, &steps)));
             }
             if solution.residual > STALLED {
-                return Err(NoOrbit::Told(format!(
+                return Err(NoOrbit::Reason(format!(
                     "the equations of all angles are not solved: {} products leave {:.0} % of the unbalanced load",
                     solution.products,
                     100.0 * solution.residual
@@ -287,7 +287,7 @@ impl Angles {
                 last = f64::INFINITY;
             }
         }
-        Err(NoOrbit::Told(
+        Err(NoOrbit::Reason(
             "Newton's method finds no motion that repeats".to_owned(),
         ))
     }
@@ -402,7 +402,7 @@ impl Angles {
             place: first.place,
             velocity: first.velocity,
             acceleration: first.acceleration,
-            told: Turning::Repeating {
+            turning: Turning::Repeating {
                 angles: count,
                 period,
                 change,
