@@ -159,7 +159,7 @@ pub fn run_periodic(
         motion: Motion::new(
             &model,
             // the tolerance of a fixed step limits Newton's iteration and not the error of the step
-            match periodic.step {
+            match periodic.integration.step {
                 StepControl::Tolerance(factor) => factor,
                 StepControl::Fixed(_) | StepControl::FixedTo { .. } => 1.0,
             },
@@ -183,9 +183,7 @@ pub fn run_periodic(
     let transient = Transient {
         duration: Extent::Angle(period * f64::from(periodic.cycles)),
         sample: Extent::Angle(period / samples),
-        step: periodic.step,
-        rho_infinity: periodic.rho_infinity,
-        start: periodic.start,
+        integration: periodic.integration,
     };
     let run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
     cycles.give();
@@ -424,7 +422,10 @@ impl Cycles<'_> {
         if !self.repeats && self.only_noise() {
             self.repeats = true;
             let change = self.slowest.as_ref().map_or(0.0, |s| s.change);
-            self.noise = Some(Remedy::of(self.limit.step, self.limit.change / change));
+            self.noise = Some(Remedy::of(
+                self.limit.integration.step,
+                self.limit.change / change,
+            ));
         }
         let angles: Vec<f64> = self.now.heads[1..]
             .iter()

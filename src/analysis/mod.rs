@@ -276,9 +276,10 @@ impl Analysis {
 
     /// Takes fixed steps, or steps of another tolerance, in place of the text's.
     pub fn stepping(mut self, control: StepControl) -> Self {
-        let Some(place) = self.plan.kind.step_mut() else {
+        let Some(integration) = self.plan.kind.integration_mut() else {
             return self;
         };
+        let place = &mut integration.step;
         let text = |control: StepControl| match control {
             StepControl::Fixed(step) => ("step", format!("{} s", short(step, 12))),
             StepControl::FixedTo { step, tolerance } => (

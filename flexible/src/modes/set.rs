@@ -1,8 +1,8 @@
 //! Makes a sum of modes an orthonormal set.
 
-use super::{Structure, applied, products, subtract};
+use super::{Structure, applied, products};
 use crate::error::FlexibleError;
-use crate::solve::dense::symmetric_eigen;
+use crate::solve::dense::{subtract, symmetric_eigen};
 use crate::sparse::SymmetricOperator;
 use crate::sparse::product::TOGETHER;
 use serde::{Deserialize, Serialize};

@@ -25,12 +25,7 @@ pub fn run_linear(
     linear: &Linear,
     observer: &mut dyn Observer,
 ) -> Result<LinearModes, RuntimeError> {
-    let options = Options {
-        step: linear.step,
-        rho_infinity: linear.rho_infinity,
-        start: linear.start,
-        ..Options::default()
-    };
+    let options = Options::from(linear.integration);
     let mut simulation = Simulation::new(compiled, overrides, options)?;
     observer.started(simulation.start());
     let wanted = Wanted {
@@ -70,7 +65,13 @@ pub fn run_linear(
         },
         Some(over) => {
             let mut rest = Stretch::new(all, part, 1.0);
-            about_an_orbit(&mut simulation, over, linear.step, wanted, &mut rest)?
+            about_an_orbit(
+                &mut simulation,
+                over,
+                linear.integration.step,
+                wanted,
+                &mut rest,
+            )?
         }
     };
     follow(&simulation, all, &Advance::new(&simulation, 1.0), true)?;

@@ -2,8 +2,9 @@
 
 use super::super::{Balance, Place, Stop};
 use super::derivative::{PeriodicDerivative, refined};
+use super::followed::offset;
 use super::krylov::gmres;
-use super::path::{Path, turn_between};
+use super::path::Path;
 use super::tangent::Tangent;
 use super::{NoOrbit, Orbit, singular};
 use crate::model::Model;
@@ -173,19 +174,7 @@ impl Angles {
             .iter()
             .zip(path.states.iter().step_by(2))
             .map(|(angle, base)| {
-                let mut off = vec![0.0; model.velocities];
-                let (pose, base) = (&angle.place.state.pose, &base.pose);
-                for body in &model.bodies {
-                    let (p, v) = (body.pose, body.velocity);
-                    for i in 0..3 {
-                        off[v + i] = pose[p + i] - base[p + i];
-                    }
-                    let turn = turn_between(&base[p + 3..p + 7], &pose[p + 3..p + 7]);
-                    off[v + 3..v + 6].copy_from_slice(turn.as_slice());
-                    for i in 0..body.modes() {
-                        off[v + 6 + i] = pose[p + 7 + i] - base[p + 7 + i];
-                    }
-                }
+                let mut off = offset(model, &base.pose, &angle.place.state.pose);
                 off.extend(&angle.place.state.multipliers);
                 off
             })

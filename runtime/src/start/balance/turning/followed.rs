@@ -404,7 +404,7 @@ fn unscaled(unknowns: &[f64], scales: &[f64]) -> Vec<f64> {
 }
 
 /// The increment from one position to another.
-fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
+pub(super) fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
     for body in &model.bodies {
         let (p, v) = (body.pose, body.velocity);
