@@ -148,7 +148,7 @@ eng_grammar::codes! {
     BENT_AS_IF_LOADS_TURNED = "W0745", "a turning flexible body starts bent as if all loads turned with it",
         "A load that is fixed in space, such as weight, bends a turning shaft as at rest. A load that turns with the shaft, such as an unbalance, bends it 1/(1 − Ω²/ω²) times as much (speed Ω, bending frequency ω). The motion that repeats after a turn or a cycle distinguishes them. Here the start found none, for the stated reason: a speed that changes, shafts without a common period, a load in resonance with an undamped shape, equations that the iteration does not solve. So all loads are treated as turning, and the body rings at first. Give the model a cycle or constant speeds, damp the shape, or begin with `start: assembled`.",
         "", "";
-    ACCEPT_UNHEARD = "W0750", "an `accept` accepts nothing",
+    ACCEPT_UNUSED = "W0750", "an `accept` accepts nothing",
         "No lint of this name gives a warning for this item, in any analysis of the file. An unnecessary acceptance would hide a later mistake: remove it.",
         "joint big_end = Revolute(rod.big, crank.pin) { accept loose }",
         "joint big_end = Revolute(rod.big, crank.pin)";

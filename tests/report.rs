@@ -5,7 +5,7 @@
 #[path = "../report/tests/report/tools.rs"]
 mod tools;
 
-use eng::{InterfaceSummary, Results, SummarisedElement, SummaryColumn, SummaryTable, Taken};
+use eng::{InterfaceSummary, Results, Statistic, SummarisedElement, SummaryColumn, SummaryTable};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -162,9 +162,9 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
     let rows = table(&page, "Journal law over the last cycle, short");
     assert_eq!(rows.len(), 5);
     let columns = [
-        ("radial_load", Taken::Largest),
-        ("minimum_film", Taken::Least),
-        ("power_loss", Taken::Mean),
+        ("radial_load", Statistic::Largest),
+        ("minimum_film", Statistic::Least),
+        ("power_loss", Statistic::Mean),
     ];
     let element = |index: usize| {
         let path = format!("main[{}]", index + 1);
@@ -183,7 +183,7 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
             .map(|(output, taken)| SummaryColumn {
                 output: (*output).to_owned(),
                 about: String::new(),
-                taken: *taken,
+                statistic: *taken,
             })
             .collect(),
         elements: (0..5).map(element).collect(),

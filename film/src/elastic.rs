@@ -452,7 +452,7 @@ impl Elastic {
         work.feedback.solve(&mut work.plain, 1);
         if paired && kept {
             let secants = &mut work.feedback.secants;
-            secants.take(&work.moved, &work.earlier, &work.plain);
+            secants.add(&work.moved, &work.earlier, &work.plain);
         }
         work.change.copy_from_slice(&work.plain);
         work.feedback.secants.improve(&mut work.change);

@@ -27,8 +27,8 @@ pub(crate) enum Wanted {
 pub(crate) enum Trouble {
     /// Its drives are none, or its own numbers.
     NotFinite,
-    /// The solver's words.
-    Told(FieldError),
+    /// The reason of its solver.
+    Solver(FieldError),
 }
 
 /// A field of the element in a lane, with its numbers at the gathered state.
@@ -108,8 +108,8 @@ impl LaneField {
             && self.before == other.before
     }
 
-    /// Takes the solution and the readings of another field.
-    pub fn take(&mut self, other: &LaneField) {
+    /// Copies the solution and the readings of another field.
+    pub fn copy_from(&mut self, other: &LaneField) {
         self.answers.copy_from_slice(&other.answers);
         self.readings.copy_from_slice(&other.readings);
     }
@@ -132,7 +132,7 @@ impl LaneField {
             memory: &self.before,
         });
         let solved = self.solver.solve(&self.drives, past, &mut self.answers);
-        solved.map_err(Trouble::Told)?;
+        solved.map_err(Trouble::Solver)?;
         finite(&self.answers)?;
         if readings != Readings::None {
             let slopes = readings == Readings::All;

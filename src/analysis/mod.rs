@@ -259,12 +259,12 @@ impl Analysis {
             && *stated != value
         {
             let text = |x: f64| info.display.text(x);
-            let told = format!(
+            let line = format!(
                 "{path} = {}, not {} as the text states",
                 text(value),
                 text(*stated)
             );
-            self.replaced.push(told);
+            self.replaced.push(line);
         }
         self.set_here.push(path.clone());
         if let Some(place) = self.overrides.get_mut(parameter.index) {
@@ -276,9 +276,10 @@ impl Analysis {
 
     /// Takes fixed steps, or steps of another tolerance, in place of the text's.
     pub fn stepping(mut self, control: StepControl) -> Self {
-        let Some(place) = self.plan.kind.step_mut() else {
+        let Some(integration) = self.plan.kind.integration_mut() else {
             return self;
         };
+        let place = &mut integration.step;
         let text = |control: StepControl| match control {
             StepControl::Fixed(step) => ("step", format!("{} s", short(step, 12))),
             StepControl::FixedTo { step, tolerance } => (
@@ -434,10 +435,11 @@ impl Analysis {
             return Vec::new();
         };
         let parameters = simulation.model().advice.len();
-        let told = simulation.take_warnings();
+        let warnings = simulation.take_warnings();
         let system = &self.model.compiled().system;
-        let told = told.iter().skip(parameters);
-        told.map(|warning| Finding::of_run(warning, system))
+        let of_motion = warnings.iter().skip(parameters);
+        of_motion
+            .map(|warning| Finding::of_run(warning, system))
             .collect()
     }
 

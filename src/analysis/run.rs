@@ -332,8 +332,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// Takes a row of the results and the motion.
-    fn take(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+    /// Records a row of the results and of the motion.
+    fn record(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         if self.refused.is_some() {
             return ControlFlow::Break(());
         }
@@ -423,7 +423,7 @@ impl Observer for Recorder<'_> {
 
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         self.spent(|timings| &mut timings.samples);
-        let taken = self.take(sample);
+        let taken = self.record(sample);
         self.spent(|timings| &mut timings.files);
         taken
     }

@@ -5,8 +5,8 @@
 //! text.
 
 pub use crate::analysis::{
-    Analysis, AnalysisKind, Extent, Linear, Names, Periodic, PointValue, Rows, Start, StepControl,
-    Transient,
+    Analysis, AnalysisKind, Extent, Integration, Linear, Names, Periodic, PointValue, Rows, Start,
+    StepControl, Transient,
 };
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::layout::InputLayout;
@@ -187,7 +187,7 @@ pub struct Condition {
 impl Condition {
     /// The message with the values of the moment. `value` gives the number of an entry of the class's
     /// conditions (SI).
-    pub fn told(&self, value: impl Fn(usize) -> f64) -> String {
+    pub fn message_with(&self, value: impl Fn(usize) -> f64) -> String {
         if self.message.is_empty() {
             return self.text.clone();
         }

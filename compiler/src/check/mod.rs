@@ -99,7 +99,7 @@ struct Checker<'p> {
     /// Names of lints that a text may accept.
     lints: BTreeSet<&'p str>,
     /// Places of angles with a finished check for turns, so that each gets one message.
-    turns_told: BTreeSet<Span>,
+    turns_reported: BTreeSet<Span>,
     /// The findings for later stages.
     findings: Findings,
 }
@@ -172,7 +172,7 @@ impl<'p> Checker<'p> {
             choice_due: None,
             depth: 0,
             lints: program.lints(),
-            turns_told: BTreeSet::new(),
+            turns_reported: BTreeSet::new(),
             findings: Findings::default(),
         }
     }

@@ -218,8 +218,9 @@ impl<'p> Checker<'p> {
                 message = message.meant(name.span, near);
             } else if kind == Kind::Component && name.text == "gravity" {
                 message = message.with_help("gravity acts on the whole model: state it there");
-            } else if let Some(told) = self.offer_marker(message.clone(), name, &attribute.value) {
-                self.report(told);
+            } else if let Some(offered) = self.offer_marker(message.clone(), name, &attribute.value)
+            {
+                self.report(offered);
                 return;
             } else {
                 message = message

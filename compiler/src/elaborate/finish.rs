@@ -105,7 +105,7 @@ pub fn elaborate(
     let mut found = Diagnostics::new();
     let mut elaborator = Elaborator::new(typed, sources, host, &mut found);
     let result = elaborator.model(model, constants);
-    elaborator.tell_advised();
+    elaborator.report_advised();
     let failed = found.has_errors();
     diagnostics.extend(found);
     match result {
@@ -136,7 +136,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             context: Default::default(),
             draft: Default::default(),
             lints: program.lints(),
-            turns_told: Default::default(),
+            turns_reported: Default::default(),
         };
         for module in 0..program.modules.len() as u32 {
             let scope = elaborator.new_scope(None, module, String::new());

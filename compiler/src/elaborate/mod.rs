@@ -180,7 +180,7 @@ pub(crate) struct Elaborator<'a, 'd> {
     /// Names of all lints.
     pub lints: std::collections::BTreeSet<&'a str>,
     /// Calls of `sin` and similar functions that already have a message about a missing angle.
-    pub turns_told: std::collections::HashSet<Span>,
+    pub turns_reported: std::collections::HashSet<Span>,
 }
 
 impl<'a> Elaborator<'a, '_> {

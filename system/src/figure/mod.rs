@@ -72,7 +72,18 @@ pub struct Figure {
     pub picture: Picture,
 }
 
-/// The questions that every stage asks of a figure.
+impl Figure {
+    /// A figure whose ordinate has the name and the unit of a signal.
+    pub(crate) fn of(shown: &Recorded, picture: Picture) -> Figure {
+        Figure {
+            quantity: shown.quantity.clone(),
+            display: shown.display.clone(),
+            picture,
+        }
+    }
+}
+
+/// The properties of a figure that every stage reads.
 pub trait Kind {
     /// The signals that it reads.
     fn expressions(&self) -> Vec<&Expression>;

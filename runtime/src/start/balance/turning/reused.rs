@@ -144,7 +144,7 @@ impl Reused {
     /// Improves a correction of the factors.
     pub fn improve(&mut self, correction: &mut [f64]) {
         if self.paired {
-            self.secants.take(&self.moved, &self.before, correction);
+            self.secants.add(&self.moved, &self.before, correction);
         }
         self.before.copy_from_slice(correction);
         self.secants.improve(correction);
