@@ -288,6 +288,7 @@ fn right_models_are_quiet() {
         "examples/concept",
         "examples/v6",
         "examples/compressor",
+        "examples/torsion_six",
     ] {
         let mut files: Vec<PathBuf> = std::fs::read_dir(root().join(folder))
             .expect("a folder")
