@@ -98,12 +98,12 @@ fn forces_of_films_converge_to_rounding() {
 #[test]
 fn iterations_leave_little_in_small_reactions() {
     const SMALL: [&str; 6] = [
-        "big_end[1].force.z",
-        "big_end[2].force.z",
-        "big_end[1].torque.x",
-        "big_end[2].torque.x",
-        "mounts.force.z",
-        "mounts.torque.x",
+        "engine.cylinder[1].hinge.force.z",
+        "engine.cylinder[2].hinge.force.z",
+        "engine.cylinder[1].hinge.torque.x",
+        "engine.cylinder[2].hinge.torque.x",
+        "engine.mounts.force.z",
+        "engine.mounts.torque.x",
     ];
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
     let model = eng::check(

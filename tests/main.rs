@@ -5,6 +5,7 @@
 mod accuracy;
 mod allocation;
 mod architecture;
+mod classics;
 mod command;
 mod command_failures;
 mod commands_in_process;

@@ -86,7 +86,7 @@ fn number(text: &str) -> f64 {
 fn a_report_of_an_engine_shows_what_the_results_hold() {
     let folder = folder("report-inline4");
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
-    let text = std::fs::read_to_string(examples.join("inline4.eng")).expect("the example");
+    let text = std::fs::read_to_string(examples.join("by_hand.eng")).expect("the example");
     let (model, _) = text.split_once("analysis unfired").expect("its analyses");
     // two revolutions are a cycle
     let run =
@@ -424,7 +424,7 @@ fn in_a_browser(page: &Path) {
 fn a_sweep_over_speed_has_maps_and_curves() {
     let folder = folder("report-sweep");
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
-    let text = std::fs::read_to_string(examples.join("inline4.eng")).expect("the example");
+    let text = std::fs::read_to_string(examples.join("by_hand.eng")).expect("the example");
     let (model, _) = text.split_once("analysis unfired").expect("its analyses");
     let run = "analysis runup[s in [2000, 2500, 3000, 3500, 4000] rpm] =
         transient(Inline4(speed: s), duration: 2 rev, sample: 2 deg)\n";

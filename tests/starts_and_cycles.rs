@@ -60,7 +60,7 @@ fn a_turning_engine_begins_as_its_cycle_goes_on() {
         let mut worst = 0.0_f64;
         for journal in 1..=5 {
             for axis in ["x", "y"] {
-                let path = format!("main[{journal}].force.{axis}");
+                let path = format!("engine.main[{journal}].force.{axis}");
                 let here = &outcome.results.column(&path).expect("a channel").values;
                 let cycle = &steady.results.column(&path).expect("a channel").values;
                 assert_eq!((here.len(), cycle.len()), (11, 241));
