@@ -413,7 +413,7 @@ pub enum RuntimeError {
         /// The smallest factor that the run can satisfy.
         least: f64,
     },
-    /// Error control asks for steps that floating-point numbers cannot resolve.
+    /// Error control requires steps that floating-point numbers cannot resolve.
     #[error(
         "the step falls below {} s at {moment}; {} is not smooth there: {}",
         short(*step, 3),

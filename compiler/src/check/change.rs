@@ -98,7 +98,7 @@ impl<'p> Checker<'p> {
                 self.infer(inside, target)
             }
             ExprKind::Field { base, .. } => match self.infer(inside, base) {
-                // a number that the passed function brings along: elaboration knows it and its dimension
+                // a number that the passed function brings along: elaboration has it and its dimension
                 Type::Function(_) => {
                     self.infer(scope, value);
                     return;

@@ -100,7 +100,7 @@ eng_grammar::codes! {
         "model Line { input brake: Torque = 0 N*m, interpolation: spline }",
         "model Line { input brake: Torque = 0 N*m, interpolation: cubic }";
     FIELD = "E0433", "a field does not fit its kernel",
-        "A field asks a solver of its own, a kernel, for numbers: `reynolds` solves the oil film of a bearing. Its type is a record whose values are results of the kernel. Loads may use the answers (force, moment, torque); outputs and conditions may also use the readings, such as the least film thickness.",
+        "A field gets numbers from a solver of its own, a kernel: `reynolds` solves the oil film of a bearing. Its type is a record whose values are results of the kernel. Loads may use the answers (force, moment, torque); outputs and conditions may also use the readings, such as the least film thickness.",
         "record Film { let force: Vector2<Force>; let heat: Power }",
         "record Film { let force: Vector2<Force>; let shear_power: Power }";
     CHANGE = "E0434", "a change after `with` reaches no number",

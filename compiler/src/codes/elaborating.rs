@@ -161,7 +161,7 @@ eng_grammar::codes! {
         "analysis small = linear(Driveline(), inputs: [brake], outputs: [sped])",
         "analysis small = linear(Driveline(), inputs: [brake], outputs: [speed])";
     OF_TURN = "E0542", "a number of a turn without forces is used outside of a lint",
-        "`largest(x)`, `smallest(x)` and `where_largest(x)` are numbers of a turn of the machine through its cycle, by geometry alone. `eng check` knows them after this turn, so only `advise` and its message may use them, directly or through a `let`. A `require` is checked at every step of a run, so it reads the motion itself.",
+        "`largest(x)`, `smallest(x)` and `where_largest(x)` are numbers of a turn of the machine through its cycle, by geometry alone. `eng check` has them after this turn, so only `advise` and its message may use them, directly or through a `let`. A `require` is checked at every step of a run, so it reads the motion itself.",
         "joint liner = Translational(crown.axis, bore)\noutput stroke = largest(liner.travel) - smallest(liner.travel)",
         "joint liner = Translational(crown.axis, bore)\nadvise stroke: largest(liner.travel) - smallest(liner.travel) < 200 mm else \"a long stroke\"";
     NO_UNKNOWN = "E0543", "an equation of `solve` does not depend on its unknown",
@@ -179,7 +179,7 @@ eng_grammar::codes! {
         "Nothing refers to the marker. Perhaps another marker was used in its place; otherwise remove it. Markers inside components do not count. An elastic `surface` of a marker is not used if no film that is solved on cells has the marker as its shell.",
         "", "";
     ADVISED = "W0502", "an `advise` does not hold",
-        "The model runs, but its class reports a probable mistake. The author of the class wrote the text.",
+        "The model runs, but its class reports a probable mistake. The author of the class wrote the text of the message.",
         "advise teeth > 11 else \"so few teeth are undercut\"",
         "const teeth = 23\nadvise teeth > 11 else \"so few teeth are undercut\"";
     UNTIED = "W0503", "a body is connected to nothing",
