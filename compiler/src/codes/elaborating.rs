@@ -16,7 +16,7 @@ eng_grammar::codes! {
         "body rod[i in 1..40000] { mass = 1 kg }",
         "body rod[i in 1..4] { mass = 1 kg }";
     NOT_KNOWN = "E0504", "a number must be known while compiling",
-        "The points of a table, limits, exponents and ranges are fixed when the model is compiled; a `param` changes afterwards. Make it a `const`, or change the place to one that may vary.",
+        "The points of a table, limits, exponents and ranges are fixed when the model is compiled; a `param` changes afterwards. Make it a `const`, or use it at a place that may vary.",
         "param top: Length = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)",
         "const top = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)";
     DIVISION_BY_ZERO = "E0505", "a division by zero",
@@ -51,7 +51,7 @@ eng_grammar::codes! {
         "One element or output touches at most 64 markers, 64 states, 256 equations, 16 rotations, 1024 channels of others and 4096 numbers, and takes at most 100 000 operations. Divide it into several.",
         "", "";
     REQUIRED = "E0513", "a `require` does not hold",
-        "The class or model has a condition that the constants of this model do not fulfil. Its author wrote the text.",
+        "The class or model has a condition that the constants of this model do not fulfil. The author of the condition wrote the text of the message.",
         "require cylinders > 4 else \"this crank is for more than four cylinders\"",
         "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
     MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts",
