@@ -573,7 +573,7 @@ pub enum RuntimeError {
         body: Box<LeavingBody>,
     },
     /// A motion that should repeat does not.
-    #[error("the motion from {moment} on does not repeat after {} s: {what}{}", short(*period, 6), why.said())]
+    #[error("the motion from {moment} on does not repeat after {} s: {what}{}", short(*period, 6), why.suffix())]
     NotRepeating {
         /// The beginning of the period.
         moment: Moment,
