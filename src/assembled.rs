@@ -133,8 +133,7 @@ impl Program {
                         geometries.push(geometry);
                         let hanging = analysis.hanging()?;
                         found.add(hanging.iter());
-                        // a falling machine tumbles, so a lock in its turn would say nothing about its
-                        // lengths
+                        // a falling machine tumbles, so a lock in its turn is no sign of wrong lengths
                         found.timings.lints += clock.since();
                         if hanging.is_none() {
                             found.timings.turns += usize::from(turned.is_none());

@@ -15,7 +15,7 @@ pub struct Machine {
     pub summaries: Vec<InterfaceSummary>,
     /// The cycle's period (rad), if the model has a cycle.
     pub cycle_period: Option<f64>,
-    /// Whether the analysis asks for one cycle that repeats.
+    /// Whether the results are one cycle that repeats.
     pub periodic: bool,
     /// The shell axis that is drawn upwards.
     pub upright: Upright,

@@ -79,7 +79,7 @@ pub enum ItemKind {
 }
 
 impl ItemKind {
-    /// The name that it gives.
+    /// The name of the item in its scope; `None` for an item that defines none.
     pub fn name(&self) -> Option<&Name> {
         match self {
             ItemKind::Dimension(dimension) => Some(&dimension.name),

@@ -25,7 +25,7 @@ pub(crate) enum Wanted {
 /// Why a field has no numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Trouble {
-    /// Its drives are none, or its own numbers.
+    /// Its drives or its results are not finite.
     NotFinite,
     /// The reason of its solver.
     Solver(FieldError),
@@ -125,7 +125,7 @@ impl LaneField {
             return finite(&self.slopes);
         };
         self.is_read = false;
-        // numbers that are none are the element's own, and it says which table they come from
+        // drives that are not finite come from the element, whose own error names the table
         finite(&self.drives)?;
         let past = self.since.map(|step| Past {
             step,

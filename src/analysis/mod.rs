@@ -46,7 +46,7 @@ pub struct Analysis {
     timed: bool,
     /// Threads that solve its fields.
     threads: NonZeroUsize,
-    /// Its model in the assembled position, for all that ask for it.
+    /// Its model in the assembled position, for all its users.
     assembled: OnceLock<Result<Assembled, RuntimeError>>,
 }
 
@@ -227,7 +227,7 @@ impl Analysis {
         &self.model
     }
 
-    /// The parameter of its model with a path. The error about a constant says that it is one.
+    /// The parameter of its model with a path. The error names a constant as such.
     pub fn parameter(&self, path: &str) -> Result<Parameter, Error> {
         self.model.parameter(path).map_err(|error| {
             let constant = self.program.constant(self.model.name(), path);

@@ -156,7 +156,7 @@ impl Analysis {
         let cause = cause.map(|cause| self.error_with(cause, stands));
         let results = match finished {
             Ok(results) => results,
-            // the failure of the run says more than the failure of its table
+            // the failure of the run is more informative than that of its table
             Err(error) => return Err(cause.unwrap_or_else(|| error.into()).into()),
         };
         if cause.is_none() {

@@ -119,7 +119,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
     }
 }
 
-/// Whether the words ask for messages as JSON. clap has refused them as a whole, so this looks at the words
+/// Whether the words request messages as JSON. clap has refused them as a whole, so this looks at the words
 /// themselves.
 fn wants_json(words: &[OsString]) -> bool {
     let pairs = words.windows(2).any(|pair| pair == ["--format", "json"]);

@@ -84,7 +84,7 @@ pub(super) fn reports(
     let motions = earlier.iter().map(|results| {
         let name = format!("{}{SUFFIX}", results.analysis());
         let path = folder.join(format!("{}.parquet", file_stem(&name)));
-        // a figure that needs a missing motion says so
+        // a figure that needs a missing motion reports this
         match path.is_file() {
             true => or_stop(Results::read_parquet(&path), console).map(Some),
             false => Ok(None),

@@ -279,14 +279,14 @@ fn moments(typed: &[String]) -> Result<Vec<At>, String> {
     typed
         .iter()
         .map(|text| {
-            let said = |reason: String| format!("--stress-at {text}: {reason}");
+            let refusal = |reason: String| format!("--stress-at {text}: {reason}");
             let quantity: Quantity = text
                 .parse()
-                .map_err(|e: crate::QuantityError| said(e.to_string()))?;
+                .map_err(|e: crate::QuantityError| refusal(e.to_string()))?;
             match quantity.dimension() {
                 Dimension::ANGLE => Ok(At::Angle(quantity.value())),
                 Dimension::TIME => Ok(At::Time(quantity.value())),
-                _ => Err(said("neither an angle nor a time".to_owned())),
+                _ => Err(refusal("neither an angle nor a time".to_owned())),
             }
         })
         .collect()

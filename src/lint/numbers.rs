@@ -51,7 +51,7 @@ const ALONG_LINE: f64 = 0.3;
 const ABOUT_LINE: f64 = 2.0;
 /// Firing angles closer than this (rad) count as equal.
 const SAME_ANGLE: f64 = 1e-6;
-/// Distances below this (m) say nothing about the size of a machine.
+/// Distances below this (m) are no measure of the size of a machine.
 const NO_MEASURE: f64 = 0.02;
 
 /// The probable mistakes in the numbers of a model.

@@ -184,9 +184,9 @@ fn files(page: &Page) -> Vec<Drawn> {
             let caption = figure.caption.split(". ").next().unwrap_or_default();
             let second = caption.match_indices(", ").nth(1);
             let parts = second.and_then(|(end, _)| caption.get(..end));
-            let said = figure.name.as_deref().or(parts).unwrap_or(caption);
+            let title = figure.name.as_deref().or(parts).unwrap_or(caption);
             let mut name = format!("figure-{:02}", figure.number);
-            for word in said.split(|c: char| !c.is_ascii_alphanumeric()) {
+            for word in title.split(|c: char| !c.is_ascii_alphanumeric()) {
                 if !word.is_empty() && name.len() + word.len() < 100 {
                     name.push('-');
                     name.push_str(&word.to_ascii_lowercase());

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// Remaining time above which a run is stopped, unless the user asks for patience.
+/// Remaining time above which a run is stopped, unless the user states `--patient`.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 /// Time of the first check of the pace.
 const FIRST: Duration = Duration::from_secs(5);

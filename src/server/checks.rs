@@ -1,4 +1,4 @@
-//! Checks of texts, in threads beside the one that answers: a question about a text waits for no check.
+//! Checks of texts, in threads beside the one that answers requests. So no request waits for a check.
 
 use super::guarded;
 use super::messages::Messages;
@@ -47,7 +47,7 @@ impl Checker {
             .name("check".to_owned())
             .spawn(move || {
                 for job in waiting {
-                    // nobody listens after the end of the server
+                    // the receiver is gone after the end of the server
                     if results.send(checked(job)).is_err() {
                         return;
                     }

@@ -55,7 +55,7 @@ pub enum ServerError {
     Thread(#[from] std::io::Error),
 }
 
-/// Serves a client until it asks for the end.
+/// Serves a client until it requests the end.
 ///
 /// # Errors
 /// The client breaks the protocol of the start or of the end, the connection breaks, or there is no thread left.
@@ -351,7 +351,7 @@ impl Server<'_> {
         self.send(response);
     }
 
-    /// The answer to a request; null where there is nothing to say. Nothing for a method that the server does not have.
+    /// The answer to a request; null for an empty answer. `None` for a method that the server does not have.
     fn answered(&self, method: &str, params: &Value) -> Option<Value> {
         let known = [
             "textDocument/hover",

@@ -283,9 +283,9 @@ pub struct Element {
     pub class: u32,
     /// Its role.
     pub role: Role,
-    /// Indices into [`System::markers`], as many as the layout says.
+    /// Indices into [`System::markers`], as many as in the layout.
     pub markers: Vec<u32>,
-    /// Slots of its constants, as many as the layout says.
+    /// Slots of its constants, as many as in the layout.
     pub constants: Vec<Slot>,
     /// Start values of its states.
     pub state_start: Vec<Slot>,
@@ -295,10 +295,10 @@ pub struct Element {
     pub resolves: Vec<Slot>,
     /// Places of its parts that the assembly prefers, as its class states them.
     pub places: Vec<Placing>,
-    /// Channels that its outputs read, as many as the layout says. Each is computed before those of this
+    /// Channels that its outputs read, as many as in the layout. Each is computed before those of this
     /// element.
     pub signals: Vec<u32>,
-    /// Its unwrapped angles, as many as the layout says.
+    /// Its unwrapped angles, as many as in the layout.
     pub rotations: Vec<Rotation>,
     /// Its fields. Their drives, answers and readings are one after the other.
     pub fields: Vec<FieldSource>,

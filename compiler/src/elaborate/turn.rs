@@ -261,7 +261,7 @@ impl<'a> Elaborator<'a, '_> {
                 (None, None) => message,
             };
             return Err(self.report(message.with_help(
-                "`eng check` turns the machine without forces and knows the number then; write `advise` in place of `require`, and compute loads and outputs from the motion",
+                "`eng check` turns the machine without forces, and has the number after this turn; write `advise` in place of `require`, and compute loads and outputs from the motion",
             )));
         }
         for draft in &drafts {

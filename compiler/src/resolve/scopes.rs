@@ -92,7 +92,7 @@ fn scope(
         };
         let path = dotted(&used.path);
         let Some(from) = program.modules.iter().position(|m| m.path == path) else {
-            continue; // said when it was not found
+            continue; // reported when it was not found
         };
         match &used.names {
             UseNames::All => {

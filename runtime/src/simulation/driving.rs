@@ -101,7 +101,7 @@ impl Simulation {
     /// Starts the motion again if an input jumps here: accelerations, multipliers, rates and their auxiliaries,
     /// and the first step, are made as at the start. Positions, velocities and states stay.
     pub(super) fn after_jumps(&mut self) -> Result<(), RuntimeError> {
-        // the rates at the start do not know the values of the next point yet
+        // the rates at the start do not include the values of the next point yet
         let unknown = self.integrator.statistics.steps == 0 && self.dynamics.signals().aims();
         if !unknown && !self.dynamics.signals().jumps(self.time()) {
             return Ok(());

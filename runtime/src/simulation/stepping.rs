@@ -406,7 +406,7 @@ impl Simulation {
             }
         }
         self.dynamics.memory_mut().begin_step();
-        // behind a kink the powers before it say nothing about the power within the step
+        // the powers before a kink are no measure of the power within the step behind it
         let earlier_step = if self.at_kink.take().is_some() {
             0.0
         } else {
@@ -688,7 +688,7 @@ impl Simulation {
                     self.size.accepted(h, error);
                     self.keep_step_before_kink(wish);
                     if ends_at.is_some() {
-                        // the length up to a kink says nothing about the next step
+                        // the length up to a kink is no measure of the next step
                         self.size.step = self.size.step.max(wish);
                     }
                     return Ok((h, if last { end } else { begin + h }));

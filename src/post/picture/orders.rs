@@ -255,8 +255,8 @@ const DYNAMIC: f64 = 80.0;
 
 /// A map with the lines of orders and with natural frequencies, which its subtitle names.
 fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Natural) -> Campbell {
-    if let Some(said) = natural.said() {
-        figure.subtitle = format!("{}; {said}", figure.subtitle);
+    if let Some(names) = natural.description() {
+        figure.subtitle = format!("{}; {names}", figure.subtitle);
     }
     Campbell {
         figure,

@@ -106,7 +106,7 @@ impl Drawer<'_> {
         }
         let analyses: Vec<&str> = vectors.iter().map(|v| v.analysis.as_str()).collect();
         let (period, upright) = self.view(&analyses)?;
-        let said = if vectors.iter().any(|vector| vector.load) {
+        let convention = if vectors.iter().any(|vector| vector.load) {
             "load of the pins on their shells: the tip points at the side that carries it"
         } else {
             "as recorded: forces of joints and journals are those on the first marker"
@@ -114,7 +114,7 @@ impl Drawer<'_> {
         Ok(Polar {
             title: self.title.to_owned(),
             subtitle: format!(
-                "{}{}, not filtered; {said}",
+                "{}{}, not filtered; {convention}",
                 self.about(&analyses)?,
                 part(*cycles)
             ),

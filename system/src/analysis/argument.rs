@@ -59,7 +59,7 @@ pub struct Limit {
     pub fits: fn(f64) -> bool,
     /// "must be …".
     pub due: &'static str,
-    /// The label and the help of its message, if "this is negative" would say too little.
+    /// The label and the help of its message, if "this is negative" does not suffice.
     pub label_and_help: Option<(&'static str, &'static str)>,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Each kind has a file here. It holds a struct with the numbers of the kind, an implementation of [`Kind`],
 //! which every stage uses, and a [`KindRow`] with the name, the arguments and the function that makes a plan
-//! of them. The checker and elaboration read the row and know no kind by name. A function of the runtime
+//! of them. The checker and elaboration read the row and name no kind. A function of the runtime
 //! solves the kind; `src/analysis/run.rs` calls it.
 
 mod argument;

@@ -2,7 +2,7 @@
 //!
 //! Each kind has a file here. It holds a struct with the signals and numbers of the kind, an implementation of
 //! [`Kind`], and a [`FigureRow`] with the name, the arguments and the function that makes the tree of them. The
-//! checker reads the row and knows no kind by name. `src/post/picture` draws each kind.
+//! checker reads the row and names no kind. `src/post/picture` draws each kind.
 
 mod argument;
 mod campbell;

@@ -110,7 +110,7 @@ fn add(
     if matrix.is_numbered() && !(1..=count).contains(&column.0) {
         return Err(card.problem(
             &format!(
-                "column {} is none of the {count} that the head says",
+                "column {} is not among the {count} columns of the head",
                 column.0
             ),
             "NCOL of the head is missing or wrong",

@@ -94,7 +94,7 @@ fn columns(
         if record.len() < 3 * key || ![4, 8].contains(&word) || word * words != data.len() {
             return Err(records.problem(
                 format!(
-                    "column {column} of matrix {} says it has {} words, but has {} bytes",
+                    "column {column} of matrix {} states {} words, but has {} bytes",
                     head.name,
                     integer(2),
                     data.len()

@@ -108,7 +108,7 @@ fn read_columns(
                     "the head of a column after column {last} of matrix {}: column, row, words",
                     head.name
                 ),
-                "the file is damaged, or its values have another width than its format says",
+                "the file is damaged, or its values have another width than its format states",
             ));
         };
         let located = |text: &Text, (problem, advice): Wrong| text.problem(problem, advice);
@@ -142,7 +142,7 @@ fn read_columns(
                 _ => {
                     return Err(text.wrong(
                         "the head of a string of entries",
-                        "the file is damaged, or its values have another width than its format says",
+                        "the file is damaged, or its values have another width than its format states",
                     ));
                 }
             };
@@ -242,7 +242,7 @@ fn values(
                     "the line has {length} columns where {here} values of {} should be",
                     format.width
                 ),
-                "the line was cut or edited, or the values have another width than the head's format says".into(),
+                "the line was cut or edited, or the values have another width than the head's format states".into(),
             ));
         }
         if let Some((problem, advice)) = wrong {

@@ -45,7 +45,7 @@ pub(super) struct Reused {
     before: Vec<f64>,
     moved: Vec<f64>,
     paired: bool,
-    /// Size of the last correction in this step with the present factors, and whether its contraction asks for others.
+    /// Size of the last correction in this step with the present factors, and whether its contraction requires others.
     last: Option<f64>,
     slow: bool,
 }
@@ -150,7 +150,7 @@ impl Reused {
         self.secants.improve(correction);
     }
 
-    /// Takes the part of a correction of this size that is applied. With the contraction of the factors it tells whether the error
+    /// Takes the part of a correction of this size that is applied. With the contraction of the factors it shows whether the error
     /// that is left is below a goal.
     pub fn applied(&mut self, correction: &[f64], part: f64, size: f64, goal: f64) -> Next {
         for (moved, x) in self.moved.iter_mut().zip(correction) {
