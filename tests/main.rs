@@ -25,6 +25,7 @@ mod flexible_validation;
 mod floquet;
 mod floquet_engine;
 mod frames;
+mod gallery;
 mod geometry;
 mod hand_over;
 mod handles;
