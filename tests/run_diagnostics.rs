@@ -71,7 +71,7 @@ fn models_that_fail_raise_every_code_of_a_run() {
     // line numbers of the library change; the text of the lines is shown
     settings.add_filter(r"(std/\w+\.eng):\d+:\d+", "$1");
     // last digits are the integrator's business
-    settings.add_filter(r"(t = \d+\.\d{2})\d+ s", "$1… s");
+    settings.add_filter(r"(t = \d+\.\d{2})\d+(e-?\d+)? s", "$1…$2 s");
     settings.add_filter(r"point: \S+ (ms|s) past", "point: … $1 past");
     settings.add_filter(r"falls below \S+ s", "falls below … s");
     settings.add_filter(r"changes by \S+ % (of its swing from)", "changes by … % $1");
