@@ -1,5 +1,5 @@
 //! Processor time that a user waits for: whole runs of both four-cylinder examples by phase, thirteen speeds of the rigid one until
-//! their cycles repeat, the check and the steps of chains of up to a hundred bodies, and both examples with five films on cells.
+//! their cycles repeat, the check and the steps of chains of up to two hundred bodies, and both examples with five films on cells.
 //!
 //! `cargo bench --bench waiting`. Each figure is the least of some runs in one thread. The films take minutes: `-- films` runs them
 //! alone, one run each.
@@ -36,7 +36,7 @@ fn main() -> Outcome<()> {
         }
     }
     sweep()?;
-    for bodies in [25, 50, 100] {
+    for bodies in [25, 50, 100, 200] {
         chain(bodies)?;
     }
     films()

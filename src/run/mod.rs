@@ -52,8 +52,11 @@ pub enum Event {
     Done(Box<Result<RunOutcome, Failed<RunOutcome>>>),
 }
 
+/// Least time between two [`Event::Progress`] of an analysis among several.
+const BETWEEN: Duration = Duration::from_millis(20);
+
 /// Runs several analyses, up to `threads` at a time. If there are fewer analyses than threads, each has an equal share of the threads
-/// for its films on cells. `on_event` gets each event with the index of its analysis in
+/// for its films on cells. `on_event` gets events, of progress at most fifty a second, with the index of its analysis in
 /// `analyses`. The results equal those of [`run`] to the last bit, for any number of threads. `patient`: see
 /// [`run`].
 pub fn run_many(
@@ -77,7 +80,15 @@ pub fn run_many(
                         return;
                     };
                     // sending fails only after the receiver is closed, and then nobody needs the event
+                    let mut told: Option<Instant> = None;
                     let result = run_on(analysis, patient, each, &mut |event| {
+                        // an event wakes the thread that reads it, which takes some ten microseconds of a step
+                        if matches!(event, Event::Progress(_)) {
+                            if told.is_some_and(|told| told.elapsed() < BETWEEN) {
+                                return;
+                            }
+                            told = Some(Instant::now());
+                        }
                         let _ = sender.send((index, event));
                     });
                     let _ = sender.send((index, Event::Done(Box::new(result))));
