@@ -80,14 +80,14 @@ pub fn run_many(
                         return;
                     };
                     // sending fails only after the receiver is closed, and then nobody needs the event
-                    let mut told: Option<Instant> = None;
+                    let mut last: Option<Instant> = None;
                     let result = run_on(analysis, patient, each, &mut |event| {
                         // an event wakes the thread that reads it, which takes some ten microseconds of a step
                         if matches!(event, Event::Progress(_)) {
-                            if told.is_some_and(|told| told.elapsed() < BETWEEN) {
+                            if last.is_some_and(|last| last.elapsed() < BETWEEN) {
                                 return;
                             }
-                            told = Some(Instant::now());
+                            last = Some(Instant::now());
                         }
                         let _ = sender.send((index, event));
                     });
