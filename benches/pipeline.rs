@@ -38,7 +38,7 @@ const STEP: f64 = 1e-5;
 fn main() -> Outcome<()> {
     println!("{:<46} {:>12} {:>12}", "µs a time", "minimum", "median");
     measure("inline4", "Inline4", &["unfired", "fired"])?;
-    measure("paper", "Engine", &["unfired", "fired"])
+    measure("paper", "PaperEngine", &["unfired", "fired"])
 }
 
 /// All figures of an example.

@@ -62,7 +62,7 @@ fn compare(names: [&str; 2], repeat: u32, a: &mut dyn FnMut(), b: &mut dyn FnMut
 
 /// The example's text with another number of cylinders in line.
 fn text(cylinders: usize) -> Outcome<String> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/inline4/inline4.eng");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/inline4/by_hand.eng");
     let mut text = std::fs::read_to_string(folder)?;
     let list = |of: &dyn Fn(usize) -> String| -> String {
         (0..cylinders).map(of).collect::<Vec<_>>().join(", ")

@@ -1,7 +1,8 @@
 //! Processor time that a user waits for: whole runs of both four-cylinder examples by phase, thirteen speeds of the rigid one until
-//! their cycles repeat, and the check and the steps of chains of up to a hundred bodies.
+//! their cycles repeat, the check and the steps of chains of up to two hundred bodies, and both examples with five films on cells.
 //!
-//! `cargo bench --bench waiting`. Each figure is the least of some runs in one thread.
+//! `cargo bench --bench waiting`. Each figure is the least of some runs in one thread. The films take minutes: `-- films` runs them
+//! alone, one run each.
 
 use eng::timings::Timings;
 use eng::{Program, Sources};
@@ -17,6 +18,9 @@ const RUNS: usize = 3;
 const STEP: f64 = 1e-4;
 
 fn main() -> Outcome<()> {
+    if std::env::args().any(|argument| argument == "films") {
+        return films();
+    }
     for example in ["inline4", "paper"] {
         let folder = folder(example);
         let sources = Sources::folder(&folder)?;
@@ -28,12 +32,33 @@ fn main() -> Outcome<()> {
         println!("{example}: check {:.3} s", check.as_secs_f64());
         let program = eng::check(&sources, &file).into_program()?;
         for name in ["unfired", "fired"] {
-            whole(&program, name)?;
+            whole(&program, name, RUNS)?;
         }
     }
     sweep()?;
-    for bodies in [25, 50, 100] {
+    for bodies in [25, 50, 100, 200] {
         chain(bodies)?;
+    }
+    films()
+}
+
+/// 720° at 4000 rpm with five films on 72 × 13 cells: the rigid engine, and the flexible one with rigid bores and with 51 elastic
+/// shapes in each.
+fn films() -> Outcome<()> {
+    let inline = folder("inline4");
+    let text = std::fs::read_to_string(inline.join("inline4.eng"))?.replace("Impedance", "Film")
+        + "\nanalysis films = transient(Inline4(), duration: 2 rev, sample: 0.5 deg)\n";
+    let pressure = std::fs::read_to_string(inline.join("pressure.csv"))?;
+    let texts = [("inline4.eng", text), ("pressure.csv", pressure)];
+    let sources = Sources::from_texts(texts.map(|(name, text)| (name.to_owned(), text)));
+    println!("five films, inline4:");
+    let program = eng::check(&sources, "inline4.eng").into_program()?;
+    whole(&program, "films", 1)?;
+    println!("five films, paper:");
+    let sources = Sources::folder(folder("paper"))?;
+    let program = eng::check(&sources, "films.eng").into_program()?;
+    for name in ["film", "film_fired", "elastic", "elastic_fired"] {
+        whole(&program, name, 1)?;
     }
     Ok(())
 }
@@ -55,11 +80,11 @@ fn least(mut work: impl FnMut() -> Outcome<()>) -> Outcome<Duration> {
 }
 
 /// A run with all its samples, by phase.
-fn whole(program: &Program, name: &str) -> Outcome<()> {
+fn whole(program: &Program, name: &str, runs: usize) -> Outcome<()> {
     let analysis = program.analysis(name)?.timed();
     let mut best: Option<(Duration, Timings)> = None;
     let mut counts = None;
-    for _ in 0..RUNS {
+    for _ in 0..runs {
         let outcome = analysis.run(&mut |_| {}).map_err(|failed| failed.error)?;
         counts = outcome.summary.map(|summary| summary.statistics);
         let Some(t) = outcome.timings else { continue };

@@ -99,7 +99,7 @@ impl Program {
             return Ok(found);
         }
         let mut geometries = Vec::new();
-        let mut heard = Heard::default();
+        let mut lints = Lints::default();
         let names = self.analyses();
         let analyses = self.analyses_with(&names, Bodies::Rigid);
         found.timings.machine_code += clock.since();
@@ -115,7 +115,7 @@ impl Program {
             // the lints begin with the assembly; they leave out an analysis without one
             let _ = analysis.assembled();
             found.timings.assembly += clock.since();
-            let (turned, turning) = heard.take(&analysis);
+            let (turned, turning) = lints.collect(&analysis);
             found.timings.dry_turns += turning;
             found.timings.turns += usize::from(turned.is_some());
             found.timings.lints += clock.since().saturating_sub(turning);
@@ -123,7 +123,7 @@ impl Program {
             found.timings.assembly += clock.since();
             match topology {
                 Ok((report, bends)) => {
-                    found.tell(bends.iter().filter_map(|bends| bends.doubt.as_ref()));
+                    found.add(bends.iter().filter_map(|bends| bends.doubt.as_ref()));
                     let bends = bends.is_some();
                     // analyses with the same system share one dry turn; a machine that needs bending has no
                     // turn by geometry
@@ -132,9 +132,8 @@ impl Program {
                     if !bends && !geometries.contains(&geometry) {
                         geometries.push(geometry);
                         let hanging = analysis.hanging()?;
-                        found.tell(hanging.iter());
-                        // a falling machine tumbles, so a lock in its turn would say nothing about its
-                        // lengths
+                        found.add(hanging.iter());
+                        // a falling machine tumbles, so a lock in its turn is no sign of wrong lengths
                         found.timings.lints += clock.since();
                         if hanging.is_none() {
                             found.timings.turns += usize::from(turned.is_none());
@@ -142,19 +141,19 @@ impl Program {
                                 Some(turned) => analysis.lock(turned)?,
                                 None => analysis.dry_turn()?,
                             };
-                            found.tell(lock.iter());
+                            found.add(lock.iter());
                         }
                         found.timings.dry_turns += clock.since();
                     }
                     found.facts.push(assembles(&analysis, &report, bends));
                 }
                 Err(Error::Run { report, .. } | Error::Report(report)) => {
-                    found.tell(report.diagnostics().iter());
+                    found.add(report.diagnostics().iter());
                 }
                 Err(other) => return Err(other),
             }
         }
-        heard.tell(&mut found);
+        lints.add_to(&mut found);
         found.timings.lints += clock.since();
         Ok(found)
     }
@@ -189,7 +188,7 @@ impl Program {
 
 impl Assembled {
     /// Adds messages, each mistake once, because all analyses of one model have it.
-    fn tell<'d>(&mut self, messages: impl Iterator<Item = &'d eng_grammar::Diagnostic>) {
+    fn add<'d>(&mut self, messages: impl Iterator<Item = &'d eng_grammar::Diagnostic>) {
         for message in messages {
             if !self.diagnostics.iter().any(|known| known == message) {
                 self.diagnostics.push(message.clone());
@@ -264,16 +263,17 @@ fn vibrates(stated: &Diagnostic) -> Diagnostic {
 
 /// The lints of all analyses of a program.
 #[derive(Default)]
-struct Heard {
-    told: Vec<Finding>,
+struct Lints {
+    /// Those that no text accepts.
+    reported: Vec<Finding>,
     /// For each model with its constants: the system, and the used acceptances with their findings.
     models: Vec<(Arc<System>, Vec<Covered>)>,
 }
 
-impl Heard {
+impl Lints {
     /// Collects the findings of an analysis. Returns its dry turn if a lint made one, and the time of this turn. Another
     /// stage reports unusable parameters.
-    fn take(&mut self, analysis: &Analysis) -> (Option<Result<Turned, RuntimeError>>, Duration) {
+    fn collect(&mut self, analysis: &Analysis) -> (Option<Result<Turned, RuntimeError>>, Duration) {
         let Ok(Findings {
             list: mut findings,
             turned,
@@ -285,18 +285,18 @@ impl Heard {
         findings.extend(analysis.findings_of_start());
         let system = &analysis.model().compiled().system;
         let sifted = sift(findings, system);
-        for finding in sifted.told {
+        for finding in sifted.reported {
             let known =
                 |other: &Finding| other.like(&finding) && other.origin.path == finding.origin.path;
-            if !self.told.iter().any(known) {
-                self.told.push(finding);
+            if !self.reported.iter().any(known) {
+                self.reported.push(finding);
             }
         }
         match self.models.iter_mut().find(|(known, _)| known == system) {
-            Some((_, heard)) => {
+            Some((_, covered)) => {
                 for found in sifted.accepted {
-                    if !heard.contains(&found) {
-                        heard.push(found);
+                    if !covered.contains(&found) {
+                        covered.push(found);
                     }
                 }
             }
@@ -306,20 +306,20 @@ impl Heard {
     }
 
     /// Adds each finding once, and the list of acceptances.
-    fn tell(&self, assembled: &mut Assembled) {
-        for diagnostic in diagnostics(&self.told) {
+    fn add_to(&self, assembled: &mut Assembled) {
+        for diagnostic in diagnostics(&self.reported) {
             assembled.diagnostics.push(diagnostic);
         }
         let mut places: Vec<(&Accepted, bool)> = Vec::new();
-        for (system, heard) in &self.models {
-            for line in accepted(system, heard) {
+        for (system, covered) in &self.models {
+            for line in accepted(system, covered) {
                 let line = format!("accepted: {line}");
                 if !assembled.facts.contains(&line) {
                     assembled.facts.push(line);
                 }
             }
             // an acceptance is needed if one instance or one model needs it
-            for (accepted, needed) in needed(system, heard) {
+            for (accepted, needed) in needed(system, covered) {
                 match places.iter_mut().find(|(known, _)| known.at == accepted.at) {
                     Some((_, known)) => *known |= needed,
                     None => places.push((accepted, needed)),

@@ -13,7 +13,7 @@ eng_grammar::codes! {
         "A program that embeds a model states an impossible step, tolerance or spectral radius. The message states the possible values.",
         "", "";
     BODY = "E0702", "a body has a mass or inertia that no body can have",
-        "The inertia about the centre of mass is positive definite, and none of its principal moments exceeds the sum of the other two. Check the unit, the sign of the products, and the reference point, which is the centre of mass.",
+        "The inertia about the centre of mass must be positive definite, and none of its principal moments may exceed the sum of the other two. Check the unit, the sign of the products, and the reference point, which is the centre of mass.",
         "body rod { mass = 1 kg; inertia = [1, 1, 1] g*m^2; products_of_inertia = [2, 0, 0] g*m^2 }",
         "body rod { mass = 1 kg; inertia = [1, 1, 1] g*m^2; products_of_inertia = [0.2, 0, 0] g*m^2 }";
     OPEN_LOOP = "E0703", "the mechanism cannot be assembled: a loop stays open",
@@ -26,7 +26,7 @@ eng_grammar::codes! {
         "A velocity that `start` states does not fit the joints, the drives or other stated velocities. Remove one of them.",
         "", "";
     REDUNDANT = "E0706", "constraint equations repeat each other",
-        "Two joints hold the same freedom, such as two revolutes on one axis. Their reactions could be shared in any way. Take a joint with fewer equations for one of them, or a journal.",
+        "Two joints hold the same freedom, such as two revolutes on one axis. The distribution of their reactions is not determined. Replace one of them by a joint with fewer equations, or by a journal.",
         "joint left = Revolute(bar.left, block.left)\njoint right = Revolute(bar.right, block.right)",
         "joint left = Revolute(bar.left, block.left)\njoint right = PointOnLine(bar.right, block.right)";
     SINGULAR = "E0707", "accelerations are not determined",
@@ -34,7 +34,7 @@ eng_grammar::codes! {
         "body rod { mass = 0.6 kg; inertia = [0, 0, 0] g*m^2 }",
         "body rod { mass = 0.6 kg; inertia = [3.1, 0.12, 3] g*m^2 }";
     NOT_FINITE = "E0708", "an element gives a value that is no number",
-        "An expression divides by zero, or takes the root or logarithm of a number that has none. The message names the element and the moment.",
+        "An expression divides by zero, or takes the root of a negative number or the logarithm of a number that is not positive. The message names the element and the moment.",
         "apply force k/norm(a.origin - b.origin)*b.x on a against b",
         "apply force k/norm(a.origin - b.origin, floor: 1 um)*b.x on a against b";
     NO_STEP = "E0709", "a step has no solution, however small",
@@ -44,7 +44,7 @@ eng_grammar::codes! {
         "The motion is not smooth at this moment: a force or the rate of a state jumps or grows without bound. Make the force or rate continuous. The message names the body or the state whose error needs the small step.",
         "", "";
     REQUIRED = "E0711", "a `require` fails during the run",
-        "A class has a condition for every step, and here it fails: a pin touches its shell, a spring is blocked. The author of the class wrote the text. Eng keeps the results up to this moment.",
+        "A class has a condition for every step, and this condition fails: a pin touches its shell, a spring is blocked. The author of the class wrote the text of the message. Eng keeps the results up to this moment.",
         "", "";
     PROJECTION = "E0712", "a position cannot be projected onto the constraints",
         "Positions are projected onto the constraints. This fails if a step is too long for the motion, or if the mechanism locks or reaches its end.",
@@ -71,7 +71,7 @@ eng_grammar::codes! {
         "A kernel such as the oil film of a bearing cannot be made of its numbers, or it has no solution at a moment of the motion. The message names the reason: an opening that ends at an open end, or a pressure below that of the cavity.",
         "", "";
     PARAMETER_REQUIRED = "E0720", "parameters do not fulfil a `require`",
-        "The class, or the language for masses and inertias, has a condition that these parameters do not fulfil. The author of the class wrote the text.",
+        "The class, or the language for masses and inertias, has a condition that these parameters do not fulfil. The author of the class wrote the text of the message.",
         "body rod { mass = -1 kg; inertia = [1, 1, 1] g*m^2 }",
         "body rod { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }";
     PARAMETER_NOT_FINITE = "E0721", "with these parameters a value is no number",
@@ -83,11 +83,11 @@ eng_grammar::codes! {
         "param length: Length = 3 m in (1 mm, 2 m)",
         "param length: Length = 1 m in (1 mm, 2 m)";
     TURNING = "E0740", "the linearised motion has no constant coefficients",
-        "Bodies turn, and coefficients of the small motions turn with them: the shapes of a flexible body, unequal inertia, a joint or load beside the axis. Or time alone changes the coefficients: a stiffness that is a function of time, a shaken pivot, a varying load beside the axis. Eigenvalues with the coefficients held at one moment then give wrong whirl, damping and stability. The message names the bodies or elements and the reason. A change that moves no eigenvalue by more than a thousandth of its size is reported and not refused. If the motion repeats, `over:` with its period gives the modes of the period. `frozen: true` holds the coefficients at one moment, for frequencies well above the speed, and the result says so.",
+        "Bodies turn, and coefficients of the small motions turn with them: the shapes of a flexible body, unequal inertia, a joint or load beside the axis. Or time alone changes the coefficients: a stiffness that is a function of time, a shaken pivot, a varying load beside the axis. Eigenvalues with the coefficients held at one moment then give wrong whirl, damping and stability. The message names the bodies or elements and the reason. A change that moves no eigenvalue by more than a thousandth of its size is reported and not refused. If the motion repeats, `over:` with its period gives the modes of the period. `frozen: true` holds the coefficients at one moment, for frequencies well above the speed, and the result states this.",
         "analysis modes = linear(Rotor(), after: 1 s)",
         "analysis modes = linear(Rotor(), after: 1 s, over: 1 rev)";
     NOT_REPEATING = "E0741", "the motion does not repeat after the stated period",
-        "`linear` with `over:` searches for a motion that repeats after this time or angle, up to whole turns. The message names the body with the largest deviation. Check the period (a four-stroke cycle has two turns), loads that depend on time, and bodies that drift or turn freely at speeds of their own. If the state is too far from a motion that repeats, the help says so: begin nearer to it, with the quasi-static start or with `after:`.",
+        "`linear` with `over:` searches for a motion that repeats after this time or angle, up to whole turns. The message names the body with the largest deviation. Check the period (a four-stroke cycle has two turns), loads that depend on time, and bodies that drift or turn freely at speeds of their own. If the state is too far from a motion that repeats, the help proposes a nearer start: with the quasi-static start or with `after:`.",
         "analysis modes = linear(Engine(), after: 3 rev, over: 1 rev)",
         "analysis modes = linear(Engine(), after: 3 rev, over: 2 rev)";
     NO_PERIOD = "E0742", "there is no period of that kind",
@@ -106,7 +106,7 @@ eng_grammar::codes! {
         "Its geometry allows no further motion at this position: a rod shorter than the throw, a guide whose axis is across the motion, two joints that require different motions. Forces play no part. The message names the loop of bodies, the lengths between their joints and the axes.",
         "", "";
     NO_TURN = "W0761", "the machine does not complete its cycle",
-        "`eng check` turns the assembled machine through one period, or without a cycle through one turn of its fastest drive. It uses the geometry alone: no forces, pins in the middle of their shells. At the stated angle or time the machine locks. The message names the loop of bodies, the lengths between their joints and the axes. A run that reaches this position fails, or the crank turns back.",
+        "`eng check` turns the assembled machine through one period, or without a cycle through one turn of its fastest drive. It uses the geometry alone: no forces, pins in the middle of their shells. At the stated angle or time the machine locks. The message names the loop of bodies, the lengths between their joints and the axes. A run fails at this position, or the crank turns back.",
         "", "";
     HANGING = "W0762", "nothing holds a body against a motion",
         "The body is connected to others, but no joint, film or force holds it against some motion: a coupling turns it and does not carry it. It falls, and bodies that it carries fall with it.",
@@ -131,7 +131,7 @@ eng_grammar::codes! {
         "drive turn = PrescribedAngle(shaft.main, rail, angle_at: ramp)",
         "drive turn = PrescribedAngle(shaft.main, rail, angle_at: smooth_ramp)";
     ADVISED = "W0711", "an `advise` fails during the run",
-        "The run continues, but its class reports a doubt. Each element gives one message, at the first moment. The author of the class wrote the text.",
+        "The run continues, but its class reports a doubt. Each element gives one message, at the first moment. The author of the class wrote the text of the message.",
         "", "";
     NO_BALANCE = "W0712", "no quasi-static start was found",
         "A turning engine starts where its films and flexible bodies balance the loads of the steady motion. Here the named element prevents this: a journal that cannot carry its load, a mechanism that locks. The run starts as assembled, and rings at first. Correct the cause, or write `start: assembled`.",
@@ -148,12 +148,12 @@ eng_grammar::codes! {
     BENT_AS_IF_LOADS_TURNED = "W0745", "a turning flexible body starts bent as if all loads turned with it",
         "A load that is fixed in space, such as weight, bends a turning shaft as at rest. A load that turns with the shaft, such as an unbalance, bends it 1/(1 − Ω²/ω²) times as much (speed Ω, bending frequency ω). The motion that repeats after a turn or a cycle distinguishes them. Here the start found none, for the stated reason: a speed that changes, shafts without a common period, a load in resonance with an undamped shape, equations that the iteration does not solve. So all loads are treated as turning, and the body rings at first. Give the model a cycle or constant speeds, damp the shape, or begin with `start: assembled`.",
         "", "";
-    ACCEPT_UNHEARD = "W0750", "an `accept` accepts nothing",
+    ACCEPT_UNUSED = "W0750", "an `accept` accepts nothing",
         "No lint of this name gives a warning for this item, in any analysis of the file. An unnecessary acceptance would hide a later mistake: remove it.",
         "joint big_end = Revolute(rod.big, crank.pin) { accept loose }",
         "joint big_end = Revolute(rod.big, crank.pin)";
     INERTIA = "W0751", "the inertia of a body does not fit its mass and size",
-        "The radius of gyration is the root of inertia over mass. It is compared with the distance from the centre of mass to the farthest marker (0.13 to 2.6 of it; the lower limit counts with markers on both sides, the upper one above three radii of a ball of steel; both count if this marker is 20 mm away or more), with the same distance in all bodies, with a ball of tungsten, which has the least inertia of all bodies of a mass, and with twenty radii of a ball of steel. Outside these limits a unit is probably wrong, and also if the centre of mass is far from all markers. In a body with its markers in line, the moments across the line are the large ones. The centre of mass of a rod is between its ends. If the values are intended, write `accept inertia` in the body.",
+        "The radius of gyration is the root of inertia over mass. Four limits apply. The first is 0.13 to 2.6 of the distance from the centre of mass to the farthest marker, if this marker is 20 mm away or more. Its lower end counts with markers on both sides, its upper end above three radii of a ball of steel. The second is the same distance in all bodies. The third is a ball of tungsten, which has the least inertia of all bodies of a mass. The fourth is twenty radii of a ball of steel. Outside these limits a unit is probably wrong. The same holds if the centre of mass is far from all markers. In a body with its markers in line, the moments across the line are the large ones. The centre of mass of a rod is between its ends. If the values are intended, write `accept inertia` in the body.",
         "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] kg*m^2 }",
         "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] g*m^2 }";
     GRAVITY = "W0752", "gravity is neither 0 nor that of the earth",
@@ -169,7 +169,7 @@ eng_grammar::codes! {
         "journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: block.main[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: block.main[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)\njoint thrust = PointOnPlane(crank.main[3], block.main[3])";
     APART = "W0755", "markers of an element are far apart",
-        "A point on a line is beside the other marker and does not move along the line: the rod and the piston of different cylinders. The limit is twice the smaller radius of gyration of the two bodies, and for a piston under gas also a fifth of the bore. Or a slide whose position only its guide decides begins at the model's origin, 10 mm or more from the other marker: state its position. If this is intended, write `accept apart` in the element.",
+        "A joint puts a point on a line, far from the other marker, and the point does not move along the line: the rod and the piston belong to different cylinders. The limit is twice the smaller radius of gyration of the two bodies, and for a piston under gas also a fifth of the bore. Or a slide whose position only its guide decides begins at the model's origin, 10 mm or more from the other marker: state its position. If this is intended, write `accept apart` in the element.",
         "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[5 - i].pin)",
         "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[i].pin)";
     SWAPPED = "W0756", "a shell turns on a pin that does not",
@@ -177,7 +177,7 @@ eng_grammar::codes! {
         "journal main = Short(pin: block.main, shell: crank.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main = Short(pin: crank.main, shell: block.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)";
     ASKEW = "W0766", "the axes of an angle or a film are not parallel",
-        "At the start the z axes of the two markers are more than 5 degrees apart. An angle `rotation(a, b)`, a torsional spring and a cycle measure the angle of a.x about b.z. About an axis across a shaft this is no angle of the shaft. A film assumes a pin parallel to its shell. If this is intended, write `accept askew` in the element.",
+        "At the start the z axes of the two markers are more than 5 degrees apart. An angle `rotation(a, b)`, a torsional spring and a cycle measure the angle of a.x about b.z. If b.z is across the shaft, this angle is not the rotation of the shaft. A film assumes a pin parallel to its shell. If this is intended, write `accept askew` in the element.",
         "marker support = at([0, 0, 100] mm, z: [1, 0, 0])\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)",
         "marker support = at([0, 0, 100] mm)\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)";
     IDLE = "W0757", "a coupling slips at the start, or a body or element does nothing",
@@ -217,11 +217,11 @@ eng_grammar::codes! {
         "analysis hit = transient(Hammer(), duration: 10 ms, sample: 0.1 ms, step: 0.1 ms)",
         "analysis hit = transient(Hammer(), duration: 10 ms, sample: 0.1 ms)";
     OVERLOOKED = "W0718", "a fixed step passes a stop or another kink",
-        "A force bends where the argument of an `if`, `max`, `min` or `abs` changes its sign, or at the end of a table. Steps under error control end there. A stated step does not: it sees the force at its ends only, so a stop may act late, with a false depth, or not at all. The message names the element and the largest depth. It appears if the class states the depth that matters (`resolve`), or if the step passes a whole interval of the law, such as a thin stop.",
+        "A force bends where the argument of an `if`, `max`, `min` or `abs` changes its sign, or at the end of a table. Steps under error control end there. A stated step does not. It uses the force at its ends only, so a stop may act late, with a false depth, or not at all. The message names the element and the largest depth. It appears if the class states the depth that matters (`resolve`), or if the step passes a whole interval of the law, such as a thin stop.",
         "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms, step: 1 ms)",
         "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms)";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
-        "The run continues, but the class doubts these parameters: a clearance that may be diametral instead of radial. The author of the class wrote the text.",
+        "The run continues, but the class doubts these parameters: a clearance that may be diametral instead of radial. The author of the class wrote the text of the message.",
         "", "";
 }
 

@@ -415,24 +415,24 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             // the parameters that decide it, if the text states them
             let stated = parameters.iter().rev().filter_map(|(index, value)| {
                 let parameter = system.parameters.get(*index as usize)?;
-                let told = format!(
+                let value = format!(
                     "{} = {}",
                     parameter.origin.path,
                     parameter.display.text(*value)
                 );
-                Some((parameter.origin.used_at?, told))
+                Some((parameter.origin.used_at?, value))
             });
             // the numbers of one place, such as those of a record, share a label
             let mut elsewhere: Vec<(Location, Vec<String>)> = Vec::new();
-            for (at, told) in stated.filter(|(at, _)| Some(*at) != *used_at) {
+            for (at, value) in stated.filter(|(at, _)| Some(*at) != *used_at) {
                 match elsewhere.iter_mut().find(|(known, _)| *known == at) {
-                    Some((_, others)) => others.push(told),
-                    None => elsewhere.push((at, vec![told])),
+                    Some((_, others)) => others.push(value),
+                    None => elsewhere.push((at, vec![value])),
                 }
             }
             match elsewhere.len() {
-                1..=MOST_PARAMETERS => elsewhere.iter().fold(message, |message, (at, told)| {
-                    let label = match told.as_slice() {
+                1..=MOST_PARAMETERS => elsewhere.iter().fold(message, |message, (at, values)| {
+                    let label = match values.as_slice() {
                         [rest @ .., first] if !rest.is_empty() => {
                             let more = counted(rest.len(), "more number", "more numbers");
                             format!("{first} and {more}")
@@ -610,7 +610,7 @@ pub(crate) fn periodic(
         if whirl.radius <= NO_WHIRL * clearance {
             continue;
         }
-        let told = format!(
+        let fact = format!(
             "{} moves by {:.3} µm at {:.3} of the crank's speed besides its repeating orbit",
             element.origin.path,
             1e6 * whirl.radius,
@@ -623,11 +623,11 @@ pub(crate) fn periodic(
             );
             warnings.push(
                 place(message, &element.origin, "half-speed whirl")
-                    .with_note(told)
+                    .with_note(fact)
                     .with_help("a film that carries little load whirls: load it, or take a larger clearance, thinner oil or a shorter bearing"),
             );
         } else {
-            facts.push(told);
+            facts.push(fact);
         }
     }
     (facts, warnings)

@@ -311,6 +311,7 @@ impl FieldKernel for Bearing {
         Box::new(Solver {
             work: film.work_for(&std::array::from_fn(read)),
             past: None,
+            supply: Vec::new(),
             film: Arc::clone(film),
         })
     }
@@ -368,6 +369,8 @@ struct Solver {
     work: ElasticWork,
     /// Volume of oil at the past (m³), and the time since then (s); none for a film in balance.
     past: Option<(f64, f64)>,
+    /// Memory for the flows of the openings.
+    supply: Vec<f64>,
 }
 
 impl Solver {
@@ -415,7 +418,8 @@ impl FieldSolver for Solver {
     }
 
     fn read(&mut self, readings: &mut [f64], slopes: bool) {
-        let summary = self.film.film().summary(&self.work.film);
+        let supply = std::mem::take(&mut self.supply);
+        let summary = self.film.film().summary_in(&self.work.film, supply);
         let (thin, high) = (summary.minimum_gap_at, summary.maximum_pressure_at);
         let numbers = [
             summary.minimum_gap,
@@ -440,6 +444,7 @@ impl FieldSolver for Solver {
         for (place, number) in readings.iter_mut().zip(numbers) {
             *place = number;
         }
+        self.supply = summary.supply_flow;
         if !slopes {
             return;
         }

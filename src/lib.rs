@@ -94,7 +94,7 @@ pub use eng_runtime::{
     TopologyReport, Turning, Verdict, Warning,
 };
 pub use eng_system::input::Interpolation;
-pub use eng_system::system::summary::{SummaryColumn, SummaryParameter, Taken};
+pub use eng_system::system::summary::{Statistic, SummaryColumn, SummaryParameter};
 pub use eng_system::system::{Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::{Error, Report};

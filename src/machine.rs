@@ -15,7 +15,7 @@ pub struct Machine {
     pub summaries: Vec<InterfaceSummary>,
     /// The cycle's period (rad), if the model has a cycle.
     pub cycle_period: Option<f64>,
-    /// Whether the analysis asks for one cycle that repeats.
+    /// Whether the results are one cycle that repeats.
     pub periodic: bool,
     /// The shell axis that is drawn upwards.
     pub upright: Upright,
@@ -149,7 +149,7 @@ fn upright(system: &System, bound: &Bound) -> Upright {
     }
 }
 
-/// The firing angles of gas forces such as `gas[3]`, by the interface that their classes fill.
+/// The firing angles of gas forces such as `gas[3]` and `cylinder[3].gas`, by the interface that their classes fill.
 fn firing(system: &System, bound: &Bound) -> Vec<(Option<usize>, f64)> {
     system
         .firings
@@ -158,9 +158,9 @@ fn firing(system: &System, bound: &Bound) -> Vec<(Option<usize>, f64)> {
         .filter_map(|firing| {
             let element = system.elements.get(firing.element as usize)?;
             let index = (element.origin.path)
-                .strip_suffix(']')
-                .and_then(|owner| owner.rsplit_once('['))
-                .and_then(|(_, index)| index.parse().ok());
+                .rsplit_once('[')
+                .and_then(|(_, rest)| rest.split_once(']'))
+                .and_then(|(index, _)| index.parse().ok());
             Some((index, at(bound, firing.angle)))
         })
         .collect()

@@ -36,7 +36,7 @@ const WHIRLS: f64 = 0.2;
 /// The use of frozen modes, in words.
 const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn or time passes, and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
 /// Smallest uncertainty of eigenvalues, as a share of their size, that is reported.
-const LEAST_TOLD: f64 = 1e-6;
+const LEAST_UNCERTAINTY: f64 = 1e-6;
 /// The largest number of parts that a line of the table names.
 const NAMED: usize = 4;
 /// The smallest share that a line of the table names.
@@ -178,7 +178,7 @@ pub(crate) fn are_frozen(results: &Results) -> bool {
 /// Lines about the whole analysis: its moment, the number of modes, zero eigenvalues and growing modes.
 pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     let count = modes.oscillations().count();
-    let mut told = format!(
+    let mut fact = format!(
         "linearised at {}: {}, {}, {}",
         modes.moment,
         counted(modes.freedoms, "freedom", "freedoms"),
@@ -186,26 +186,26 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
         counted(modes.modes.len() - count, "decay", "decays")
     );
     if modes.states > 0 {
-        told.push_str(&format!(", {} states of elements", modes.states));
+        fact.push_str(&format!(", {} states of elements", modes.states));
     }
     if modes.zeros > 0 && modes.orbit.is_none() {
-        told.push_str(&format!(
+        fact.push_str(&format!(
             "; {} eigenvalues are zero (below {} Hz)",
             modes.zeros,
             short(modes.resolution / (2.0 * PI), 2)
         ));
     }
     if modes.left_out != [0, 0] {
-        told.push_str(&format!(
+        fact.push_str(&format!(
             "; {} oscillations and {} decays left out",
             modes.left_out[0], modes.left_out[1]
         ));
     }
-    let mut facts = vec![told];
+    let mut facts = vec![fact];
     if modes.coefficients == Coefficients::Frozen {
         facts.push(FROZEN_PICTURE.to_owned());
     }
-    if modes.variation > LEAST_TOLD {
+    if modes.variation > LEAST_UNCERTAINTY {
         facts.push(format!(
             "the coefficients change a little while bodies turn or time passes, and are held: eigenvalues are known to about {} of their size",
             short(modes.variation, 2)
@@ -240,7 +240,7 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
 fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
     let error = |mode: &Mode| mode.repeating.as_ref().map_or(0.0, |r| r.error);
     let worst = modes.modes.iter().map(error).fold(0.0, f64::max);
-    let mut told = format!(
+    let mut fact = format!(
         "modes of a period of {:.6} ms in {} steps: exponents change by at most {} 1/s with steps of double length; the state comes back within {} of the allowed distance",
         1e3 * orbit.period,
         orbit.steps,
@@ -248,9 +248,9 @@ fn of_orbit(modes: &LinearModes, orbit: &Orbit) -> Vec<String> {
         short(orbit.gap, 2)
     );
     if let Some(phase) = orbit.phase {
-        told.push_str(&format!(", its own direction within {}", short(phase, 2)));
+        fact.push_str(&format!(", its own direction within {}", short(phase, 2)));
     }
-    let mut facts = vec![told];
+    let mut facts = vec![fact];
     if modes.zeros > 0 {
         facts.push(format!(
             "{} multipliers are neutral (within {} of 1): free turning or sliding, the phase of the motion, or an oscillation at a multiple of its frequency; they are judged neither stable nor unstable",

@@ -396,7 +396,9 @@ impl Program {
         };
         let resolved = &self.inner.typed.program;
         let file = &resolved.modules.get(resolved.root() as usize)?.file;
-        let of_model = file.items.iter().any(|item| match &item.kind {
+        // the model may come from another file
+        let mut items = resolved.modules.iter().flat_map(|m| &m.file.items);
+        let of_model = items.any(|item| match &item.kind {
             ItemKind::Declaration(declaration) if declaration.name.text == model => {
                 let block = declaration.block();
                 block.is_some_and(|block| block.items.iter().any(is_constant))

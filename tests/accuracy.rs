@@ -108,7 +108,7 @@ fn iterations_leave_little_in_small_reactions() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
     let model = eng::check(
         &Sources::folder(&folder).expect("the example's folder"),
-        "inline4.eng",
+        "by_hand.eng",
     )
     .into_program()
     .unwrap_or_else(|report| panic!("{report}"))

@@ -42,7 +42,7 @@ fn a_step_of_the_engine_allocates_nothing() {
 /// Nor does the way of films to other threads and back.
 #[test]
 fn a_step_of_films_on_threads_allocates_nothing() {
-    let text = "use std.journals.Film
+    let text = "use std.journals.{Film, hole}
 model Rotor {
     gravity = [0, -9.81, 0] m/s^2
     marker seats[k in 1..2] = [0, 0, [-50, 50][k]] mm
@@ -53,7 +53,8 @@ model Rotor {
         start angular_velocity = [0, 0, 300] rad/s
     }
     journal main[k in 1..2] = Film(rotor.pins[k], seats[k], diameter: 40 mm, width: 18 mm, radial_clearance: 20 um,
-                                   viscosity: 10 mPa*s, around: 48, across: 9)
+                                   viscosity: 10 mPa*s, around: 48, across: 9,
+                                   openings: [hole(at: 90 deg, hole_diameter: 6 mm, diameter: 40 mm, pressure: 2 bar)])
 }
 ";
     let model = eng::check(&Sources::from_text("m.eng", text), "m.eng")
@@ -68,9 +69,14 @@ model Rotor {
             .fixed_step(2e-5)
             .start()
             .unwrap_or_else(|error| panic!("{error}"));
+        let mut channels = vec![0.0; model.channels().len()];
         let mut advance = |steps: usize| {
             for _ in 0..steps {
                 simulation.step().unwrap_or_else(|error| panic!("{error}"));
+                simulation
+                    .runtime()
+                    .evaluate_channels(&mut channels)
+                    .unwrap_or_else(|error| panic!("{error}"));
             }
         };
         advance(100);

@@ -59,7 +59,10 @@ fn an_engine_over_a_cycle() {
         analysis unfired_decay = transient(Inline4(combustion: 0), duration: 24 rev, sample: 720 deg)",
     );
     let results = outcome(&program, "unfired_decay").results;
-    let torque = &results.column("brake_torque").expect("a column").values;
+    let torque = &results
+        .column("engine.brake_torque")
+        .expect("a column")
+        .values;
     let due = multiplier(&torque[2..]);
     for name in ["unfired_cycle", "fired_cycle"] {
         let found = modes(&program, name);

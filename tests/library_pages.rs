@@ -54,11 +54,36 @@ fn signature(lines: &[&str]) -> String {
             out.push(letter);
         }
         out.push(' ');
-        if depth == 0 && line.starts_with("choice") {
-            break;
-        }
     }
     out.trim().to_owned()
+}
+
+/// The fields of a record with their comments, each on a line of its own.
+fn fields(lines: &[&str]) -> String {
+    let mut out = String::new();
+    let mut comment = String::new();
+    for line in lines.iter().take_while(|line| **line != "}") {
+        match line.strip_prefix("    ") {
+            Some(text) if text.starts_with("///") => comment = format!("{comment}\n{line}"),
+            Some(text) => {
+                if text.starts_with("let ") {
+                    let _ = write!(out, "{comment}\n{line}");
+                }
+                comment.clear();
+            }
+            None => comment.clear(),
+        }
+    }
+    out
+}
+
+/// What a page shows of an item: its head, the fields of a record, the words of a choice.
+fn shown(kind: &str, lines: &[&str]) -> String {
+    match kind {
+        "choice" => lines[0].to_owned(),
+        "record" => signature(lines) + &fields(lines),
+        _ => signature(lines),
+    }
 }
 
 /// A comment with its heads in bold, each on a line of its own. Angle brackets would be tags outside of code.
@@ -115,7 +140,7 @@ fn page(module: &str, text: &str) -> String {
             let _ = write!(
                 out,
                 "\n### {name}\n\n```text\n{}\n```\n\n{}\n",
-                signature(&lines[at..]),
+                shown(kind, &lines[at..]),
                 described(&comment)
             );
         }

@@ -5,6 +5,7 @@
 mod accuracy;
 mod allocation;
 mod architecture;
+mod classics;
 mod command;
 mod command_failures;
 mod commands_in_process;
@@ -24,6 +25,7 @@ mod flexible_validation;
 mod floquet;
 mod floquet_engine;
 mod frames;
+mod gallery;
 mod geometry;
 mod hand_over;
 mod handles;

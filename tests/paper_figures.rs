@@ -13,12 +13,12 @@ const LAWS: [&str; 2] = [
 
 /// Runs beside those of the example, with whose numbers its figures are compared.
 const ANALYSES: &str = "
-analysis steady = periodic(Engine())
-analysis quasi_static = transient(Engine(), duration: 90 deg, sample: 0.5 deg)
-analysis assembled = transient(Engine(), duration: 90 deg, sample: 0.5 deg, start: assembled)
-analysis cycle = linear(Engine(), after: 16 rev, over: 2 rev, number: 12)
-analysis drive_line = transient(Engine(), duration: 24 rev, sample: 720 deg)
-analysis fired_start = transient(Engine(combustion: 1), duration: 1 deg, sample: 0.5 deg)
+analysis steady = periodic(PaperEngine())
+analysis quasi_static = transient(PaperEngine(), duration: 90 deg, sample: 0.5 deg)
+analysis assembled = transient(PaperEngine(), duration: 90 deg, sample: 0.5 deg, start: assembled)
+analysis cycle = linear(PaperEngine(), after: 16 rev, over: 2 rev, number: 12)
+analysis drive_line = transient(PaperEngine(), duration: 24 rev, sample: 720 deg)
+analysis fired_start = transient(PaperEngine(combustion: 1), duration: 1 deg, sample: 0.5 deg)
 ";
 
 fn program() -> &'static Program {
@@ -47,7 +47,7 @@ fn program() -> &'static Program {
             .into_program()
             .unwrap_or_else(|report| panic!("{report}"));
         // reduces both bodies before several tests ask for them
-        program.model("Engine").expect("the engine");
+        program.model("PaperEngine").expect("the engine");
         program
     })
 }
@@ -102,7 +102,7 @@ fn the_start_does_not_ring() {
         let mut worst = 0.0_f64;
         for journal in 1..=5 {
             for axis in ["x", "y"] {
-                let path = format!("main[{journal}].force.{axis}");
+                let path = format!("engine.main[{journal}].force.{axis}");
                 let here = column(&outcome.results, &path);
                 let cycle = column(&steady().results, &path);
                 assert_eq!((here.len(), cycle.len()), (181, 1441));
@@ -218,7 +218,7 @@ fn the_engine_over_a_cycle() {
         .expect("a mode");
     // |μ| and angle of an oscillation sampled once a cycle: y(k+2) = s y(k+1) − p y(k)
     let results = run("drive_line").results;
-    let swing: Vec<f64> = column(&results, "coupling.torque")[3..]
+    let swing: Vec<f64> = column(&results, "engine.coupling.torque")[3..]
         .windows(2)
         .map(|w| w[1] - w[0])
         .collect();

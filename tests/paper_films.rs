@@ -8,10 +8,10 @@ use std::path::Path;
 const ANALYSES: &str = "
 journal Coarse = Film(around: 36, across: 8)
 analysis rigid_bores = transient(
-    Engine(law: Coarse, combustion: 1, block_modes: static(at: main, freedoms: [x, y])),
+    PaperEngine(law: Coarse, combustion: 1, block_modes: static(at: main, freedoms: [x, y])),
     duration: 4 deg, sample: 0.5 deg, start: assembled)
 analysis elastic_bores = transient(
-    Engine(law: Coarse, waves: 2, degree: 1, combustion: 1, block_modes: static(at: main, freedoms: [x, y])),
+    PaperEngine(law: Coarse, waves: 2, degree: 1, combustion: 1, block_modes: static(at: main, freedoms: [x, y])),
     duration: 4 deg, sample: 0.5 deg, start: assembled)
 ";
 
@@ -52,7 +52,7 @@ fn runs(units: &str) -> [Results; 2] {
 /// Largest difference of a channel of the five bearings between two runs, over the largest value.
 fn apart([a, b]: &[Results; 2], channel: &str) -> f64 {
     (1..=5).fold(0.0, |worst: f64, journal| {
-        let path = format!("main[{journal}].{channel}");
+        let path = format!("engine.main[{journal}].{channel}");
         let [a, b] = [a, b].map(|results| &results.column(&path).expect("a channel").values);
         let largest = b.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let differ = |(a, b): (&f64, &f64)| (a - b).abs();

@@ -5,7 +5,7 @@
 #[path = "../report/tests/report/tools.rs"]
 mod tools;
 
-use eng::{InterfaceSummary, Results, SummarisedElement, SummaryColumn, SummaryTable, Taken};
+use eng::{InterfaceSummary, Results, Statistic, SummarisedElement, SummaryColumn, SummaryTable};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -86,7 +86,7 @@ fn number(text: &str) -> f64 {
 fn a_report_of_an_engine_shows_what_the_results_hold() {
     let folder = folder("report-inline4");
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
-    let text = std::fs::read_to_string(examples.join("inline4.eng")).expect("the example");
+    let text = std::fs::read_to_string(examples.join("by_hand.eng")).expect("the example");
     let (model, _) = text.split_once("analysis unfired").expect("its analyses");
     // two revolutions are a cycle
     let run =
@@ -162,9 +162,9 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
     let rows = table(&page, "Journal law over the last cycle, short");
     assert_eq!(rows.len(), 5);
     let columns = [
-        ("radial_load", Taken::Largest),
-        ("minimum_film", Taken::Least),
-        ("power_loss", Taken::Mean),
+        ("radial_load", Statistic::Largest),
+        ("minimum_film", Statistic::Least),
+        ("power_loss", Statistic::Mean),
     ];
     let element = |index: usize| {
         let path = format!("main[{}]", index + 1);
@@ -183,7 +183,7 @@ fn a_report_of_an_engine_shows_what_the_results_hold() {
             .map(|(output, taken)| SummaryColumn {
                 output: (*output).to_owned(),
                 about: String::new(),
-                taken: *taken,
+                statistic: *taken,
             })
             .collect(),
         elements: (0..5).map(element).collect(),
@@ -424,7 +424,7 @@ fn in_a_browser(page: &Path) {
 fn a_sweep_over_speed_has_maps_and_curves() {
     let folder = folder("report-sweep");
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
-    let text = std::fs::read_to_string(examples.join("inline4.eng")).expect("the example");
+    let text = std::fs::read_to_string(examples.join("by_hand.eng")).expect("the example");
     let (model, _) = text.split_once("analysis unfired").expect("its analyses");
     let run = "analysis runup[s in [2000, 2500, 3000, 3500, 4000] rpm] =
         transient(Inline4(speed: s), duration: 2 rev, sample: 2 deg)\n";

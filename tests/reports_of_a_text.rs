@@ -1110,7 +1110,10 @@ fn the_examples_and_the_reference_report() {
     let unfired = unfired.run(&mut |_| {}).expect("a run").results;
     let column = |path: &str| &unfired.column(path).expect("a column").values;
     let angle = column("cycle.angle");
-    let (x, y) = (column("main[2].force.x"), column("main[2].force.y"));
+    let (x, y) = (
+        column("engine.main[2].force.x"),
+        column("engine.main[2].force.y"),
+    );
     let curve = &load.curves[1];
     let scale = if load.unit == "kN" { 1e3 } else { 1.0 };
     for k in (0..angle.len()).step_by(97) {
@@ -1142,7 +1145,7 @@ fn the_examples_and_the_reference_report() {
     );
     assert!((orbits.period - 2.0 * TAU.to_degrees()).abs() < 1e-9);
     // curves are named by journal, and the cylinders' dead centres are marked
-    assert_eq!(orbits.orbits[4].name, "E main[5]");
+    assert_eq!(orbits.orbits[4].name, "E engine.main[5]");
     let forces = history(&made, "forces");
     let curves = |panel: usize| forces.panels[panel].curves.iter().map(|c| c.name.as_str());
     for panel in 0..2 {
@@ -1177,7 +1180,7 @@ fn the_examples_and_the_reference_report() {
         panic!("{:?}", orders.abscissa);
     };
     near(speed, 4000.0 / 60.0, 2e-3);
-    assert_eq!(orders.panels[0].curves[0].name, "vertical[5]");
+    assert_eq!(orders.panels[0].curves[0].name, "engine.main[5].force.x");
 }
 
 /// A line has no part of the mean, with any window. A condition that cannot be decided fails.

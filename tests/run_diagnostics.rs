@@ -44,7 +44,7 @@ fn messages(path: &Path) -> (SourceMap, Vec<(String, Diagnostics)>) {
     let assembled = assembled.diagnostics;
     let mut needless = Diagnostics::new();
     for diagnostic in assembled.iter() {
-        if diagnostic.code == codes::ACCEPT_UNHEARD {
+        if diagnostic.code == codes::ACCEPT_UNUSED {
             needless.push(diagnostic.clone());
         }
     }

@@ -185,8 +185,8 @@ fn change(results: &Results, first: f64, second: f64, length: f64) -> f64 {
     let mut worst = 0.0_f64;
     for k in 1..=5 {
         for axis in ["x", "y"] {
-            let force = column(results, &format!("main[{k}].force.{axis}"));
-            let size = peak(column(results, &format!("main[{k}].force.x")));
+            let force = column(results, &format!("engine.main[{k}].force.{axis}"));
+            let size = peak(column(results, &format!("engine.main[{k}].force.x")));
             for s in 0..=n {
                 worst = worst.max((force[i + s] - force[j + s]).abs() / size);
             }
@@ -215,8 +215,8 @@ fn the_engine_on_five_films() {
             "unfired forces change by {c:.4} from revolution to revolution"
         );
     }
-    let first = column(&unfired, "main[1].force.x");
-    let last = column(&unfired, "main[5].force.x");
+    let first = column(&unfired, "engine.main[1].force.x");
+    let last = column(&unfired, "engine.main[5].force.x");
     let from = first.len() / 2;
     let apart = |a: &[f64], b: &[f64]| {
         let d: f64 = a[from..]
@@ -231,19 +231,19 @@ fn the_engine_on_five_films() {
 
     let alone = get("no_flywheel");
     let same = apart(
-        column(&alone, "main[1].force.x"),
-        column(&alone, "main[5].force.x"),
+        column(&alone, "engine.main[1].force.x"),
+        column(&alone, "engine.main[5].force.x"),
     );
     assert!(same < 0.01, "without it they differ by {same:.4}");
 
     for results in [&unfired, &alone, &get("fired")] {
         for k in 1..=5 {
-            let ratio = column(results, &format!("main[{k}].film_ratio"));
+            let ratio = column(results, &format!("engine.main[{k}].film_ratio"));
             assert!(ratio.iter().all(|r| *r < 1.0), "main[{k}] touches");
             let force = results
-                .column(&format!("main[{k}].force.x"))
+                .column(&format!("engine.main[{k}].force.x"))
                 .expect("a column");
-            assert_eq!(force.frame, format!("block.main[{k}]"));
+            assert_eq!(force.frame, format!("engine.block.main[{k}]"));
             assert_eq!(force.display.symbol, "kN");
         }
     }
@@ -346,7 +346,7 @@ fn models_are_shared_and_threads_agree() {
     fn shared<T: Clone + Send + Sync + 'static>(_: &T) {}
     let model = analysis("inline4", "unfired").model().clone();
     shared(&model);
-    let force = model.channel("main[5].force.x").expect("a channel");
+    let force = model.channel("engine.main[5].force.x").expect("a channel");
     let work = move |model: Model| {
         let mut simulation = model
             .simulation()
@@ -379,7 +379,7 @@ fn models_are_shared_and_threads_agree() {
 #[test]
 fn a_resumed_engine_has_the_same_bits() {
     let model = analysis("inline4", "fired").model().clone();
-    let force = model.channel("main[1].force.x").expect("a channel");
+    let force = model.channel("engine.main[1].force.x").expect("a channel");
     let mut going = model
         .simulation()
         .start()

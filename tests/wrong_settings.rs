@@ -59,6 +59,12 @@ fn a_constant_is_told_as_one() {
         assert_eq!(code, Some(2), "{errors}");
         assert!(errors.contains(says), "{errors}");
     }
+    // a model of another file
+    let other = "use spin.Spin\nanalysis other = transient(Spin(), duration: 1 ms, sample: 1 ms)\n";
+    std::fs::write(folder.join("other.eng"), other).expect("written");
+    let (code, _, errors) = eng(&folder, &["run", "other.eng", "--set", "discs=3"]);
+    assert_eq!(code, Some(2), "{errors}");
+    assert!(errors.contains("Spin(discs: …)"), "{errors}");
     std::fs::remove_dir_all(&folder).expect("removed");
 }
 

@@ -460,7 +460,7 @@ mod tests {
     #[test]
     fn every_function_is_explained() {
         let names: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
-        let told: Vec<&str> = ABOUT.iter().map(|(name, ..)| *name).collect();
-        assert_eq!(names, told);
+        let explained: Vec<&str> = ABOUT.iter().map(|(name, ..)| *name).collect();
+        assert_eq!(names, explained);
     }
 }

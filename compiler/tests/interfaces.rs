@@ -198,7 +198,7 @@ fn an_interface_with_summaries_has_a_table() {
         ("Loss", 0)
     );
     let columns: Vec<(&str, &str, &str)> = (loss.columns.iter())
-        .map(|c| (c.output.as_str(), c.taken.word(), c.about.as_str()))
+        .map(|c| (c.output.as_str(), c.statistic.word(), c.about.as_str()))
         .collect();
     assert_eq!(
         columns,

@@ -452,7 +452,7 @@ impl Elastic {
         work.feedback.solve(&mut work.plain, 1);
         if paired && kept {
             let secants = &mut work.feedback.secants;
-            secants.take(&work.moved, &work.earlier, &work.plain);
+            secants.add(&work.moved, &work.earlier, &work.plain);
         }
         work.change.copy_from_slice(&work.plain);
         work.feedback.secants.improve(&mut work.change);
@@ -587,9 +587,10 @@ impl Elastic {
         }
         let (amplitude, rate) = (self.plain_inputs(), self.plain_inputs() + count);
         let mut found = [0.0; 8];
-        let mut follows = vec![0.0; 2 * count];
+        // the memory of another use
+        let mut follows = std::mem::take(&mut work.follows);
         for axis in 0..2 {
-            let (by_place, by_rate) = follows.split_at_mut(count);
+            let (by_place, by_rate) = follows[..2 * count].split_at_mut(count);
             let slope = |output: usize, input: usize| work.slopes[output * inputs + input];
             let along = |output: usize, first: usize, changes: &[f64]| -> f64 {
                 let terms = changes.iter().enumerate();
@@ -614,6 +615,7 @@ impl Elastic {
                 found[4 + 2 * force + axis] = -slope(output, RATE + axis) - moved;
             }
         }
+        work.follows = follows;
         Ok(found)
     }
 

@@ -214,6 +214,14 @@ impl Film {
     /// Results of the last solution.
     #[must_use]
     pub fn summary(&self, work: &Work) -> Summary {
+        self.summary_in(work, Vec::new())
+    }
+
+    /// The same, with the memory of the supply flows of an earlier one: so it allocates nothing.
+    #[must_use]
+    pub fn summary_in(&self, work: &Work, mut supply_flow: Vec<f64>) -> Summary {
+        supply_flow.clear();
+        supply_flow.resize(self.source.openings.len(), 0.0);
         let (level, state, x) = (&self.levels[0], &work.levels[0], &work.inputs);
         let (maximum_pressure, maximum_pressure_at) = self.highest(level, state);
         let (minimum_gap, minimum_gap_at) = self.thinnest(state, x);
@@ -225,7 +233,7 @@ impl Film {
             end_flow: [0.0; 2],
             outflow: 0.0,
             inflow: 0.0,
-            supply_flow: vec![0.0; self.source.openings.len()],
+            supply_flow,
             shear_torque: 0.0,
             shear_power: 0.0,
             pressure_power: 0.0,

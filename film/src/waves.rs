@@ -16,6 +16,8 @@ pub(crate) struct Waves {
     /// Degree across of each shape, and one more than the highest.
     degree: Vec<usize>,
     degrees: usize,
+    /// Shapes that follow each other with the same degree, and this degree.
+    equal: Vec<(Range<usize>, usize)>,
     /// First place of each angle, and the number of all places.
     runs: Vec<usize>,
     /// Values of the waves, angle by angle.
@@ -45,6 +47,11 @@ impl Waves {
         };
         if shapes.is_empty() {
             return waves;
+        }
+        let mut first = 0;
+        for equal in waves.degree.chunk_by(|a, b| a == b) {
+            waves.equal.push((first..first + equal.len(), equal[0]));
+            first += equal.len();
         }
         let (mut angle_before, mut count) = (f64::NAN, 0);
         for (place, (angle, zeta)) in places.enumerate() {
@@ -119,9 +126,10 @@ impl Waves {
     /// The sums over the waves at an angle, degree by degree.
     fn factors(&self, run: usize, amplitudes: &[f64]) -> [f64; DEGREES] {
         let mut factors = [0.0; DEGREES];
-        let waves = self.waves(run).iter().zip(amplitudes);
-        for ((wave, amplitude), degree) in waves.zip(&self.degree) {
-            factors[*degree] += wave * amplitude;
+        let waves = self.waves(run);
+        for (shapes, degree) in &self.equal {
+            factors[*degree] +=
+                dot_side_by_side(&waves[shapes.clone()], &amplitudes[shapes.clone()]);
         }
         factors
     }
@@ -169,4 +177,16 @@ impl Waves {
 /// `Σ a b`, as long as the shorter one.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// `Σ a b` of slices of equal length, as four sums side by side: one sum waits for each of its additions.
+fn dot_side_by_side(a: &[f64], b: &[f64]) -> f64 {
+    let ((fours, rest), (others, other)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (x, y) in fours.iter().zip(others) {
+        for (sum, (x, y)) in sums.iter_mut().zip(x.iter().zip(y)) {
+            *sum += x * y;
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + dot(rest, other)
 }

@@ -97,7 +97,7 @@ pub enum FlexibleError {
     Singular {
         /// Row of the matrix, from 0, whose pivot vanished. Its freedom can move without resistance.
         row: usize,
-        /// The problem, with the row's number. The caller knows the node.
+        /// The problem, with the row's number. The caller has the node.
         problem: String,
         /// The remedy.
         advice: String,
@@ -105,7 +105,7 @@ pub enum FlexibleError {
     /// A row of an interface cannot be held: it does not move, or only together with the others.
     #[error("{problem}")]
     Row {
-        /// Number of the row, from 0. The caller knows the marker.
+        /// Number of the row, from 0. The caller has the marker.
         row: usize,
         /// The problem, with the row's label.
         problem: String,

@@ -403,8 +403,8 @@ fn matrices(
 ) -> Result<(fe::Structure, Vec<Support>), FlexibleError> {
     let Some((stiffness, mass)) = nodal else {
         let full = assemble(mesh, &request.rules)?;
-        let told = fe::form::told(mesh, request.rules.stiffness);
-        report.warnings.extend(told);
+        let differences = fe::form::warnings(mesh, request.rules.stiffness);
+        report.warnings.extend(differences);
         let shells = full.without_stiffness.len();
         if shells > 0 {
             report.warnings.push(format!(

@@ -14,6 +14,7 @@
 //! They follow from the kinetic energy of the floating frame at rest, to second order; all axes are those of the body.
 //! Gyroscopic and centrifugal terms, geometric stiffness and elastic surfaces are not part of them.
 
+use crate::fe::vector::cross;
 use eng_system::reduced::ReducedBody;
 
 /// Coordinates of the frame: three translations, three rotations.
@@ -76,14 +77,10 @@ pub struct SmallMotion {
     pub motion: Dense,
 }
 
-/// Row i of `p ×` applied to the unit vector along axis k: component i of `e_k × p`.
+/// Component i of the motion of a point p by a unit turn about axis k: of `e_k × p`.
 fn turned(p: [f64; 3], i: usize, k: usize) -> f64 {
-    let [x, y, z] = p;
-    let rows = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
-    rows.get(i)
-        .and_then(|row| row.get(k))
-        .copied()
-        .unwrap_or(0.0)
+    let axis = [0, 1, 2].map(|l| if l == k { 1.0 } else { 0.0 });
+    cross(axis, p).get(i).copied().unwrap_or(0.0)
 }
 
 impl SmallMotion {

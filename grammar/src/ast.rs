@@ -79,7 +79,7 @@ pub enum ItemKind {
 }
 
 impl ItemKind {
-    /// The name that it gives.
+    /// The name of the item in its scope; `None` for an item that defines none.
     pub fn name(&self) -> Option<&Name> {
         match self {
             ItemKind::Dimension(dimension) => Some(&dimension.name),
@@ -570,6 +570,21 @@ pub enum BinaryOp {
     Multiply,
     Divide,
     Power,
+}
+
+impl BinaryOp {
+    /// Whether it compares two values.
+    pub fn is_comparison(self) -> bool {
+        matches!(
+            self,
+            BinaryOp::Equal
+                | BinaryOp::NotEqual
+                | BinaryOp::Less
+                | BinaryOp::LessEqual
+                | BinaryOp::Greater
+                | BinaryOp::GreaterEqual
+        )
+    }
 }
 
 /// Unary operators.

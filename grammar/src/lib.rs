@@ -1,6 +1,6 @@
 //! Eng's grammar turns a text into a syntax tree.
 //!
-//! The crate handles texts, places and messages. It looks up no names, knows no units and reads no files.
+//! The crate handles texts, places and messages. It looks up no names, contains no units and reads no files.
 
 #![forbid(unsafe_code)]
 // Tests may call the standard library's functions, to compare with them.

@@ -82,8 +82,9 @@ fn texts_of_the_repository_keep_their_meaning() {
     assert!(count > 300, "{count} files");
 }
 
-const HANGING: [&str; 3] = [
+const HANGING: [&str; 4] = [
     include_str!("../../examples/inline4/inline4.eng"),
+    include_str!("../../examples/inline4/by_hand.eng"),
     include_str!("../../examples/slider_crank/slider_crank.eng"),
     include_str!("../../examples/big_end/big_end.eng"),
 ];

@@ -341,7 +341,7 @@ impl AccelerationSystem {
             integrator.settle(model, dynamics, state)?;
         }
         dynamics.evaluate(model)?;
-        self.take_forces(model, dynamics, state);
+        self.store_forces(model, dynamics, state);
         if !self.is_here(model, &state.pose) {
             self.fill(model, dynamics)?;
         }
@@ -475,13 +475,13 @@ impl AccelerationSystem {
     ) -> Result<(), RuntimeError> {
         dynamics.evaluate(model)?;
         dynamics.velocity_level(model, &state.velocity)?;
-        self.take_forces(model, dynamics, state);
+        self.store_forces(model, dynamics, state);
         dynamics.add_inertia(model, &state.velocity, &self.zeros, &mut self.forces);
         self.balance(model, dynamics, state, moment)
     }
 
     /// Stores the loads and rates of the last evaluation of `dynamics`, with multipliers zero.
-    fn take_forces(&mut self, model: &Model, dynamics: &Dynamics, state: &mut State) {
+    fn store_forces(&mut self, model: &Model, dynamics: &Dynamics, state: &mut State) {
         self.forces.fill(0.0);
         dynamics.add_forces(model, -1.0, &mut self.forces);
         state.rates.copy_from_slice(dynamics.rates());

@@ -132,7 +132,7 @@ impl Drop for Crew {
         self.shared.came.notify_all();
         let threads = self.threads.get_mut();
         for thread in threads.unwrap_or_else(PoisonError::into_inner).drain(..) {
-            // a thread that panicked has told so already
+            // a thread that panicked has printed its message
             let _ = thread.join();
         }
     }

@@ -49,7 +49,7 @@ pub struct Mode {
     pub turn: f64,
     /// Share of the last difference, squared, that does not follow from the earlier ones: about 0 for decays,
     /// about 1 for noise.
-    pub unforetold: f64,
+    pub unpredicted: f64,
 }
 
 impl Mode {

@@ -281,7 +281,7 @@ impl Batch {
                     let same = same.filter(|same| same.is_solved_as(field));
                     field.waits = same.is_none();
                     if let Some(same) = same {
-                        field.take(same);
+                        field.copy_from(same);
                     }
                     drive += field.own.drives;
                 }
@@ -360,7 +360,7 @@ impl Batch {
             return Ok(());
         };
         let mut error = not_finite(model, self.pairs[at / 2][at % 2], time);
-        if let (RuntimeError::NotFinite { because, .. }, Trouble::Told(cause)) =
+        if let (RuntimeError::NotFinite { because, .. }, Trouble::Solver(cause)) =
             (&mut error, trouble)
         {
             *because = Some(Box::new(Undefined::Field(cause)));

@@ -422,7 +422,7 @@ pub enum RuntimeError {
         /// The smallest factor that the run can satisfy.
         least: f64,
     },
-    /// Error control asks for steps that floating-point numbers cannot resolve.
+    /// Error control requires steps that floating-point numbers cannot resolve.
     #[error(
         "the step falls below {} s at {moment}; {} is not smooth there: {}",
         short(*step, 3),
@@ -582,7 +582,7 @@ pub enum RuntimeError {
         body: Box<LeavingBody>,
     },
     /// A motion that should repeat does not.
-    #[error("the motion from {moment} on does not repeat after {} s: {what}{}", short(*period, 6), why.said())]
+    #[error("the motion from {moment} on does not repeat after {} s: {what}{}", short(*period, 6), why.suffix())]
     NotRepeating {
         /// The beginning of the period.
         moment: Moment,

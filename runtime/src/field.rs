@@ -25,10 +25,10 @@ pub(crate) enum Wanted {
 /// Why a field has no numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Trouble {
-    /// Its drives are none, or its own numbers.
+    /// Its drives or its results are not finite.
     NotFinite,
-    /// The solver's words.
-    Told(FieldError),
+    /// The reason of its solver.
+    Solver(FieldError),
 }
 
 /// A field of the element in a lane, with its numbers at the gathered state.
@@ -108,8 +108,8 @@ impl LaneField {
             && self.before == other.before
     }
 
-    /// Takes the solution and the readings of another field.
-    pub fn take(&mut self, other: &LaneField) {
+    /// Copies the solution and the readings of another field.
+    pub fn copy_from(&mut self, other: &LaneField) {
         self.answers.copy_from_slice(&other.answers);
         self.readings.copy_from_slice(&other.readings);
     }
@@ -125,14 +125,14 @@ impl LaneField {
             return finite(&self.slopes);
         };
         self.is_read = false;
-        // numbers that are none are the element's own, and it says which table they come from
+        // drives that are not finite come from the element, whose own error names the table
         finite(&self.drives)?;
         let past = self.since.map(|step| Past {
             step,
             memory: &self.before,
         });
         let solved = self.solver.solve(&self.drives, past, &mut self.answers);
-        solved.map_err(Trouble::Told)?;
+        solved.map_err(Trouble::Solver)?;
         finite(&self.answers)?;
         if readings != Readings::None {
             let slopes = readings == Readings::All;

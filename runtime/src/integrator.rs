@@ -536,7 +536,7 @@ impl Integrator {
 
     /// Computes positions, velocities, accelerations, states, their rates and multipliers at the trial of a
     /// step h.
-    pub fn take_trial(&mut self, model: &Model, h: f64) {
+    pub fn apply_trial(&mut self, model: &Model, h: f64) {
         let c = self.coefficients;
         let (n, s) = (model.velocities, model.states);
         for i in 0..n {
@@ -582,7 +582,7 @@ impl Integrator {
         h: f64,
     ) -> Result<(), RuntimeError> {
         let (n, s) = (model.velocities, model.states);
-        self.take_trial(model, h);
+        self.apply_trial(model, h);
         self.masses_known = false;
         self.statistics.residuals += 1;
         self.next.time = self.current.time + h;

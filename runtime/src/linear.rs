@@ -167,7 +167,7 @@ impl BlockTable {
 /// A matrix cannot be factored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LinearError {
-    /// A pivot vanishes, or the factors grow until they say nothing.
+    /// A pivot vanishes, or the factors grow until rounding dominates.
     #[error("the matrix is singular")]
     Singular,
     /// The pattern is too large for memory.

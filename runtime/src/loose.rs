@@ -8,15 +8,18 @@
 //! The motion that turns the cycle is the purpose of the machine, so it is left out.
 
 use crate::assembly::at;
+use crate::assembly::gradients::Gradients;
+use crate::assembly::independent::Independent;
 use crate::assembly::rows::{Along, At, Rows, inputs};
 use crate::chain;
 use crate::elements::{self, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::rotation::V3;
+use crate::rotation::{M3, V3};
 use crate::state::{State, move_pose};
 use eng_system::code::Pair;
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
 
 /// Share of the largest singular value below which one counts as zero.
 const NONE: f64 = 1e-7;
@@ -61,25 +64,28 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
         .iter()
         .flat_map(|body| body.velocity..body.velocity + 6)
         .collect();
-    let basis = free_motions(model, &rest, &rigid)?;
-    let [stiffness, damping] = answers(model, &rest)?;
-    let of_rigid = |matrix: &DMatrix<f64>| {
-        DMatrix::from_fn(rigid.len(), rigid.len(), |i, j| {
-            matrix[(rigid[i], rigid[j])] * scales[rigid[i]] * scales[rigid[j]]
-        })
-    };
+    let gradients = unit_gradients(model, &rest, &rigid)?;
+    let turning = cycle_row(model, &rest);
+    let loads = (0..model.elements.len()).any(|e| loads(model, e));
+    if !loads
+        && turning.is_none()
+        && let Some(factor) = Independent::alone(&gradients)
+    {
+        return Ok(groups(model, &rest, |body| factor.projected(6 * body, 6)));
+    }
+    let basis = free_motions(&gradients);
     let mut held = DMatrix::zeros(0, basis.ncols());
-    for matrix in [&stiffness, &damping] {
-        let scaled = of_rigid(matrix);
-        let reduced = basis.transpose() * &scaled * &basis;
+    for answers in answers(model, &rest)? {
+        let scaled = answers.scaled(model, &scales);
+        let reduced = basis.tr_mul(&scaled.times(&basis));
         let largest = reduced.amax();
         // if no load responds to any free motion, the remaining stiffness is rounding of that of held
         // directions
-        if largest > ROUNDING * scaled.amax() && largest.is_finite() {
+        if largest > ROUNDING * scaled.largest() && largest.is_finite() {
             held = stacked(&held, &(reduced / largest));
         }
     }
-    if let Some(turning) = cycle_row(model, &rest) {
+    if let Some(turning) = turning {
         let row = DMatrix::from_fn(1, rigid.len(), |_, j| turning[rigid[j]] * scales[rigid[j]]);
         let row = row * &basis;
         let largest = row.amax();
@@ -90,14 +96,21 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
     let mut motions = &basis * null_space(&held);
     // some loads respond only after a distance: a contact with play, a spring that is slack at first
     let mut answered = Vec::new();
-    for column in 0..motions.ncols() {
-        let along = motions.column(column).into_owned();
-        if is_answered(model, &rest, &rigid, &along, &of_rigid)? {
+    for column in (0..motions.ncols()).filter(|_| loads) {
+        let along = motions.columns(column, 1).into_owned();
+        if is_answered(model, &rest, &rigid, &along)? {
             answered.push(column);
         }
     }
     motions = motions.remove_columns_at(&answered);
-    Ok(groups(model, &rest, &motions))
+    Ok(groups(model, &rest, |body| {
+        &motions * motions.rows(6 * body, 6).transpose()
+    }))
+}
+
+/// Whether an element loads bodies.
+fn loads(model: &Model, element: usize) -> bool {
+    model.elements[element].dynamic && model.class(element).applies_load
 }
 
 /// Whether a load responds to a motion, or to its velocity, at one of the [`WAYS`] along it.
@@ -105,8 +118,7 @@ fn is_answered(
     model: &Model,
     rest: &State,
     rigid: &[usize],
-    along: &DVector<f64>,
-    of_rigid: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
+    along: &DMatrix<f64>,
 ) -> Result<bool, RuntimeError> {
     let scales = model.velocity_scales();
     let mut increment = vec![0.0; model.velocities];
@@ -116,11 +128,10 @@ fn is_answered(
     for way in WAYS {
         let mut moved = rest.clone();
         move_pose(model, &rest.pose, &increment, way, &mut moved.pose);
-        for matrix in answers(model, &moved)? {
-            let matrix = of_rigid(&matrix);
-            let largest = matrix.amax();
-            let answer = along.dot(&(&matrix * along)).abs();
-            if answer.is_finite() && answer > NONE * largest {
+        for answers in answers(model, &moved)? {
+            let scaled = answers.scaled(model, &scales);
+            let answer = along.dot(&scaled.times(along)).abs();
+            if answer.is_finite() && answer > NONE * scaled.largest() {
                 return Ok(true);
             }
         }
@@ -151,29 +162,32 @@ fn null_space(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     })
 }
 
-/// The motions that the constraints leave to the bodies, taken as rigid, in scaled velocities.
-fn free_motions(
+/// Gradients of the constraints by the velocities of rigid bodies, or by all, in scaled velocities and with rows of
+/// unit length.
+fn unit_gradients(
     model: &Model,
     rest: &State,
-    rigid: &[usize],
-) -> Result<DMatrix<f64>, RuntimeError> {
+    velocities: &[usize],
+) -> Result<Gradients, RuntimeError> {
     let constraining: Vec<usize> = (0..model.elements.len())
         .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
         .collect();
     let rows = Rows::new(model, constraining);
-    let (mut values, mut matrix) = rows.evaluate(model, &at(rest), Along::Pose)?;
-    rows.scale(model, &mut values, &mut matrix);
-    let mut gradients = DMatrix::from_fn(rows.len(), rigid.len(), |i, j| matrix[(i, rigid[j])]);
-    for mut row in gradients.row_iter_mut() {
-        let size = row.norm();
-        if size > 0.0 {
-            row /= size;
-        }
+    let (mut values, mut matrix) = rows.gradients(model, &at(rest), Along::Pose)?;
+    rows.scale_gradients(model, &mut values, &mut matrix);
+    let (gradients, _) = matrix.columns(velocities, |_| 1.0).unit_rows();
+    Ok(gradients)
+}
+
+/// The motions that constraints leave, in scaled velocities: an orthonormal basis.
+fn free_motions(gradients: &Gradients) -> DMatrix<f64> {
+    if !gradients.is_finite() {
+        return DMatrix::zeros(gradients.ncols(), 0);
     }
-    if gradients.iter().any(|x| !x.is_finite()) {
-        return Ok(DMatrix::zeros(rigid.len(), 0));
+    match Independent::alone(gradients) {
+        Some(factor) => factor.basis(),
+        None => null_space(&gradients.dense()),
     }
-    Ok(null_space(&gradients))
 }
 
 /// Whether the loads of an element change with the positions of its markers at rest. Those of a damper or a
@@ -186,7 +200,7 @@ pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, Run
     let mut rest = state.clone();
     rest.velocity.fill(0.0);
     let [stiffness, _] = answers_of(model, &rest, element..element + 1)?;
-    Ok(stiffness.amax() > 0.0)
+    Ok(stiffness.largest() > 0.0)
 }
 
 /// Share of the largest stiffness below which a stiffness is rounding.
@@ -214,7 +228,9 @@ pub fn sag(
     gravity: V3,
 ) -> Result<Option<(usize, f64)>, RuntimeError> {
     let size = gravity.norm();
-    if size == 0.0 || !size.is_finite() || model.bodies.iter().any(|body| body.modes() > 0) {
+    let none =
+        size == 0.0 || !size.is_finite() || !(0..model.elements.len()).any(|e| loads(model, e));
+    if none || model.bodies.iter().any(|body| body.modes() > 0) {
         return Ok(None);
     }
     let down = gravity / size;
@@ -222,13 +238,11 @@ pub fn sag(
     rest.velocity.fill(0.0);
     let scales = model.velocity_scales();
     let all: Vec<usize> = (0..model.velocities).collect();
-    let basis = free_motions(model, &rest, &all)?;
+    let basis = free_motions(&unit_gradients(model, &rest, &all)?);
     let [stiffness, _] = answers(model, &rest)?;
     // the loads of a displacement x are −K x
-    let scaled = DMatrix::from_fn(all.len(), all.len(), |i, j| {
-        -0.5 * (stiffness[(i, j)] + stiffness[(j, i)]) * scales[i] * scales[j]
-    });
-    let reduced = basis.transpose() * scaled * &basis;
+    let reduced = basis.tr_mul(&stiffness.scaled(model, &scales).times(&basis));
+    let reduced = (&reduced + reduced.transpose()) * -0.5;
     if reduced.ncols() == 0 || reduced.iter().any(|x| !x.is_finite()) {
         return Ok(None);
     }
@@ -313,11 +327,13 @@ fn gives_way(
     down: &V3,
 ) -> Result<f64, RuntimeError> {
     let [stiffness, _] = answers_of(model, rest, element..element + 1)?;
-    let change = &stiffness * moves;
+    let moves = DMatrix::from_column_slice(moves.len(), 1, moves.as_slice());
+    let change = stiffness.times(&moves);
     let of_body = |marker: &usize| {
-        let first = model.bodies[model.markers[*marker].body?].velocity;
-        let force = V3::from_column_slice(&change.as_slice()[first..first + 3]);
-        let own = stiffness.fixed_view::<3, 3>(first, first).into_owned();
+        let body = model.markers[*marker].body?;
+        let force = V3::from_column_slice(&change.as_slice()[6 * body..6 * body + 3]);
+        let own = stiffness.0.get(&(body, body))?;
+        let own = M3::from_fn(|i, j| own[6 * i + j]);
         let greatest = own.singular_values().max();
         (greatest > 0.0).then(|| force.dot(down).abs() / greatest)
     };
@@ -325,8 +341,52 @@ fn gives_way(
     Ok(ways.fold(0.0, f64::max))
 }
 
-/// `Jᵀ ∂W/∂x J` of all loads, with respect to pose and to twist: velocities × velocities.
-fn answers(model: &Model, rest: &State) -> Result<[DMatrix<f64>; 2], RuntimeError> {
+/// Derivatives of loads by motions of rigid bodies: a block of 6 × 6 numbers, row-major, for each loaded body and
+/// each body whose motion changes its loads. Few bodies of a large model touch each other.
+#[derive(Clone, Debug, Default)]
+struct Answers(BTreeMap<(usize, usize), [f64; 36]>);
+
+impl Answers {
+    /// The same by scaled velocities on both sides.
+    fn scaled(mut self, model: &Model, scales: &[f64]) -> Answers {
+        for ((loaded, mover), block) in &mut self.0 {
+            let (rows, columns) = (
+                model.bodies[*loaded].velocity,
+                model.bodies[*mover].velocity,
+            );
+            for (at, x) in block.iter_mut().enumerate() {
+                *x *= scales[rows + at / 6] * scales[columns + at % 6];
+            }
+        }
+        self
+    }
+
+    /// The largest magnitude.
+    fn largest(&self) -> f64 {
+        let all = self.0.values().flatten();
+        all.fold(
+            0.0,
+            |w, x| if x.is_nan() { f64::NAN } else { x.abs().max(w) },
+        )
+    }
+
+    /// `A x` for columns with six numbers a body.
+    fn times(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(x.nrows(), x.ncols());
+        for (mut to, from) in out.column_iter_mut().zip(x.column_iter()) {
+            for ((loaded, mover), block) in &self.0 {
+                for (i, row) in block.as_chunks::<6>().0.iter().enumerate() {
+                    let along = row.iter().enumerate();
+                    to[6 * loaded + i] += along.map(|(j, a)| a * from[6 * mover + j]).sum::<f64>();
+                }
+            }
+        }
+        out
+    }
+}
+
+/// `Jᵀ ∂W/∂x J` of all loads, with respect to pose and to twist.
+fn answers(model: &Model, rest: &State) -> Result<[Answers; 2], RuntimeError> {
     answers_of(model, rest, 0..model.elements.len())
 }
 
@@ -335,13 +395,12 @@ fn answers_of(
     model: &Model,
     rest: &State,
     elements: std::ops::Range<usize>,
-) -> Result<[DMatrix<f64>; 2], RuntimeError> {
-    let size = model.velocities;
-    let mut found = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
+) -> Result<[Answers; 2], RuntimeError> {
+    let mut found = [Answers::default(), Answers::default()];
     for index in elements {
         let element = &model.elements[index];
         let class = model.class(index);
-        if !element.dynamic || !class.applies_load {
+        if !loads(model, index) {
             continue;
         }
         let layout = &class.layout;
@@ -361,23 +420,23 @@ fn answers_of(
             .collect();
         for (k, moved) in jacobians.iter().enumerate() {
             let Some((mover, by)) = moved else { continue };
-            let mover = &model.bodies[*mover];
             let bases = [
                 layout.pose_direction(k as u32),
                 layout.twist_direction(k as u32),
             ];
-            for (matrix, base) in found.iter_mut().zip(bases) {
-                for d in 0..6 {
-                    let out = &tangents[(base as usize + d) * length..][..length];
-                    for (l, loaded) in jacobians.iter().enumerate() {
-                        let Some((body, on)) = loaded else { continue };
-                        let body = &model.bodies[*body];
-                        for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
+            for (Answers(blocks), base) in found.iter_mut().zip(bases) {
+                for (l, loaded) in jacobians.iter().enumerate() {
+                    let Some((body, on)) = loaded else { continue };
+                    let block = blocks.entry((*body, *mover)).or_insert([0.0; 36]);
+                    let (height, width) =
+                        (model.bodies[*body].width(), model.bodies[*mover].width());
+                    for d in 0..6 {
+                        let out = &tangents[(base as usize + d) * length..][..length];
+                        for (at, x) in block.iter_mut().enumerate() {
                             let force: f64 = (0..6)
-                                .map(|c| out[rows + 6 * l + c][0] * on[c * body.width() + i])
+                                .map(|c| out[rows + 6 * l + c][0] * on[c * height + at / 6])
                                 .sum();
-                            matrix[(body.velocity + i, mover.velocity + j)] +=
-                                force * by[d * mover.width() + j];
+                            *x += force * by[d * width + at % 6];
                         }
                     }
                 }
@@ -431,16 +490,16 @@ fn cycle_row(model: &Model, rest: &State) -> Option<DVector<f64>> {
     Some(row)
 }
 
-/// Groups motions by the bodies that they move together. `motions` are orthonormal in scaled velocities of
-/// rigid bodies.
-fn groups(model: &Model, rest: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
+/// Groups motions by the bodies that they move together. `projected` gives six columns a body of the projector on the
+/// motions, in scaled velocities of rigid bodies: the motions of all bodies that go with each velocity of this one.
+fn groups(model: &Model, rest: &State, projected: impl Fn(usize) -> DMatrix<f64>) -> Vec<Loose> {
     let count = model.bodies.len();
-    let part =
-        |a: usize, b: usize| (motions.rows(6 * a, 6) * motions.rows(6 * b, 6).transpose()).norm();
     let mut group: Vec<usize> = (0..count).collect();
+    let mut own = Vec::with_capacity(count);
     for a in 0..count {
+        let columns = projected(a);
         for b in 0..a {
-            if part(a, b) > NO_PART {
+            if group[a] != group[b] && columns.rows(6 * b, 6).norm() > NO_PART {
                 let (from, to) = (group[a], group[b]);
                 group
                     .iter_mut()
@@ -448,19 +507,17 @@ fn groups(model: &Model, rest: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
                     .for_each(|g| *g = to);
             }
         }
+        own.push(columns.rows(6 * a, 6).into_owned());
     }
     let mut found = Vec::new();
     for first in 0..count {
         let mut bodies: Vec<usize> = (0..count)
-            .filter(|b| group[*b] == first && part(*b, *b) > NO_PART)
+            .filter(|b| group[*b] == first && own[*b].norm() > NO_PART)
             .collect();
         if bodies.is_empty() {
             continue;
         }
-        let trace: f64 = bodies
-            .iter()
-            .map(|b| motions.rows(6 * b, 6).norm_squared())
-            .sum();
+        let trace: f64 = bodies.iter().map(|b| own[*b].trace()).sum();
         let mass = |b: &usize| model.bodies[*b].mass();
         let heaviest =
             (0..bodies.len()).fold(0, |best, i| match mass(&bodies[i]) > mass(&bodies[best]) {
@@ -470,12 +527,16 @@ fn groups(model: &Model, rest: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
         bodies[..=heaviest].rotate_right(1);
         let count = libm::round(trace).max(1.0) as usize;
         let (along, about) = match count {
-            1 => single(model, rest, motions, &bodies),
+            1 => single(model, rest, &own[bodies[0]], &bodies),
             _ => (None, None),
         };
-        let moves = motions.rows(6 * bodies[0], 3).into_owned();
+        // the squares of the singular values of its part of the motions
+        let moves = own[bodies[0]].view((0, 0), (3, 3)).into_owned();
+        let squares = moves.symmetric_eigenvalues();
         found.push(Loose {
-            directions: crate::singular::decompose(moves).map_or(0, |svd| svd.rank(NO_PART)),
+            directions: (squares.iter())
+                .filter(|square| **square > NO_PART * NO_PART)
+                .count(),
             bodies,
             motions: count,
             along,
@@ -485,18 +546,17 @@ fn groups(model: &Model, rest: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
     found
 }
 
-/// Direction or axis of a group's single motion, from its heaviest body.
+/// Direction or axis of a group's single motion, from the projector of its heaviest body.
 fn single(
     model: &Model,
     rest: &State,
-    motions: &DMatrix<f64>,
+    own: &DMatrix<f64>,
     bodies: &[usize],
 ) -> (Option<V3>, Option<(V3, bool)>) {
     let Some(heaviest) = bodies.first() else {
         return (None, None);
     };
-    let block = motions.rows(6 * heaviest, 6);
-    let eigen = (block * block.transpose()).symmetric_eigen();
+    let eigen = own.clone().symmetric_eigen();
     let (index, _) = eigen.eigenvalues.argmax();
     let vector = eigen.eigenvectors.column(index);
     let moved = V3::new(vector[0], vector[1], vector[2]);

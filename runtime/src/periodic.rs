@@ -45,7 +45,7 @@ const ABOVE: f64 = 3.0;
 const GROWTH: f64 = 1e-3;
 /// Share of a difference that does not follow from the earlier ones, above which it counts as noise; and the
 /// number of consecutive cycles with such a share.
-const UNFORETOLD: f64 = 0.3;
+const UNPREDICTED: f64 = 0.3;
 const NOISY_CYCLES: usize = 3;
 /// Share of the least change so far, above which the changes of the last cycles no longer shrink.
 const STANDSTILL: f64 = 0.5;
@@ -159,7 +159,7 @@ pub fn run_periodic(
         motion: Motion::new(
             &model,
             // the tolerance of a fixed step limits Newton's iteration and not the error of the step
-            match periodic.step {
+            match periodic.integration.step {
                 StepControl::Tolerance(factor) => factor,
                 StepControl::Fixed(_) | StepControl::FixedTo { .. } => 1.0,
             },
@@ -183,9 +183,7 @@ pub fn run_periodic(
     let transient = Transient {
         duration: Extent::Angle(period * f64::from(periodic.cycles)),
         sample: Extent::Angle(period / samples),
-        step: periodic.step,
-        rho_infinity: periodic.rho_infinity,
-        start: periodic.start,
+        integration: periodic.integration,
     };
     let run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
     cycles.give();
@@ -424,7 +422,10 @@ impl Cycles<'_> {
         if !self.repeats && self.only_noise() {
             self.repeats = true;
             let change = self.slowest.as_ref().map_or(0.0, |s| s.change);
-            self.noise = Some(Remedy::of(self.limit.step, self.limit.change / change));
+            self.noise = Some(Remedy::of(
+                self.limit.integration.step,
+                self.limit.change / change,
+            ));
         }
         let angles: Vec<f64> = self.now.heads[1..]
             .iter()
@@ -448,13 +449,13 @@ impl Cycles<'_> {
             return false;
         };
         self.changes
-            .push((slowest.change, slowest.mode.map_or(0.0, |m| m.unforetold)));
+            .push((slowest.change, slowest.mode.map_or(0.0, |m| m.unpredicted)));
         let (earlier, last) = self
             .changes
             .split_at(self.changes.len().saturating_sub(NOISY_CYCLES));
         let least = |of: &[(f64, f64)]| of.iter().fold(f64::INFINITY, |w, x| w.min(x.0));
         !earlier.is_empty()
-            && last.iter().all(|(_, share)| *share > UNFORETOLD)
+            && last.iter().all(|(_, share)| *share > UNPREDICTED)
             && least(last) > STANDSTILL * least(earlier)
             && self.moved.beyond <= 1.0
             && self

@@ -28,6 +28,7 @@ use crate::rotation::{M3, V3};
 use crate::start::{self, StartReport};
 use crate::state::State;
 use astray::Astray;
+use eng_system::analysis::Integration;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
 use pace::Limit;
@@ -62,6 +63,22 @@ impl Default for Options {
             max_step: 0.01,
             energy: true,
             start: Start::Assembled,
+        }
+    }
+}
+
+impl From<Integration> for Options {
+    fn from(stated: Integration) -> Options {
+        let Integration {
+            step,
+            rho_infinity,
+            start,
+        } = stated;
+        Options {
+            step,
+            rho_infinity,
+            start,
+            ..Options::default()
         }
     }
 }

@@ -290,7 +290,7 @@ fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeEr
             let condition = &model.class(violation.element).conditions[violation.condition];
             found.get_or_insert_with(|| Obstacle {
                 origin: elements[violation.element].origin.clone(),
-                message: condition.told(values),
+                message: condition.message_with(values),
                 carried: 1.0,
             });
         },

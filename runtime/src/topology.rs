@@ -6,6 +6,8 @@
 
 use crate::assembly::at;
 use crate::assembly::closing::{Numbers, close};
+use crate::assembly::gradients::Gradients;
+use crate::assembly::independent::{FEW, Independent};
 use crate::assembly::rows::{Along, Rows};
 use crate::body::{BodyKind, BodyModel};
 use crate::error::{Massless, Moment, RedundantGroup, RuntimeError};
@@ -146,10 +148,10 @@ struct Rank {
 
 impl Rank {
     fn of(model: &Model, rows: &Rows, state: &State) -> Result<Rank, RuntimeError> {
-        let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
-        rows.scale(model, &mut values, &mut matrix);
+        let (mut values, mut matrix) = rows.gradients(model, &at(state), Along::Pose)?;
+        rows.scale_gradients(model, &mut values, &mut matrix);
         Ok(Rank {
-            dependent: dependencies(&matrix),
+            dependent: dependent_rows(&matrix),
         })
     }
 
@@ -175,6 +177,25 @@ impl Rank {
             redundant,
         }
     }
+}
+
+/// [`dependencies`] of the rows. Of many rows only those are analysed that are not clearly independent of the others.
+fn dependent_rows(matrix: &Gradients) -> Vec<(usize, Vec<(usize, f64)>)> {
+    let factor = (matrix.nrows() > FEW).then(|| Independent::of(matrix));
+    let Some(Some(factor)) = factor else {
+        return dependencies(&matrix.dense());
+    };
+    let part = factor.dependent_part();
+    let found = dependencies(&matrix.select(&part).dense()).into_iter();
+    found
+        .map(|(row, shares)| {
+            let shares = shares.into_iter();
+            (
+                part[row],
+                shares.map(|(r, share)| (part[r], share)).collect(),
+            )
+        })
+        .collect()
 }
 
 /// Expresses dependent rows by independent ones, by elimination with complete pivoting. Among equals early
@@ -269,6 +290,44 @@ mod tests {
         names.sort_unstable();
         assert_eq!(names, [0, 1, 3]);
         assert!(dependencies(&DMatrix::identity(3, 4)).is_empty());
+    }
+
+    /// A chain of bodies, each held at its neighbour by five rows. One is a sum of others, another holds nothing: the rows
+    /// named are those of the whole matrix.
+    #[test]
+    fn of_many_rows_the_same_ones_repeat() {
+        let mut numbers = Numbers::new(11);
+        let bodies = 41;
+        let mut m = DMatrix::zeros(5 * bodies, 6 * bodies);
+        for i in 0..5 * bodies {
+            let own = 6 * (i / 5);
+            for j in own.saturating_sub(6)..own + 6 {
+                m[(i, j)] = numbers.draw();
+            }
+        }
+        assert!(m.nrows() > FEW);
+        assert!(dependent_rows(&Gradients::of(&m)).is_empty());
+        let sum = m.row(63) - m.row(66) * 0.5;
+        m.set_row(64, &sum);
+        m.row_mut(201).fill(0.0);
+        let found = dependent_rows(&Gradients::of(&m));
+        let whole = dependencies(&m);
+        assert_eq!(found.len(), 2);
+        assert_eq!(whole.len(), 2);
+        for rows in [found, whole] {
+            let mut concerned = Vec::new();
+            for (row, shares) in &rows {
+                concerned.push(*row);
+                concerned.extend(shares.iter().map(|(r, _)| *r));
+                let mut rest = m.row(*row) / m.row(*row).norm().max(f64::MIN_POSITIVE);
+                for (r, share) in shares {
+                    rest -= m.row(*r) * (*share / m.row(*r).norm());
+                }
+                assert!(rest.norm() < 1e-12);
+            }
+            concerned.sort_unstable();
+            assert_eq!(concerned, [63, 64, 66, 201]);
+        }
     }
 
     #[test]

@@ -264,12 +264,7 @@ fn begin(
     resume: Option<&[u8]>,
 ) -> Result<(Simulation, f64), RuntimeError> {
     countable(transient)?;
-    let options = Options {
-        step: transient.step,
-        rho_infinity: transient.rho_infinity,
-        start: transient.start,
-        ..Options::default()
-    };
+    let options = Options::from(transient.integration);
     let mut simulation = match resume {
         Some(bytes) => Simulation::resume(compiled, overrides, options, bytes)?,
         None => Simulation::new(compiled, overrides, options)?,

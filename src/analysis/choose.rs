@@ -69,7 +69,7 @@ impl Analysis {
         }
         let before = format!("{path} = ");
         made.replaced = self.replaced;
-        made.replaced.retain(|told| !told.starts_with(&before));
+        made.replaced.retain(|line| !line.starts_with(&before));
         made.replaced
             .push(format!("{path} = {word} in place of the word of the text"));
         made.set_here = self.set_here;

@@ -46,7 +46,7 @@ pub struct Analysis {
     timed: bool,
     /// Threads that solve its fields.
     threads: NonZeroUsize,
-    /// Its model in the assembled position, for all that ask for it.
+    /// Its model in the assembled position, for all its users.
     assembled: OnceLock<Result<Assembled, RuntimeError>>,
 }
 
@@ -227,7 +227,7 @@ impl Analysis {
         &self.model
     }
 
-    /// The parameter of its model with a path. The error about a constant says that it is one.
+    /// The parameter of its model with a path. The error names a constant as such.
     pub fn parameter(&self, path: &str) -> Result<Parameter, Error> {
         self.model.parameter(path).map_err(|error| {
             let constant = self.program.constant(self.model.name(), path);
@@ -259,12 +259,12 @@ impl Analysis {
             && *stated != value
         {
             let text = |x: f64| info.display.text(x);
-            let told = format!(
+            let line = format!(
                 "{path} = {}, not {} as the text states",
                 text(value),
                 text(*stated)
             );
-            self.replaced.push(told);
+            self.replaced.push(line);
         }
         self.set_here.push(path.clone());
         if let Some(place) = self.overrides.get_mut(parameter.index) {
@@ -276,9 +276,10 @@ impl Analysis {
 
     /// Takes fixed steps, or steps of another tolerance, in place of the text's.
     pub fn stepping(mut self, control: StepControl) -> Self {
-        let Some(place) = self.plan.kind.step_mut() else {
+        let Some(integration) = self.plan.kind.integration_mut() else {
             return self;
         };
+        let place = &mut integration.step;
         let text = |control: StepControl| match control {
             StepControl::Fixed(step) => ("step", format!("{} s", short(step, 12))),
             StepControl::FixedTo { step, tolerance } => (
@@ -434,10 +435,11 @@ impl Analysis {
             return Vec::new();
         };
         let parameters = simulation.model().advice.len();
-        let told = simulation.take_warnings();
+        let warnings = simulation.take_warnings();
         let system = &self.model.compiled().system;
-        let told = told.iter().skip(parameters);
-        told.map(|warning| Finding::of_run(warning, system))
+        let of_motion = warnings.iter().skip(parameters);
+        of_motion
+            .map(|warning| Finding::of_run(warning, system))
             .collect()
     }
 

@@ -156,7 +156,7 @@ impl Analysis {
         let cause = cause.map(|cause| self.error_with(cause, stands));
         let results = match finished {
             Ok(results) => results,
-            // the failure of the run says more than the failure of its table
+            // the failure of the run is more informative than that of its table
             Err(error) => return Err(cause.unwrap_or_else(|| error.into()).into()),
         };
         if cause.is_none() {
@@ -332,8 +332,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// Takes a row of the results and the motion.
-    fn take(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+    /// Records a row of the results and of the motion.
+    fn record(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         if self.refused.is_some() {
             return ControlFlow::Break(());
         }
@@ -423,7 +423,7 @@ impl Observer for Recorder<'_> {
 
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         self.spent(|timings| &mut timings.samples);
-        let taken = self.take(sample);
+        let taken = self.record(sample);
         self.spent(|timings| &mut timings.files);
         taken
     }

@@ -1,7 +1,7 @@
 //! `eng check`.
 
 use super::arguments::{CheckArguments, Format};
-use super::files::told_of;
+use super::files::or_stop;
 use super::open::open;
 use super::terminal::Terminal;
 use super::{MODEL_WRONG, Refusal, Stop};
@@ -15,7 +15,7 @@ pub(super) fn check(arguments: &CheckArguments, console: &mut Terminal<'_>) -> R
     let format = arguments.format;
     if arguments.timings && format == Format::Json {
         let refused = "--timings prints no JSON: leave out `--format json`";
-        return told_of(Err(refused), console);
+        return or_stop(Err(refused), console);
     }
     let checked = open(&arguments.model)
         .map_err(|error| refuse(&error, &SourceMap::new(), format, console))?;

@@ -30,7 +30,7 @@ pub(super) fn draw(
 ) -> Result<(), Stop> {
     for (name, svg) in figures {
         let written = plot::write_svg_and_png(&svg, folder, &stem_of(&name, failed));
-        for path in told_of(written, console)? {
+        for path in or_stop(written, console)? {
             wrote(&path, arguments, console)?;
         }
     }
@@ -78,7 +78,7 @@ pub(super) fn wrote(
 }
 
 /// The value, or the error on the console.
-pub(super) fn told_of<T, E: std::fmt::Display>(
+pub(super) fn or_stop<T, E: std::fmt::Display>(
     result: Result<T, E>,
     console: &mut Terminal<'_>,
 ) -> Result<T, Stop> {

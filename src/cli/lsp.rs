@@ -6,7 +6,7 @@ use super::{Stop, USAGE_OR_SYSTEM};
 use crate::server::{Folders, serve};
 use lsp_server::Connection;
 
-/// Serves an editor on the standard input and output until it says good-bye.
+/// Serves an editor on the standard input and output until it ends the connection.
 pub(super) fn lsp(console: &mut Terminal<'_>) -> Result<(), Stop> {
     let cache = cache_folder(|name| std::env::var_os(name));
     let library = cache

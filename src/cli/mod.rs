@@ -12,6 +12,7 @@ mod fmt;
 mod lsp;
 mod new;
 mod open;
+mod outcomes;
 mod outputs;
 mod post;
 mod progress;
@@ -21,7 +22,6 @@ mod results;
 mod run;
 mod shell;
 mod terminal;
-mod told;
 
 use crate::codes;
 use crate::error::Error;
@@ -119,7 +119,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
     }
 }
 
-/// Whether the words ask for messages as JSON. clap has refused them as a whole, so this looks at the words
+/// Whether the words request messages as JSON. clap has refused them as a whole, so this looks at the words
 /// themselves.
 fn wants_json(words: &[OsString]) -> bool {
     let pairs = words.windows(2).any(|pair| pair == ["--format", "json"]);
@@ -164,7 +164,7 @@ impl From<Error> for Refusal {
 
 impl Refusal {
     /// Messages with their places; for an error without any, the code and text of its message.
-    fn told(&self) -> Result<&Diagnostics, (&'static str, String)> {
+    fn located(&self) -> Result<&Diagnostics, (&'static str, String)> {
         match self {
             Refusal::Library(error) => match (error.report(), error) {
                 (Some(report), _) => Ok(report.diagnostics()),
@@ -180,7 +180,7 @@ impl Refusal {
 
     /// Its messages.
     fn messages(&self) -> Diagnostics {
-        self.told().map_or_else(
+        self.located().map_or_else(
             |(code, text)| {
                 let mut messages = Diagnostics::new();
                 messages.push(Diagnostic::error(code, text));
@@ -192,7 +192,7 @@ impl Refusal {
 
     /// The exit code.
     fn code(&self) -> u8 {
-        match self.told() {
+        match self.located() {
             Ok(_) => MODEL_WRONG,
             Err(_) => USAGE_OR_SYSTEM,
         }
@@ -200,7 +200,7 @@ impl Refusal {
 
     /// Prints it among the errors and returns the exit code as a reason to stop.
     fn show(&self, sources: &SourceMap, console: &mut Terminal<'_>) -> Stop {
-        let shown = match self.told() {
+        let shown = match self.located() {
             Ok(messages) => console.errors.messages(messages, sources),
             Err((_, text)) => writeln!(console.errors, "error: {text}"),
         };

@@ -63,7 +63,7 @@ fn with_ending(name: &Path) -> PathBuf {
 fn create(file: &Path, text: &str) -> std::io::Result<()> {
     let mut opened = OpenOptions::new().write(true).create_new(true).open(file)?;
     opened.write_all(text.as_bytes()).inspect_err(|_| {
-        // the first failure is the one to tell
+        // the first failure is reported
         let _ = std::fs::remove_file(file);
     })
 }

@@ -1,7 +1,7 @@
 //! The reports of a text after its runs.
 
 use super::arguments::RunArguments;
-use super::files::{draw, told_of};
+use super::files::{draw, or_stop};
 use super::terminal::Terminal;
 use super::{Refusal, Stop};
 use crate::motion::SUFFIX;
@@ -44,7 +44,7 @@ pub(super) fn reports(
         let path = folder.join(format!("{}.parquet", file_stem(name)));
         let read = ran(name) || earlier.iter().any(|r| r.analysis() == name);
         if !read && path.is_file() {
-            earlier.push(told_of(Results::read_parquet(&path), console)?);
+            earlier.push(or_stop(Results::read_parquet(&path), console)?);
         }
     }
     let mut described = Vec::new();
@@ -67,7 +67,7 @@ pub(super) fn reports(
         }
     }
     let results = || earlier.iter().chain(outcomes.iter().map(|o| &o.results));
-    let mut told: Vec<String> = Vec::new();
+    let mut shown: Vec<String> = Vec::new();
     for report in &reports {
         let named: Vec<&str> = report.entries.iter().flat_map(|e| e.analyses()).collect();
         let runs: Vec<_> = results()
@@ -75,18 +75,18 @@ pub(super) fn reports(
             .filter(|(results, _)| named.contains(&results.analysis()))
             .collect();
         for message in mixed(&runs) {
-            if !told.contains(&message) {
+            if !shown.contains(&message) {
                 writeln!(console.errors, "warning: {message}")?;
-                told.push(message);
+                shown.push(message);
             }
         }
     }
     let motions = earlier.iter().map(|results| {
         let name = format!("{}{SUFFIX}", results.analysis());
         let path = folder.join(format!("{}.parquet", file_stem(&name)));
-        // a figure that needs a missing motion says so
+        // a figure that needs a missing motion reports this
         match path.is_file() {
-            true => told_of(Results::read_parquet(&path), console).map(Some),
+            true => or_stop(Results::read_parquet(&path), console).map(Some),
             false => Ok(None),
         }
     });

@@ -1,7 +1,7 @@
 //! `eng report`.
 
 use super::arguments::ReportArguments;
-use super::files::{results_folder, told_of};
+use super::files::{or_stop, results_folder};
 use super::open::checked;
 use super::outputs::{self, Output, apart};
 use super::run::chosen;
@@ -19,18 +19,18 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     let program = checked(&arguments.model, console)?;
-    let moments = told_of(moments(&arguments.stress_at), console)?;
+    let moments = or_stop(moments(&arguments.stress_at), console)?;
     let names = chosen(&arguments.model, &arguments.analysis, &program, console)?;
     let folder = arguments
         .results
         .clone()
         .unwrap_or_else(|| results_folder(&arguments.model));
-    told_of(
+    or_stop(
         outputs::folder("--figures", arguments.figures.as_deref()),
         console,
     )?;
-    told_of(outputs::folder("--vtu", arguments.vtu.as_deref()), console)?;
-    told_of(
+    or_stop(outputs::folder("--vtu", arguments.vtu.as_deref()), console)?;
+    or_stop(
         outputs::folder("--fields", arguments.fields.as_deref()),
         console,
     )?;
@@ -54,7 +54,7 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
         .file_name()
         .unwrap_or_default()
         .to_string_lossy();
-    let made = told_of(
+    let made = or_stop(
         make(Request {
             file: &file,
             entries: &entries,
@@ -72,7 +72,7 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
     }
     let mut inputs = program.files();
     inputs.append(&mut found.inputs);
-    told_of(
+    or_stop(
         refuse_loss(
             &inputs,
             &files_of(&page_of(arguments, &folder), arguments, &made.figures),
@@ -116,12 +116,12 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
             found.missing.push((*name).to_owned());
             continue;
         }
-        let results = told_of(Results::read_parquet(&path), console)?;
+        let results = or_stop(Results::read_parquet(&path), console)?;
         found.inputs.push(path.clone());
         let mut read = Read {
             results,
             motion: None,
-            files: vec![told_of(hashed(&path), console)?],
+            files: vec![or_stop(hashed(&path), console)?],
         };
         if read.results.are_modes() {
             writeln!(
@@ -134,9 +134,9 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
         }
         let path = file(SUFFIX);
         if path.is_file() {
-            read.files.push(told_of(hashed(&path), console)?);
+            read.files.push(or_stop(hashed(&path), console)?);
             found.inputs.push(path.clone());
-            read.motion = Some(told_of(Results::read_parquet(&path), console)?);
+            read.motion = Some(or_stop(Results::read_parquet(&path), console)?);
         }
         found.in_time.push(read);
     }
@@ -198,10 +198,10 @@ fn write_all(
     console: &mut Terminal<'_>,
 ) -> Result<Vec<PathBuf>, Stop> {
     let out = page_of(arguments, folder);
-    let mut written = vec![told_of(write(&out, made.html.as_bytes()), console)?];
+    let mut written = vec![or_stop(write(&out, made.html.as_bytes()), console)?];
     if let Some(path) = &arguments.gltf {
         match &made.gltf {
-            Some(bytes) => written.push(told_of(write(path, bytes), console)?),
+            Some(bytes) => written.push(or_stop(write(path, bytes), console)?),
             None => {
                 writeln!(
                     console.errors,
@@ -214,13 +214,13 @@ fn write_all(
     if let Some(folder) = &arguments.figures {
         for drawn in &made.figures {
             let paths = write_svg_and_png(&drawn.svg, folder, &drawn.name);
-            written.extend(told_of(paths, console)?);
+            written.extend(or_stop(paths, console)?);
         }
     }
     if let Some(folder) = &arguments.fields {
         let count = written.len();
         for entry in entries {
-            written.extend(told_of(write_fields(entry, folder), console)?);
+            written.extend(or_stop(write_fields(entry, folder), console)?);
         }
         if written.len() == count {
             writeln!(
@@ -232,7 +232,7 @@ fn write_all(
     if let Some(folder) = &arguments.vtu {
         let moved = entries.iter().find(|e| e.outcome.motion.is_some());
         let series = match moved.or(entries.first()) {
-            Some(entry) => told_of(write_series(entry, folder), console)?,
+            Some(entry) => or_stop(write_series(entry, folder), console)?,
             None => None,
         };
         match series {
@@ -279,14 +279,14 @@ fn moments(typed: &[String]) -> Result<Vec<At>, String> {
     typed
         .iter()
         .map(|text| {
-            let said = |reason: String| format!("--stress-at {text}: {reason}");
+            let refusal = |reason: String| format!("--stress-at {text}: {reason}");
             let quantity: Quantity = text
                 .parse()
-                .map_err(|e: crate::QuantityError| said(e.to_string()))?;
+                .map_err(|e: crate::QuantityError| refusal(e.to_string()))?;
             match quantity.dimension() {
                 Dimension::ANGLE => Ok(At::Angle(quantity.value())),
                 Dimension::TIME => Ok(At::Time(quantity.value())),
-                _ => Err(said("neither an angle nor a time".to_owned())),
+                _ => Err(refusal("neither an angle nor a time".to_owned())),
             }
         })
         .collect()

@@ -1,12 +1,12 @@
 //! `eng run`.
 
 use super::arguments::{RunArguments, Setting};
-use super::files::{draw_all, results_folder, told_of, wrote};
+use super::files::{draw_all, or_stop, results_folder, wrote};
 use super::open::checked;
+use super::outcomes::{Ended, Outcomes};
 use super::outputs::{Output, apart};
 use super::progress::Bars;
 use super::terminal::Terminal;
-use super::told::{Ended, Told};
 use super::{MODEL_WRONG, Refusal, Stop, USAGE_OR_SYSTEM, post};
 use crate::analysis::Analysis;
 use crate::error::Error;
@@ -26,7 +26,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
-    told_of(set_once(&arguments.set), console)?;
+    or_stop(set_once(&arguments.set), console)?;
     let mut clock = Clock::new();
     let program = checked(&arguments.model, console)?;
     let check = clock.since();
@@ -35,34 +35,36 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
         .out
         .clone()
         .unwrap_or_else(|| results_folder(&arguments.model));
-    let recording = told_of(recording(arguments, &folder), console)?;
+    let recording = or_stop(recording(arguments, &folder), console)?;
     // refuse them before any computation
     for name in &names {
         let file = |ending: &str| folder.join(format!("{}.{ending}", stem_of(name, false)));
-        told_of(writable(&file("parquet")), console)?;
+        or_stop(writable(&file("parquet")), console)?;
         if arguments.csv {
             let csv = Output::new("--csv:", file("csv"));
-            told_of(apart(&program.files(), std::slice::from_ref(&csv)), console)?;
-            told_of(writable(&csv.path), console)?;
+            or_stop(apart(&program.files(), std::slice::from_ref(&csv)), console)?;
+            or_stop(writable(&csv.path), console)?;
         }
     }
-    let steps = told_of(steps(arguments), console)?;
+    let steps = or_stop(steps(arguments), console)?;
     let prepared: Vec<Result<Analysis, Refusal>> = program
         .analyses_of(&names)
         .into_iter()
         .map(|made| prepare(made, arguments, &recording, steps))
         .collect();
     let code = clock.since();
-    let mut told = Told::new(arguments, &program, &folder);
-    run_all(&names, prepared, &mut told, console)?;
-    let Told {
-        outcomes, failures, ..
-    } = told;
-    for family in sweep::families(&outcomes) {
+    let mut outcomes = Outcomes::new(arguments, &program, &folder);
+    run_all(&names, prepared, &mut outcomes, console)?;
+    let Outcomes {
+        completed,
+        failures,
+        ..
+    } = outcomes;
+    for family in sweep::families(&completed) {
         over_points(&family, &failures, arguments, &folder, console)?;
     }
     if !arguments.no_plots {
-        let compared: Vec<Run<'_>> = outcomes
+        let compared: Vec<Run<'_>> = completed
             .iter()
             .filter(|o| o.point.is_empty() && !o.results.are_modes() && !o.results.is_state())
             .map(|o| Run::new(&o.results, &o.machine))
@@ -73,7 +75,7 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
         let wanted = figures::comparisons(&compared);
         draw_all(&wanted, &compared, failed, &folder, arguments, console)?;
     }
-    let holds = post::reports(&outcomes, arguments, &program, &folder, console)?;
+    let holds = post::reports(&completed, arguments, &program, &folder, console)?;
     if arguments.timings && !arguments.quiet {
         let phases = [
             ("check", check),
@@ -126,14 +128,14 @@ fn prepare(
 fn run_all(
     names: &[&str],
     prepared: Vec<Result<Analysis, Refusal>>,
-    told: &mut Told<'_>,
+    outcomes: &mut Outcomes<'_>,
     console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
-    let (arguments, texts) = (told.arguments, told.program.texts());
+    let (arguments, texts) = (outcomes.arguments, outcomes.program.texts());
     let mut bars = Bars::new(names.len(), arguments.quiet || !console.live);
     let mut queue = Queue {
         names,
-        told,
+        outcomes,
         ended: Vec::new(),
         next: 0,
         stop: None,
@@ -181,7 +183,7 @@ fn run_all(
 /// Analyses that have ended and wait for their turn in the report.
 struct Queue<'q, 't> {
     names: &'q [&'q str],
-    told: &'q mut Told<'t>,
+    outcomes: &'q mut Outcomes<'t>,
     ended: Vec<Option<Result<Ended, Refusal>>>,
     next: usize,
     stop: Option<Stop>,
@@ -194,8 +196,8 @@ impl Queue<'_, '_> {
             && let Some(result) = self.ended.get_mut(self.next).and_then(Option::take)
         {
             let done = match result {
-                Ok(result) => self.told.tell(self.names[self.next], result, console),
-                Err(refusal) => Err(refusal.show(self.told.program.texts(), console)),
+                Ok(result) => self.outcomes.add(self.names[self.next], result, console),
+                Err(refusal) => Err(refusal.show(self.outcomes.program.texts(), console)),
             };
             self.next += 1;
             self.stop = done.err();
@@ -233,10 +235,10 @@ fn over_points(
     if !arguments.quiet {
         write!(console.output, "{text}")?;
     }
-    let path = told_of(table.write_parquet(folder), console)?;
+    let path = or_stop(table.write_parquet(folder), console)?;
     wrote(&path, arguments, console)?;
     if arguments.csv {
-        let path = told_of(table.write_csv(folder), console)?;
+        let path = or_stop(table.write_csv(folder), console)?;
         wrote(&path, arguments, console)?;
     }
     Ok(())

@@ -113,10 +113,10 @@ pub(super) fn locked(
     chain: Option<&Chain>,
     system: &System,
 ) -> Diagnostic {
-    let mut told: Vec<&Origin> = Vec::new();
+    let mut places: Vec<&Origin> = Vec::new();
     for row in rows {
-        if !told.contains(&&row.origin) && told.len() < 3 {
-            told.push(&row.origin);
+        if !places.contains(&&row.origin) && places.len() < 3 {
+            places.push(&row.origin);
             message = place(message, &row.origin, "resists the others here");
         }
     }
@@ -157,7 +157,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
             lengths.join(", ")
         )),
     };
-    let mut told = Vec::new();
+    let mut shown = Vec::new();
     let message = chain
         .bodies
         .iter()
@@ -168,8 +168,8 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
                 return message;
             };
             match parameter.origin.used_at {
-                Some(at) if !told.contains(&index) && told.len() < MOST_PARAMETERS => {
-                    told.push(index);
+                Some(at) if !shown.contains(&index) && shown.len() < MOST_PARAMETERS => {
+                    shown.push(index);
                     message.also(span(at), format!("a length of {}", body.origin.path))
                 }
                 _ => message,
@@ -243,8 +243,9 @@ fn with_guesses(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
         body.is_some_and(|body| chain.is_some_and(|c| c.bodies.iter().any(|b| b.origin == *body)))
     };
     let any = stated.iter().any(|(body, _)| in_loop(body));
-    let told = stated.iter().filter(|(body, _)| !any || in_loop(body));
-    told.take(MOST_GUESSES)
+    let chosen = stated.iter().filter(|(body, _)| !any || in_loop(body));
+    chosen
+        .take(MOST_GUESSES)
         .fold(message, |message, (body, at)| {
             let of = body.map_or(String::new(), |body| format!(" of {}", body.path));
             message.also(span(*at), format!("a guess{of}: the search begins here"))

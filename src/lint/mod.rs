@@ -145,7 +145,7 @@ pub(crate) fn of_start(
 
 /// Findings to report, and findings that the text accepts, with the index of the acceptance.
 pub(crate) struct Sifted {
-    pub told: Vec<Finding>,
+    pub reported: Vec<Finding>,
     pub accepted: Vec<Covered>,
 }
 
@@ -155,14 +155,14 @@ pub(crate) type Covered = (usize, Finding);
 /// Separates accepted findings from others.
 pub(crate) fn sift(findings: Vec<Finding>, system: &System) -> Sifted {
     let mut sifted = Sifted {
-        told: Vec::new(),
+        reported: Vec::new(),
         accepted: Vec::new(),
     };
     for finding in findings {
         let covering = |a: &Accepted| a.covers(&finding.name, &finding.origin.path);
         match system.accepted.iter().position(covering) {
             Some(index) => sifted.accepted.push((index, finding)),
-            None => sifted.told.push(finding),
+            None => sifted.reported.push(finding),
         }
     }
     sifted
@@ -244,7 +244,7 @@ fn listed(paths: &[&str]) -> String {
 }
 
 /// A line for each acceptance in a model, with its findings.
-pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
+pub(crate) fn accepted(system: &System, covered: &[Covered]) -> Vec<String> {
     let mut places: Vec<(Location, Vec<usize>)> = Vec::new();
     for (index, accepted) in system.accepted.iter().enumerate() {
         match places.iter_mut().find(|(at, _)| *at == accepted.at) {
@@ -256,7 +256,7 @@ pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
         .iter()
         .filter_map(|(_, indices)| {
             let first = system.accepted.get(*indices.first()?)?;
-            let found: Vec<&Finding> = heard
+            let found: Vec<&Finding> = covered
                 .iter()
                 .filter(|(index, _)| indices.contains(index))
                 .map(|(_, finding)| finding)
@@ -279,7 +279,8 @@ pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
                 None => {
                     let paths = indices.iter().filter_map(|i| system.accepted.get(*i));
                     let paths = paths.map(|a| a.path.as_str()).collect();
-                    told_by_a_run(system, first).then(|| format!("{} of {}", first.name, of(paths)))
+                    depends_on_a_run(system, first)
+                        .then(|| format!("{} of {}", first.name, of(paths)))
                 }
             }
         })
@@ -288,11 +289,11 @@ pub(crate) fn accepted(system: &System, heard: &[Covered]) -> Vec<String> {
 
 /// The acceptances of a model, and whether a finding needs them. An acceptance of a lint of the motion counts
 /// as needed, because only a run can decide.
-pub(crate) fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Accepted, bool)> {
+pub(crate) fn needed<'s>(system: &'s System, covered: &[Covered]) -> Vec<(&'s Accepted, bool)> {
     let needs = |(index, accepted): (usize, &'s Accepted)| {
         let needed = accepted.used
-            || heard.iter().any(|(known, _)| *known == index)
-            || told_by_a_run(system, accepted);
+            || covered.iter().any(|(known, _)| *known == index)
+            || depends_on_a_run(system, accepted);
         (accepted, needed)
     };
     system.accepted.iter().enumerate().map(needs).collect()
@@ -301,7 +302,7 @@ pub(crate) fn needed<'s>(system: &'s System, heard: &[Covered]) -> Vec<(&'s Acce
 /// The warning about an acceptance that no finding needs.
 pub(crate) fn needless(accepted: &Accepted) -> Diagnostic {
     Diagnostic::warning(
-        codes::ACCEPT_UNHEARD,
+        codes::ACCEPT_UNUSED,
         format!("no warning `{}` appears here", accepted.name),
     )
     .at(span(accepted.at), "accepts nothing")
@@ -309,7 +310,7 @@ pub(crate) fn needless(accepted: &Accepted) -> Diagnostic {
 }
 
 /// Whether a covered element has an `advise` of this name on its motion.
-fn told_by_a_run(system: &System, accepted: &Accepted) -> bool {
+fn depends_on_a_run(system: &System, accepted: &Accepted) -> bool {
     system.elements.iter().any(|element| {
         element.role == Role::Dynamic
             && accepted.covers(&accepted.name, &element.origin.path)

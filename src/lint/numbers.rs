@@ -51,7 +51,7 @@ const ALONG_LINE: f64 = 0.3;
 const ABOUT_LINE: f64 = 2.0;
 /// Firing angles closer than this (rad) count as equal.
 const SAME_ANGLE: f64 = 1e-6;
-/// Distances below this (m) say nothing about the size of a machine.
+/// Distances below this (m) are no measure of the size of a machine.
 const NO_MEASURE: f64 = 0.02;
 
 /// The probable mistakes in the numbers of a model.
@@ -255,7 +255,7 @@ fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
     let long = body.spread && body.farthest > NO_MEASURE;
     let ratio = radius / body.farthest;
     let mm = |x: f64| short(1e3 * x, 3);
-    let told = format!(
+    let numbers = format!(
         "its mass of {} kg and its inertia of {} kg*m^2 make a radius of gyration of {} mm",
         short(body.mass, 4),
         short(body.inertia, 4),
@@ -265,17 +265,18 @@ fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
         let ball = mm(least);
         (
             format!(
-                "{told}; even a ball of tungsten of this mass has a radius of gyration of {ball} mm"
+                "{numbers}; even a ball of tungsten of this mass has a radius of gyration of {ball} mm"
             ),
             false,
         )
     } else if long && (wide && ratio > USUAL.end || body.both_sides && ratio < USUAL.start) {
         let reach = mm(body.farthest);
-        let message = format!("{told}, but its markers reach {reach} mm from its centre of mass");
+        let message =
+            format!("{numbers}, but its markers reach {reach} mm from its centre of mass");
         (message, true)
     } else if wide && radius > USUAL.end * reach && reach > NO_MEASURE {
         let message = format!(
-            "{told}, but no marker of the model is farther than {} mm from a centre of mass",
+            "{numbers}, but no marker of the model is farther than {} mm from a centre of mass",
             mm(reach)
         );
         (message, false)
@@ -285,7 +286,8 @@ fn size(body: &Solid<'_>, reach: f64) -> Option<Doubt> {
         && radius > USUAL.end * body.farthest
     {
         let ball = mm(ball(STEEL));
-        let message = format!("{told}, but a ball of steel of this mass has a radius of {ball} mm");
+        let message =
+            format!("{numbers}, but a ball of steel of this mass has a radius of {ball} mm");
         (message, false)
     } else {
         return None;

@@ -144,7 +144,9 @@ pub(crate) fn turned(
         }
         Ok(Turned::Not) | Err(_) => return (Vec::new(), Some(found)),
     }
-    let of_text = following.map_or(Vec::new(), |following| told(assembled.model(), &following));
+    let of_text = following.map_or(Vec::new(), |following| {
+        advice_of_text(assembled.model(), &following)
+    });
     if cylinders.is_empty() {
         return (of_text, Some(found));
     }
@@ -160,7 +162,7 @@ pub(crate) fn turned(
 }
 
 /// The lints of the text on numbers of the turn.
-fn told(model: &Model, following: &Following) -> Vec<Finding> {
+fn advice_of_text(model: &Model, following: &Following) -> Vec<Finding> {
     let Compiled { system, bind, .. } = &model.compiled;
     let advice = bind.after_turn(&model.overrides, &following.numbers(), &system.tables);
     let mut found: Vec<Finding> = advice.iter().map(Finding::of_parameters).collect();

@@ -485,20 +485,20 @@ fn outcome(kind: &EntryKind, title: &str, evaluator: &Evaluator<'_>) -> Result<O
             let holds = failing.is_none();
             // the message shows the first member of a list that does not hold
             let place = failing.unwrap_or(0);
-            let mut told = String::new();
+            let mut shown = String::new();
             for part in message {
                 match part {
-                    MessagePart::Text(text) => told.push_str(text),
+                    MessagePart::Text(text) => shown.push_str(text),
                     MessagePart::Value(values, display) => {
                         if let Some(value) = values.get(place).or(values.first()) {
-                            told.push_str(&display.text(evaluator.number(value)?));
+                            shown.push_str(&display.text(evaluator.number(value)?));
                         }
                     }
                 }
             }
             Ok(Outcome::Condition {
                 holds,
-                message: told,
+                message: shown,
                 advise: *advise,
             })
         }

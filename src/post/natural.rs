@@ -81,7 +81,7 @@ impl Natural {
     }
 
     /// The drawn lines or marks, in words; `None` without any.
-    pub(super) fn said(&self) -> Option<String> {
+    pub(super) fn description(&self) -> Option<String> {
         let names = match self.names.as_slice() {
             [] => return None,
             [one] => one.clone(),
@@ -105,12 +105,12 @@ mod tests {
     #[test]
     fn one_speed_gives_lines_and_several_give_marks() {
         let mut natural = Natural::default();
-        assert_eq!(natural.said(), None);
+        assert_eq!(natural.description(), None);
         let speed = 100.0 * TAU;
         natural.push("a[1]", &[50.0, 80.0, 0.0], &[0.01, 0.5, 1.0], &[speed; 3]);
         assert_eq!(natural.lines(), [("mode 1".to_owned(), 50.0)]);
         assert_eq!(
-            natural.said().as_deref(),
+            natural.description().as_deref(),
             Some("natural frequencies of a[1] at 6000 rpm, damping below 20 %")
         );
         natural.push("a[2]", &[55.0], &[0.01], &[-2.0 * speed]);
@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(natural.marks().len(), 2);
         assert!((natural.marks()[1].0 - 12000.0).abs() < 1e-9);
         assert_eq!(
-            natural.said().as_deref(),
+            natural.description().as_deref(),
             Some("natural frequencies of a[1] to a[2], damping below 20 %")
         );
     }

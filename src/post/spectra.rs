@@ -110,7 +110,7 @@ pub(super) fn map_of(
         if description.is_empty() {
             description = found.description();
         }
-        let speed = told_speed(speed);
+        let speed = rounded_speed(speed);
         names.push(member.analysis.as_str());
         runs.push((speed, found));
         of_other_speeds(runs.iter().map(|run| run.0).zip(names.iter().copied()))?;
@@ -123,7 +123,7 @@ pub(super) fn map_of(
 }
 
 /// A mean speed rounded to 0.01 rpm, so that rounding errors do not make two speeds of one.
-fn told_speed(speed: f64) -> f64 {
+fn rounded_speed(speed: f64) -> f64 {
     (speed * 100.0).round() / 100.0
 }
 
@@ -158,7 +158,7 @@ pub(super) fn orders_of(
             Sampling::Angle { .. } => track.mean_speed(&sampled)?,
             Sampling::Time { .. } => track.steady_speed(&sampled)?,
         };
-        speeds.push((told_speed(60.0 * speed), &track.samples.analysis));
+        speeds.push((rounded_speed(60.0 * speed), &track.samples.analysis));
         of_other_speeds(speeds.iter().copied())?;
         for order in orders {
             let place = match sampled.sampling {

@@ -11,7 +11,7 @@ pub fn text(report: &EvaluatedReport) -> String {
         ));
     }
     let mut rows: Vec<[String; 3]> = Vec::new();
-    let mut told = String::new();
+    let mut problems = String::new();
     for entry in &report.entries {
         match &entry.outcome {
             Ok(Outcome::Value(numbers, display)) => {
@@ -27,14 +27,14 @@ pub fn text(report: &EvaluatedReport) -> String {
                 advise,
             }) => {
                 let word = if *advise { "advised" } else { "required" };
-                told.push_str(&format!(
+                problems.push_str(&format!(
                     "  {word}: {} does not hold: {message}\n",
                     entry.written
                 ));
             }
             Ok(Outcome::Condition { .. } | Outcome::Figure(_)) => {}
             Err(error) => {
-                told.push_str(&format!("  {} is not made: {error}\n", entry.name));
+                problems.push_str(&format!("  {} is not made: {error}\n", entry.name));
             }
         }
     }
@@ -50,6 +50,6 @@ pub fn text(report: &EvaluatedReport) -> String {
         text.push_str(line.trim_end());
         text.push('\n');
     }
-    text.push_str(&told);
+    text.push_str(&problems);
     text
 }

@@ -188,7 +188,7 @@ pub(super) fn names(members: &[Member]) -> Vec<String> {
     if members.len() < 2 {
         return members.iter().map(|_| String::new()).collect();
     }
-    told_apart(
+    distinct_names(
         members
             .iter()
             .map(|m| (m.analysis.as_str(), m.channel.as_str())),
@@ -235,7 +235,7 @@ fn parts_apart(labels: &[&str]) -> Option<Vec<String>> {
 }
 
 /// The shortest names that distinguish analyses and channels.
-pub(super) fn told_apart<'m>(
+pub(super) fn distinct_names<'m>(
     members: impl Iterator<Item = (&'m str, &'m str)> + Clone,
 ) -> Vec<String> {
     if let Some(names) = parts_apart(&members.clone().map(|(_, c)| c).collect::<Vec<_>>()) {
@@ -296,8 +296,8 @@ mod tests {
     }
 
     #[test]
-    fn names_are_as_short_as_tells_apart() {
-        let pairs = |pairs: &[(&'static str, &'static str)]| told_apart(pairs.iter().copied());
+    fn names_are_short_and_distinct() {
+        let pairs = |pairs: &[(&'static str, &'static str)]| distinct_names(pairs.iter().copied());
         assert_eq!(pairs(&[("a", "x[1]"), ("a", "x[2]")]), ["x[1]", "x[2]"]);
         let paths = [("a", "m[1].force.x"), ("a", "m[2].force.x")];
         assert_eq!(pairs(&paths), ["m[1]", "m[2]"]);

@@ -7,9 +7,7 @@ use crate::results::file_stem;
 use eng_flexible::FlexibleError;
 use eng_flexible::recover::Recovery;
 use eng_flexible::small_motion::{Dense, RIGID, SmallMotion};
-use eng_flexible::write::{
-    AbaqusBody, NastranBody, abaqus_deck, abaqus_matrix, array, bulk_data, op4,
-};
+use eng_flexible::write::{NumberedBody, abaqus_deck, abaqus_matrix, array, bulk_data, op4};
 use serde_json::json;
 
 /// The largest number of a point in Nastran, which has eight columns for it.
@@ -97,7 +95,7 @@ impl Reduction {
                 files.push(text(format!("{stem}.op4"), op4(&matrices)));
             }
             BodyFormat::Dmig => {
-                let body = NastranBody {
+                let body = NumberedBody {
                     name: &self.path,
                     markers: &markers,
                     motion: &motion,
@@ -107,7 +105,7 @@ impl Reduction {
             }
             BodyFormat::Abaqus => {
                 let name = legal_name(&stem);
-                let body = AbaqusBody {
+                let body = NumberedBody {
                     name: &name,
                     markers: &markers,
                     motion: &motion,

@@ -111,8 +111,8 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
         if let Some(motion) = &entry.outcome.motion {
             match scene(entry, motion, BUDGET / animated.len(), stress_at) {
                 Ok(made) => {
-                    let told = made.warnings.iter();
-                    warnings.extend(told.map(|w| format!("{}: {w}", entry.name())));
+                    let own = made.warnings.iter();
+                    warnings.extend(own.map(|w| format!("{}: {w}", entry.name())));
                     scenes.push((entry, made));
                 }
                 // the rest of the page is useful without it
@@ -184,9 +184,9 @@ fn files(page: &Page) -> Vec<Drawn> {
             let caption = figure.caption.split(". ").next().unwrap_or_default();
             let second = caption.match_indices(", ").nth(1);
             let parts = second.and_then(|(end, _)| caption.get(..end));
-            let said = figure.name.as_deref().or(parts).unwrap_or(caption);
+            let title = figure.name.as_deref().or(parts).unwrap_or(caption);
             let mut name = format!("figure-{:02}", figure.number);
-            for word in said.split(|c: char| !c.is_ascii_alphanumeric()) {
+            for word in title.split(|c: char| !c.is_ascii_alphanumeric()) {
                 if !word.is_empty() && name.len() + word.len() < 100 {
                     name.push('-');
                     name.push_str(&word.to_ascii_lowercase());
@@ -256,26 +256,26 @@ fn inputs(entries: &[Entry]) -> Section {
 }
 
 fn flexible(entries: &[Entry]) -> Option<Section> {
-    let mut told: Vec<(&Reduction, Vec<&str>)> = Vec::new();
+    let mut reductions: Vec<(&Reduction, Vec<&str>)> = Vec::new();
     for entry in entries {
         for body in &entry.described.bodies {
             let Matter::Flexible(reduction) = &body.matter else {
                 continue;
             };
-            let same = told.iter_mut().find(|(other, _)| {
+            let same = reductions.iter_mut().find(|(other, _)| {
                 other.path() == reduction.path() && other.stored.key == reduction.stored.key
             });
             match same {
                 Some((_, names)) => names.push(entry.name()),
-                None => told.push((reduction, vec![entry.name()])),
+                None => reductions.push((reduction, vec![entry.name()])),
             }
         }
     }
-    if told.is_empty() {
+    if reductions.is_empty() {
         return None;
     }
     let mut section = Section::new("Flexible bodies");
-    for (reduction, names) in told {
+    for (reduction, names) in reductions {
         let mut body = Section::new(format!("{} in {}", reduction.path(), names.join(", ")))
             .facts(tables::body_facts(reduction));
         for warning in &reduction.stored.report.warnings {

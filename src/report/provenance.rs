@@ -19,25 +19,25 @@ pub(super) fn section(entries: &[Entry], command: &str) -> Section {
         ));
     }
     // facts that several analyses share appear once
-    let mut told: Vec<(String, String, Vec<&str>)> = Vec::new();
-    let mut tell = |what: &str, value: String, analysis| {
-        let same = told.iter_mut().find(|(w, v, _)| w == what && *v == value);
+    let mut facts: Vec<(String, String, Vec<&str>)> = Vec::new();
+    let mut add = |what: &str, value: String, analysis| {
+        let same = facts.iter_mut().find(|(w, v, _)| w == what && *v == value);
         match same {
             Some((_, _, names)) => names.push(analysis),
-            None => told.push((what.to_owned(), value, vec![analysis])),
+            None => facts.push((what.to_owned(), value, vec![analysis])),
         }
     };
     for entry in entries {
         let metadata = entry.outcome.results.metadata();
         if let Some(version) = metadata.get("version") {
-            tell("eng", version.clone(), entry.name());
+            add("eng", version.clone(), entry.name());
         }
         if let Some(hash) = metadata.get("source_hash") {
-            tell("texts of the model", sha256(hash), entry.name());
+            add("texts of the model", sha256(hash), entry.name());
         }
         for (key, value) in metadata {
             if let Some(name) = key.strip_prefix("override.") {
-                tell(
+                add(
                     &format!("{name} over the text's"),
                     value.clone(),
                     entry.name(),
@@ -50,19 +50,19 @@ pub(super) fn section(entries: &[Entry], command: &str) -> Section {
             };
             let stored = &reduction.stored;
             let key = hexadecimal(&stored.key.0);
-            tell(
+            add(
                 &format!("reduction of {}", body.path),
                 sha256(&key),
                 entry.name(),
             );
             for (name, hash) in &stored.provenance {
                 if name.starts_with("file ") {
-                    tell(name, sha256(hash), entry.name());
+                    add(name, sha256(hash), entry.name());
                 }
             }
         }
     }
-    for (what, value, names) in told {
+    for (what, value, names) in facts {
         let row = (format!("{what}, {}", names.join(", ")), value);
         if what == "eng" {
             versions.push(row);

@@ -36,7 +36,7 @@ pub(crate) fn mixed(runs: &[(&Results, &Described)]) -> Vec<String> {
             if groups.len() < 2 {
                 return None;
             }
-            let told: Vec<String> = groups
+            let values: Vec<String> = groups
                 .iter()
                 .map(|(value, names)| {
                     let value = match value {
@@ -48,7 +48,7 @@ pub(crate) fn mixed(runs: &[(&Results, &Described)]) -> Vec<String> {
                 .collect();
             Some(format!(
                 "the results are of different parameters: {path} is {}; run them again with equal parameters",
-                told.join(", ")
+                values.join(", ")
             ))
         })
         .collect()

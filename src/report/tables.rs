@@ -273,7 +273,7 @@ fn of_interface(table: &SummaryTable<'_>, machine: &Machine, analysis: &str) -> 
     for (index, (column, unit)) in summary.columns.iter().zip(&table.units).enumerate() {
         let heading = format!(
             "{} {}",
-            capital(column.taken.word()),
+            capital(column.statistic.word()),
             readable(&column.output)
         );
         let unit = readable_unit(&unit.symbol);

@@ -52,15 +52,18 @@ pub enum Event {
     Done(Box<Result<RunOutcome, Failed<RunOutcome>>>),
 }
 
+/// Least time between two [`Event::Progress`] of an analysis among several.
+const BETWEEN: Duration = Duration::from_millis(20);
+
 /// Runs several analyses, up to `threads` at a time. If there are fewer analyses than threads, each has an equal share of the threads
-/// for its films on cells. `tell` gets each event with the index of its analysis in
+/// for its films on cells. `on_event` gets events, of progress at most fifty a second, with the index of its analysis in
 /// `analyses`. The results equal those of [`run`] to the last bit, for any number of threads. `patient`: see
 /// [`run`].
 pub fn run_many(
     analyses: &[Analysis],
     patient: bool,
     threads: NonZeroUsize,
-    tell: &mut dyn FnMut(usize, Event),
+    on_event: &mut dyn FnMut(usize, Event),
 ) {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
@@ -77,7 +80,15 @@ pub fn run_many(
                         return;
                     };
                     // sending fails only after the receiver is closed, and then nobody needs the event
+                    let mut last: Option<Instant> = None;
                     let result = run_on(analysis, patient, each, &mut |event| {
+                        // an event wakes the thread that reads it, which takes some ten microseconds of a step
+                        if matches!(event, Event::Progress(_)) {
+                            if last.is_some_and(|last| last.elapsed() < BETWEEN) {
+                                return;
+                            }
+                            last = Some(Instant::now());
+                        }
                         let _ = sender.send((index, event));
                     });
                     let _ = sender.send((index, Event::Done(Box::new(result))));
@@ -86,7 +97,7 @@ pub fn run_many(
         }
         drop(sender);
         for (index, event) in receiver {
-            tell(index, event);
+            on_event(index, event);
         }
     });
 }
@@ -99,9 +110,9 @@ pub fn run_many(
 pub fn run(
     analysis: &Analysis,
     patient: bool,
-    tell: &mut dyn FnMut(Event),
+    on_event: &mut dyn FnMut(Event),
 ) -> Result<RunOutcome, Failed<RunOutcome>> {
-    run_on(analysis, patient, analysis.own_threads(), tell)
+    run_on(analysis, patient, analysis.own_threads(), on_event)
 }
 
 /// [`run`] with this number of threads for the fields of the analysis.
@@ -109,15 +120,15 @@ fn run_on(
     analysis: &Analysis,
     patient: bool,
     threads: NonZeroUsize,
-    tell: &mut dyn FnMut(Event),
+    on_event: &mut dyn FnMut(Event),
 ) -> Result<RunOutcome, Failed<RunOutcome>> {
     let mut watch = Watching {
         analysis,
-        tell,
+        on_event,
         patient,
         began: Instant::now(),
         patience: Patience::default(),
-        told: false,
+        explained: false,
         slowing: None,
         lost: None,
     };
@@ -147,12 +158,12 @@ fn run_on(
 /// long.
 struct Watching<'a> {
     analysis: &'a Analysis,
-    tell: &'a mut dyn FnMut(Event),
+    on_event: &'a mut dyn FnMut(Event),
     patient: bool,
     began: Instant,
     patience: Patience,
     /// Whether the cause of short steps was reported.
-    told: bool,
+    explained: bool,
     /// Estimated remaining seconds of a run that slows down.
     slowing: Option<f64>,
     /// Data of a stopped run: time since its beginning, progress, estimated remaining seconds.
@@ -161,18 +172,18 @@ struct Watching<'a> {
 
 impl Watch for Watching<'_> {
     fn progress(&mut self, now: Progress) -> Verdict {
-        (self.tell)(Event::Progress(now));
+        (self.on_event)(Event::Progress(now));
         let passed = self.began.elapsed();
         match self.patience.look(passed, now.fraction, now.steps) {
             Look::Lost(left) if !self.patient => {
                 self.lost = Some((passed, now, left));
                 Verdict::Stop
             }
-            Look::Slowing(left) if !self.told => {
+            Look::Slowing(left) if !self.explained => {
                 self.slowing = Some(left);
                 Verdict::Explain
             }
-            Look::Now | Look::Lost(_) if !self.told => Verdict::Explain,
+            Look::Now | Look::Lost(_) if !self.explained => Verdict::Explain,
             _ => Verdict::GoOn,
         }
     }
@@ -180,8 +191,8 @@ impl Watch for Watching<'_> {
     fn paced(&mut self, slow: &Slow) {
         let rest = self.slowing.map(in_words);
         if let Some(message) = crate::failure::slow(slow, self.analysis.name(), rest.as_deref()) {
-            self.told = true;
-            (self.tell)(Event::Slow(Box::new(message)));
+            self.explained = true;
+            (self.on_event)(Event::Slow(Box::new(message)));
         }
     }
 }
@@ -207,7 +218,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             findings.push(Finding::of_run(warning, system));
         }
     }
-    lint::diagnostics(&lint::sift(findings, system).told)
+    lint::diagnostics(&lint::sift(findings, system).reported)
         .into_iter()
         .for_each(|d| diagnostics.push(d));
     let mut facts = analysis.replaced().to_vec();
@@ -237,8 +248,8 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         }
     }
     if let Some(periodic) = &outcome.periodic {
-        let (told, warnings) = crate::failure::periodic(periodic, system, &bound);
-        facts.extend(told);
+        let (lines, warnings) = crate::failure::periodic(periodic, system, &bound);
+        facts.extend(lines);
         warnings.into_iter().for_each(|d| diagnostics.push(d));
     }
     if let Some(modes) = &outcome.modes {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// Remaining time above which a run is stopped, unless the user asks for patience.
+/// Remaining time above which a run is stopped, unless the user states `--patient`.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 /// Time of the first check of the pace.
 const FIRST: Duration = Duration::from_secs(5);
@@ -130,7 +130,7 @@ mod tests {
 
     /// The pace falls e-fold every half minute, and the end is never reached.
     #[test]
-    fn runs_whose_steps_shrink_are_told() {
+    fn runs_whose_steps_shrink_are_noticed() {
         let shrinking = |t: f64| 0.25 * (1.0 - libm::exp(-t / 30.0));
         assert!(slowed(shrinking).is_some_and(|passed| passed < 150.0));
         // at one pace, however long it takes; and with a phase that is slow, but no minute long
@@ -157,7 +157,7 @@ mod tests {
     }
 
     /// Steps of a second whose first is a ten-millionth of the run, each 1.5 times as long as the one before: the first
-    /// ten tell nothing of the pace.
+    /// ten say nothing about the pace.
     #[test]
     fn short_first_steps_are_no_pace() {
         let mut patience = Patience::default();

@@ -1,7 +1,7 @@
-//! Checks of texts, in threads beside the one that answers: a question about a text waits for no check.
+//! Checks of texts, in threads beside the one that answers requests. So no request waits for a check.
 
 use super::guarded;
-use super::told::Messages;
+use super::messages::Messages;
 use crate::Program;
 use crate::sources::Sources;
 use crossbeam_channel::{Receiver, Sender, unbounded};
@@ -42,13 +42,13 @@ impl Checker {
     /// The operating system has no thread left.
     pub fn start() -> std::io::Result<Checker> {
         let (jobs, waiting) = unbounded::<Job>();
-        let (tell, found) = unbounded();
+        let (results, found) = unbounded();
         thread::Builder::new()
             .name("check".to_owned())
             .spawn(move || {
                 for job in waiting {
-                    // nobody listens after the end of the server
-                    if tell.send(checked(job)).is_err() {
+                    // the receiver is gone after the end of the server
+                    if results.send(checked(job)).is_err() {
                         return;
                     }
                 }

@@ -13,9 +13,9 @@ mod completion;
 mod document;
 mod hover;
 mod index;
+mod messages;
 mod place;
 mod symbols;
-mod told;
 
 use crate::Program;
 use crate::sources::Sources;
@@ -55,7 +55,7 @@ pub enum ServerError {
     Thread(#[from] std::io::Error),
 }
 
-/// Serves a client until it asks for the end.
+/// Serves a client until it requests the end.
 ///
 /// # Errors
 /// The client breaks the protocol of the start or of the end, the connection breaks, or there is no thread left.
@@ -103,7 +103,7 @@ struct Open {
     /// The last program without errors.
     program: Option<Program>,
     /// The changes that its messages propose: range, title, new text.
-    fixes: Vec<told::Change>,
+    fixes: Vec<messages::Change>,
 }
 
 struct Server<'c> {
@@ -144,12 +144,12 @@ impl Server<'_> {
                 },
                 recv(self.texts.found) -> found => {
                     self.texts.busy = false;
-                    self.tell(found.ok());
+                    self.show(found.ok());
                     continue;
                 }
                 recv(self.assemblies.found) -> found => {
                     self.assemblies.busy = false;
-                    self.tell(found.ok());
+                    self.show(found.ok());
                     continue;
                 }
                 recv(timer) -> _ => {
@@ -164,8 +164,10 @@ impl Server<'_> {
                     }
                     self.answer(request);
                 }
-                Message::Notification(told) if told.method == "exit" => return Ok(()),
-                Message::Notification(told) => self.hear(&told),
+                Message::Notification(notification) if notification.method == "exit" => {
+                    return Ok(());
+                }
+                Message::Notification(notification) => self.notified(&notification),
                 Message::Response(_) => {}
             }
         }
@@ -176,19 +178,19 @@ impl Server<'_> {
         let _ = self.connection.sender.send(message.into());
     }
 
-    fn hear(&mut self, told: &Notification) {
-        let at = &told.params["textDocument"];
+    fn notified(&mut self, notification: &Notification) {
+        let at = &notification.params["textDocument"];
         let Some(uri) = at["uri"].as_str() else {
             return;
         };
-        match told.method.as_str() {
+        match notification.method.as_str() {
             "textDocument/didOpen" => {
                 if let Some(text) = at["text"].as_str() {
                     self.change(uri, text, true);
                 }
             }
             "textDocument/didChange" => {
-                let changes = told.params["contentChanges"].as_array();
+                let changes = notification.params["contentChanges"].as_array();
                 // each is a full text; the last one counts
                 if let Some(text) = changes.and_then(|all| all.last()?["text"].as_str()) {
                     self.change(uri, text, false);
@@ -276,8 +278,8 @@ impl Server<'_> {
         }
     }
 
-    /// Tells the findings about a text, unless it has changed or was closed.
-    fn tell(&mut self, found: Option<Found>) {
+    /// Publishes the findings about a text, unless it has changed or was closed.
+    fn show(&mut self, found: Option<Found>) {
         let Some(found) = found else {
             return;
         };
@@ -327,10 +329,10 @@ impl Server<'_> {
     }
 
     fn publish(&self, uri: &str, diagnostics: &[Value]) {
-        let told = json!({ "uri": uri, "diagnostics": diagnostics });
+        let parameters = json!({ "uri": uri, "diagnostics": diagnostics });
         self.send(Notification::new(
             "textDocument/publishDiagnostics".to_owned(),
-            told,
+            parameters,
         ));
     }
 
@@ -349,7 +351,7 @@ impl Server<'_> {
         self.send(response);
     }
 
-    /// The answer to a request; null where there is nothing to say. Nothing for a method that the server does not have.
+    /// The answer to a request; null for an empty answer. `None` for a method that the server does not have.
     fn answered(&self, method: &str, params: &Value) -> Option<Value> {
         let known = [
             "textDocument/hover",
@@ -371,7 +373,7 @@ impl Server<'_> {
         let answer = match method {
             "textDocument/documentSymbol" => symbols::symbols(document),
             "textDocument/formatting" => formed(document),
-            "textDocument/codeAction" => told::actions(&open.fixes, &params["range"], uri),
+            "textDocument/codeAction" => messages::actions(&open.fixes, &params["range"], uri),
             "textDocument/hover" => {
                 let index = self.index(document);
                 hover::hover(&index, document, open.program.as_ref(), place).unwrap_or(Value::Null)

@@ -12,7 +12,7 @@ pub(crate) use summary::{in_words, mean, readable};
 
 use eng_system::significant::without_sign_of_zero;
 
-/// A table. Its first column is aligned left; the others are aligned right unless [`Table::render_left`] says
+/// A table. Its first column is aligned left; the others are aligned right unless [`Table::render_left`] states
 /// otherwise.
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,

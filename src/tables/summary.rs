@@ -6,7 +6,7 @@ use crate::machine::{InterfaceSummary, SummarisedElement};
 use crate::results::{CYCLE_ANGLE, Results, TIME};
 use eng_system::DisplayUnit;
 use eng_system::significant::significant;
-use eng_system::system::summary::{SummaryColumn, Taken};
+use eng_system::system::summary::{Statistic, SummaryColumn};
 
 /// A number of a summary.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,10 +50,10 @@ impl<'m> SummaryTable<'m> {
         let time = results.column(TIME).map(|c| c.values.as_slice());
         let number = |column: &SummaryColumn, channel: Option<&String>| {
             let values = results.column(channel?)?.values.as_slice();
-            let found = match column.taken {
-                Taken::Least => extreme(values, first, |a, b| a < b),
-                Taken::Largest => extreme(values, first, |a, b| a > b),
-                Taken::Mean => {
+            let found = match column.statistic {
+                Statistic::Least => extreme(values, first, |a, b| a < b),
+                Statistic::Largest => extreme(values, first, |a, b| a > b),
+                Statistic::Mean => {
                     let value = mean(time?.get(first..)?, values.get(first..)?);
                     return value
                         .is_finite()
@@ -102,7 +102,7 @@ impl<'m> SummaryTable<'m> {
         };
         let is_extreme = |column: &usize| {
             let column = self.of.columns.get(*column);
-            column.is_some_and(|column| column.taken != Taken::Mean)
+            column.is_some_and(|column| column.statistic != Statistic::Mean)
         };
         let own = angles(column);
         let before = (0..column).rev().find(is_extreme).map(angles);
@@ -139,7 +139,7 @@ impl<'m> SummaryTable<'m> {
             let mut texts = vec![alike(&shown.collect::<Vec<_>>())];
             let unit = eng_report::readable_unit(&unit.symbol);
             heads[0].push(readable(&column.output));
-            heads[1].push(column.taken.word().to_owned());
+            heads[1].push(column.statistic.word().to_owned());
             heads[2].push(unit);
             if self.shows_angles(index) {
                 heads[0].push("at".to_owned());
@@ -253,10 +253,10 @@ mod tests {
     use std::f64::consts::PI;
 
     fn films() -> InterfaceSummary {
-        let column = |output: &str, taken| SummaryColumn {
+        let column = |output: &str, statistic| SummaryColumn {
             output: output.to_owned(),
             about: String::new(),
-            taken,
+            statistic,
         };
         let element = |path: &str, pressed: bool| SummarisedElement {
             path: path.to_owned(),
@@ -272,10 +272,10 @@ mod tests {
             interface: "OwnFilm".to_owned(),
             parameters: Vec::new(),
             columns: vec![
-                column("load", Taken::Largest),
-                column("pressure", Taken::Largest),
-                column("least_gap", Taken::Least),
-                column("heat", Taken::Mean),
+                column("load", Statistic::Largest),
+                column("pressure", Statistic::Largest),
+                column("least_gap", Statistic::Least),
+                column("heat", Statistic::Mean),
             ],
             elements: vec![element("main[1]", true), element("main[2]", false)],
         }

@@ -111,7 +111,12 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
                     .iter()
                     .map(|tables| value(tables).unwrap_or(f64::NAN));
                 push(
-                    format!("{}.{}.{}", element.path, column.output, column.taken.word()),
+                    format!(
+                        "{}.{}.{}",
+                        element.path,
+                        column.output,
+                        column.statistic.word()
+                    ),
                     own.dimension,
                     own.display.clone(),
                     values.collect(),

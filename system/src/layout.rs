@@ -18,7 +18,7 @@ pub struct InputLayout {
     pub rows: u32,
     /// Unwrapped rotations: each has a reference, its value at the last accepted state.
     pub rotations: u32,
-    /// Numbers that fields ask for: see [`crate::field`].
+    /// Drives of fields: see [`crate::field`].
     pub drives: u32,
     /// Results of fields that loads may use.
     pub answers: u32,

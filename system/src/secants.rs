@@ -61,8 +61,8 @@ impl Secants {
         self.missed
     }
 
-    /// Takes the corrections before and after a move.
-    pub fn take(&mut self, moved: &[f64], before: &[f64], after: &[f64]) {
+    /// Adds the pair of the corrections before and after a move.
+    pub fn add(&mut self, moved: &[f64], before: &[f64], after: &[f64]) {
         let size = self.size;
         let own = self.next * size..(self.next + 1) * size;
         let change = &mut self.changes[own.clone()];
@@ -209,7 +209,7 @@ mod tests {
             let mut move_by = plain.clone();
             if let Some(secants) = secants.as_deref_mut() {
                 if let Some((moved, before)) = &last {
-                    secants.take(moved, before, &plain);
+                    secants.add(moved, before, &plain);
                 }
                 secants.improve(&mut move_by);
             }
@@ -253,7 +253,7 @@ mod tests {
         let mut secants = Secants::new(2);
         for size in [1.0, 0.5, 0.25] {
             // A⁻¹J = 1.25 along the first direction
-            secants.take(&[size, 0.0], &[1.25 * size, 0.0], &[0.0, 0.0]);
+            secants.add(&[size, 0.0], &[1.25 * size, 0.0], &[0.0, 0.0]);
         }
         let mut correction = vec![2.5, 1.0];
         secants.improve(&mut correction);

@@ -5,8 +5,8 @@
 //! text.
 
 pub use crate::analysis::{
-    Analysis, AnalysisKind, Extent, Linear, Names, Periodic, PointValue, Rows, Start, StepControl,
-    Transient,
+    Analysis, AnalysisKind, Extent, Integration, Linear, Names, Periodic, PointValue, Rows, Start,
+    StepControl, Transient,
 };
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::layout::InputLayout;
@@ -187,7 +187,7 @@ pub struct Condition {
 impl Condition {
     /// The message with the values of the moment. `value` gives the number of an entry of the class's
     /// conditions (SI).
-    pub fn told(&self, value: impl Fn(usize) -> f64) -> String {
+    pub fn message_with(&self, value: impl Fn(usize) -> f64) -> String {
         if self.message.is_empty() {
             return self.text.clone();
         }
@@ -293,9 +293,9 @@ pub struct Element {
     pub class: u32,
     /// Its role.
     pub role: Role,
-    /// Indices into [`System::markers`], as many as the layout says.
+    /// Indices into [`System::markers`], as many as in the layout.
     pub markers: Vec<u32>,
-    /// Slots of its constants, as many as the layout says.
+    /// Slots of its constants, as many as in the layout.
     pub constants: Vec<Slot>,
     /// Start values of its states.
     pub state_start: Vec<Slot>,
@@ -305,10 +305,10 @@ pub struct Element {
     pub resolves: Vec<Slot>,
     /// Places of its parts that the assembly prefers, as its class states them.
     pub places: Vec<Placing>,
-    /// Channels that its outputs read, as many as the layout says. Each is computed before those of this
+    /// Channels that its outputs read, as many as in the layout. Each is computed before those of this
     /// element.
     pub signals: Vec<u32>,
-    /// Its unwrapped angles, as many as the layout says.
+    /// Its unwrapped angles, as many as in the layout.
     pub rotations: Vec<Rotation>,
     /// Its fields. Their drives, answers and readings are one after the other.
     pub fields: Vec<FieldSource>,

@@ -235,8 +235,8 @@ impl<'p> Checker<'p> {
                 message = match nearest(&name.text, ATTRIBUTES) {
                     Some(near) => message.meant(name.span, near),
                     None => match self.offer_marker(message.clone(), name, value) {
-                        Some(told) => {
-                            self.report(told);
+                        Some(offered) => {
+                            self.report(offered);
                             return;
                         }
                         None => message.with_note(

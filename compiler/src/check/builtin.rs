@@ -157,14 +157,7 @@ impl<'p> Checker<'p> {
     }
 
     pub(super) fn not_a(&mut self, expr: &Expr, found: &Type, what: &str, wanted: &str) -> Type {
-        let found = self.describe(found);
-        self.report(
-            Diagnostic::error(
-                codes::WRONG_TYPE,
-                format!("{what} is {wanted}, not {found}"),
-            )
-            .at(expr.span, format!("this is {found}")),
-        );
+        self.report(self.mistyped(expr.span, &format!("{what} is {wanted}"), found));
         Type::Error
     }
 

@@ -75,6 +75,10 @@ impl<'p> Checker<'p> {
             self.infer(scope, value);
             return;
         }
+        if self.is_brought_along(inside, target) {
+            self.infer(scope, value);
+            return;
+        }
         let ty = match &target.kind {
             ExprKind::Field { base, name } if ATTRIBUTES.contains(&name.text.as_str()) => {
                 match self.infer(inside, base) {
@@ -97,15 +101,6 @@ impl<'p> Checker<'p> {
                 }
                 self.infer(inside, target)
             }
-            ExprKind::Field { base, .. } => match self.infer(inside, base) {
-                // a number that the passed function brings along: elaboration knows it and its dimension
-                Type::Function(_) => {
-                    self.infer(scope, value);
-                    return;
-                }
-                Type::Error => Type::Error,
-                _ => self.infer(inside, target),
-            },
             _ => self.infer(inside, target),
         };
         let shown = Name {
@@ -113,6 +108,25 @@ impl<'p> Checker<'p> {
             span: target.span,
         };
         self.change(scope, &ty, &shown, value);
+    }
+
+    /// Whether a path leads into what a passed function, class or record brings along beyond its interface.
+    /// Elaboration knows these numbers and their dimensions.
+    fn is_brought_along(&mut self, inside: &Scope<'p>, path: &Expr) -> bool {
+        match &path.kind {
+            ExprKind::Index { base, .. } => self.is_brought_along(inside, base),
+            ExprKind::Field { base, name } => {
+                self.is_brought_along(inside, base)
+                    || match self.infer(inside, base) {
+                        Type::Function(_) => true,
+                        // reported
+                        Type::Error => true,
+                        Type::InstanceOf(id) => self.held(id, &name.text).is_none(),
+                        _ => false,
+                    }
+            }
+            _ => false,
+        }
     }
 
     /// A value for a number inside of a part.

@@ -464,7 +464,6 @@ impl<'p> Checker<'p> {
             return ty;
         }
         let name = &binding.name.text;
-        let found = self.describe(&ty);
         let place = binding
             .value
             .as_ref()
@@ -472,11 +471,9 @@ impl<'p> Checker<'p> {
             .or(binding.ty.as_ref().map(|t| t.span))
             .unwrap_or(binding.name.span);
         let text = self.sources.text(place).to_owned();
-        let message = Diagnostic::error(
-            codes::WRONG_TYPE,
-            format!("the output `{name}` is a number, a vector, a list of numbers or a comparison, not {found}"),
-        )
-        .at(place, format!("this is {found}"));
+        let due =
+            format!("the output `{name}` is a number, a vector, a list of numbers or a comparison");
+        let message = self.mistyped(place, &due, &ty);
         let message = match &ty {
             Type::Marker => message.with_help(format!(
                 "show where it is, or how it turns: `output {name} = {text}.origin in ground as mm`"

@@ -128,13 +128,8 @@ impl<'p> Checker<'p> {
             _ => false,
         };
         if !fits {
-            let found = self.describe(&ty);
             self.report(
-                Diagnostic::error(
-                    codes::WRONG_TYPE,
-                    format!("`sections` of `stack` is a list of sections, not {found}"),
-                )
-                .at(value.span, format!("this is {found}"))
+                self.mistyped(value.span, "`sections` of `stack` is a list of sections", &ty)
                 .with_help("take sections of the library, such as `[disc(20 mm, length: 80 mm)]` with `use std.sections.disc`; a section is a record with `length` and `corners`, and each corner has a `place` and a `bend`"),
             );
         }
@@ -217,13 +212,8 @@ impl<'p> Checker<'p> {
             _ => false,
         };
         if !fits {
-            let found = self.describe(&ty);
             self.report(
-                Diagnostic::error(
-                    codes::WRONG_TYPE,
-                    format!("the material must be a `Solid`, not {found}"),
-                )
-                .at(value.span, format!("this is {found}"))
+                self.mistyped(value.span, "the material must be a `Solid`", &ty)
                 .with_help("take one: `use std.materials.Steel`, or make one: `Solid(density: 7850 kg/m^3, young_modulus: 210 GPa, poisson_ratio: 0.3)`"),
             );
         }

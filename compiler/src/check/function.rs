@@ -178,7 +178,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Checks that a function has a value, or the types with which an interface asks for it.
+    /// Checks that a function has a value, or the types with which an interface requires it.
     fn function_needs(&mut self, scope: &Scope<'p>, function: &Function) {
         if function.value.is_some() {
             return;

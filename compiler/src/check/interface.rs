@@ -1,4 +1,4 @@
-//! Interfaces: whether a class gives the outputs and functions that its interface asks for.
+//! Interfaces: whether a class gives the outputs and functions that its interface requires.
 
 use super::Checker;
 use super::class::{item_place, placing};
@@ -185,7 +185,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// Checks the parameter or output that an interface asks for.
+    /// Checks the parameter or output that an interface requires.
     fn bound_as_asked(
         &mut self,
         id: DefinitionId,
@@ -199,7 +199,7 @@ impl<'p> Checker<'p> {
         if held.home != level.definition {
             return self.as_promised(declaration, level.definition, asked, held);
         }
-        // a parameter need not be repeated, and an interface leaves the items that it asks for to its classes
+        // a parameter need not be repeated, and an interface leaves the items that it requires to its classes
         if is_parameter(asked) || asked.value.is_some() || declaration.kind == Kind::Interface {
             return;
         }
@@ -242,7 +242,7 @@ impl<'p> Checker<'p> {
         );
     }
 
-    /// Checks the function that an interface asks for: the parameters and their types, and the value.
+    /// Checks the function that an interface requires: the parameters and their types, and the value.
     fn function_as_asked(
         &mut self,
         id: DefinitionId,

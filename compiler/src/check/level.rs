@@ -258,7 +258,7 @@ impl<'p> Levels<'_, 'p> {
                 let level = self.level(&place, condition);
                 self.bear(level, 1, condition.span, "a requirement");
             }
-            // elaboration asks for a length of parameters alone
+            // elaboration requires a length of parameters alone
             Statement::Accept(_)
             | Statement::Resolve(_)
             | Statement::Place { .. }

@@ -141,7 +141,7 @@ impl<'p> Checker<'p> {
             return;
         };
         let plain = factor.name.text == "rad" && factor.numerator == 1 && factor.denominator == 1;
-        if !plain || value.abs() <= MANY_TURNS || !self.turns_told.insert(span) {
+        if !plain || value.abs() <= MANY_TURNS || !self.turns_reported.insert(span) {
             return;
         }
         let around = scope.definition.and_then(|id| self.declaration(id));

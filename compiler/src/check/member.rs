@@ -56,7 +56,7 @@ pub(super) struct ClassTable<'p> {
 }
 
 impl<'p> Checker<'p> {
-    /// The members of a definition and of its interfaces. A member that an interface only asks for is that
+    /// The members of a definition and of its interfaces. A member that an interface only requires is that
     /// of the class that gives it. Making the table reports repeated names.
     pub(super) fn class_table(&mut self, id: DefinitionId) -> Rc<ClassTable<'p>> {
         if let Some(table) = self.tables.get(&id) {
@@ -92,7 +92,7 @@ impl<'p> Checker<'p> {
         {
             for (name, torque) in [("force", false), ("torque", true)] {
                 let reaction = Member::Reaction(torque);
-                // a reaction is the output that an interface asks for
+                // a reaction is the output that an interface requires
                 if members.get(name).is_none_or(|held| is_asked(held.member)) {
                     let held = Held {
                         home: id,
@@ -284,7 +284,7 @@ impl<'p> Checker<'p> {
     }
 }
 
-/// Whether an interface only asks for a member.
+/// Whether an interface only requires a member.
 pub(super) fn is_asked(member: Member<'_>) -> bool {
     match member {
         Member::Binding(binding) => binding.value.is_none(),

@@ -5,7 +5,7 @@ use super::describe::with_article;
 use super::types::{Kind, Misfit, Quantity, Type};
 use crate::codes;
 use crate::program::{DefinitionId, unit_text};
-use eng_grammar::ast::{Expr, ExprKind, UnaryOp};
+use eng_grammar::ast::{Expr, ExprKind, UnaryOp, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 
@@ -275,6 +275,13 @@ impl<'p> Checker<'p> {
         Type::Error
     }
 
+    /// The message for a value of a wrong type. `due` is a sentence with the expected type.
+    pub(super) fn mistyped(&self, span: Span, due: &str, found: &Type) -> Diagnostic {
+        let found = self.describe(found);
+        Diagnostic::error(codes::WRONG_TYPE, format!("{due}, not {found}"))
+            .at(span, format!("this is {found}"))
+    }
+
     pub(super) fn wrong_type(&mut self, expr: &Expr, found: &Type, expected: &Type, due: &Due) {
         let (expected_text, found_text) = (self.describe(expected), self.describe(found));
         let mut message = due.label(
@@ -438,22 +445,14 @@ impl<'p> Checker<'p> {
             format!("{} is {wanted_text}, not {found_text}", due.what),
         )
         .at(expr.span, format!("this is {found_text}"))
-        .with_note(format!(
-            "expected {}, found {}",
-            self.quantity_in_full(wanted),
-            self.quantity_in_full(found)
-        ));
+        .with_note(self.expected_and_found(wanted, found));
         if wanted.dim.variables.is_empty() && found.dim.variables.is_empty() {
             if wanted.dim.is_one() && unit_of(expr).is_some() {
                 message = message.with_help("omit the unit");
             } else if let Some(unit) = unit_of(expr)
                 && let Some(usual) = self.unit_for(due.unit.as_deref(), wanted)
             {
-                message = message.with_help(format!(
-                    "a unit of {} is `{usual}`, not `{}`",
-                    self.quantity_name(wanted),
-                    unit_text(unit)
-                ));
+                message = message.with_help(self.other_unit(wanted, &usual, unit));
             } else if unit_of(expr).is_none() {
                 if let Some(name) = self.surplus(wanted, found) {
                     message =
@@ -465,6 +464,22 @@ impl<'p> Checker<'p> {
             }
         }
         message
+    }
+
+    fn expected_and_found(&self, wanted: &Quantity, found: &Quantity) -> String {
+        format!(
+            "expected {}, found {}",
+            self.quantity_in_full(wanted),
+            self.quantity_in_full(found)
+        )
+    }
+
+    fn other_unit(&self, wanted: &Quantity, usual: &str, stated: &UnitExpr) -> String {
+        format!(
+            "a unit of {} is `{usual}`, not `{}`",
+            self.quantity_name(wanted),
+            unit_text(stated)
+        )
     }
 
     /// The message for `66 Hz` in place of an angular velocity, and for similar mistakes.
@@ -486,9 +501,8 @@ impl<'p> Checker<'p> {
         )
         .at(expr.span, "differs by an angle")
         .with_note(format!(
-            "expected {}, found {}; a computed value may drop its angle, a written or declared one keeps it",
-            self.quantity_in_full(wanted),
-            self.quantity_in_full(found)
+            "{}; a computed value may drop its angle, a written or declared one keeps it",
+            self.expected_and_found(wanted, found)
         ));
         let speed = Dimension::ANGLE.over(Dimension::TIME);
         match unit_of(expr) {
@@ -512,11 +526,7 @@ impl<'p> Checker<'p> {
             }
             Some(unit) => {
                 if let Some(usual) = self.unit_for(due.unit.as_deref(), wanted) {
-                    message = message.with_help(format!(
-                        "a unit of {} is `{usual}`, not `{}`",
-                        self.quantity_name(wanted),
-                        unit_text(unit)
-                    ));
+                    message = message.with_help(self.other_unit(wanted, &usual, unit));
                 }
             }
             None => {

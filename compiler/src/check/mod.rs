@@ -99,7 +99,7 @@ struct Checker<'p> {
     /// Names of lints that a text may accept.
     lints: BTreeSet<&'p str>,
     /// Places of angles with a finished check for turns, so that each gets one message.
-    turns_told: BTreeSet<Span>,
+    turns_reported: BTreeSet<Span>,
     /// The last expression with a unit behind a value, which a message reported.
     unit_behind: Option<Span>,
     /// The findings for later stages.
@@ -174,7 +174,7 @@ impl<'p> Checker<'p> {
             choice_due: None,
             depth: 0,
             lints: program.lints(),
-            turns_told: BTreeSet::new(),
+            turns_reported: BTreeSet::new(),
             unit_behind: None,
             findings: Findings::default(),
         }

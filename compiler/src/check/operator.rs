@@ -151,14 +151,9 @@ impl<'p> Checker<'p> {
     ) -> Type {
         if a.is_error() || b.is_error() {
             // A comparison is a condition, even after an error in its sides.
-            return match op {
-                BinaryOp::Equal
-                | BinaryOp::NotEqual
-                | BinaryOp::Less
-                | BinaryOp::LessEqual
-                | BinaryOp::Greater
-                | BinaryOp::GreaterEqual => Type::Bool,
-                _ => Type::Error,
+            return match op.is_comparison() {
+                true => Type::Bool,
+                false => Type::Error,
             };
         }
         if [a, b]

@@ -69,7 +69,7 @@ impl<'p> Scope<'p> {
 /// Names of the language itself.
 pub(super) const BUILT_IN_NAMES: [&str; 4] = ["pi", "time", "ground", "cycle"];
 
-/// Truth values. `True` of other languages is one of them.
+/// Truth values, also as other languages write them (`True`).
 const BOOLEANS: [&str; 2] = ["true", "false"];
 
 impl<'p> Checker<'p> {
@@ -437,7 +437,7 @@ impl<'p> Checker<'p> {
         ty
     }
 
-    /// `T` in as many lists as there are binders.
+    /// `T` inside of one list for each binder.
     pub(super) fn arrayed(&self, index: &[eng_grammar::ast::Binder], ty: Type) -> Type {
         index.iter().rev().fold(ty, |ty, binder| {
             // Indices are the values of the binder: `pin[i in 2..4]` has no `pin[1]`.

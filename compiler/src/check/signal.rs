@@ -7,7 +7,7 @@ use crate::functions::BuiltIn;
 use eng_grammar::ast::{BinaryOp, Expr};
 use eng_grammar::{Diagnostic, Span};
 
-/// The sorts of values that reports tell apart.
+/// The sorts of values that reports distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     Signal,

@@ -99,7 +99,6 @@ impl<'p> Checker<'p> {
         if ty.is_error() || matches!(ty, Type::Scalar(_)) {
             return true;
         }
-        let found = self.describe(ty);
         let place = (binding.ty.as_ref().map(|ty| ty.span))
             .or(binding.value.as_ref().map(|value| value.span))
             .unwrap_or(binding.name.span);
@@ -108,12 +107,8 @@ impl<'p> Checker<'p> {
             _ => "write a state for each number, with a name and a rate of its own".to_owned(),
         };
         self.report(
-            Diagnostic::error(
-                codes::WRONG_TYPE,
-                format!("the state `{name}` is a single number, not {found}"),
-            )
-            .at(place, format!("this is {found}"))
-            .with_help(help),
+            self.mistyped(place, &format!("the state `{name}` is a single number"), ty)
+                .with_help(help),
         );
         false
     }

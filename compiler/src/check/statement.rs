@@ -129,11 +129,11 @@ impl<'p> Checker<'p> {
     /// The `{expression as unit}` places of a message.
     pub(super) fn message(&mut self, scope: &Scope<'p>, message: &Name) {
         // the parser has reported unreadable parts of the message
-        let mut said = Diagnostics::new();
+        let mut found = Diagnostics::new();
         let parts = parse_message(
             message,
             Some(&|word| self.program.units.contains_key(word)),
-            &mut said,
+            &mut found,
         );
         for part in &parts {
             let MessagePart::Value { value, unit, .. } = part else {
@@ -145,7 +145,7 @@ impl<'p> Checker<'p> {
             }
         }
         self.findings.messages.insert(message.span, parts);
-        self.diagnostics.extend(said);
+        self.diagnostics.extend(found);
     }
 
     /// `start target = value` in a model, or after `with`: then the target is inside of the part and the value outside.
@@ -233,8 +233,9 @@ impl<'p> Checker<'p> {
                 message = message.meant(name.span, near);
             } else if kind == Kind::Component && name.text == "gravity" {
                 message = message.with_help("gravity acts on the whole model: state it there");
-            } else if let Some(told) = self.offer_marker(message.clone(), name, &attribute.value) {
-                self.report(told);
+            } else if let Some(offered) = self.offer_marker(message.clone(), name, &attribute.value)
+            {
+                self.report(offered);
                 return;
             } else {
                 message = message

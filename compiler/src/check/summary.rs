@@ -10,7 +10,7 @@ use crate::resolve::suggest::nearest;
 use crate::typed::lineage::{Level, levels};
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::{Binding, BindingKind, Declaration, ItemKind, Kind, Name};
-use eng_system::system::summary::Taken;
+use eng_system::system::summary::Statistic;
 
 /// The outputs with a summary in a text.
 fn summarised<'p>(level: Level<'p>) -> impl Iterator<Item = (&'p Binding, &'p Name)> {
@@ -37,7 +37,7 @@ impl<'p> Checker<'p> {
                 self.summary_of_no_interface(own, output, word);
                 continue;
             }
-            if Taken::of(&word.text).is_none() {
+            if Statistic::of(&word.text).is_none() {
                 self.unknown_summary(word);
             }
             let member = Member::Binding(output);
@@ -123,9 +123,9 @@ impl<'p> Checker<'p> {
             None if matches!(own.declaration.kind, Kind::Model | Kind::Component) => message
                 .with_help(format!(
                     "remove it; a `report` shows such a number: `value {name} = {}`",
-                    match Taken::of(&word.text) {
-                        Some(Taken::Least) => format!("minimum(run.{name})"),
-                        Some(Taken::Mean) => format!("mean(run.{name})"),
+                    match Statistic::of(&word.text) {
+                        Some(Statistic::Least) => format!("minimum(run.{name})"),
+                        Some(Statistic::Mean) => format!("mean(run.{name})"),
                         _ => format!("maximum(run.{name})"),
                     }
                 )),
@@ -139,7 +139,7 @@ impl<'p> Checker<'p> {
     }
 
     fn unknown_summary(&mut self, word: &Name) {
-        let words = Taken::ALL.map(|(word, _)| word);
+        let words = Statistic::ALL.map(|(word, _)| word);
         let message = Diagnostic::error(
             codes::SUMMARY,
             format!("there is no summary `{}`", word.text),

@@ -80,11 +80,11 @@ eng_grammar::codes! {
         "start crank = 30 deg",
         "start rotation(crank.main, ground) = 30 deg";
     NO_FILM = "E0421", "a class of journals does not fill the interface of films",
-        "A journal is a film law: the quasi-static start, the tolerance, tables, orbits and polar diagrams read it by the names of `std.journals.JournalLaw`. A law of your own has these parameters and outputs and declares `: JournalLaw`. A class that is no film is a `force`.",
+        "A journal is a film law. The quasi-static start, the tolerance, tables, orbits and polar diagrams use the parameters and outputs of `std.journals.JournalLaw`. A law of your own has them and declares `: JournalLaw`. A class that is no film is a `force`.",
         "journal Plain(a: Marker, b: Marker) { apply force -1 N/mm*(a.origin - b.origin) on a against b }",
         "force Plain(a: Marker, b: Marker) { apply force -1 N/mm*(a.origin - b.origin) on a against b }";
     STATE_SCALE = "E0425", "a state that starts at zero has no scale",
-        "The error of a state may be 1e-5 of the larger of its scale and its largest value so far. A start value other than zero is the scale. A state that starts at zero has no size, so its steps would resolve even 1e-300. State the size from which on it matters.",
+        "The error of a state may be 1e-5 of the larger of its scale and its largest value so far. A start value other than zero is the scale. A state that starts at zero has no size, so its steps would resolve even 1e-300. State the size above which it matters.",
         "state lift: Length = 0 mm",
         "state lift: Length = 0 mm scale 0.1 mm";
     REPLACED = "E0426", "a class replaces an item of its interface",
@@ -100,7 +100,7 @@ eng_grammar::codes! {
         "model Line { input brake: Torque = 0 N*m, interpolation: spline }",
         "model Line { input brake: Torque = 0 N*m, interpolation: cubic }";
     FIELD = "E0433", "a field does not fit its kernel",
-        "A field asks a solver of its own, a kernel, for numbers: `reynolds` solves the oil film of a bearing. Its type is a record whose values are results of the kernel. Loads may use the answers (force, moment, torque); outputs and conditions may also use the readings, such as the least film thickness.",
+        "A field gets numbers from a solver of its own, a kernel: `reynolds` solves the oil film of a bearing. Its type is a record whose values are results of the kernel. Loads may use the answers (force, moment, torque); outputs and conditions may also use the readings, such as the least film thickness.",
         "record Film { let force: Vector2<Force>; let heat: Power }",
         "record Film { let force: Vector2<Force>; let shear_power: Power }";
     CHANGE = "E0434", "a change after `with` reaches no number",

@@ -16,7 +16,7 @@ eng_grammar::codes! {
         "body rod[i in 1..40000] { mass = 1 kg }",
         "body rod[i in 1..4] { mass = 1 kg }";
     NOT_KNOWN = "E0504", "a number must be known while compiling",
-        "The points of a table, limits, exponents and ranges are fixed when the model is compiled; a `param` changes afterwards. Make it a `const`, or change the place to one that may vary.",
+        "The points of a table, limits, exponents and ranges are fixed when the model is compiled; a `param` changes afterwards. Make it a `const`, or use it at a place that may vary.",
         "param top: Length = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)",
         "const top = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)";
     DIVISION_BY_ZERO = "E0505", "a division by zero",
@@ -51,7 +51,7 @@ eng_grammar::codes! {
         "One element or output touches at most 64 markers, 64 states, 256 equations, 16 rotations, 1024 channels of others and 4096 numbers, and takes at most 100 000 operations. Divide it into several.",
         "", "";
     REQUIRED = "E0513", "a `require` does not hold",
-        "The class or model has a condition that the constants of this model do not fulfil. Its author wrote the text.",
+        "The class or model has a condition that the constants of this model do not fulfil. The author of the condition wrote the text of the message.",
         "require cylinders > 4 else \"this crank is for more than four cylinders\"",
         "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
     MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts",
@@ -161,7 +161,7 @@ eng_grammar::codes! {
         "analysis small = linear(Driveline(), inputs: [brake], outputs: [sped])",
         "analysis small = linear(Driveline(), inputs: [brake], outputs: [speed])";
     OF_TURN = "E0542", "a number of a turn without forces is used outside of a lint",
-        "`largest(x)`, `smallest(x)` and `where_largest(x)` are numbers of a turn of the machine through its cycle, by geometry alone. `eng check` knows them after this turn, so only `advise` and its message may use them, directly or through a `let`. A `require` is checked at every step of a run, so it reads the motion itself.",
+        "`largest(x)`, `smallest(x)` and `where_largest(x)` are numbers of a turn of the machine through its cycle, by geometry alone. `eng check` has them after this turn, so only `advise` and its message may use them, directly or through a `let`. A `require` is checked at every step of a run, so it reads the motion itself.",
         "joint liner = Translational(crown.axis, bore)\noutput stroke = largest(liner.travel) - smallest(liner.travel)",
         "joint liner = Translational(crown.axis, bore)\nadvise stroke: largest(liner.travel) - smallest(liner.travel) < 200 mm else \"a long stroke\"";
     NO_UNKNOWN = "E0543", "an equation of `solve` does not depend on its unknown",
@@ -179,7 +179,7 @@ eng_grammar::codes! {
         "Nothing refers to the marker. Perhaps another marker was used in its place; otherwise remove it. Markers inside components do not count. An elastic `surface` of a marker is not used if no film that is solved on cells has the marker as its shell.",
         "", "";
     ADVISED = "W0502", "an `advise` does not hold",
-        "The model runs, but its class reports a probable mistake. The author of the class wrote the text.",
+        "The model runs, but its class reports a probable mistake. The author of the class wrote the text of the message.",
         "advise teeth > 11 else \"so few teeth are undercut\"",
         "const teeth = 23\nadvise teeth > 11 else \"so few teeth are undercut\"";
     UNTIED = "W0503", "a body is connected to nothing",

@@ -8,7 +8,7 @@ eng_grammar::codes! {
         "use std.joins.Revolute",
         "use std.joints.Revolute";
     USE_CIRCLE = "E0202", "modules use each other in a circle",
-        "Two files need each other before either is known. Move the common items into a third file.",
+        "Two files use names of each other. Move the common items into a third file.",
         "", "";
     NOT_IN_MODULE = "E0203", "a module has no item of this name",
         "The module exists, but it has no item with this name. Names are case-sensitive.",
@@ -23,7 +23,7 @@ eng_grammar::codes! {
         "let area = pi/4*boer^2",
         "let area = pi/4*bore^2";
     UNKNOWN_UNIT = "E0206", "a unit is not known",
-        "The library defines the units. They are case-sensitive and joined by `*`, `/` and `^` without spaces. Behind a unit also a value may follow as a factor: `2 N*length`; then the word is neither a unit nor a value.",
+        "The library defines the units. They are case-sensitive and joined by `*`, `/` and `^` without spaces. A value may follow a unit as a factor: `2 N*length`. This word is neither a unit nor a value.",
         "param torque: Torque = 20 Ncm",
         "param torque: Torque = 20 N*cm";
     UNKNOWN_TYPE = "E0207", "a type or dimension is not known",

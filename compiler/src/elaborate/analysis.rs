@@ -57,7 +57,7 @@ pub fn analyses(
             });
         }
     }
-    elaborator.tell_advised();
+    elaborator.report_advised();
     plans
 }
 
@@ -243,10 +243,10 @@ impl<'a> Elaborator<'a, '_> {
         } else {
             "this is too large"
         };
-        let label = limit.told.map_or(found, |(label, _)| label);
+        let label = limit.label_and_help.map_or(found, |(label, _)| label);
         let title = format!("`{}` must be {}", row.name, limit.due);
         let mut message = Diagnostic::error(codes::ANALYSIS_VALUE, title).at(expr.span, label);
-        if let Some((_, help)) = limit.told {
+        if let Some((_, help)) = limit.label_and_help {
             message = message.with_help(help);
         }
         Err(self.report(message))

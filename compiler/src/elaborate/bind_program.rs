@@ -415,8 +415,8 @@ impl BindCode for BindProgram {
         }
         // the parameters of a failed `require`; these are lints
         let none = |_| f64::NAN;
-        let told = self.conditions(self.turned.iter(), &values, none, tables);
-        told.unwrap_or_default()
+        let advice = self.conditions(self.turned.iter(), &values, none, tables);
+        advice.unwrap_or_default()
     }
 
     fn check(&self, nodes: &[Pair], tables: &[Table]) -> Result<Vec<Advice>, BindError> {

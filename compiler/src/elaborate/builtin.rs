@@ -51,7 +51,7 @@ impl<'a> Elaborator<'a, '_> {
         let path = self.scope(scope).path.clone();
         if self.dimension_at(argument, scope)? == Dimension::ANGLE
             || self.accepts(eng_system::lint::TURNS, &path)
-            || !self.turns_told.insert(span)
+            || !self.turns_reported.insert(span)
         {
             return Ok(());
         }
@@ -260,7 +260,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Value<'a>> {
         match name {
             "dot" => {
-                let [a, b] = self.take::<2>(values, span)?;
+                let [a, b] = self.exactly::<2>(values, span)?;
                 let (x, p) = self.sorted(a.0, a.1)?;
                 let (y, q) = self.sorted(b.0, b.1)?;
                 if x.len() != y.len() {
@@ -270,7 +270,7 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(Value::Scalar(self.bench.dot(&x, &y)))
             }
             "cross" => {
-                let [a, b] = self.take::<2>(values, span)?;
+                let [a, b] = self.exactly::<2>(values, span)?;
                 let (x, p) = self.sorted(a.0, a.1)?;
                 let (y, q) = self.sorted(b.0, b.1)?;
                 let x = self.three(x, a.1)?;
@@ -280,7 +280,7 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(Self::of_sort(c.to_vec(), sort))
             }
             "norm" => {
-                let [a] = self.take::<1>(values, span)?;
+                let [a] = self.exactly::<1>(values, span)?;
                 // the length is the same in all axes, so the recorded components serve
                 let x = match a.0 {
                     Value::Shown(shown) => shown.components.to_vec(),
@@ -294,7 +294,7 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(Value::Scalar(self.bench.sqrt(square)))
             }
             "perpendicular" => {
-                let [a] = self.take::<1>(values, span)?;
+                let [a] = self.exactly::<1>(values, span)?;
                 let (c, sort) = self.sorted(a.0, a.1)?;
                 let &[x, y] = c.as_slice() else {
                     return self.arguments(span);
@@ -303,7 +303,7 @@ impl<'a> Elaborator<'a, '_> {
                 Ok(Self::of_sort(vec![minus_y, x], sort))
             }
             "local" | "vector" => {
-                let [v, m] = self.take::<2>(values, span)?;
+                let [v, m] = self.exactly::<2>(values, span)?;
                 let axes = match m.0 {
                     Value::Ground => Axes::Ground,
                     other => Axes::Marker(self.as_marker(other, m.1)?),
@@ -318,7 +318,7 @@ impl<'a> Elaborator<'a, '_> {
                 self.space_of(components, axes, v.1).map(Value::Vector)
             }
             "rotation" => {
-                let [a, b] = self.take::<2>(values, span)?;
+                let [a, b] = self.exactly::<2>(values, span)?;
                 let a_marker = self.as_marker(a.0, a.1)?;
                 let b_marker = self.as_marker(b.0, b.1)?;
                 let a = self.local_marker(a_marker, Some(a.1))?;
@@ -408,7 +408,7 @@ impl<'a> Elaborator<'a, '_> {
     /// The place of a number in a list, from 1. Numbers that differ by rounding alone are the same.
     fn index_of(&mut self, values: Vec<(Value<'a>, Span)>, span: Span) -> Eval<Value<'a>> {
         const ROUNDING: f64 = 1e-12;
-        let [list, value] = self.take::<2>(values, span)?;
+        let [list, value] = self.exactly::<2>(values, span)?;
         let (place, value_place) = (list.1, value.1);
         let value = self.as_scalar(value.0, value_place)?;
         let value = self.structural(value, value_place)?;
@@ -440,7 +440,7 @@ impl<'a> Elaborator<'a, '_> {
         self.checked(None, span, "the arguments do not fit")
     }
 
-    fn take<const N: usize>(
+    fn exactly<const N: usize>(
         &mut self,
         values: Vec<(Value<'a>, Span)>,
         span: Span,

@@ -150,6 +150,14 @@ impl<'a> Elaborator<'a, '_> {
         Ok(value)
     }
 
+    /// Drops the changes inside of a part that was not made.
+    pub fn drop_changes(&mut self, part: &str) {
+        self.draft.changes.retain(|change| {
+            let inner = change.path.strip_prefix(part);
+            !inner.is_some_and(|inner| inner.starts_with('.'))
+        });
+    }
+
     /// Reports changes that reach no number.
     pub fn lost_changes(&mut self) {
         let lost = std::mem::take(&mut self.draft.changes).into_iter();

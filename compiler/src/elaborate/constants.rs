@@ -33,7 +33,7 @@ impl<'a, 'd> Constants<'a, 'd> {
     pub fn numbers(&mut self, expr: &'a Expr, findings: Findings) -> Option<Vec<f64>> {
         self.elaborator.later.extend(findings);
         let found = self.known(expr).ok();
-        self.elaborator.tell_advised();
+        self.elaborator.report_advised();
         found
     }
 

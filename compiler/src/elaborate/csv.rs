@@ -163,7 +163,7 @@ impl<'a> Elaborator<'a, '_> {
             numbers.push(number);
             // cells beyond the header, except empty ones after a separator at the end
             if row.iter().skip(*header).any(|cell| !cell.is_empty()) {
-                let told = Diagnostic::error(
+                let message = Diagnostic::error(
                     codes::FILE_CONTENT,
                     format!(
                         "{path}:{number} has {} cells, but the first row names {}",
@@ -173,11 +173,11 @@ impl<'a> Elaborator<'a, '_> {
                 )
                 .at(file, format!("the line is {:?}", shortened(line)));
                 return Err(self.report(if *separator == ',' {
-                    told.with_help(
+                    message.with_help(
                         "with commas between the cells numbers have a decimal point; with decimal commas, separate the cells by `;` or tabs",
                     )
                 } else {
-                    told.with_help("name each column in the first row")
+                    message.with_help("name each column in the first row")
                 }));
             }
             for (Wanted { name, unit, index }, column) in wanted.iter().zip(&mut columns) {

@@ -44,7 +44,7 @@ pub(crate) struct Draft<'a> {
     pub channels: Vec<Channel>,
     pub journals: Vec<JournalInfo>,
     pub firings: Vec<FiringInfo>,
-    /// Tables of results by the interface that asks for them.
+    /// Tables of results by the interface that defines them.
     pub summaries: Vec<(DefinitionId, Summary)>,
     /// Lengths that positions must resolve.
     pub resolutions: Vec<Slot>,
@@ -56,7 +56,7 @@ pub(crate) struct Draft<'a> {
     pub stated: BTreeMap<String, Location>,
     /// Places of the arguments of classes, by path.
     pub passed: HashMap<String, Span>,
-    /// Arrays that interfaces ask for, each with its scope, by the scope and name of the output that gives
+    /// Arrays that interfaces require, each with its scope, by the scope and name of the output that gives
     /// it.
     pub promised: HashMap<(u32, String), (&'a ast::Binding, ScopeId)>,
     /// Places of the `let`s and `const`s of models and components, by scope and name.

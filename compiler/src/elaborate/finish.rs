@@ -105,7 +105,7 @@ pub fn elaborate(
     let mut found = Diagnostics::new();
     let mut elaborator = Elaborator::new(typed, sources, host, &mut found);
     let result = elaborator.model(model, constants);
-    elaborator.tell_advised();
+    elaborator.report_advised();
     let failed = found.has_errors();
     diagnostics.extend(found);
     match result {
@@ -136,7 +136,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             context: Default::default(),
             draft: Default::default(),
             lints: program.lints(),
-            turns_told: Default::default(),
+            turns_reported: Default::default(),
         };
         for module in 0..program.modules.len() as u32 {
             let scope = elaborator.new_scope(None, module, String::new());
@@ -253,7 +253,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             let value = self.structural_value(value);
             self.define(scope, name, Entry::Value(value));
         }
-        self.block(items, scope);
+        // the error was reported
+        let _ = self.block(items, scope);
     }
 
     /// The elements with their shared classes. Two classes are equal if their graphs and messages are equal.

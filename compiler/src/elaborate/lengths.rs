@@ -170,7 +170,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// Checks that an array has the number of elements that its type states. The checker knows only written
+    /// Checks that an array has the number of elements that its type states. The checker has only written
     /// numbers; here constants and parameters are known. The scope is that of the type.
     pub fn of_stated_length(
         &mut self,
@@ -207,7 +207,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// Notes the arrays that the interfaces of a class ask for as outputs.
+    /// Notes the arrays that the interfaces of a class require as outputs.
     pub fn promises(&mut self, texts: &Texts<'a>) {
         for (elder, (items, scope)) in texts.iter().enumerate() {
             for promise in items.iter().filter_map(output) {

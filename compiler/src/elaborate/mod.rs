@@ -155,7 +155,7 @@ pub(crate) struct Context {
     pub in_start: bool,
     /// Inside the block of a component, whose markers are the choice of its author.
     pub in_part: bool,
-    /// The text that asks for an element's output where no element is lowered, and the output's path.
+    /// The text that reads an element's output where no element is lowered, and the output's path.
     pub asked_from: Option<(Span, String)>,
     /// Rates of the states of the element being lowered, when known.
     pub rates: Option<Vec<crate::ir::Node>>,
@@ -180,7 +180,7 @@ pub(crate) struct Elaborator<'a, 'd> {
     /// Names of all lints.
     pub lints: std::collections::BTreeSet<&'a str>,
     /// Calls of `sin` and similar functions that already have a message about a missing angle.
-    pub turns_told: std::collections::HashSet<Span>,
+    pub turns_reported: std::collections::HashSet<Span>,
 }
 
 impl<'a> Elaborator<'a, '_> {

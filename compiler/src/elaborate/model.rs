@@ -11,10 +11,22 @@ use crate::typed::settable;
 use eng_grammar::ast::{self, BindingKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
 
+/// The `require`s of a block.
+fn requires(items: &[ast::Item]) -> impl Iterator<Item = &Statement> {
+    items.iter().filter_map(|item| match &item.kind {
+        ItemKind::Statement(statement @ Statement::Require { advise: false, .. }) => {
+            Some(statement)
+        }
+        _ => None,
+    })
+}
+
 impl<'a> Elaborator<'a, '_> {
-    /// All items of a model's or component's block.
-    pub fn block(&mut self, items: &'a [ast::Item], scope: ScopeId) {
+    /// All items of a model's or component's block. The `require`s of a component come before its bodies, parts and
+    /// elements. A component that does not fit one makes nothing: errors of its items would only follow from it.
+    pub fn block(&mut self, items: &'a [ast::Item], scope: ScopeId) -> Eval<()> {
         let path = self.scope(scope).path.clone();
+        let waiting = self.draft.pending.len();
         self.accepted_in(items, &path);
         self.register(items, scope);
         // outputs of a block are channels, not values inside it
@@ -71,6 +83,35 @@ impl<'a> Elaborator<'a, '_> {
                 let _ = self.model_attribute(a, scope);
             }
         }
+        if !self.context.in_part {
+            self.items_of_block(items, scope);
+            for statement in requires(items) {
+                // the error was reported
+                let _ = self.condition_of_block(statement, scope, &path, None);
+            }
+            return Ok(());
+        }
+        path.clone_into(&mut self.bench.bind.owner);
+        let fits = requires(items).try_for_each(|s| self.condition_of_block(s, scope, &path, None));
+        if fits.is_ok() {
+            self.items_of_block(items, scope);
+            return fits;
+        }
+        self.draft.pending.truncate(waiting);
+        let cycle = &mut self.draft.cycle;
+        if cycle.take_if(|cycle| cycle.scope == scope).is_some() {
+            self.draft.cycle_failed = true;
+        }
+        fits
+    }
+
+    /// Bodies, parts, elements, start values and lints of a block.
+    fn items_of_block(&mut self, items: &'a [ast::Item], scope: ScopeId) {
+        let path = self.scope(scope).path.clone();
+        let declarations = items.iter().filter_map(|i| match &i.kind {
+            ItemKind::Declaration(d) => Some(d),
+            _ => None,
+        });
         // bodies come before parts and parts before elements, because the later ones usually need the earlier
         // ones
         let rank = |kind| match kind {
@@ -109,10 +150,6 @@ impl<'a> Elaborator<'a, '_> {
                         scope,
                         path: path.clone(),
                     });
-                }
-                ItemKind::Statement(statement) => {
-                    // the error was reported
-                    let _ = self.condition_of_block(statement, scope, &path, None);
                 }
                 _ => {}
             }
@@ -291,11 +328,13 @@ impl<'a> Elaborator<'a, '_> {
         }
         self.deeper(value.span, |e| {
             let outer = std::mem::replace(&mut e.context.in_part, true);
-            for (items, scope) in &texts {
-                e.block(items, *scope);
-            }
+            let mut texts = texts.iter();
+            let made = texts.try_for_each(|(items, scope)| e.block(items, *scope));
             e.context.in_part = outer;
-            Ok(())
+            if made.is_err() {
+                e.drop_changes(path);
+            }
+            made
         })?;
         Ok(own)
     }

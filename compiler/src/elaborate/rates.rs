@@ -2,7 +2,7 @@
 //!
 //! The rate of an expression of parameters is one more expression of the bind graph: the derivative of the expression, with the
 //! rates of the inputs as further inputs of the graph. An element that needs the rate gets it as a constant, so element code and
-//! layouts know nothing of inputs. The rate of a parameter is the rate of its default unless its value is stated: a stated value
+//! layouts contain no inputs. The rate of a parameter is the rate of its default unless its value is stated: a stated value
 //! is constant. The default of an input that an analysis drives is a function of time, whose derivative is exact.
 
 use super::scalar::{FIXED, PROVISIONAL, RATE, Scalar, Stage, TIME};

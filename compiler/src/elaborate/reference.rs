@@ -159,7 +159,17 @@ impl<'a> Elaborator<'a, '_> {
 
     fn force(&mut self, lazy: &Lazy<'a>, scope: ScopeId) -> Eval<Value<'a>> {
         match lazy {
-            Lazy::Binding(binding) => self.binding_value(binding, scope),
+            Lazy::Binding(binding) => {
+                // conditions of functions that it calls name its own part, and not the item that reads it first
+                let path = self.scope(scope).path.clone();
+                if path.is_empty() {
+                    return self.binding_value(binding, scope);
+                }
+                let owner = std::mem::replace(&mut self.bench.bind.owner, path);
+                let value = self.binding_value(binding, scope);
+                self.bench.bind.owner = owner;
+                value
+            }
             Lazy::Parameter(binding) => self.changeable(binding, scope),
             Lazy::Default(parameter) => {
                 let default = parameter.default.as_ref();

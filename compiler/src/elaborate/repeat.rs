@@ -30,7 +30,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The instances of a declaration: one, or a family where it has an index. Those whose condition fails are
-    /// left out; where it is the only one, the value says that it is absent.
+    /// left out; where it is the only one, the value states that it is absent.
     pub fn instances_of(
         &mut self,
         declaration: &'a ast::Declaration,

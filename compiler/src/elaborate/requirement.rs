@@ -143,7 +143,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Reports failed `advise`s on values known while compiling.
-    pub fn tell_advised(&mut self) {
+    pub fn report_advised(&mut self) {
         for (mut message, paths) in std::mem::take(&mut self.draft.advised) {
             let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
             message.title = titled(&message.title, &paths);

@@ -34,7 +34,7 @@ const ENDED: f64 = 1e-6;
 /// The same in SI units, for a zero at zero.
 const SMALL: f64 = 1e-12;
 /// Share of the sum of its products' magnitudes below which a determinant is rounding. The equations then do not determine
-/// the unknowns, and the correction says nothing.
+/// the unknowns, and the correction is meaningless.
 const SINGULAR: f64 = 1e-13;
 
 /// A function of the unknowns with its Jacobian matrix, as nodes of one graph.
@@ -134,7 +134,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The function at unknown arguments, with its derivatives.
     fn system_of(&mut self, asked: &Asked<'a, '_>, from: &[Scalar], is_list: bool) -> Eval<System> {
-        // the values at the estimate tell the stage, and their call asks for the function's conditions
+        // the values at the estimate give the stage, and their call includes the function's conditions
         let known = self.values_of(asked, from, is_list)?;
         let moves = known.iter().chain(from).any(|s| s.stage == Stage::Motion);
         let stage = if moves { Stage::Motion } else { Stage::Bind };

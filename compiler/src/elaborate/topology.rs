@@ -89,16 +89,16 @@ impl Elaborator<'_, '_> {
         let found: Vec<(String, Diagnostic)> = (self.draft.elements.iter())
             .filter(|element| element.role == Role::Dynamic)
             .filter_map(|element| {
-                let told = self
+                let message = self
                     .loads_itself(element)
                     .or_else(|| self.geared_to_itself(element))?;
-                Some((element.origin.path.clone(), told))
+                Some((element.origin.path.clone(), message))
             })
             .collect();
-        let told = found
+        let reported = found
             .into_iter()
             .filter(|(path, _)| !self.accepts(lint::IDLE, path));
-        told.map(|(_, message)| message).collect()
+        reported.map(|(_, message)| message).collect()
     }
 
     /// The message about an element whose loads act between a marker and itself, or between markers of one
@@ -211,8 +211,8 @@ impl Elaborator<'_, '_> {
                     BodyRef::Body(b) => b as usize,
                 })
                 .collect();
-            if let Some(told) = self.against_itself(element, &bodies) {
-                found.push(told);
+            if let Some(message) = self.against_itself(element, &bodies) {
+                found.push(message);
             }
             for b in &bodies {
                 touched[*b] = true;

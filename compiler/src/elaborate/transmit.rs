@@ -360,13 +360,13 @@ fn idle_terms(
     let idle = |term: &&TermDraft| {
         term.freedoms.is_none() && !term.at.is_empty() && term.at.iter().all(free)
     };
-    let mut told: Vec<Span> = Vec::new();
+    let mut reported: Vec<Span> = Vec::new();
     let mut messages = Vec::new();
     for term in terms.iter().filter(idle) {
-        if told.contains(&term.span) {
+        if reported.contains(&term.span) {
             continue;
         }
-        told.push(term.span);
+        reported.push(term.span);
         // `craig_bampton` is one term of the text, but makes two here: constraint modes and modes with held
         // markers
         let is_normal = |t: &TermDraft| matches!(t.kind, TermKind::Normal(_));

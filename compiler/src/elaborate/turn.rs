@@ -238,8 +238,8 @@ impl<'a> Elaborator<'a, '_> {
         let after = program.depends(|k| (FOLLOWED..TIME).contains(&k));
         let is_after = |node: Node| after.get(node.0 as usize) == Some(&true);
         let decides = program.function.outputs.iter().chain(&program.defaults);
-        let told_too_early = |check: &&Check| !check.advise && check_reads(check, &is_after);
-        let early = program.checks.iter().find(told_too_early);
+        let decided_too_early = |check: &&Check| !check.advise && check_reads(check, &is_after);
+        let early = program.checks.iter().find(decided_too_early);
         let node = decides.copied().find(|node| is_after(*node));
         if let Some(node) = node.or(early.map(|check| check.holds)) {
             let of = |index: u32| program.depends(|k| k == FOLLOWED + index);
@@ -261,7 +261,7 @@ impl<'a> Elaborator<'a, '_> {
                 (None, None) => message,
             };
             return Err(self.report(message.with_help(
-                "`eng check` turns the machine without forces and knows the number then; write `advise` in place of `require`, and compute loads and outputs from the motion",
+                "`eng check` turns the machine without forces, and has the number after this turn; write `advise` in place of `require`, and compute loads and outputs from the motion",
             )));
         }
         for draft in &drafts {

@@ -103,7 +103,7 @@ pub(crate) struct Given<'a> {
     pub scope: ScopeId,
     /// The place of the call.
     pub call: Span,
-    /// The interface by which the call knows the class.
+    /// The interface through which the call uses the class.
     pub interface: Option<DefinitionId>,
 }
 

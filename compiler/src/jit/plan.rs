@@ -220,7 +220,7 @@ impl Planner {
         for operand in &operands {
             self.load(*operand, &operands);
         }
-        let first = self.take(operands.len() as u32);
+        let first = self.reserve(operands.len() as u32);
         for (k, operand) in (0..).zip(&operands) {
             let place = Place {
                 area: Area::Room,
@@ -247,7 +247,7 @@ impl Planner {
         if self.looked_up.1.len() != operands.len() {
             let (first, count) = (self.looked_up.0, self.looked_up.1.len() as u32);
             self.free.extend(first..first + count);
-            self.looked_up = (self.take(operands.len() as u32), Vec::new());
+            self.looked_up = (self.reserve(operands.len() as u32), Vec::new());
         }
         let first = self.looked_up.0;
         let known = std::mem::take(&mut self.looked_up.1);
@@ -268,7 +268,7 @@ impl Planner {
         for resident in std::mem::take(&mut self.resident) {
             self.keep(resident);
         }
-        let result = self.take(1);
+        let result = self.reserve(1);
         self.plan.steps.push(Step::LookUp(node, first, result));
         self.homes[node.0 as usize] = Some(Place {
             area: Area::Room,
@@ -334,7 +334,7 @@ impl Planner {
         if self.homes[index].is_none() && !self.uses[index].is_empty() {
             let place = Place {
                 area: Area::Room,
-                index: self.take(1),
+                index: self.reserve(1),
             };
             self.plan.steps.push(Step::Keep(node, place));
             self.homes[index] = Some(place);
@@ -342,7 +342,7 @@ impl Planner {
     }
 
     /// Pairs of the room, one behind the other.
-    fn take(&mut self, count: u32) -> u32 {
+    fn reserve(&mut self, count: u32) -> u32 {
         let run = |first: &u32| (0..count).all(|k| self.free.contains(&(first + k)));
         let first = match self.free.iter().copied().find(|first| run(first)) {
             Some(first) => first,

@@ -280,7 +280,7 @@ impl Loader<'_> {
         });
     }
 
-    /// `use oils` and `use std.units` name a module and take all of it: the tree says "item `units` of `std`"
+    /// `use oils` and `use std.units` name a module and take all of it: the tree has "item `units` of `std`"
     /// until the modules are known.
     fn settle(&self, used: &mut Use) {
         let UseNames::Some(names) = &used.names else {

@@ -92,7 +92,7 @@ fn scope(
         };
         let path = dotted(&used.path);
         let Some(from) = program.modules.iter().position(|m| m.path == path) else {
-            continue; // said when it was not found
+            continue; // reported when it was not found
         };
         match &used.names {
             UseNames::All => {
@@ -120,7 +120,7 @@ fn scope(
             }
             UseNames::Some(names) => {
                 for name in names {
-                    take(program, own, (index, from), name, &mut named, diagnostics);
+                    import(program, own, (index, from), name, &mut named, diagnostics);
                 }
             }
         }
@@ -132,8 +132,8 @@ fn scope(
     scope
 }
 
-/// Takes names by `use path.{name}` from the module `from` into the module `index`.
-fn take(
+/// Imports a name by `use path.{name}` from the module `from` into the module `index`.
+fn import(
     program: &Program,
     own: &[BTreeMap<String, DefinitionId>],
     (index, from): (usize, usize),

@@ -64,7 +64,7 @@ pub(crate) fn is_parameter(binding: &Binding) -> bool {
     }
 }
 
-/// Whether an item of an interface only asks for an item of the class: a parameter, output or function without
+/// Whether an item of an interface only requires an item of the class: a parameter, output or function without
 /// a value.
 pub(crate) fn asks(item: &ItemKind) -> bool {
     match item {

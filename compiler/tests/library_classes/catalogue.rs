@@ -236,7 +236,7 @@ pub const CASES: &[Case] = &[
     of(
         "std.gas",
         "IdealCompressor",
-        "a.m, b.m, bore: 60 mm, top: 180 mm, clearance: 11 cc, suction: 1 bar, delivery: 5 bar, first_volume: 11 cc,
+        "a.m, b.m, bore: 60 mm, top: 180 mm, clearance: 11 cc, suction: 1 bar, delivery: 5 bar,
         suction_port: 10 cm^2, delivery_port: 10 cm^2",
     ),
     Case {
@@ -245,7 +245,7 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         ..of(
             "std.gas",
             "PlateCompressor",
-            "a.m, b.m, bore: 60 mm, top: 180 mm, clearance: 11 cc, suction: 1 bar, delivery: 5 bar, first_volume: 11 cc,
+            "a.m, b.m, bore: 60 mm, top: 180 mm, clearance: 11 cc, suction: 1 bar, delivery: 5 bar,
         suction_valve: valve, delivery_valve: valve",
         )
     },

@@ -94,7 +94,7 @@ impl Form {
 enum Verdict {
     Form(Form),
     /// A form that differs from that of its code, with the difference for a warning.
-    Told(Form, &'static str),
+    Differing(Form, &'static str),
     /// No form, with the reason and the remedy.
     Refused(&'static str, &'static str),
 }
@@ -199,7 +199,7 @@ const fn rule(
 const RULES: &[Rule] = {
     use ElementKind::{Hexahedron8, Hexahedron20, Tetrahedron4, Tetrahedron10, Wedge6};
     use For::{Any, AnyLetters, Letters, Plain, Points};
-    use Verdict::{Form as Made, Refused, Told};
+    use Verdict::{Differing, Form as Made, Refused};
     use Whose::{Abaqus, CalculiX, Nastran, Nobody};
     const FULL: Verdict = Made(Form::Full);
     const REDUCED: Verdict = Made(Form::Reduced);
@@ -246,7 +246,7 @@ const RULES: &[Rule] = {
             &[Abaqus],
             &[Wedge6],
             Any,
-            Told(Form::Full, "Abaqus takes fewer points"),
+            Differing(Form::Full, "Abaqus takes fewer points"),
         ),
         rule(&[Abaqus, CalculiX], &[], Any, FULL),
         rule(&[Nastran], &[Hexahedron8], For::InFull(2), FULL),
@@ -264,7 +264,7 @@ const RULES: &[Rule] = {
             &[Nastran],
             &[],
             Any,
-            Told(
+            Differing(
                 Form::Full,
                 "Nastran integrates their shear at fewer points, by a rule that is not public",
             ),
@@ -298,7 +298,7 @@ pub(crate) fn form(
     rule: StiffnessRule,
 ) -> Result<Form, FlexibleError> {
     match verdict(element.kind, element.variant, mesh.code, rule) {
-        Verdict::Form(form) | Verdict::Told(form, _) => Ok(form),
+        Verdict::Form(form) | Verdict::Differing(form, _) => Ok(form),
         Verdict::Refused(..) => {
             check(mesh, rule)?;
             Ok(Form::Full)
@@ -395,22 +395,22 @@ pub fn check(mesh: &Mesh, rule: StiffnessRule) -> Result<(), FlexibleError> {
 }
 
 /// The warnings about the forms of a mesh's elements.
-pub fn told(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
-    let mut told = Vec::new();
+pub fn warnings(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
+    let mut warnings = Vec::new();
     for ((kind, variant), (count, _)) in types(mesh) {
         let name = name(mesh, kind, variant);
         match (verdict(kind, variant, mesh.code, rule), rule) {
-            (Verdict::Told(_, why), _) => told.push(format!(
+            (Verdict::Differing(_, why), _) => warnings.push(format!(
                 "{count} × {name} are integrated in full, and {why}: coarse meshes come out stiffer here; `element_rules = exact` states that this is intended"
             )),
             (_, StiffnessRule::Full) if matches!(variant, Variant::Letters(_)) => {
-                told.push(format!(
+                warnings.push(format!(
                     "{count} × {name} are integrated in full, as `element_rules = exact` states"
                 ));
             }
             _ => {}
         }
     }
-    told.extend(super::shell::too_curved(mesh));
-    told
+    warnings.extend(super::shell::too_curved(mesh));
+    warnings
 }

@@ -176,7 +176,7 @@ impl ElementRecovery {
     /// Its nodes with the inner ones of its form, in the order of the gradients at its points.
     pub(super) fn all_nodes(&self, freedoms: &FreedomMap) -> Vec<u32> {
         let own = self.nodes.iter().copied();
-        // as many as the points know: freedoms of other rules may have others
+        // as many as at the points: freedoms of other rules may have others
         let count = self.points.first().map_or(0, |point| point.gradients.len());
         own.chain(freedoms.inner_of(self.first))
             .take(count)

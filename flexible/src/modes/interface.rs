@@ -2,7 +2,7 @@
 
 use super::{Load, Structure, products};
 use crate::error::FlexibleError;
-use crate::solve::dense::{positive_inverse, symmetric_eigen};
+use crate::solve::dense::{positive_inverse, subtract, symmetric_eigen};
 
 /// A rigid motion is not held if its share (squared) in the interface's rows, each of unit length, is below
 /// this limit. A lever of a hundredth of the body's size holds nothing, because the mean position of a
@@ -146,15 +146,15 @@ impl<'a> Interface<'a> {
         let alpha = products(held, &inverse, &transposed(count, &forces));
         // p = F⁻¹ − forces · α
         let mut loads = stiffness;
-        super::subtract(count, &forces, &alpha, &mut loads);
+        subtract(count, &forces, &alpha, &mut loads);
         let negative: Vec<f64> = loads.iter().map(|x| -x).collect();
         let mut modes = vec![0.0; size * count];
-        super::subtract(size, attachments, &negative, &mut modes);
+        subtract(size, attachments, &negative, &mut modes);
         if let Some(rigid) = &self.structure.rigid {
             // R α = motions · held · α
             let mut along = vec![0.0; self.rigid * count];
-            super::subtract(self.rigid, &self.held, &alpha, &mut along);
-            super::subtract(size, rigid.motions(), &along, &mut modes);
+            subtract(self.rigid, &self.held, &alpha, &mut along);
+            subtract(size, rigid.motions(), &along, &mut modes);
         }
         Ok(modes)
     }

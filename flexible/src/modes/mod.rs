@@ -152,22 +152,6 @@ pub(crate) fn products(length: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
     out
 }
 
-/// `Y −= X C`, C by columns.
-pub(crate) fn subtract(length: usize, x: &[f64], coefficients: &[f64], y: &mut [f64]) {
-    let inner = x.len().checked_div(length).unwrap_or(0);
-    let columns = y.len().checked_div(length).unwrap_or(0);
-    if inner * columns > 0 {
-        matmul(
-            MatMut::from_column_major_slice_mut(y, length, columns),
-            Accum::Add,
-            MatRef::from_column_major_slice(x, length, inner),
-            MatRef::from_column_major_slice(coefficients, inner, columns),
-            -1.0,
-            Par::Seq,
-        );
-    }
-}
-
 /// The operator on several vectors.
 pub(crate) fn applied(operator: &dyn SymmetricOperator, x: &[f64]) -> Vec<f64> {
     let mut y = vec![0.0; x.len()];

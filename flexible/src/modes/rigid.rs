@@ -1,9 +1,9 @@
 //! Rigid motions of a free structure: their removal from vectors and loads, and the fewest freedoms that hold
 //! them.
 
-use super::{applied, products, subtract};
+use super::{applied, products};
 use crate::error::FlexibleError;
-use crate::solve::dense::symmetric_eigen;
+use crate::solve::dense::{subtract, symmetric_eigen};
 use crate::sparse::SymmetricMatrix;
 use eng_system::significant::short;
 

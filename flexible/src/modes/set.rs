@@ -1,8 +1,8 @@
 //! Makes a sum of modes an orthonormal set.
 
-use super::{Structure, applied, products, subtract};
+use super::{Structure, applied, products};
 use crate::error::FlexibleError;
-use crate::solve::dense::symmetric_eigen;
+use crate::solve::dense::{subtract, symmetric_eigen};
 use crate::sparse::SymmetricOperator;
 use crate::sparse::product::TOGETHER;
 use serde::{Deserialize, Serialize};
@@ -96,7 +96,7 @@ impl ModeSet {
             if group.is_empty() {
                 break;
             }
-            basis.take_up(structure, group, &mut set)?;
+            basis.add_group(structure, group, &mut set)?;
         }
         let count = set.sources.len();
         // m y = μ y in a basis where k = I: ω² = 1/μ
@@ -172,7 +172,7 @@ impl Basis {
     /// Adds a group of candidates to the basis, in their order. Products with K and with the basis are
     /// computed for the whole group at once. Forces are updated together with the vectors, as long as enough
     /// of the vectors remains.
-    fn take_up(
+    fn add_group(
         &mut self,
         structure: &Structure,
         group: Vec<Candidate>,

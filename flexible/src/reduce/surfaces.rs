@@ -44,7 +44,7 @@ const WHOLE: f64 = 0.97;
 const RADIAL: f64 = 0.5;
 /// Fewest nodes that a wave around must have.
 const NODES_A_WAVE: f64 = 4.0;
-/// Least eigenvalue of the scaled Gram matrix, so that nodes tell the shapes apart.
+/// Least eigenvalue of the scaled Gram matrix, so that nodes distinguish the shapes.
 const APART: f64 = 1e-3;
 /// Negative eigenvalue of a compliance, as a share of the largest one, that is more than rounding.
 const NEGATIVE: f64 = 1e-6;
@@ -195,7 +195,7 @@ pub(super) fn prepare(
     prepared.collect()
 }
 
-/// Refuses shapes that the nodes cannot tell apart: each wave needs some nodes, and each degree across a row of them.
+/// Refuses shapes that the nodes cannot distinguish: each wave needs some nodes, and each degree across a row of them.
 fn enough_nodes(
     mesh: &Mesh,
     nodes: &BTreeSet<u32>,

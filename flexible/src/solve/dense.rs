@@ -1,4 +1,4 @@
-//! Small dense symmetric problems. Matrices are stored by columns.
+//! Small dense symmetric problems, and products with tall matrices. Matrices are stored by columns.
 
 use super::ordering::out_of_memory;
 use crate::error::FlexibleError;
@@ -8,10 +8,27 @@ use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_
 use faer::linalg::evd::{
     ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch,
 };
+use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Auto, MatMut, MatRef, Par, Spec};
+use faer::{Accum, Auto, MatMut, MatRef, Par, Spec};
+
+/// `Y −= X C`, C by columns.
+pub(crate) fn subtract(length: usize, x: &[f64], coefficients: &[f64], y: &mut [f64]) {
+    let inner = x.len().checked_div(length).unwrap_or(0);
+    let columns = y.len().checked_div(length).unwrap_or(0);
+    if inner * columns > 0 {
+        matmul(
+            MatMut::from_column_major_slice_mut(y, length, columns),
+            Accum::Add,
+            MatRef::from_column_major_slice(x, length, inner),
+            MatRef::from_column_major_slice(coefficients, inner, columns),
+            -1.0,
+            Par::Seq,
+        );
+    }
+}
 
 /// Eigenvalues in ascending order, and the orthonormal eigenvectors, of a symmetric matrix of which the lower
 /// triangle is read.

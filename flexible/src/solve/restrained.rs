@@ -5,11 +5,9 @@
 //! as many negative eigenvalues as A has, more the positive ones of F, less the number of rows (E. V.
 //! Haynsworth, Linear Algebra Appl. 1 (1968) 73).
 
-use super::dense::symmetric_eigen;
+use super::dense::{subtract, symmetric_eigen};
 use super::factor::{Definiteness, Factorization};
 use crate::error::FlexibleError;
-use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
 
 /// A combination of rows: row and coefficient.
 pub type Combination = Vec<(u32, f64)>;
@@ -48,19 +46,6 @@ fn values(rows: &[Combination], size: usize, x: &[f64]) -> Vec<f64> {
             })
         })
         .collect()
-}
-
-/// `X −= B c` with B and c by columns.
-fn take(size: usize, b: &[f64], c: &[f64], x: &mut [f64]) {
-    let (inner, columns) = (b.len() / size.max(1), x.len() / size.max(1));
-    matmul(
-        MatMut::from_column_major_slice_mut(x, size, columns),
-        Accum::Add,
-        MatRef::from_column_major_slice(b, size, inner),
-        MatRef::from_column_major_slice(c, inner, columns),
-        -1.0,
-        Par::Seq,
-    );
 }
 
 /// The combinations, scaled to unit length.
@@ -201,7 +186,7 @@ impl Restrained {
         }
         let mut correction = vec![0.0; size * count];
         let negative: Vec<f64> = inverse.iter().map(|x| -x).collect();
-        take(size, &responses, &negative, &mut correction);
+        subtract(size, &responses, &negative, &mut correction);
         Ok(Restrained {
             factor,
             held: Some(Response {
@@ -242,7 +227,7 @@ impl Restrained {
             // twice: the second pass removes the rounding error of the first
             for _ in 0..2 {
                 let along = values(&held.rows, size, vectors);
-                take(size, &held.correction, &along, vectors);
+                subtract(size, &held.correction, &along, vectors);
             }
         }
         Ok(())

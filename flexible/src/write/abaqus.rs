@@ -3,32 +3,18 @@
 //! Each node has six freedoms. The first node after the markers carries the six coordinates of the frame, the next ones six
 //! amplitudes each. Linear equations join the freedoms of each marker to them (see [`crate::small_motion`]).
 
-use crate::small_motion::{Dense, SmallMotion};
+use super::NumberedBody;
+use crate::small_motion::Dense;
 use std::fmt::{self, Write};
 
-/// A reduced body for Abaqus.
-#[derive(Clone, Copy, Debug)]
-pub struct AbaqusBody<'a> {
-    /// Its name: the names of its files begin with it.
-    pub name: &'a str,
-    /// Names and places (m) of its markers.
-    pub markers: &'a [(String, [f64; 3])],
-    /// Its equations.
-    pub motion: &'a SmallMotion,
-    /// Number of the first node. Nodes of markers come first.
-    pub first: usize,
-}
-
-impl AbaqusBody<'_> {
-    /// Node and freedom 1…6 of a coordinate.
-    fn place(&self, coordinate: usize) -> (usize, usize) {
-        let first = self.first + self.markers.len();
-        (first + coordinate / 6, coordinate % 6 + 1)
-    }
+/// Node and freedom 1…6 of a coordinate. The nodes of the markers come first.
+fn place(body: &NumberedBody, coordinate: usize) -> (usize, usize) {
+    let first = body.first + body.markers.len();
+    (first + coordinate / 6, coordinate % 6 + 1)
 }
 
 /// Entries `node, freedom, node, freedom, value` on and below the diagonal, with 17 digits.
-pub fn abaqus_matrix(body: &AbaqusBody, matrix: &Dense) -> String {
+pub fn abaqus_matrix(body: &NumberedBody, matrix: &Dense) -> String {
     let mut text = String::new();
     for row in 0..matrix.rows {
         for column in 0..=row {
@@ -40,7 +26,7 @@ pub fn abaqus_matrix(body: &AbaqusBody, matrix: &Dense) -> String {
             if value == 0.0 && column < row {
                 continue;
             }
-            let ((node, freedom), (other, its)) = (body.place(row), body.place(column));
+            let ((node, freedom), (other, its)) = (place(body, row), place(body, column));
             // writing to a text cannot fail
             let _ = writeln!(text, "{node},{freedom},{other},{its},{value:.16e}");
         }
@@ -49,14 +35,14 @@ pub fn abaqus_matrix(body: &AbaqusBody, matrix: &Dense) -> String {
 }
 
 /// The lines that a deck includes: nodes, matrices by the names of their files, equations.
-pub fn abaqus_deck(body: &AbaqusBody, files: [&str; 3]) -> String {
+pub fn abaqus_deck(body: &NumberedBody, files: [&str; 3]) -> String {
     let mut text = String::new();
     // writing to a text cannot fail
     let _ = write_deck(&mut text, body, files);
     text
 }
 
-fn write_deck(text: &mut String, body: &AbaqusBody, files: [&str; 3]) -> fmt::Result {
+fn write_deck(text: &mut String, body: &NumberedBody, files: [&str; 3]) -> fmt::Result {
     let name = body.name;
     let size = body.motion.mass.rows;
     writeln!(
@@ -69,8 +55,8 @@ fn write_deck(text: &mut String, body: &AbaqusBody, files: [&str; 3]) -> fmt::Re
         writeln!(text, "** {marker}")?;
         writeln!(text, "{}, {x:.16e}, {y:.16e}, {z:.16e}", body.first + index)?;
     }
-    let (frame, _) = body.place(0);
-    let (last, _) = body.place(size.saturating_sub(1));
+    let (frame, _) = place(body, 0);
+    let (last, _) = place(body, size.saturating_sub(1));
     writeln!(
         text,
         "** node {frame}: translation and rotation of the frame; from node {}: amplitudes of the modes, six a node",
@@ -87,7 +73,7 @@ fn write_deck(text: &mut String, body: &AbaqusBody, files: [&str; 3]) -> fmt::Re
         "*MATRIX ASSEMBLE, STIFFNESS={name}_STIFFNESS, MASS={name}_MASS, VISCOUS DAMPING={name}_DAMPING"
     )?;
     // freedoms of the last node that no amplitude uses
-    let (_, used) = body.place(size.saturating_sub(1));
+    let (_, used) = place(body, size.saturating_sub(1));
     if used < 6 {
         writeln!(text, "*BOUNDARY")?;
         writeln!(text, "{last}, {}, 6", used + 1)?;
@@ -99,9 +85,9 @@ fn write_deck(text: &mut String, body: &AbaqusBody, files: [&str; 3]) -> fmt::Re
 }
 
 /// `−u + Σ L q = 0` of one freedom of a marker, which Abaqus eliminates.
-fn equation(text: &mut String, body: &AbaqusBody, row: usize) -> fmt::Result {
+fn equation(text: &mut String, body: &NumberedBody, row: usize) -> fmt::Result {
     let matrix = &body.motion.motion;
-    let factors = (0..matrix.columns).map(|column| (body.place(column), matrix.at(row, column)));
+    let factors = (0..matrix.columns).map(|column| (place(body, column), matrix.at(row, column)));
     let own = ((body.first + row / 6, row % 6 + 1), -1.0);
     let terms = std::iter::once(own).chain(factors.filter(|(_, factor)| *factor != 0.0));
     let terms = terms.collect::<Vec<_>>();

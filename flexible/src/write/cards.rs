@@ -4,35 +4,23 @@
 //! damping of them in double precision, with 10 to 13 digits. Multipoint constraints join the six freedoms of the grid point of
 //! each marker to the scalar points (see [`crate::small_motion`]).
 
+use super::NumberedBody;
 use super::number::field;
-use crate::small_motion::{Dense, SmallMotion};
+use crate::small_motion::Dense;
 use std::fmt::{self, Write};
-
-/// A reduced body for bulk data.
-#[derive(Clone, Copy, Debug)]
-pub struct NastranBody<'a> {
-    /// Its name, for comments.
-    pub name: &'a str,
-    /// Names and places (m) of its markers.
-    pub markers: &'a [(String, [f64; 3])],
-    /// Its equations.
-    pub motion: &'a SmallMotion,
-    /// Number of the first grid point. Grid points of markers come first, then the scalar points.
-    pub first: usize,
-}
 
 /// Number of the set of constraints.
 const CONSTRAINTS: usize = 1;
 
 /// The cards. The case control of the run must select the matrices and the constraints; a comment states the lines.
-pub fn bulk_data(body: &NastranBody) -> String {
+pub fn bulk_data(body: &NumberedBody) -> String {
     let mut text = String::new();
     // writing to a text cannot fail
     let _ = write_cards(&mut text, body);
     text
 }
 
-fn write_cards(text: &mut String, body: &NastranBody) -> fmt::Result {
+fn write_cards(text: &mut String, body: &NumberedBody) -> fmt::Result {
     let size = body.motion.mass.rows;
     let scalar = body.first + body.markers.len();
     writeln!(
@@ -103,7 +91,7 @@ fn direct(text: &mut String, name: &str, matrix: &Dense, scalar: usize) -> fmt::
 }
 
 /// `MPC` of one freedom of a marker: `−u + Σ L q = 0`.
-fn constraint(text: &mut String, body: &NastranBody, row: usize, scalar: usize) -> fmt::Result {
+fn constraint(text: &mut String, body: &NumberedBody, row: usize, scalar: usize) -> fmt::Result {
     let matrix = &body.motion.motion;
     let own = (body.first + row / 6, row % 6 + 1, -1.0);
     let coordinates =

@@ -8,7 +8,22 @@ mod number;
 mod numpy;
 mod op4;
 
-pub use abaqus::{AbaqusBody, abaqus_deck, abaqus_matrix};
-pub use cards::{NastranBody, bulk_data};
+use crate::small_motion::SmallMotion;
+
+pub use abaqus::{abaqus_deck, abaqus_matrix};
+pub use cards::bulk_data;
 pub use numpy::array;
 pub use op4::op4;
+
+/// A reduced body for a deck, whose points have numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct NumberedBody<'a> {
+    /// Its name: for comments and for the names of files.
+    pub name: &'a str,
+    /// Names and places (m) of its markers.
+    pub markers: &'a [(String, [f64; 3])],
+    /// Its equations.
+    pub motion: &'a SmallMotion,
+    /// Number of the first point. The points of the markers come first, then those that carry the coordinates.
+    pub first: usize,
+}

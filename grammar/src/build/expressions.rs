@@ -74,18 +74,6 @@ fn infix(text: &str) -> Option<(Infix, u8)> {
     })
 }
 
-fn is_comparison(op: BinaryOp) -> bool {
-    matches!(
-        op,
-        BinaryOp::Equal
-            | BinaryOp::NotEqual
-            | BinaryOp::Less
-            | BinaryOp::LessEqual
-            | BinaryOp::Greater
-            | BinaryOp::GreaterEqual
-    )
-}
-
 fn has_unit(value: &Expr) -> bool {
     match &value.kind {
         ExprKind::Number { unit, .. }
@@ -240,13 +228,13 @@ impl<'t> Builder<'t, '_> {
         let span = left.span.to(right.span);
         match what {
             Infix::Binary(op) => {
-                if is_comparison(op)
+                if op.is_comparison()
                     && let ExprKind::Binary {
                         op: first,
                         op_span: first_span,
                         ..
                     } = &left.kind
-                    && is_comparison(*first)
+                    && first.is_comparison()
                 {
                     self.report(
                         Diagnostic::error(codes::CHAIN, "comparisons do not chain")

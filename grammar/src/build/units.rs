@@ -1,7 +1,7 @@
 //! The end of a unit: a word that is not a unit ends it, and is the next factor.
 //!
 //! `2e6 N/m*depth^2` is the quantity 2e6 N/m, times `depth^2`. The grammar takes every word without blanks for a
-//! unit, because only the whole program knows the units. So this module makes the factors of the pairs that the
+//! unit, because the units belong to the whole program. So this module makes the factors of the pairs that the
 //! recogniser found inside of the unit.
 
 use super::Builder;

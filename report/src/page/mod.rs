@@ -40,7 +40,7 @@ struct Plot {
     caption: String,
     /// The name of its file; empty for a name from the caption.
     name: String,
-    /// The text that asks for the figure; may be empty.
+    /// The text of the figure in the model; may be empty.
     written: String,
 }
 

@@ -1,4 +1,4 @@
-//! One run against another.
+//! The difference of two runs.
 
 use super::{
     Interpolation, SignalError, check_increasing, check_length, check_same_length, resample, rms,

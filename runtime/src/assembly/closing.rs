@@ -1,5 +1,6 @@
 //! Closing of loops: Gauss–Newton with smallest steps, and random displacements if it ends on a wrong branch.
 
+use super::gradients::Gradients;
 use super::rows::{Along, Rows, Wish, smallest_solution};
 use super::{at, choose_turns, is_closed, violated_branches};
 use crate::body::BodyModel;
@@ -8,7 +9,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{exponential, normalized, product, quaternion};
 use crate::state::{State, move_pose};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::collections::BTreeSet;
 
 /// Mobility of a body with a stated position, relative to one without.
@@ -50,10 +51,10 @@ pub fn close(
     let active: Vec<usize> = (0..mobility.len()).filter(|i| mobility[*i] > 0.0).collect();
     let columns = model.velocity_scales();
     let mut trial = state.clone();
-    let measure = |state: &mut State| -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+    let measure = |state: &mut State| -> Result<(DVector<f64>, Gradients), RuntimeError> {
         choose_turns(model, &rows.elements, state)?;
-        let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
-        rows.scale(model, &mut values, &mut matrix);
+        let (mut values, mut matrix) = rows.gradients(model, &at(state), Along::Pose)?;
+        rows.scale_gradients(model, &mut values, &mut matrix);
         Ok((values, matrix))
     };
     let (mut values, mut matrix) = measure(state)?;
@@ -61,9 +62,7 @@ pub fn close(
         if values.amax() < 1e-14 {
             break;
         }
-        let reduced = DMatrix::from_fn(values.len(), active.len(), |i, j| {
-            matrix[(i, active[j])] * mobility[active[j]]
-        });
+        let reduced = matrix.columns(&active, |j| mobility[j]);
         let Some(step) = smallest_solution(&reduced, &(-&values)) else {
             break;
         };
@@ -137,7 +136,7 @@ fn offending(
 ) -> Result<Vec<usize>, RuntimeError> {
     let mut found = BTreeSet::new();
     let rows = Rows::new(model, exact.to_vec());
-    let (values, _) = rows.evaluate(model, &at(state), Along::Pose)?;
+    let values = rows.values(model, &at(state))?;
     for (i, (element, _)) in rows.owners.iter().enumerate() {
         if !is_closed(values[i].abs() / rows.scales[i]) {
             found.insert(*element);
@@ -254,7 +253,7 @@ pub fn close_all(
     if bad.is_empty() {
         return Ok(());
     }
-    let (values, _) = rows.evaluate(model, &at(state), Along::Pose)?;
+    let values = rows.values(model, &at(state))?;
     let mut open: Vec<(f64, usize)> = (0..rows.len())
         .map(|i| (values[i].abs() / rows.scales[i], i))
         .filter(|(size, _)| !is_closed(*size))

@@ -13,6 +13,8 @@
 
 pub mod chains;
 pub mod closing;
+pub mod gradients;
+pub mod independent;
 pub mod lock;
 pub mod placement;
 pub mod rows;
@@ -276,7 +278,7 @@ pub fn choose_turns(
         let mut best = (f64::INFINITY, 0.0);
         for turn in [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0] {
             state.rotations[first..first + count].fill(2.0 * PI * turn);
-            let (values, _) = rows.evaluate(model, &at(state), rows::Along::Pose)?;
+            let values = rows.values(model, &at(state))?;
             if values.norm() < best.0 * (1.0 - 1e-9) - TURN_MARGIN {
                 best = (values.norm(), turn);
             }
@@ -364,7 +366,7 @@ fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
                     rotations,
                     ..at(state)
                 };
-                let (values, _) = rows.evaluate(model, &at, rows::Along::Pose)?;
+                let values = rows.values(model, &at)?;
                 Ok::<f64, RuntimeError>(values.norm())
             };
             if left(&angles)? > left(&alone)? * (1.0 + 1e-9) + TURN_MARGIN {

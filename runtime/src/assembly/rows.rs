@@ -1,11 +1,14 @@
 //! Constraint rows of single elements as dense numbers, for assembly and rank.
 
+use super::gradients::Gradients;
+use super::independent;
 use crate::chain::{self, MarkerKinematics};
 use crate::elements;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{M3, V3};
 use eng_system::code::{Function, Pair};
+use eng_system::dense::add_scaled;
 use eng_system::layout::InputLayout;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
@@ -168,15 +171,26 @@ impl Rows {
         Ok(values)
     }
 
-    /// Values of the rows, and their derivatives by all velocities of the model (rows × velocities).
+    /// [`Rows::gradients`] with the zeros of the derivatives.
     pub fn evaluate(
         &self,
         model: &Model,
         at: &At,
         along: Along,
     ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
+        let (values, gradients) = self.gradients(model, at, along)?;
+        Ok((values, gradients.dense()))
+    }
+
+    /// Values of the rows, and their derivatives by all velocities of the model (rows × velocities).
+    pub fn gradients(
+        &self,
+        model: &Model,
+        at: &At,
+        along: Along,
+    ) -> Result<(DVector<f64>, Gradients), RuntimeError> {
         let mut values = DVector::zeros(self.len());
-        let mut matrix = DMatrix::zeros(self.len(), model.velocities);
+        let mut matrix = Gradients::new(self.len(), model.velocities);
         let mut first = 0;
         for element in &self.elements {
             let rows = model.class(*element).rows.len();
@@ -220,6 +234,7 @@ impl Rows {
                     Along::Pose => layout.pose_direction(k as u32),
                     Along::Velocity => layout.twist_direction(k as u32),
                 } as usize;
+                let mut lines = vec![0.0; rows * width];
                 for d in 0..6 {
                     work[tape + base + d] = [1.0; 2];
                     elements::call(
@@ -230,12 +245,12 @@ impl Rows {
                         &mut out,
                     )?;
                     work[tape + base + d] = [0.0; 2];
-                    for i in 0..rows {
-                        for w in 0..width {
-                            matrix[(first + i, body.velocity + w)] +=
-                                out[i][0] * jacobian[d * width + w];
-                        }
+                    for (line, out) in lines.chunks_exact_mut(width).zip(&out) {
+                        add_scaled(line, out[0], &jacobian[d * width..][..width]);
                     }
+                }
+                for (i, line) in lines.chunks_exact(width).enumerate() {
+                    matrix.add(first + i, body.velocity, line);
                 }
             }
             first += rows;
@@ -247,6 +262,20 @@ impl Rows {
             }
         }
         Ok((values, matrix))
+    }
+
+    /// [`Rows::scale`] of derivatives without zeros.
+    pub fn scale_gradients(
+        &self,
+        model: &Model,
+        values: &mut DVector<f64>,
+        matrix: &mut Gradients,
+    ) {
+        let columns = model.velocity_scales();
+        for (value, scale) in values.iter_mut().zip(&self.scales) {
+            *value /= scale;
+        }
+        matrix.scale(|i, j| columns[j] / self.scales[i]);
     }
 
     /// Divides values and rows by the rows' scales, and the columns of translations by 1/length. Then all
@@ -334,7 +363,7 @@ impl Wish {
         at: &At,
         first: usize,
         values: &mut DVector<f64>,
-        matrix: &mut DMatrix<f64>,
+        matrix: &mut Gradients,
     ) {
         let (now, [back, turned], arm, axis, sign) = self.values(model, at);
         let range = self.range();
@@ -359,7 +388,7 @@ impl Wish {
                 let column = body.velocity + w;
                 let rates = [e.x, e.y, sign * a.x, sign * a.y, e.z];
                 for (i, rate) in rates[range.clone()].iter().enumerate() {
-                    matrix[(first + i, column)] += rate;
+                    matrix.add(first + i, column, &[*rate]);
                 }
             }
         }
@@ -497,15 +526,20 @@ pub fn conditions(model: &Model, index: usize, at: &At) -> Result<Vec<f64>, Runt
 }
 
 /// The smallest solution x of `A x = b` in the least-squares sense; singular values below 1e-9 of the largest
-/// count as zero.
-pub fn smallest_solution(matrix: &DMatrix<f64>, rhs: &DVector<f64>) -> Option<DVector<f64>> {
+/// count as zero. Many rows that are clearly independent need no singular values.
+pub fn smallest_solution(matrix: &Gradients, rhs: &DVector<f64>) -> Option<DVector<f64>> {
     if matrix.nrows() == 0 || matrix.ncols() == 0 {
         return Some(DVector::zeros(matrix.ncols()));
     }
     if rhs.iter().any(|x| !x.is_finite()) {
         return None;
     }
-    let svd = crate::singular::decompose(matrix.clone())?;
+    if matrix.nrows() > independent::FEW
+        && let Some(solution) = independent::solution(matrix, rhs)
+    {
+        return Some(solution);
+    }
+    let svd = crate::singular::decompose(matrix.dense())?;
     let threshold = 1e-9 * svd.singular_values.amax();
     svd.solve(rhs, threshold.max(f64::MIN_POSITIVE)).ok()
 }

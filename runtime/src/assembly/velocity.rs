@@ -1,7 +1,10 @@
 //! Velocities at the start.
 
 use super::at;
+use super::gradients::Gradients;
+use super::independent::Independent;
 use super::rows::{Along, Rows, pins, smallest_solution};
+use crate::body::BodyModel;
 use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::model::Model;
@@ -97,39 +100,36 @@ fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     let exact = of(&|r| *r == Role::StartVelocity { exact: true });
     let guessed = of(&|r| *r == Role::StartVelocity { exact: false });
 
-    let (_, gradients) = constraints.evaluate(model, &at(state), Along::Pose)?;
+    let (_, gradients) = constraints.gradients(model, &at(state), Along::Pose)?;
     let by_time = constraints.rates(model, &at(state))?;
-    let (exact_values, exact_matrix) = exact.evaluate(model, &at(state), Along::Velocity)?;
-    let (guess_values, guess_matrix) = guessed.evaluate(model, &at(state), Along::Velocity)?;
+    let (exact_values, exact_matrix) = exact.gradients(model, &at(state), Along::Velocity)?;
+    let (guess_values, guess_matrix) = guessed.gradients(model, &at(state), Along::Velocity)?;
 
-    let (values, matrix) = stack(&[(&by_time, &gradients), (&exact_values, &exact_matrix)]);
-    let (all_values, all_matrix) = stack(&[(&values, &matrix), (&guess_values, &guess_matrix)]);
-    let from_energy = inverse_roots(model, state);
-    let solve = |matrix: &DMatrix<f64>, rhs: &DVector<f64>| -> Result<DVector<f64>, RuntimeError> {
-        let mut reduced = matrix * &from_energy;
-        let mut rhs = rhs.clone();
-        for i in 0..reduced.nrows() {
-            let size = reduced.row(i).norm();
-            if size > 0.0 {
-                reduced.row_mut(i).scale_mut(1.0 / size);
-                rhs[i] /= size;
+    let (values, matrix) = (
+        stacked(&by_time, &exact_values),
+        gradients.above(exact_matrix.clone()),
+    );
+    let from_energy = InverseRoots::of(model, state);
+    let solve = |matrix: &Gradients, rhs: &DVector<f64>| -> Result<DVector<f64>, RuntimeError> {
+        let (reduced, sizes) = from_energy.after(matrix).unit_rows();
+        let x = smallest_solution(&reduced, &rhs.component_div(&sizes)).ok_or_else(|| {
+            RuntimeError::Malformed {
+                what: "the start velocities are not finite".to_string(),
             }
-        }
-        let x = smallest_solution(&reduced, &rhs).ok_or_else(|| RuntimeError::Malformed {
-            what: "the start velocities are not finite".to_string(),
         })?;
-        Ok(&from_energy * x)
+        Ok(from_energy.of_vector(&x))
     };
+    let all = matrix.clone().above(guess_matrix);
     let mut v = DVector::zeros(model.velocities);
     if !guessed.is_empty() {
-        v = solve(&all_matrix, &(-&all_values))?;
+        v = solve(&all, &(-stacked(&values, &guess_values)))?;
     }
     // Twice: the second pass takes the rounding of the first.
     for _ in 0..2 {
-        let rest = &values + &matrix * &v;
+        let rest = &values + matrix.times(&v);
         v += solve(&matrix, &(-rest))?;
     }
-    v += keep_pins(model, state, &v, &all_matrix, &from_energy)?;
+    v += keep_pins(model, state, &v, &all, &from_energy)?;
     state.velocity.copy_from_slice(v.as_slice());
 
     let scales = model.velocity_scales();
@@ -139,7 +139,7 @@ fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         .zip(&scales)
         .fold(0.0_f64, |w, (v, s)| w.max((v / s).abs()));
     let rates = constraints.rates(model, &at(state))?;
-    let (starts, _) = exact.evaluate(model, &at(state), Along::Velocity)?;
+    let starts = exact.values(model, &at(state))?;
     let mut open = Vec::new();
     for (rows, values) in [(&constraints, &rates), (&exact, &starts)] {
         for (i, (element, row)) in rows.owners.iter().enumerate() {
@@ -179,119 +179,146 @@ fn keep_pins(
     model: &Model,
     state: &State,
     v: &DVector<f64>,
-    others: &DMatrix<f64>,
-    from_energy: &DMatrix<f64>,
+    others: &Gradients,
+    from_energy: &InverseRoots,
 ) -> Result<DVector<f64>, RuntimeError> {
     let none = || DVector::zeros(model.velocities);
     let wishes = pins(model);
-    let (_, rates) = Rows::new(model, Vec::new()).with(model, &wishes).evaluate(
-        model,
-        &at(state),
-        Along::Pose,
-    )?;
+    if wishes.is_empty() {
+        return Ok(none());
+    }
+    let (_, rates) = Rows::new(model, Vec::new())
+        .with(model, &wishes)
+        .gradients(model, &at(state), Along::Pose)?;
     // each pin has two rows of its place and two of its axis
     let places: Vec<usize> = (0..rates.nrows()).filter(|row| row % 4 < 2).collect();
-    let rates = rates.select_rows(&places);
-    let left = &rates * v;
+    let rates = rates.select(&places);
+    let left = rates.times(v);
     let scales = model.velocity_scales();
     let speed = (v.iter().zip(&scales)).fold(0.0_f64, |most, (v, s)| most.max((v / s).abs()));
-    if left.is_empty() || left.amax() <= RESTS * speed * model.length {
+    if left.amax() <= RESTS * speed * model.length {
         return Ok(none());
     }
     let malformed = || RuntimeError::Malformed {
         what: "the start velocities are not finite".to_string(),
     };
-    let mut kept = others * from_energy;
-    for mut row in kept.row_iter_mut() {
-        let size = row.norm();
-        if size > 0.0 {
-            row.scale_mut(1.0 / size);
-        }
-    }
-    let mut free = &rates * from_energy;
-    let sizes: Vec<f64> = free.row_iter().map(|row| row.norm()).collect();
-    if kept.nrows() > 0 {
-        let svd = crate::singular::decompose(kept).ok_or_else(malformed)?;
-        let right = svd.v_t.as_ref().ok_or_else(malformed)?;
-        let least = 1e-9 * svd.singular_values.amax();
-        for (direction, size) in right.row_iter().zip(svd.singular_values.iter()) {
-            if *size > least {
-                let along = &free * direction.transpose();
-                free -= along * direction;
-            }
-        }
-    }
+    let (kept, _) = from_energy.after(others).unit_rows();
+    let rates = from_energy.after(&rates);
+    let sizes = rates.sizes();
+    let mut free = rates.dense();
+    take_away(&kept, &mut free).ok_or_else(malformed)?;
     // the rest of a rate that the other rows determine is rounding
-    for (mut row, size) in free.row_iter_mut().zip(&sizes) {
+    for (mut row, size) in free.row_iter_mut().zip(sizes.iter()) {
         if row.norm() <= RESTS * size {
             row.fill(0.0);
         }
     }
-    let x = smallest_solution(&free, &(-left)).ok_or_else(malformed)?;
-    Ok(from_energy * x)
+    let x = smallest_solution(&Gradients::of(&free), &(-left)).ok_or_else(malformed)?;
+    Ok(from_energy.of_vector(&x))
 }
 
-fn gradient_size(matrix: &DMatrix<f64>, row: usize, scales: &[f64]) -> f64 {
-    scales
-        .iter()
-        .enumerate()
-        .fold(0.0_f64, |w, (j, s)| w.max((matrix[(row, j)] * s).abs()))
-}
-
-fn stack(parts: &[(&DVector<f64>, &DMatrix<f64>)]) -> (DVector<f64>, DMatrix<f64>) {
-    let rows: usize = parts.iter().map(|(v, _)| v.len()).sum();
-    let columns = parts.first().map_or(0, |(_, m)| m.ncols());
-    let mut values = DVector::zeros(rows);
-    let mut matrix = DMatrix::zeros(rows, columns);
-    let mut first = 0;
-    for (v, m) in parts {
-        for i in 0..v.len() {
-            values[first + i] = v[i];
-            for j in 0..columns {
-                matrix[(first + i, j)] = m[(i, j)];
-            }
-        }
-        first += v.len();
+/// The parts of the rows of `free` along the rows of `kept`, which have unit length, come off. `None` if a number is not
+/// finite.
+fn take_away(kept: &Gradients, free: &mut DMatrix<f64>) -> Option<()> {
+    if kept.nrows() == 0 {
+        return Some(());
     }
-    (values, matrix)
+    if let Some(factor) = Independent::all(kept) {
+        for mut row in free.row_iter_mut() {
+            let mut rest = row.transpose();
+            factor.free(&mut rest);
+            row.tr_copy_from(&rest);
+        }
+        return Some(());
+    }
+    let svd = crate::singular::decompose(kept.dense())?;
+    let right = svd.v_t.as_ref()?;
+    let least = 1e-9 * svd.singular_values.amax();
+    for (direction, size) in right.row_iter().zip(svd.singular_values.iter()) {
+        if *size > least {
+            let along = &*free * direction.transpose();
+            *free -= along * direction;
+        }
+    }
+    Some(())
+}
+
+fn gradient_size(matrix: &Gradients, row: usize, scales: &[f64]) -> f64 {
+    let entries = matrix.rows()[row].iter();
+    entries.fold(0.0_f64, |w, (j, x)| w.max((x * scales[*j]).abs()))
+}
+
+fn stacked(above: &DVector<f64>, below: &DVector<f64>) -> DVector<f64> {
+    let numbers = above.iter().chain(below.iter());
+    DVector::from_iterator(above.len() + below.len(), numbers.copied())
 }
 
 /// Weight of modal rates against rigid motion.
 const VIBRATION: f64 = 1e8;
 
-/// `L⁻ᵀ` of `M = L Lᵀ`, block by block. A body whose mass matrix is not positive definite (a point mass) gets
-/// a small inertia for this purpose alone.
-fn inverse_roots(model: &Model, state: &State) -> DMatrix<f64> {
-    let mut out = DMatrix::zeros(model.velocities, model.velocities);
-    for body in &model.bodies {
-        let width = body.width();
-        let mut mass = vec![0.0; width * width];
-        body.add_mass(&body.frame(&state.pose), &mut Work::default(), &mut mass);
-        let mut matrix = DMatrix::from_row_slice(width, width, &mass);
-        let floor = 1e-9 * model.mass * model.length * model.length;
-        for i in 3..6 {
-            matrix[(i, i)] += floor;
-        }
-        // A body starts without vibration where the constraints let it.
-        for i in 6..width {
-            for j in 0..6 {
-                matrix[(i, j)] = 0.0;
-                matrix[(j, i)] = 0.0;
+/// `L⁻ᵀ` of the mass matrix `M = L Lᵀ`, body by body: the first velocity of each body and its block.
+struct InverseRoots(Vec<(usize, DMatrix<f64>)>);
+
+impl InverseRoots {
+    /// The inverse roots of all masses. A body whose mass matrix is not positive definite (a point mass) gets a small
+    /// inertia for this purpose alone.
+    fn of(model: &Model, state: &State) -> InverseRoots {
+        let block = |body: &BodyModel| {
+            let width = body.width();
+            let mut mass = vec![0.0; width * width];
+            body.add_mass(&body.frame(&state.pose), &mut Work::default(), &mut mass);
+            let mut matrix = DMatrix::from_row_slice(width, width, &mass);
+            let floor = 1e-9 * model.mass * model.length * model.length;
+            for i in 3..6 {
+                matrix[(i, i)] += floor;
             }
-            for j in 6..width {
-                matrix[(i, j)] *= VIBRATION;
+            // A body starts without vibration where the constraints let it.
+            for i in 6..width {
+                for j in 0..6 {
+                    matrix[(i, j)] = 0.0;
+                    matrix[(j, i)] = 0.0;
+                }
+                for j in 6..width {
+                    matrix[(i, j)] *= VIBRATION;
+                }
             }
-        }
-        let inverse = matrix
-            .clone()
-            .cholesky()
-            .and_then(|c| c.l().transpose().try_inverse())
-            .unwrap_or_else(|| DMatrix::identity(width, width));
-        for i in 0..width {
-            for j in 0..width {
-                out[(body.velocity + i, body.velocity + j)] = inverse[(i, j)];
-            }
-        }
+            let inverse = matrix
+                .cholesky()
+                .and_then(|c| c.l().transpose().try_inverse())
+                .unwrap_or_else(|| DMatrix::identity(width, width));
+            (body.velocity, inverse)
+        };
+        InverseRoots(model.bodies.iter().map(block).collect())
     }
-    out
+
+    /// `A L⁻ᵀ`.
+    fn after(&self, matrix: &Gradients) -> Gradients {
+        let mut out = Gradients::new(matrix.nrows(), matrix.ncols());
+        for (i, row) in matrix.rows().iter().enumerate() {
+            let mut rest = row.as_slice();
+            for (first, block) in &self.0 {
+                let own = rest.partition_point(|(j, _)| *j < first + block.nrows());
+                let (own, others) = rest.split_at(own);
+                rest = others;
+                if own.is_empty() {
+                    continue;
+                }
+                let line: Vec<f64> = (0..block.ncols())
+                    .map(|k| own.iter().map(|(j, x)| x * block[(j - first, k)]).sum())
+                    .collect();
+                out.add(i, *first, &line);
+            }
+        }
+        out
+    }
+
+    /// `L⁻ᵀ x`.
+    fn of_vector(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut out = DVector::zeros(x.len());
+        for (first, block) in &self.0 {
+            let own = block * x.rows(*first, block.ncols());
+            out.rows_mut(*first, block.nrows()).copy_from(&own);
+        }
+        out
+    }
 }

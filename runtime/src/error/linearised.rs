@@ -79,7 +79,7 @@ pub enum NotBack {
 
 impl NotBack {
     /// The part of the message after the gap.
-    pub(super) fn said(self) -> &'static str {
+    pub(super) fn suffix(self) -> &'static str {
         match self {
             NotBack::OtherPeriod => "",
             NotBack::TooFar => {

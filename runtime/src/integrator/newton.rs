@@ -27,8 +27,8 @@ const ROUNDING: f64 = 1e-15;
 const LEAST_MOTION: f64 = 1e-3;
 /// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance.
 pub const STATE_SHARE: f64 = 1e-5;
-/// Least move of which secants are taken, as a multiple of the noise of corrections.
-const TOLD: f64 = 10.0;
+/// Least move that gives a secant, as a multiple of the noise of corrections.
+const SECANT_MOVE: f64 = 10.0;
 /// Change below which an iteration without contraction under a fresh matrix has reached rounding.
 const STAGNATION: f64 = 1e-11;
 
@@ -122,7 +122,7 @@ impl Integrator {
         match self.iterate(model, dynamics, h, &mut iteration)? {
             // The last correction is applied too. The remaining error is then smaller by one more
             // contraction.
-            Next::Met => self.take_trial(model, h),
+            Next::Met => self.apply_trial(model, h),
             // computes v', v̇' and a' of the last increment
             Next::Foreseen => match self.evaluate(model, dynamics, h) {
                 Ok(()) => {}
@@ -260,8 +260,8 @@ impl Integrator {
         }
         self.solver.solve(&mut self.correction);
         if iteration.learns {
-            if iteration.known && iteration.step > TOLD * iteration.noise {
-                (self.secants).take(&self.taken, &self.plain, &self.correction);
+            if iteration.known && iteration.step > SECANT_MOVE * iteration.noise {
+                (self.secants).add(&self.taken, &self.plain, &self.correction);
             }
             self.plain.copy_from_slice(&self.correction);
             iteration.known = true;

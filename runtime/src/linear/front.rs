@@ -109,7 +109,7 @@ impl Front {
             while next < end && !refused {
                 match self.pivot(begin, next) {
                     Some(row) => {
-                        self.take(begin, end, next, row, work);
+                        self.apply_pivot(begin, end, next, row, work);
                         next += 1;
                     }
                     None => refused = true,
@@ -152,8 +152,15 @@ impl Front {
         (size > SMALLEST && size >= ACCEPTED * below).then_some(row)
     }
 
-    /// Takes a pivot: exchanges rows in the panel, divides.
-    fn take(&mut self, begin: usize, end: usize, column: usize, row: usize, work: &mut Work) {
+    /// Applies a pivot: exchanges rows in the panel, and divides.
+    fn apply_pivot(
+        &mut self,
+        begin: usize,
+        end: usize,
+        column: usize,
+        row: usize,
+        work: &mut Work,
+    ) {
         if row != column {
             for c in begin..end {
                 self.column_mut(c).swap(column, row);

@@ -1,7 +1,7 @@
 //! A test for coefficients that depend on time alone: a spring whose stiffness is a function of time, a
 //! pendulum with a shaken pivot, a varying load beside the axis of a body.
 //!
-//! The compiler knows for every class whether its loads, rates and constraints depend on time. If none does,
+//! The compiler states for every class whether its loads, rates and constraints depend on time. If none does,
 //! there is nothing to test, exactly. Otherwise the equations are formed again at later times in the same
 //! position: turning bodies have made whole turns, and drives have moved their bodies. A drive is steady if its
 //! constraints then hold with the same velocities and accelerations. A load that only excites does not change

@@ -25,12 +25,7 @@ pub fn run_linear(
     linear: &Linear,
     observer: &mut dyn Observer,
 ) -> Result<LinearModes, RuntimeError> {
-    let options = Options {
-        step: linear.step,
-        rho_infinity: linear.rho_infinity,
-        start: linear.start,
-        ..Options::default()
-    };
+    let options = Options::from(linear.integration);
     let mut simulation = Simulation::new(compiled, overrides, options)?;
     observer.started(simulation.start());
     let wanted = Wanted {
@@ -54,7 +49,7 @@ pub fn run_linear(
             }
             while simulation.time() < end {
                 simulation.step_within(end)?;
-                tell(&mut simulation, observer, |s| s.time() / end)?;
+                report(&mut simulation, observer, |s| s.time() / end)?;
             }
             simulation.evaluate_channels(&mut values)?;
         }
@@ -70,7 +65,13 @@ pub fn run_linear(
         },
         Some(over) => {
             let mut rest = Stretch::new(all, part, 1.0);
-            about_an_orbit(&mut simulation, over, linear.step, wanted, &mut rest)?
+            about_an_orbit(
+                &mut simulation,
+                over,
+                linear.integration.step,
+                wanted,
+                &mut rest,
+            )?
         }
     };
     follow(&simulation, all, &Advance::new(&simulation, 1.0), true)?;
@@ -138,7 +139,7 @@ impl Observer for Stretch<'_> {
     }
 }
 
-fn tell(
+fn report(
     simulation: &mut Simulation,
     observer: &mut dyn Observer,
     part: impl Fn(&Simulation) -> f64,
@@ -174,7 +175,7 @@ pub(super) fn turn_by(
     let (mut farthest, mut standing) = (f64::NEG_INFINITY, 0);
     loop {
         simulation.step()?;
-        tell(simulation, observer, |s| done(s) / angle)?;
+        report(simulation, observer, |s| done(s) / angle)?;
         let now = done(simulation);
         if now >= angle {
             simulation.sample_at_angle(start + sense * angle, values)?;

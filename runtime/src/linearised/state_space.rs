@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 const POWERS: std::ops::RangeInclusive<i32> = -9..=3;
 /// Share of the slope by which the slopes to both sides may differ at every step; a larger share is a kink.
 const BENT: f64 = 1e-3;
-/// Roundings up to which a difference of slopes says nothing.
+/// Number of roundings up to which a difference of slopes counts as zero.
 const NOISE: f64 = 1e3;
 
 /// The matrices of small motions about a state.

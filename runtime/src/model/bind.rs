@@ -189,7 +189,9 @@ impl Model {
         };
         let placed_at = marker.placed_at.map(|m| m as usize);
         if placed_at.is_some_and(|m| m >= system.markers.len() || body.is_some()) {
-            return Err(malformed(format!("{path}: placed at what does not exist")));
+            return Err(malformed(format!(
+                "{path}: its place is no marker of another body"
+            )));
         }
         let reduced = body.and_then(|b| match &system.bodies[b].inertia {
             BodyInertia::Flexible(index) => Some(&reduced[*index as usize]),
@@ -243,7 +245,9 @@ impl Model {
             || element.markers.iter().any(unknown_marker)
             || element.signals.iter().any(unknown_signal)
         {
-            return Err(malformed(format!("{path}: not as its class's layout says")));
+            return Err(malformed(format!(
+                "{path}: it does not fit the layout of its class"
+            )));
         }
         let dynamic = element.role == Role::Dynamic;
         if !dynamic && layout.states > 0 {
@@ -395,7 +399,7 @@ fn surface_of(compiled: &Compiled, marker: usize) -> Option<(usize, &ReducedSurf
 
 /// The position tolerance (m) of a model of this length (m).
 fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64, RuntimeError> {
-    // a class can ask for finer positions than the model's length gives, never for coarser ones: it knows
+    // a class can require finer positions than the model's length gives, never coarser ones: it has
     // nothing of the other classes in the model, and a length in a wrong unit would make all of them coarse
     let mut tolerance = OF_LENGTH * length;
     for resolution in &system.resolutions {

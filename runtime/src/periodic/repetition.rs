@@ -264,7 +264,7 @@ pub fn slowest(d0: &[f64], d1: &[f64], d2: &[f64]) -> Option<Mode> {
     let alone = Mode {
         factor: single.abs(),
         turn: if single < 0.0 { PI } else { 0.0 },
-        unforetold: share(r1 * single),
+        unpredicted: share(r1 * single),
     };
     let (s12, s22) = (dot(d1, d2), dot(d2, d2));
     let determinant = s11 * s22 - s12 * s12;
@@ -286,7 +286,7 @@ pub fn slowest(d0: &[f64], d1: &[f64], d2: &[f64]) -> Option<Mode> {
     Some(Mode {
         factor,
         turn,
-        unforetold: share(a * r1 + b * r2),
+        unpredicted: share(a * r1 + b * r2),
     })
 }
 

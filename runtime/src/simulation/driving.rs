@@ -101,7 +101,7 @@ impl Simulation {
     /// Starts the motion again if an input jumps here: accelerations, multipliers, rates and their auxiliaries,
     /// and the first step, are made as at the start. Positions, velocities and states stay.
     pub(super) fn after_jumps(&mut self) -> Result<(), RuntimeError> {
-        // the rates at the start do not know the values of the next point yet
+        // the rates at the start do not include the values of the next point yet
         let unknown = self.integrator.statistics.steps == 0 && self.dynamics.signals().aims();
         if !unknown && !self.dynamics.signals().jumps(self.time()) {
             return Ok(());
@@ -115,16 +115,7 @@ impl Simulation {
     pub(super) fn begin_anew(&mut self) -> Result<(), RuntimeError> {
         let moment = self.moment();
         // the constraints' compensation of the steps before, which does not depend on loads
-        if !self.defect_of_step()? {
-            self.system.velocity_defect(
-                &self.model,
-                &mut self.dynamics,
-                &self.integrator.current,
-                moment,
-                &mut self.work,
-            )?;
-        }
-        self.integrator.set_defect(&self.work);
+        self.pass_defect(moment)?;
         let first = self.first_rates(moment)?;
         self.integrator.renew(
             &first.jerk,
@@ -141,7 +132,7 @@ impl Simulation {
         self.kinks.accept(&self.model, 0.0, None);
         self.at_kink = None;
         self.observe_state()?;
-        self.take_energy();
+        self.compute_energy();
         // the powers jump, and the dense output of the last step has other accelerations at its end
         self.earlier_step = 0.0;
         self.earlier_powers = self.powers;

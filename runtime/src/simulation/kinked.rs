@@ -379,17 +379,7 @@ impl Simulation {
             return Ok(());
         }
         let multiplier_rate = rate(&a.multipliers, &b.multipliers);
-        if !self.defect_of_step()? {
-            let current = &self.integrator.current;
-            self.system.velocity_defect(
-                &self.model,
-                &mut self.dynamics,
-                current,
-                moment,
-                &mut self.work,
-            )?;
-        }
-        self.integrator.set_defect(&self.work);
+        self.pass_defect(moment)?;
         let mut rates = vec![0.0; self.model.rows];
         self.dynamics
             .constraints_along(&self.model, &jerk, &mut rates)?;

@@ -30,6 +30,9 @@ const ROUNDING: f64 = 1e-9;
 const HALVINGS: usize = 60;
 /// Part of a change that remains after all halvings if it is a jump. Of a steep slope nothing remains.
 const LEFT: f64 = 0.5;
+/// Part of a change below which the search ends: it is no jump. A continuous change comes here after a few halvings, and each evaluates
+/// all loads.
+const GONE: f64 = 0.05;
 /// Most elements in the search.
 const LOOKED_AT: usize = 8;
 
@@ -248,6 +251,9 @@ impl Simulation {
                 (ends[1], loads[1]) = (middle, between);
             } else {
                 (ends[0], loads[0]) = (middle, between);
+            }
+            if change(&loads[0], &loads[1], &part) <= GONE * begun {
+                return None;
             }
         }
         let by = change(&loads[0], &loads[1], &part);

@@ -23,7 +23,7 @@ impl Simulation {
         let rates = simulation.dynamics.rates().to_vec();
         simulation.integrator.current.rates.copy_from_slice(&rates);
         simulation.observe_state()?;
-        simulation.take_energy();
+        simulation.compute_energy();
         let energy = &mut simulation.energy;
         energy.start = energy.kinetic + energy.gravity + energy.strain;
         simulation.cycle_start = simulation.cycle_angle().unwrap_or(0.0);
@@ -35,7 +35,7 @@ impl Simulation {
             &simulation.dynamics,
             &simulation.completed,
         )?;
-        simulation.take_sampled_energy();
+        simulation.compute_sampled_energy();
         simulation.evaluated = Some(simulation.completed.time.to_bits());
         Ok(simulation)
     }

@@ -76,18 +76,22 @@ impl Simulation {
                 &mut self.completed,
                 moment,
             )
-            .and_then(|()| {
-                self.outputs
-                    .evaluate(&self.model, &self.dynamics, &self.completed)
-            })
             .map_err(|error| self.at_moment(error))?;
-        self.take_sampled_energy();
+        self.evaluate_completed()
+    }
+
+    /// Evaluates the outputs and the energies of the completed state, at which the dynamics are placed.
+    fn evaluate_completed(&mut self) -> Result<(), RuntimeError> {
+        self.outputs
+            .evaluate(&self.model, &self.dynamics, &self.completed)
+            .map_err(|error| self.at_moment(error))?;
+        self.compute_sampled_energy();
         Ok(())
     }
 
     /// Computes the energies of the completed state, at which the dynamics are placed. Works are Hermite's
     /// cubics over the last step, with the powers at its ends.
-    pub(super) fn take_sampled_energy(&mut self) {
+    pub(super) fn compute_sampled_energy(&mut self) {
         let [kinetic, gravity, strain, _] =
             self.dynamics.energy(&self.model, &self.completed.velocity);
         let to = self.integrator.current.time;
@@ -190,12 +194,8 @@ impl Simulation {
                 &mut self.completed,
                 moment,
             )
-            .and_then(|()| {
-                self.outputs
-                    .evaluate(&self.model, &self.dynamics, &self.completed)
-            })
             .map_err(|error| self.at_moment(error))?;
-        self.take_sampled_energy();
+        self.evaluate_completed()?;
         self.copy_channels(out)?;
         let cycle = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
         Ok((self.completed.time, cycle))

@@ -74,7 +74,7 @@ impl Simulation {
         self.kinks.accept(&self.model, 0.0, None);
         self.at_kink = self.first_moment();
         self.observe_state()?;
-        self.take_energy();
+        self.compute_energy();
         let e = &mut self.energy;
         e.start = e.kinetic + e.gravity + e.strain;
         self.cycle_start = self.cycle_now.map_or(0.0, |c| c[0]);
@@ -322,14 +322,14 @@ impl Simulation {
                         warnings.push(Warning {
                             name: condition.name.clone(),
                             origin: origin(),
-                            message: condition.told(values),
+                            message: condition.message_with(values),
                             moment,
                         });
                     }
                 } else if touch.is_none() {
                     touch = Some(RuntimeError::Require {
                         origin: Box::new(origin()),
-                        message: condition.told(values),
+                        message: condition.message_with(values),
                         moment,
                         value: violation.value,
                         dimension: condition.dimension,
@@ -350,8 +350,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes the energies at the state of the dynamics.
-    pub(super) fn take_energy(&mut self) {
+    /// Computes the energies at the state of the dynamics.
+    pub(super) fn compute_energy(&mut self) {
         let [kinetic, gravity, strain, lost] = self
             .dynamics
             .energy(&self.model, &self.integrator.current.velocity);
@@ -407,7 +407,7 @@ impl Simulation {
             }
         }
         self.dynamics.memory_mut().begin_step();
-        // behind a kink the powers before it say nothing about the power within the step
+        // the powers before a kink are no measure of the power within the step behind it
         let earlier_step = if self.at_kink.take().is_some() {
             0.0
         } else {
@@ -447,7 +447,7 @@ impl Simulation {
         let old = self.powers;
         self.observe_state()
             .map_err(|error| self.at_moment(error))?;
-        self.take_energy();
+        self.compute_energy();
         let work = |i: usize| {
             let powers = [self.earlier_powers[i], old[i], self.powers[i]];
             work_of_step(h, powers, earlier_step)
@@ -471,7 +471,7 @@ impl Simulation {
 
     /// Writes into `work` the part of the current velocity that violates the constraints, in the measure of
     /// the step's kept matrix, because the step caused it in this measure. `false` if no factors are kept.
-    pub(super) fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
+    fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
         let state = &self.integrator.current;
         let (model, dynamics) = (&self.model, &mut self.dynamics);
         dynamics.place(model, state.time, &state.pose, &state.velocity);
@@ -498,6 +498,22 @@ impl Simulation {
         Ok(true)
     }
 
+    /// Gives the integrator the part of the current velocity that violates the constraints: of the step's kept
+    /// matrix, else of the mass matrix.
+    pub(super) fn pass_defect(&mut self, moment: Moment) -> Result<(), RuntimeError> {
+        if !self.defect_of_step()? {
+            self.system.velocity_defect(
+                &self.model,
+                &mut self.dynamics,
+                &self.integrator.current,
+                moment,
+                &mut self.work,
+            )?;
+        }
+        self.integrator.set_defect(&self.work);
+        Ok(())
+    }
+
     /// Replaces the error of a failed step by that of a lock, if the mechanism is at one.
     fn or_locked(&self, error: RuntimeError) -> RuntimeError {
         match error {
@@ -517,16 +533,7 @@ impl Simulation {
     fn trial(&mut self, h: f64, tolerance: Option<f64>) -> Result<Trial, RuntimeError> {
         let mut moment = self.moment();
         if self.integrator.needs_defect(h) {
-            if !self.defect_of_step()? {
-                self.system.velocity_defect(
-                    &self.model,
-                    &mut self.dynamics,
-                    &self.integrator.current,
-                    moment,
-                    &mut self.work,
-                )?;
-            }
-            self.integrator.set_defect(&self.work);
+            self.pass_defect(moment)?;
         }
         moment.time += h;
         self.integrator
@@ -682,7 +689,7 @@ impl Simulation {
                     self.size.accepted(h, error);
                     self.keep_step_before_kink(wish);
                     if ends_at.is_some() {
-                        // the length up to a kink says nothing about the next step
+                        // the length up to a kink is no measure of the next step
                         self.size.step = self.size.step.max(wish);
                     }
                     return Ok((h, if last { end } else { begin + h }));

@@ -15,9 +15,9 @@
 //! At rest the search does not end at a position without stiffness, and it recognises a balance that is
 //! upside down (`stability`).
 
+mod describing;
 mod holding;
 mod stability;
-mod telling;
 mod turning;
 
 use super::eccentricity::{film_ratios, yielding};
@@ -32,10 +32,10 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::outputs::Watch;
 use crate::state::{State, move_pose};
+use describing::{locked, no_number, not_finite};
 use eng_system::system::{Origin, Role};
 pub use holding::Terms;
 use nalgebra::{DMatrix, DVector};
-use telling::{locked, no_number, not_finite};
 
 /// Share of a freedom's inertia times the square of the engine's pace, below which its stiffness counts as
 /// zero.
@@ -377,7 +377,7 @@ impl<'a> Balance<'a> {
     /// Searches with the load in portions. Velocities depend on the position.
     fn search(&mut self, state: &mut State) -> Result<Equilibrium, Stop> {
         let (place, found) = self.balanced(state)?;
-        self.told_of(state, &place, found)
+        self.adopt(state, &place, found)
     }
 
     /// The first position of the search.
@@ -445,7 +445,7 @@ impl<'a> Balance<'a> {
             return Ok(None);
         }
         found.freedoms = self.freedoms;
-        self.told_of(state, &place, found).map(Some)
+        self.adopt(state, &place, found).map(Some)
     }
 
     /// Largest scaled move of the last iteration.
@@ -454,7 +454,7 @@ impl<'a> Balance<'a> {
     }
 
     /// Makes a balance the state, and returns its report.
-    fn told_of(
+    fn adopt(
         &mut self,
         state: &mut State,
         place: &Place,
@@ -478,7 +478,7 @@ impl<'a> Balance<'a> {
         if let Some(obstacle) = self.unheld(place) {
             return Err(Stop::Obstacle(obstacle));
         }
-        found.held = self.told(place);
+        found.held = self.held_directions(place);
         found.idle = self.neutral.nrows();
         if self.rests() && found.held.is_empty() {
             found.unstable = self.unstable(place)?;

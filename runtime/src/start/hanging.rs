@@ -8,6 +8,7 @@
 use super::motion::SteadyMotion;
 use crate::assembled::Assembled;
 use crate::assembly::at;
+use crate::assembly::independent::Independent;
 use crate::assembly::rows::{Along, Rows, pins};
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -33,11 +34,6 @@ pub struct Hanging {
 /// others. `None` if all are held. The compiler reports bodies without a path to the ground.
 pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
     let (model, state) = (assembled.model(), assembled.state());
-    // further markers, such as those of the cycle's angle, are only read: nothing acts on them
-    let bodies_of = |e: usize| {
-        let markers = model.elements[e].markers.iter().take(2);
-        markers.map(|m| model.markers[*m].body)
-    };
     let pins = pins(model);
     let film = |e: usize| pins.iter().any(|pin| pin.element == e);
     let with_rows = |e: &usize| !model.class(*e).rows.is_empty();
@@ -48,18 +44,33 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
     if model.bodies.is_empty() {
         return Ok(None);
     }
+    let rows = Rows::new(model, dynamic.iter().copied().filter(with_rows).collect());
+    let rows = rows.with(model, &pins);
+    let (mut values, mut matrix) = rows.gradients(model, &at(state), Along::Pose)?;
+    rows.scale_gradients(model, &mut values, &mut matrix);
+    let responds = |e: &usize| {
+        model.class(*e).applies_load && !film(*e) && model.elements[*e].markers.len() > 1
+    };
+    if model.velocities == 6 * model.bodies.len()
+        && !dynamic.iter().any(responds)
+        && let Some(factor) = Independent::alone(&matrix)
+    {
+        let moves = |body: usize| {
+            let own = factor.projected(6 * body, 3);
+            let squares = own.fixed_view::<3, 3>(6 * body, 0).symmetric_eigenvalues();
+            squares.min() > MOVES * MOVES
+        };
+        let loose: Vec<bool> = (0..model.bodies.len()).map(moves).collect();
+        return Ok(group_of(model, &dynamic, &[], &loose));
+    }
     let Ok(motion) = SteadyMotion::new(model, state) else {
         return Ok(None);
     };
-    let rows = Rows::new(model, dynamic.iter().copied().filter(with_rows).collect());
-    let rows = rows.with(model, &pins);
-    let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
-    rows.scale(model, &mut values, &mut matrix);
-    let mut parts = vec![matrix, shapes(model)];
+    let mut parts = vec![matrix.dense(), shapes(model)];
     // a load without a response here, such as an open contact, may hold the body at another position
     let mut asleep = Vec::new();
     for e in dynamic.iter().copied() {
-        if !model.class(e).applies_load || film(e) || model.elements[e].markers.len() < 2 {
+        if !responds(&e) {
             continue;
         }
         let mut derivatives = motion.load_derivatives(model, state, e)?;
@@ -84,6 +95,17 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
             moves.ncols() > 0 && decompose(moves).is_some_and(|svd| svd.rank(MOVES) == 3)
         })
         .collect();
+    Ok(group_of(model, &dynamic, &asleep, &loose))
+}
+
+/// The bodies that an element acts on. Further markers, such as those of the cycle's angle, are only read.
+fn bodies_of(model: &Model, element: usize) -> impl Iterator<Item = Option<usize>> + '_ {
+    let markers = model.elements[element].markers.iter().take(2);
+    markers.map(|m| model.markers[*m].body)
+}
+
+/// The first group of loose bodies that elements join to others. Elements that are asleep hold a group.
+fn group_of(model: &Model, dynamic: &[usize], asleep: &[usize], loose: &[bool]) -> Option<Hanging> {
     // groups of loose bodies that elements join
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut seen = vec![false; model.bodies.len()];
@@ -98,8 +120,11 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
                 continue;
             }
             group.push(body);
-            let joins = |e: &&usize| bodies_of(**e).any(|b| b == Some(body));
-            let joined = dynamic.iter().filter(joins).flat_map(|e| bodies_of(*e));
+            let joins = |e: &&usize| bodies_of(model, **e).any(|b| b == Some(body));
+            let joined = dynamic
+                .iter()
+                .filter(joins)
+                .flat_map(|e| bodies_of(model, *e));
             open.extend(joined.flatten().filter(|b| loose[*b]));
         }
         group.sort_unstable();
@@ -108,14 +133,14 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
     let linked = |group: &[usize], elements: &[usize]| {
         elements.iter().any(|e| {
             let inside = |b: Option<usize>| b.is_some_and(|b| group.contains(&b));
-            bodies_of(*e).any(inside) && bodies_of(*e).any(|b| !inside(b))
+            bodies_of(model, *e).any(inside) && bodies_of(model, *e).any(|b| !inside(b))
         })
     };
     let origin = |body: usize| &model.bodies[body].origin;
     let mass = |body: usize| model.bodies[body].mass();
-    Ok(groups
+    groups
         .into_iter()
-        .filter(|group| linked(group, &dynamic) && !linked(group, &asleep))
+        .filter(|group| linked(group, dynamic) && !linked(group, asleep))
         .filter_map(|group| {
             let heaviest = group
                 .iter()
@@ -127,7 +152,7 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
                 others: others.map(|b| origin(*b).path.clone()).collect(),
             })
         })
-        .next())
+        .next()
 }
 
 /// Rows of the amplitudes of all flexible bodies, because elasticity responds to every shape. Without these

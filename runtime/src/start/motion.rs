@@ -25,7 +25,7 @@
 //! velocities along the motion itself.
 
 use super::eccentricity::rates_of_eccentricities;
-use super::picking::{DETERMINED, split, split_above, unit_rows};
+use super::picking::{DETERMINED, free_of, split_above, unit_rows};
 use super::wish::{Wish, stated};
 use crate::assembly::at;
 use crate::assembly::rows::{Along, Rows, pins};
@@ -160,7 +160,7 @@ impl SteadyMotion {
         };
         let (_, mut gradients) = motion.constraint_rows(model, state)?;
         motion.factors = unit_rows(&mut gradients, EMPTY);
-        motion.free = split(&gradients).ok_or(NoMotion::Singular)?.free;
+        motion.free = free_of(&gradients).ok_or(NoMotion::Singular)?;
         let mut open = motion.free.clone();
         for wish in wishes {
             let (_, mut matrix) = motion.wished(model, state, &wish)?;

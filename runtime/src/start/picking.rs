@@ -1,5 +1,7 @@
 //! Independent combinations of rows, and the directions that they leave free.
 
+use crate::assembly::gradients::Gradients;
+use crate::assembly::independent::Independent;
 use nalgebra::DMatrix;
 
 /// Singular value of unit rows below which a combination determines nothing.
@@ -17,6 +19,15 @@ pub(super) struct Picked {
 /// numbers are not finite.
 pub(super) fn split(matrix: &DMatrix<f64>) -> Option<Picked> {
     split_above(matrix, DETERMINED)
+}
+
+/// An orthonormal basis of the directions that rows leave free (space × rest): [`Picked::free`] of [`split`]. Many rows that
+/// are clearly independent need no singular values. `None` if numbers are not finite.
+pub(super) fn free_of(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    match Independent::alone(&Gradients::of(matrix)) {
+        Some(factor) => Some(factor.basis()),
+        None => split(matrix).map(|picked| picked.free),
+    }
 }
 
 /// [`split`] with another limit: combinations of unit rows up to `least` determine nothing.
@@ -81,5 +92,32 @@ mod tests {
         assert!(square.determinant().abs() > 0.1);
         assert!(split(&DMatrix::from_element(1, 1, f64::NAN)).is_none());
         assert_eq!(split(&DMatrix::zeros(0, 3)).unwrap().free.ncols(), 3);
+    }
+
+    #[test]
+    fn many_rows_leave_the_directions_of_singular_values() {
+        // each row touches the next three columns; one repeats its neighbour
+        let (rows, space) = (crate::assembly::independent::FEW + 10, 170);
+        let mut matrix = DMatrix::from_fn(rows, space, |i, j| match j.checked_sub(i) {
+            Some(0) => 1.0,
+            Some(k) if k < 4 => libm::sin((3 * i + 7 * k) as f64),
+            _ => 0.0,
+        });
+        let twice = matrix.row(6) * 2.0;
+        matrix.set_row(7, &twice);
+        unit_rows(&mut matrix, 0.0);
+        let expected = split(&matrix).unwrap().free;
+        let found = free_of(&matrix).unwrap();
+        assert_eq!(found.shape(), (space, space - rows + 1));
+        // the same projector on the same directions
+        let projector = |basis: &DMatrix<f64>| basis * basis.transpose();
+        assert!((projector(&found) - projector(&expected)).amax() < 1e-10);
+        assert!(Independent::alone(&Gradients::of(&matrix)).is_some());
+        // without a clear decision the singular values decide
+        matrix[(7, 9)] += 9e-7;
+        assert!(Independent::alone(&Gradients::of(&matrix)).is_none());
+        assert_eq!(free_of(&matrix).unwrap().ncols(), space - rows + 1);
+        matrix[(0, 0)] = f64::NAN;
+        assert!(free_of(&matrix).is_none());
     }
 }

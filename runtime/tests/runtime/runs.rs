@@ -7,7 +7,7 @@ use eng_runtime::{
     Advance, Observer, Options, RuntimeError, Sample, Simulation, Verdict, Warning, run_transient,
 };
 use eng_system::code::Compiled;
-use eng_system::system::{Extent, Role, Start, StepControl, Transient};
+use eng_system::system::{Extent, Integration, Role, Start, StepControl, Transient};
 use std::ops::ControlFlow;
 
 #[derive(Default)]
@@ -61,11 +61,13 @@ fn free() -> SliderCrank {
 
 fn transient(duration: Extent, sample: Extent, step: StepControl) -> Transient {
     Transient {
-        start: Start::Assembled,
         duration,
         sample,
-        step,
-        rho_infinity: 0.8,
+        integration: Integration {
+            step,
+            rho_infinity: 0.8,
+            start: Start::Assembled,
+        },
     }
 }
 

@@ -3,7 +3,7 @@
 use super::labels::capital;
 use super::{Drawer, PostError};
 use crate::motion::{At, moments};
-use crate::post::track::told_apart;
+use crate::post::track::distinct_names;
 use eng_report::figure::{Figure, FilmMap, FilmPanel};
 use eng_report::readable_unit;
 use eng_system::Dimension;
@@ -20,7 +20,7 @@ impl Drawer<'_> {
         };
         let pairs = || map.journals.iter().map(|(a, p)| (a.as_str(), p.as_str()));
         let mut panels = Vec::new();
-        for ((analysis, path), name) in map.journals.iter().zip(told_apart(pairs())) {
+        for ((analysis, path), name) in map.journals.iter().zip(distinct_names(pairs())) {
             let name = if name.is_empty() { path.clone() } else { name };
             panels.push(self.film_of(map.quantity, at, (analysis, path), name)?);
         }

@@ -11,7 +11,7 @@ pub(crate) use orders::ORDERS;
 
 use super::evaluate::Evaluator;
 use super::operation::filter_of;
-use super::track::{Track, told_apart};
+use super::track::{Track, distinct_names};
 use super::{PostError, Run};
 use eng_report::figure::{Abscissa, Curve, Figure, History, Mark, Ordinate, Panel, Scale};
 use eng_report::readable_unit;
@@ -200,7 +200,7 @@ impl Drawer<'_> {
         let mut drawn = Vec::new();
         let lettered = self.lettered(&all);
         for members in panels {
-            let names = named(told_apart(pairs(members)), members, &lettered);
+            let names = named(distinct_names(pairs(members)), members, &lettered);
             // curves with different samples are in different panels
             let mut own: Vec<(Vec<f64>, Vec<&Member>, Vec<Curve>)> = Vec::new();
             for (member, name) in members.iter().zip(names) {

@@ -6,7 +6,7 @@ use crate::post::natural::Natural;
 use crate::post::operation::window_of;
 use crate::post::reach::limit_text;
 use crate::post::spectra::{map_of, orders_along, orders_of, spectrum_of};
-use crate::post::track::{Track, told_apart};
+use crate::post::track::{Track, distinct_names};
 use eng_report::figure::{
     Abscissa, Campbell, Curve, Figure, History, Ordinate, Panel, Scale, SweepFigure, Waterfall,
     spectra,
@@ -41,7 +41,11 @@ impl Drawer<'_> {
     pub(super) fn spectrum(&self, spectrum: &plan::Spectrum) -> Result<Figure, PostError> {
         let plan::Spectrum { members, settings } = spectrum;
         let all: Vec<&Member> = members.iter().collect();
-        let names = named(told_apart(pairs(members)), members, &self.lettered(&all));
+        let names = named(
+            distinct_names(pairs(members)),
+            members,
+            &self.lettered(&all),
+        );
         let mut found = Vec::new();
         let mut speeds = Vec::new();
         for (member, name) in members.iter().zip(names) {
@@ -176,7 +180,7 @@ impl Drawer<'_> {
         let mut panels = Vec::new();
         match block {
             Some(block) => {
-                let names = told_apart(pairs(members));
+                let names = distinct_names(pairs(members));
                 for (member, name) in members.iter().zip(names) {
                     let track = self.evaluator.track(&member.expression)?;
                     let found = orders_along(&track, orders, window, block)?;
@@ -251,8 +255,8 @@ const DYNAMIC: f64 = 80.0;
 
 /// A map with the lines of orders and with natural frequencies, which its subtitle names.
 fn over_speed(mut figure: SweepFigure, orders: Vec<f64>, natural: &Natural) -> Campbell {
-    if let Some(said) = natural.said() {
-        figure.subtitle = format!("{}; {said}", figure.subtitle);
+    if let Some(names) = natural.description() {
+        figure.subtitle = format!("{}; {names}", figure.subtitle);
     }
     Campbell {
         figure,

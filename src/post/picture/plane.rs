@@ -3,7 +3,7 @@
 use super::labels::capital;
 use super::{Drawer, degrees};
 use crate::post::PostError;
-use crate::post::track::{Track, told_apart};
+use crate::post::track::{Track, distinct_names};
 use eng_report::figure::{
     Figure, FixedTo, Orbit, Orbits, Polar, PolarCurve, Upright, journal_letter,
 };
@@ -14,7 +14,7 @@ use eng_system::figure as plan;
 impl Drawer<'_> {
     pub(super) fn orbit(&self, orbit: &plan::Orbit) -> Result<Figure, PostError> {
         let plan::Orbit { journals, cycles } = orbit;
-        let names = told_apart(journals.iter().map(|(a, p)| (a.as_str(), p.as_str())));
+        let names = distinct_names(journals.iter().map(|(a, p)| (a.as_str(), p.as_str())));
         let mut orbits = Vec::new();
         for ((analysis, path), name) in journals.iter().zip(names) {
             let run = self.evaluator.run(analysis)?;
@@ -64,7 +64,7 @@ impl Drawer<'_> {
 
     pub(super) fn polar(&self, polar: &plan::Polar) -> Result<Figure, PostError> {
         let plan::Polar { vectors, cycles } = polar;
-        let names = told_apart(
+        let names = distinct_names(
             vectors
                 .iter()
                 .map(|v| (v.analysis.as_str(), v.path.as_str())),
@@ -106,7 +106,7 @@ impl Drawer<'_> {
         }
         let analyses: Vec<&str> = vectors.iter().map(|v| v.analysis.as_str()).collect();
         let (period, upright) = self.view(&analyses)?;
-        let said = if vectors.iter().any(|vector| vector.load) {
+        let convention = if vectors.iter().any(|vector| vector.load) {
             "load of the pins on their shells: the tip points at the side that carries it"
         } else {
             "as recorded: forces of joints and journals are those on the first marker"
@@ -114,7 +114,7 @@ impl Drawer<'_> {
         Ok(Polar {
             title: self.title.to_owned(),
             subtitle: format!(
-                "{}{}, not filtered; {said}",
+                "{}{}, not filtered; {convention}",
                 self.about(&analyses)?,
                 part(*cycles)
             ),

@@ -3,7 +3,7 @@
 use super::labels::capital;
 use super::{Drawer, degrees, named, pairs, shown};
 use crate::post::PostError;
-use crate::post::track::told_apart;
+use crate::post::track::distinct_names;
 use eng_report::figure::{Figure, Ordinate, Xy, XyCurve};
 use eng_report::readable_unit;
 use eng_system::expression::Member;
@@ -18,7 +18,7 @@ impl Drawer<'_> {
             cycles,
         } = xy;
         let all: Vec<&Member> = y.iter().collect();
-        let names = named(told_apart(pairs(y)), y, &self.lettered(&all));
+        let names = named(distinct_names(pairs(y)), y, &self.lettered(&all));
         let mut curves = Vec::new();
         for ((x, y), name) in x.iter().zip(y).zip(names) {
             let (x, y) = self.plane(x, &y.expression, *cycles)?;

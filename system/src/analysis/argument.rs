@@ -1,6 +1,6 @@
 //! The arguments of analyses: types, units, limits, and their values on the way into a plan.
 
-use super::{Extent, Named, Names, Start, StepControl};
+use super::{Extent, Integration, Named, Names, Start, StepControl};
 use std::f64::consts::PI;
 
 /// An argument that a kind of analysis takes, by name.
@@ -59,8 +59,8 @@ pub struct Limit {
     pub fits: fn(f64) -> bool,
     /// "must be …".
     pub due: &'static str,
-    /// The label and the help of its message, if "this is negative" would say too little.
-    pub told: Option<(&'static str, &'static str)>,
+    /// The label and the help of its message, if "this is negative" does not suffice.
+    pub label_and_help: Option<(&'static str, &'static str)>,
 }
 
 /// Two arguments that contradict each other.
@@ -145,11 +145,15 @@ impl Given {
         self.find(name) == Some(&Value::Switch(true))
     }
 
-    /// The start of the motion; `unstated` if the text leaves it open.
-    pub fn start(&self, unstated: Start) -> Start {
-        match self.find(START.name) {
-            Some(Value::Start(start)) => *start,
-            _ => unstated,
+    /// The settings of an integration; its start is `unstated` if the text leaves it open.
+    pub fn integration(&self, unstated: Start) -> Integration {
+        Integration {
+            step: self.steps(),
+            rho_infinity: self.number(RHO.name).unwrap_or(0.8),
+            start: match self.find(START.name) {
+                Some(Value::Start(start)) => *start,
+                _ => unstated,
+            },
         }
     }
 
@@ -162,17 +166,12 @@ impl Given {
     }
 
     /// The control of steps, from `step` and `tolerance`.
-    pub fn steps(&self) -> StepControl {
+    fn steps(&self) -> StepControl {
         match (self.number(STEP.name), self.number(TOLERANCE.name)) {
             (Some(step), Some(tolerance)) => StepControl::FixedTo { step, tolerance },
             (Some(step), None) => StepControl::Fixed(step),
             (None, tolerance) => StepControl::Tolerance(tolerance.unwrap_or(1.0)),
         }
-    }
-
-    /// The spectral radius at infinite frequency.
-    pub fn rho(&self) -> f64 {
-        self.number(RHO.name).unwrap_or(0.8)
     }
 }
 
@@ -199,7 +198,7 @@ pub(super) const fn limit(fits: fn(f64) -> bool, due: &'static str) -> Limit {
     Limit {
         fits,
         due,
-        told: None,
+        label_and_help: None,
     }
 }
 

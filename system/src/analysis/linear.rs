@@ -2,8 +2,8 @@
 
 use super::argument::{POSITIVE, RHO, START, STEP, TOLERANCE, argument, limit};
 use super::{
-    AnalysisKind, Apart, Counted, Extent, Given, Kind, KindRow, Named, Names, Rows, Start,
-    StepControl, Takes, Unplanned,
+    AnalysisKind, Apart, Counted, Extent, Given, Integration, Kind, KindRow, Named, Names, Rows,
+    Start, StepControl, Takes, Unplanned,
 };
 use std::f64::consts::TAU;
 
@@ -12,12 +12,8 @@ use std::f64::consts::TAU;
 pub struct Linear {
     /// Duration of the transient to the state; `None` if the state is the start.
     pub after: Option<Extent>,
-    /// Steps of that transient.
-    pub step: StepControl,
-    /// Its spectral radius at infinite frequency, 0…1.
-    pub rho_infinity: f64,
-    /// The kind of start.
-    pub start: Start,
+    /// Settings of that transient.
+    pub integration: Integration,
     /// Most oscillations, and most motions without oscillation, that are reported: the slowest of each.
     pub number: Option<u32>,
     /// Largest |λ| (rad/s) that is reported.
@@ -136,9 +132,7 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
     }
     Ok(AnalysisKind::Linear(Linear {
         after,
-        step: given.steps(),
-        rho_infinity: given.rho(),
-        start: given.start(unstated),
+        integration: given.integration(unstated),
         // within its limits
         number: given.number("number").map(|x| x as u32),
         up_to: given.number("up_to").map(|hertz| TAU * hertz),
@@ -151,15 +145,15 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
 
 impl Kind for Linear {
     fn step(&self) -> Option<StepControl> {
-        self.after.map(|_| self.step)
+        self.after.map(|_| self.integration.step)
     }
 
-    fn step_mut(&mut self) -> Option<&mut StepControl> {
-        Some(&mut self.step)
+    fn integration(&self) -> Option<&Integration> {
+        Some(&self.integration)
     }
 
-    fn start(&self) -> Start {
-        self.start
+    fn integration_mut(&mut self) -> Option<&mut Integration> {
+        Some(&mut self.integration)
     }
 
     fn rows(&self) -> Rows {

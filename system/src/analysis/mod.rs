@@ -2,7 +2,7 @@
 //!
 //! Each kind has a file here. It holds a struct with the numbers of the kind, an implementation of [`Kind`],
 //! which every stage uses, and a [`KindRow`] with the name, the arguments and the function that makes a plan
-//! of them. The checker and elaboration read the row and know no kind by name. A function of the runtime
+//! of them. The checker and elaboration read the row and name no kind. A function of the runtime
 //! solves the kind; `src/analysis/run.rs` calls it.
 
 mod argument;
@@ -71,21 +71,27 @@ pub enum Rows {
     State,
 }
 
-/// The questions that every stage asks of an analysis.
+/// The properties of an analysis that every stage reads.
 pub trait Kind {
-    /// The control of its steps; `None` if it takes no steps.
-    fn step(&self) -> Option<StepControl> {
+    /// The settings of its integration, even if an argument leaves no step to take; `None` for a kind without steps.
+    fn integration(&self) -> Option<&Integration> {
         None
     }
 
-    /// The control of its steps, even if an argument leaves no step to take; `None` for a kind without steps.
-    fn step_mut(&mut self) -> Option<&mut StepControl> {
+    /// The same settings, to be changed.
+    fn integration_mut(&mut self) -> Option<&mut Integration> {
         None
+    }
+
+    /// The control of its steps; `None` if it takes no steps.
+    fn step(&self) -> Option<StepControl> {
+        self.integration().map(|settings| settings.step)
     }
 
     /// The start of its motion.
     fn start(&self) -> Start {
-        Start::Assembled
+        self.integration()
+            .map_or(Start::Assembled, |settings| settings.start)
     }
 
     /// The distance of its samples, and the sampled span if the text states it; `None` for a kind without
@@ -175,6 +181,17 @@ pub enum Start {
     /// As assembled: the text and the joints decide all positions.
     #[default]
     Assembled,
+}
+
+/// The settings of an integration in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Integration {
+    /// Fixed steps or error control.
+    pub step: StepControl,
+    /// Spectral radius at infinite frequency, 0…1.
+    pub rho_infinity: f64,
+    /// The kind of start.
+    pub start: Start,
 }
 
 /// The value of a sweep's variable at one of its points: `s` of `analysis runup[s in …]`.

@@ -2,7 +2,7 @@
 
 use super::argument::{PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument, limit};
 use super::{
-    AnalysisKind, Extent, Given, Kind, KindRow, Limit, Rows, Start, StepControl, Takes, Unplanned,
+    AnalysisKind, Extent, Given, Integration, Kind, KindRow, Limit, Rows, Start, Takes, Unplanned,
 };
 
 /// Defaults of `change` and `cycles`, and most cycles.
@@ -15,12 +15,8 @@ const MOST_CYCLES: f64 = 1e5;
 pub struct Periodic {
     /// Distance of the samples (rad of the cycle angle), shortened so that whole ones fill a cycle.
     pub sample: f64,
-    /// Steps.
-    pub step: StepControl,
-    /// Spectral radius at infinite frequency, 0…1.
-    pub rho_infinity: f64,
-    /// The kind of start.
-    pub start: Start,
+    /// Settings of its integration.
+    pub integration: Integration,
     /// Largest change from cycle to cycle, and largest estimated distance to the limit, as a share of each
     /// channel's swing.
     pub change: f64,
@@ -62,7 +58,7 @@ pub(super) const ROW: KindRow = KindRow {
                 Limit {
                     fits: |x| x >= 2.0,
                     due: "at least 2",
-                    told: Some((
+                    label_and_help: Some((
                         "too few to see one repeat",
                         "it is the number of cycles after which to give up; 40 is the default",
                     )),
@@ -80,9 +76,7 @@ pub(super) const ROW: KindRow = KindRow {
 fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
     Ok(AnalysisKind::Periodic(Periodic {
         sample: given.number("sample").unwrap_or(PLAIN_ANGLE),
-        step: given.steps(),
-        rho_infinity: given.rho(),
-        start: given.start(Start::Automatic),
+        integration: given.integration(Start::Automatic),
         change: given.number("change").unwrap_or(PLAIN_CHANGE),
         // within its limits
         cycles: given.number("cycles").map_or(PLAIN_CYCLES, |x| x as u32),
@@ -90,16 +84,12 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
 }
 
 impl Kind for Periodic {
-    fn step(&self) -> Option<StepControl> {
-        Some(self.step)
+    fn integration(&self) -> Option<&Integration> {
+        Some(&self.integration)
     }
 
-    fn step_mut(&mut self) -> Option<&mut StepControl> {
-        Some(&mut self.step)
-    }
-
-    fn start(&self) -> Start {
-        self.start
+    fn integration_mut(&mut self) -> Option<&mut Integration> {
+        Some(&mut self.integration)
     }
 
     fn sampling(&self) -> Option<(Extent, Option<Extent>)> {

@@ -2,7 +2,7 @@
 
 use super::argument::{PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument};
 use super::{
-    AnalysisKind, Argument, Counted, Extent, Given, Kind, KindRow, Rows, Start, StepControl, Takes,
+    AnalysisKind, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Rows, Start, Takes,
     Unplanned,
 };
 
@@ -18,12 +18,8 @@ pub struct Transient {
     pub duration: Extent,
     /// Distance of the samples.
     pub sample: Extent,
-    /// Fixed steps or error control.
-    pub step: StepControl,
-    /// Spectral radius at infinite frequency, 0…1.
-    pub rho_infinity: f64,
-    /// The kind of start.
-    pub start: Start,
+    /// Settings of its integration.
+    pub integration: Integration,
 }
 
 pub(super) const ROW: KindRow = KindRow {
@@ -83,23 +79,17 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
     Ok(AnalysisKind::Transient(Transient {
         duration,
         sample,
-        step: given.steps(),
-        rho_infinity: given.rho(),
-        start: given.start(Start::Automatic),
+        integration: given.integration(Start::Automatic),
     }))
 }
 
 impl Kind for Transient {
-    fn step(&self) -> Option<StepControl> {
-        Some(self.step)
+    fn integration(&self) -> Option<&Integration> {
+        Some(&self.integration)
     }
 
-    fn step_mut(&mut self) -> Option<&mut StepControl> {
-        Some(&mut self.step)
-    }
-
-    fn start(&self) -> Start {
-        self.start
+    fn integration_mut(&mut self) -> Option<&mut Integration> {
+        Some(&mut self.integration)
     }
 
     fn sampling(&self) -> Option<(Extent, Option<Extent>)> {

@@ -127,7 +127,7 @@ pub struct Given(Vec<(&'static str, Value)>);
 /// The reason why arguments give no tree.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Unplanned {
-    /// An argument asks for the cycle of a model without one; the words name its part in the message.
+    /// An argument needs a cycle, and the model has none. The words name its part in the message.
     NoCycle(&'static str, &'static str),
     /// An argument is of another axis than another one: the title and the label of the message.
     OtherAxis(&'static str, String, &'static str),

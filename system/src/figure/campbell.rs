@@ -1,6 +1,6 @@
 //! `campbell`: colours over speed and frequency, with lines of orders and natural frequencies.
 
-use super::argument::{option, place};
+use super::argument::option;
 use super::spectrum as of_spectra;
 use super::{
     Axis, Figure, FigureRow, Given, Kind, Picture, Signals, SpectrumSettings, Takes, Unplanned,
@@ -25,12 +25,8 @@ pub struct Campbell {
 pub(super) const ROW: FigureRow = FigureRow {
     name: "campbell",
     about: "levels over the mean speed of several runs and frequency, with lines of orders and natural frequencies",
-    arguments: &[
-        place(
-            "signals",
-            Takes::AmplitudesOfRuns,
-            "one signal of several runs",
-        ),
+    arguments: of_spectra::with_options![
+        of_spectra::OF_RUNS,
         option(
             "orders",
             Takes::Orders,
@@ -41,15 +37,6 @@ pub(super) const ROW: FigureRow = FigureRow {
             Takes::LinearAnalyses,
             "linear analyses whose natural frequencies are drawn",
         ),
-        of_spectra::AXIS,
-        of_spectra::UP_TO,
-        of_spectra::WINDOW,
-        of_spectra::BLOCK,
-        of_spectra::OVERLAP,
-        of_spectra::AVERAGING,
-        of_spectra::MEAN,
-        of_spectra::SCALE,
-        of_spectra::REFERENCE,
     ],
     plan,
 };

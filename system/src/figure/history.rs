@@ -44,14 +44,13 @@ fn plan(given: &Given) -> Result<Figure, Unplanned> {
         stated => stated.unwrap_or(!cycle),
     };
     let shown = &given.signals("signals")?.shown;
-    Ok(Figure {
-        quantity: shown.quantity.clone(),
-        display: shown.display.clone(),
-        picture: Picture::History(History {
+    Ok(Figure::of(
+        shown,
+        Picture::History(History {
             panels: panels.iter().map(|panel| panel.members.clone()).collect(),
             by_time,
         }),
-    })
+    ))
 }
 
 impl Kind for History {

@@ -2,7 +2,7 @@
 //!
 //! Each kind has a file here. It holds a struct with the signals and numbers of the kind, an implementation of
 //! [`Kind`], and a [`FigureRow`] with the name, the arguments and the function that makes the tree of them. The
-//! checker reads the row and knows no kind by name. `src/post/picture` draws each kind.
+//! checker reads the row and names no kind. `src/post/picture` draws each kind.
 
 mod argument;
 mod campbell;
@@ -72,7 +72,18 @@ pub struct Figure {
     pub picture: Picture,
 }
 
-/// The questions that every stage asks of a figure.
+impl Figure {
+    /// A figure whose ordinate has the name and the unit of a signal.
+    pub(crate) fn of(shown: &Recorded, picture: Picture) -> Figure {
+        Figure {
+            quantity: shown.quantity.clone(),
+            display: shown.display.clone(),
+            picture,
+        }
+    }
+}
+
+/// The properties of a figure that every stage reads.
 pub trait Kind {
     /// The signals that it reads.
     fn expressions(&self) -> Vec<&Expression>;

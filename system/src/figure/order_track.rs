@@ -42,10 +42,9 @@ pub(super) const ROW: FigureRow = FigureRow {
 
 fn plan(given: &Given) -> Result<Figure, Unplanned> {
     let of = given.signals("signals")?;
-    Ok(Figure {
-        quantity: of.shown.quantity.clone(),
-        display: of.shown.display.clone(),
-        picture: Picture::OrderTrack(OrderTrack {
+    Ok(Figure::of(
+        &of.shown,
+        Picture::OrderTrack(OrderTrack {
             members: of.members.clone(),
             orders: given
                 .numbers("orders")
@@ -56,7 +55,7 @@ fn plan(given: &Given) -> Result<Figure, Unplanned> {
                 .number("block")
                 .map(|angle| (angle / TAU, overlap(given))),
         }),
-    })
+    ))
 }
 
 impl Kind for OrderTrack {

@@ -57,14 +57,13 @@ fn plan(given: &Given) -> Result<Figure, Unplanned> {
             vector.turned_by = Some(angle);
         }
     }
-    Ok(Figure {
-        quantity: shown.quantity.clone(),
-        display: shown.display.clone(),
-        picture: Picture::Polar(Polar {
+    Ok(Figure::of(
+        shown,
+        Picture::Polar(Polar {
             vectors,
             cycles: given.count("cycles"),
         }),
-    })
+    ))
 }
 
 impl Kind for Polar {

@@ -113,34 +113,48 @@ pub(super) const REFERENCE: Argument = option(
     "the reference of levels in dB; without it amplitudes are drawn",
 );
 
+/// The argument of figures with a spectrum of each run.
+pub(super) const OF_RUNS: Argument = place(
+    "signals",
+    Takes::AmplitudesOfRuns,
+    "one signal of several runs",
+);
+
+/// The arguments of a figure of spectra: its own, then the options of every spectrum.
+macro_rules! with_options {
+    ($($own:expr),* $(,)?) => {
+        &[
+            $($own,)*
+            $crate::figure::spectrum::AXIS,
+            $crate::figure::spectrum::UP_TO,
+            $crate::figure::spectrum::WINDOW,
+            $crate::figure::spectrum::BLOCK,
+            $crate::figure::spectrum::OVERLAP,
+            $crate::figure::spectrum::AVERAGING,
+            $crate::figure::spectrum::MEAN,
+            $crate::figure::spectrum::SCALE,
+            $crate::figure::spectrum::REFERENCE,
+        ]
+    };
+}
+pub(super) use with_options;
+
 pub(super) const ROW: FigureRow = FigureRow {
     name: "spectrum",
     about: "amplitudes (0-peak) over order or frequency",
-    arguments: &[
-        place("signals", Takes::Amplitudes, "the signals"),
-        AXIS,
-        UP_TO,
-        WINDOW,
-        BLOCK,
-        OVERLAP,
-        AVERAGING,
-        MEAN,
-        SCALE,
-        REFERENCE,
-    ],
+    arguments: with_options![place("signals", Takes::Amplitudes, "the signals"),],
     plan,
 };
 
 fn plan(given: &Given) -> Result<Figure, Unplanned> {
     let (of, settings) = SpectrumSettings::new(given)?;
-    Ok(Figure {
-        quantity: of.shown.quantity.clone(),
-        display: of.shown.display.clone(),
-        picture: Picture::Spectrum(Spectrum {
+    Ok(Figure::of(
+        &of.shown,
+        Picture::Spectrum(Spectrum {
             members: of.members.clone(),
             settings,
         }),
-    })
+    ))
 }
 
 impl SpectrumSettings {

@@ -40,16 +40,15 @@ fn plan(given: &Given) -> Result<Figure, Unplanned> {
     if cycles.is_some() && !y.cycle {
         return Err(Unplanned::NoCycle("cycles", "`cycles`"));
     }
-    Ok(Figure {
-        quantity: y.shown.quantity.clone(),
-        display: y.shown.display.clone(),
-        picture: Picture::Xy(Xy {
+    Ok(Figure::of(
+        &y.shown,
+        Picture::Xy(Xy {
             x: over.unwrap_or_default(),
             shown: x.shown.clone(),
             y: y.members.clone(),
             cycles,
         }),
-    })
+    ))
 }
 
 impl Kind for Xy {

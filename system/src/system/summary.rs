@@ -3,9 +3,9 @@
 use super::Slot;
 use crate::dimension::{Dimension, DisplayUnit};
 
-/// The number that a table takes of a column of results.
+/// The number that a table shows of a column of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Taken {
+pub enum Statistic {
     /// The least value and its place.
     Least,
     /// The largest value and its place.
@@ -14,26 +14,26 @@ pub enum Taken {
     Mean,
 }
 
-impl Taken {
+impl Statistic {
     /// All with their words in a text.
-    pub const ALL: [(&'static str, Taken); 3] = [
-        ("least", Taken::Least),
-        ("largest", Taken::Largest),
-        ("mean", Taken::Mean),
+    pub const ALL: [(&'static str, Statistic); 3] = [
+        ("least", Statistic::Least),
+        ("largest", Statistic::Largest),
+        ("mean", Statistic::Mean),
     ];
 
     /// By its word.
-    pub fn of(word: &str) -> Option<Taken> {
-        let known = Taken::ALL.iter().find(|(other, _)| *other == word);
-        known.map(|(_, taken)| *taken)
+    pub fn of(word: &str) -> Option<Statistic> {
+        let known = Statistic::ALL.iter().find(|(other, _)| *other == word);
+        known.map(|(_, statistic)| *statistic)
     }
 
     /// Its word.
     pub fn word(self) -> &'static str {
         match self {
-            Taken::Least => "least",
-            Taken::Largest => "largest",
-            Taken::Mean => "mean",
+            Statistic::Least => "least",
+            Statistic::Largest => "largest",
+            Statistic::Mean => "mean",
         }
     }
 }
@@ -70,8 +70,8 @@ pub struct SummaryColumn {
     pub output: String,
     /// Its comment.
     pub about: String,
-    /// The number that the table takes.
-    pub taken: Taken,
+    /// The number that the table shows.
+    pub statistic: Statistic,
 }
 
 /// An element of a summary.
@@ -91,9 +91,12 @@ mod tests {
 
     #[test]
     fn words_and_numbers_correspond() {
-        for (word, taken) in Taken::ALL {
-            assert_eq!((Taken::of(word), taken.word()), (Some(taken), word));
+        for (word, statistic) in Statistic::ALL {
+            assert_eq!(
+                (Statistic::of(word), statistic.word()),
+                (Some(statistic), word)
+            );
         }
-        assert_eq!(Taken::of("smallest"), None);
+        assert_eq!(Statistic::of("smallest"), None);
     }
 }

@@ -206,7 +206,7 @@ impl std::fmt::Display for Outside {
         write!(f, ": ")?;
         let (at, end_text) = (shown(self.argument), shown(end));
         if at == end_text {
-            // four digits do not tell them apart
+            // four digits do not distinguish them
             let scale = self.unit.as_ref().map_or(1.0, |unit| unit.scale);
             let symbol = self.unit.as_ref().map_or("", |unit| unit.symbol.as_str());
             let past = (self.argument - end).abs() / scale;

@@ -98,7 +98,7 @@ impl Reporter<'_, '_> {
         if same {
             return Some(());
         }
-        self.tell(
+        self.diagnose(
             Diagnostic::error(
                 codes::OTHER_AXES,
                 "components along different axes are added",

@@ -134,7 +134,7 @@ impl<'a> Reporter<'a, '_> {
         let sweep = plans.iter().any(|p| !p.analysis.point.is_empty());
         if sweep {
             let Some(Step::Index(indices, span)) = steps.peek() else {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::INDEX,
                         format!("`{name}` is a sweep of {} runs", plans.len()),
@@ -179,7 +179,7 @@ impl<'a> Reporter<'a, '_> {
                         };
                         if !place.columns().iter().any(|c| begins(&c.path, &path)) {
                             let message = no_channel(place, field);
-                            self.tell(message);
+                            self.diagnose(message);
                             return None;
                         }
                         place.path = path;
@@ -190,7 +190,7 @@ impl<'a> Reporter<'a, '_> {
                     for place in found {
                         let known = indexed(&place);
                         if known.is_empty() {
-                            self.tell(
+                            self.diagnose(
                                 Diagnostic::error(
                                     codes::INDEX,
                                     format!(
@@ -227,7 +227,7 @@ impl<'a> Reporter<'a, '_> {
     ) -> Option<(Vec<T>, bool)> {
         let depth = known.first().map_or(0, |(numbers, _)| numbers.len());
         if indices.len() != depth {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::INDEX,
                     format!(
@@ -301,7 +301,7 @@ impl<'a> Reporter<'a, '_> {
                 numbers.join(", ")
             })
             .collect();
-        self.tell(
+        self.diagnose(
             Diagnostic::error(
                 codes::INDEX_OUTSIDE,
                 format!("there is no `{what}` with the index {found}"),
@@ -319,7 +319,7 @@ impl<'a> Reporter<'a, '_> {
         let number = |reporter: &mut Self, expr: &'a Expr| -> Option<i64> {
             let value = reporter.constant(expr, &Quantity::one(), "an index")?;
             if value.fract() != 0.0 || value.abs() > 1e9 {
-                reporter.tell(
+                reporter.diagnose(
                     Diagnostic::error(codes::INDEX, "an index is a whole number")
                         .at(expr.span, format!("this is {value}")),
                 );
@@ -335,7 +335,7 @@ impl<'a> Reporter<'a, '_> {
                     None => 1,
                 };
                 if by < 1 || to < from || (to - from) / by > 100_000 {
-                    self.tell(
+                    self.diagnose(
                         Diagnostic::error(codes::RANGE, "this range has no place in it")
                             .at(at.span, "from the smaller to the larger index"),
                     );
@@ -359,12 +359,12 @@ impl<'a> Reporter<'a, '_> {
         for place in &places.found {
             let Some(column) = place.column("") else {
                 let message = not_one(place, expr.span);
-                self.tell(message);
+                self.diagnose(message);
                 return None;
             };
             match &first {
                 Some(first) if first.dimension != column.dimension => {
-                    self.tell(
+                    self.diagnose(
                         Diagnostic::error(
                             codes::LIST_ELEMENTS,
                             "the channels of a list are of one dimension",

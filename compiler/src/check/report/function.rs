@@ -89,7 +89,7 @@ impl<'a> Reporter<'a, '_> {
             ..
         } = of.ty
         else {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::REPORT_SHAPE,
                     "`mode` takes a column of a `linear` analysis",
@@ -153,7 +153,7 @@ impl<'a> Reporter<'a, '_> {
 
     fn no_function(&mut self, name: &str, place: Span) {
         if eng_system::figure::kind(name).is_some() {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::REPORT_SHAPE,
                     format!("`{name}` draws a figure, and gives no value"),
@@ -173,7 +173,7 @@ impl<'a> Reporter<'a, '_> {
             Some(near) => message.meant(place, near),
             None => message.with_note(format!("they have {}", listing(known(), 30))),
         };
-        self.tell(message);
+        self.diagnose(message);
     }
 
     /// A function of each number.
@@ -232,7 +232,7 @@ impl<'a> Reporter<'a, '_> {
     /// The sum, the least or the largest number of a list.
     fn fold(&mut self, operator: Operator, expr: &Expr, of: Typed) -> Option<Typed> {
         if !of.list || of.shape() == Shape::Truth {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::REPORT_SHAPE,
                     "a list of numbers or signals is expected",
@@ -247,7 +247,7 @@ impl<'a> Reporter<'a, '_> {
         let quantity = of.quantity();
         if operator == Operator::Add && quantity.plus(&quantity, false).is_err() {
             let name = self.checker.quantity_name(&quantity);
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(codes::OPERANDS, "points have differences, but no sum")
                     .at(expr.span, name),
             );
@@ -276,7 +276,7 @@ impl<'a> Reporter<'a, '_> {
     /// The length of a recorded vector.
     fn length(&mut self, expr: &'a Expr, floor: Option<&Expr>) -> Option<Typed> {
         if let Some(floor) = floor {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::UNKNOWN_ARGUMENT,
                     "`norm` of a recorded vector has no parameter `floor`",
@@ -290,7 +290,7 @@ impl<'a> Reporter<'a, '_> {
             ExprKind::Name(_) | ExprKind::Field { .. } | ExprKind::Index { .. }
         ) || self.is_constant(expr)
         {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::REPORT_SHAPE,
                     "`norm` of a report takes a recorded vector",
@@ -322,7 +322,7 @@ impl<'a> Reporter<'a, '_> {
                 });
             }
             let Some(sum) = sum else {
-                self.tell(no_vector(place, expr.span));
+                self.diagnose(no_vector(place, expr.span));
                 return None;
             };
             members.push(place.member(Expression::Map(Function::Sqrt, Box::new(sum))));
@@ -420,7 +420,7 @@ impl<'a> Reporter<'a, '_> {
             (Some(Limit::Frequency(_)), Some(Limit::Frequency(_)), _)
             | (Some(Limit::Order(_)), Some(Limit::Order(_)), _) => {}
             (Some(_), Some(_), Some(expr)) => {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::OPERANDS,
                         "one limit is a frequency, the other an order",

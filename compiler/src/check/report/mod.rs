@@ -79,7 +79,7 @@ pub fn reports(
                                 "name channels after their analysis: `unfired.main[1].force.x`",
                             ),
                     };
-                    reporter.tell(message);
+                    reporter.diagnose(message);
                 }
                 made.push(report);
             }
@@ -114,7 +114,7 @@ struct Reporter<'a, 'd> {
 }
 
 impl<'a> Reporter<'a, '_> {
-    fn tell(&mut self, diagnostic: Diagnostic) {
+    fn diagnose(&mut self, diagnostic: Diagnostic) {
         self.checker.report(diagnostic);
     }
 
@@ -156,7 +156,7 @@ impl<'a> Reporter<'a, '_> {
             };
             if let Some((_, _, first)) = entries.iter().find(|(_, known, _)| *known == name.text) {
                 whole = false;
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::DEFINED_TWICE,
                         format!("`{}` is defined twice", name.text),
@@ -177,7 +177,7 @@ impl<'a> Reporter<'a, '_> {
                 Some(_) => {}
                 None => {
                     whole = false;
-                    self.tell(
+                    self.diagnose(
                         Diagnostic::error(
                             codes::MISSING_VALUE,
                             format!("`{}` has no value", name.text),
@@ -272,7 +272,7 @@ impl<'a> Reporter<'a, '_> {
     ) -> Option<DisplayUnit> {
         if let Some(reference) = &typed.level {
             if let Some(stated) = stated {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(codes::DISPLAY, "a level is shown in dB")
                         .at(stated.span, "another unit")
                         .also(value.span, "this is a level")
@@ -334,25 +334,25 @@ impl<'a> Reporter<'a, '_> {
             Shape::Truth,
             &format!("the expression after `{word}`"),
         )?;
-        let mut told = Vec::new();
+        let mut planned = Vec::new();
         let mut of_message = Diagnostics::new();
         let units = &self.checker.program.units;
         let is_unit = |word: &str| units.contains_key(word);
         let parts = parse_message(message, Some(&is_unit), &mut of_message);
         let failed = of_message.has_errors();
         for diagnostic in of_message.iter() {
-            self.tell(diagnostic.clone());
+            self.diagnose(diagnostic.clone());
         }
         for part in parts {
             match part {
-                MessagePart::Text(text) => told.push(plan::MessagePart::Text(text)),
+                MessagePart::Text(text) => planned.push(plan::MessagePart::Text(text)),
                 MessagePart::Value { value, unit, span } => {
                     let name = match &value.kind {
                         ast::ExprKind::Name(name) if self.names.contains_key(name.as_str()) => {
                             name.clone()
                         }
                         _ => {
-                            self.tell(
+                            self.diagnose(
                                 Diagnostic::error(
                                     codes::MESSAGE_FORM,
                                     "a message of a report shows its values by their names",
@@ -368,7 +368,7 @@ impl<'a> Reporter<'a, '_> {
                     let display = self.display(&typed, unit.as_ref(), &value)?;
                     let shown: Vec<_> = typed.members.into_iter().map(|m| m.expression).collect();
                     if shown.len() > 1 && shown.len() != found.members.len() {
-                        self.tell(
+                        self.diagnose(
                             Diagnostic::error(
                                 codes::REPORT_RUNS,
                                 format!("a message shows {} values at one place", shown.len()),
@@ -378,13 +378,13 @@ impl<'a> Reporter<'a, '_> {
                         );
                         return None;
                     }
-                    told.push(plan::MessagePart::Value(shown, display));
+                    planned.push(plan::MessagePart::Value(shown, display));
                 }
             }
         }
         (!failed).then_some(plan::EntryKind::Require {
             members: found.members.into_iter().map(|m| m.expression).collect(),
-            message: told,
+            message: planned,
             advise,
         })
     }
@@ -398,7 +398,7 @@ impl<'a> Reporter<'a, '_> {
         match state {
             Named::Done(typed) => typed,
             Named::Busy => {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
                         .at(span, "this value depends on itself")
                         .with_help("the order of items does not matter, but no value may follow from itself"),

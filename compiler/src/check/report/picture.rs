@@ -95,10 +95,10 @@ impl<'a> Reporter<'a, '_> {
                 let place = |name: &str| bound.option(name).unwrap_or(expr);
                 match unplanned {
                     Unplanned::NoCycle(argument, what) => self.no_cycle(place(argument), what),
-                    Unplanned::OtherAxis(argument, title, label) => self.tell(
+                    Unplanned::OtherAxis(argument, title, label) => self.diagnose(
                         Diagnostic::error(codes::DIMENSION, title).at(place(argument).span, label),
                     ),
-                    Unplanned::Counts(argument, title) => self.tell(
+                    Unplanned::Counts(argument, title) => self.diagnose(
                         Diagnostic::error(codes::REPORT_RUNS, title)
                             .at(place(argument).span, "one for all, or one for each"),
                     ),
@@ -124,7 +124,7 @@ impl<'a> Reporter<'a, '_> {
             Some(near) => message.meant(span, near),
             None => message.with_note(format!("the figures are {}", listing(known(), 12))),
         };
-        self.tell(message);
+        self.diagnose(message);
     }
 
     /// The value of an argument that refers to those before it.
@@ -216,7 +216,7 @@ impl<'a> Reporter<'a, '_> {
         {
             let names = [first, &panel].map(|panel| self.checker.quantity_name(&panel.quantity()));
             let [a, b] = names;
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::LIST_ELEMENTS,
                     format!("the panels of a {name} share their axis: {a} and {b}"),
@@ -267,7 +267,7 @@ impl<'a> Reporter<'a, '_> {
             Some(sweep) => format!("`{sweep}[*]` are all its runs"),
             None => "an analysis with an index has several: `analysis runup[s in 1000 rpm .. 6000 rpm by 250 rpm] = …`".to_owned(),
         };
-        self.tell(
+        self.diagnose(
             Diagnostic::error(
                 codes::REPORT_RUNS,
                 format!("`{name}` needs one signal of several runs"),
@@ -287,7 +287,7 @@ impl<'a> Reporter<'a, '_> {
             let plan = place.plan;
             let name = plan.analysis.origin.path.clone();
             if !are_modes(plan) || !place.path.is_empty() {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(codes::REPORT_SHAPE, "`modes` names linear analyses")
                         .at(expr.span, help)
                         .with_note(if place.path.is_empty() {
@@ -303,7 +303,7 @@ impl<'a> Reporter<'a, '_> {
                 own.is_some_and(|own| own.model == plan.model)
             };
             if !of.members.iter().all(same) {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::REPORT_RUNS,
                         format!("`{name}` is of another model than the spectra"),
@@ -348,7 +348,7 @@ impl<'a> Reporter<'a, '_> {
         let title = format!("`{name}` takes journals");
         let places = self.of_path(expr, &title, "such as `run.main[1..5]`")?;
         if let Some(unit) = display {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(codes::DISPLAY, format!("{name}s are drawn in µm"))
                     .at(unit.span, "another unit")
                     .with_help("omit `as`"),
@@ -369,7 +369,7 @@ impl<'a> Reporter<'a, '_> {
                     true => "the model has no journal".to_owned(),
                     false => format!("its journals are {}", listing(known, 12)),
                 });
-                self.tell(message);
+                self.diagnose(message);
                 return None;
             }
             journals.push((place.plan.analysis.origin.path.clone(), place.path.clone()));
@@ -385,7 +385,7 @@ impl<'a> Reporter<'a, '_> {
         display: Option<&UnitExpr>,
     ) -> Option<Value> {
         if let Some(unit) = display {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::DISPLAY,
                     "cells of films are drawn in MPa, um or without a unit",
@@ -400,7 +400,7 @@ impl<'a> Reporter<'a, '_> {
         for place in &places.found {
             if place.journal().is_some_and(|journal| !journal.cells) {
                 let title = format!("the law of `{}` has no cells", place.path);
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(codes::REPORT_SHAPE, title)
                         .at(expr.span, format!("`{}` draws {}", row.name, row.about))
                         .with_help("a law with a `field` has them"),
@@ -445,7 +445,7 @@ impl<'a> Reporter<'a, '_> {
                 .first()
                 .is_some_and(|known| known.load != vector.load)
             {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::LIST_ELEMENTS,
                         "loads of journals and other vectors need separate diagrams",
@@ -502,7 +502,7 @@ impl<'a> Reporter<'a, '_> {
             } else {
                 no_vector(place, expr.span)
             };
-            self.tell(message);
+            self.diagnose(message);
             return None;
         };
         let component = |column: &Recorded| {
@@ -534,7 +534,9 @@ impl<'a> Reporter<'a, '_> {
         if self.is_constant(expr) {
             self.all_known(expr)?;
         }
-        self.tell(Diagnostic::error(codes::REPORT_SHAPE, title).at(expr.span, label.to_owned()));
+        self.diagnose(
+            Diagnostic::error(codes::REPORT_SHAPE, title).at(expr.span, label.to_owned()),
+        );
         None
     }
 }

@@ -24,7 +24,7 @@ fn frequency() -> Quantity {
 impl<'a> Reporter<'a, '_> {
     /// Gives a message about a number outside of its range.
     pub(super) fn refuse(&mut self, expr: &Expr, what: &str, due: &str) -> Option<()> {
-        self.tell(
+        self.diagnose(
             Diagnostic::error(codes::REPORT_NUMBER, format!("{what} must be {due}"))
                 .at(expr.span, "outside of this"),
         );
@@ -59,7 +59,7 @@ impl<'a> Reporter<'a, '_> {
         if let Some(near) = nearest(word, words()) {
             message = message.meant(value.span, near);
         }
-        self.tell(message);
+        self.diagnose(message);
         None
     }
 
@@ -128,7 +128,7 @@ impl<'a> Reporter<'a, '_> {
 
     /// Says that something needs a cycle.
     pub(super) fn no_cycle(&mut self, expr: &Expr, what: &str) {
-        self.tell(
+        self.diagnose(
             Diagnostic::error(
                 codes::NO_CYCLE,
                 format!("{what} needs a cycle, and the model has none"),

@@ -96,7 +96,7 @@ impl<'a> Reporter<'a, '_> {
                 inner,
                 unit: Some(unit),
             } => {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::UNIT_TWICE,
                         "a value made of results already has its unit",
@@ -114,7 +114,7 @@ impl<'a> Reporter<'a, '_> {
             ExprKind::Call { callee, arguments } => match &callee.kind {
                 ExprKind::Name(name) => self.call(expr.span, name, callee.span, arguments),
                 _ => {
-                    self.tell(
+                    self.diagnose(
                         Diagnostic::error(codes::NOT_CALLABLE, "this is no function")
                             .at(callee.span, "cannot be called"),
                     );
@@ -143,7 +143,7 @@ impl<'a> Reporter<'a, '_> {
             } => self.binary(*op, *op_span, left, right),
             ExprKind::Error => None,
             _ => {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::REPORT_SHAPE,
                         "a report computes with signals and numbers, by operators and functions",
@@ -178,7 +178,7 @@ impl<'a> Reporter<'a, '_> {
             Type::List { element, .. } if element.quantity().is_some() => (*element, true),
             ty => {
                 let found = self.checker.describe(&ty);
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::REPORT_SHAPE,
                         format!("a report computes with signals and numbers, not with {found}"),
@@ -232,7 +232,7 @@ impl<'a> Reporter<'a, '_> {
             Some(near) => message.meant(span, near),
             None => message.with_note(format!("the analyses are {}", listing(analyses, 12))),
         };
-        self.tell(message);
+        self.diagnose(message);
         None
     }
 
@@ -257,7 +257,7 @@ impl<'a> Reporter<'a, '_> {
     /// A constant number with its quantity.
     pub(super) fn constant_of(&mut self, expr: &'a Expr, what: &str) -> Option<(Quantity, f64)> {
         if !self.is_constant(expr) {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(
                     codes::REPORT_SHAPE,
                     format!("{what} is a number that is known before the run"),
@@ -270,7 +270,7 @@ impl<'a> Reporter<'a, '_> {
         match (typed.list, typed.members.first().map(|m| &m.expression)) {
             (false, Some(Expression::Number(value))) => Some((typed.quantity(), *value)),
             _ => {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(codes::REPORT_SHAPE, format!("{what} is one number"))
                         .at(expr.span, "this is a list"),
                 );
@@ -290,7 +290,7 @@ impl<'a> Reporter<'a, '_> {
         match root_name(expr) {
             Some(root) if !self.models.named(root).is_empty() => self.channels(expr),
             Some(root) if self.names.contains_key(root) => {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(codes::NO_MEMBER, format!("`{root}` has no members"))
                         .at(expr.span, "it is made of results, not a run itself"),
                 );
@@ -300,7 +300,7 @@ impl<'a> Reporter<'a, '_> {
                 // neither an analysis nor a value, so the checker of expressions gives the message
                 let ty = self.checker.infer(&self.scope, expr);
                 if !ty.is_error() {
-                    self.tell(
+                    self.diagnose(
                         Diagnostic::error(codes::REPORT_SHAPE, "this is not of an analysis")
                             .at(expr.span, "no recorded channel"),
                     );
@@ -319,7 +319,7 @@ impl<'a> Reporter<'a, '_> {
     ) -> Option<Typed> {
         let whole = self.named(name, base.span)?;
         if !whole.list {
-            self.tell(
+            self.diagnose(
                 Diagnostic::error(codes::INDEX, format!("`{name}` is no list"))
                     .at(span, "indexed here"),
             );
@@ -336,7 +336,7 @@ impl<'a> Reporter<'a, '_> {
                 .and_then(|n| n.checked_sub(1))
                 .and_then(|n| whole.members.get(n));
             let Some(member) = member else {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::INDEX_OUTSIDE,
                         format!("there is no `{name}` with the index {number}"),
@@ -435,7 +435,7 @@ impl<'a> Reporter<'a, '_> {
     ) -> Option<Typed> {
         let count = match (a.list, b.list) {
             (true, true) if a.members.len() != b.members.len() => {
-                self.tell(
+                self.diagnose(
                     Diagnostic::error(
                         codes::REPORT_RUNS,
                         format!(

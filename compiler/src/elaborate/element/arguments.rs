@@ -28,7 +28,7 @@ impl<'a> Elaborator<'a, '_> {
         let mut arguments = Vec::new();
         for call in given {
             let places = self.call_at(call.call)?;
-            // a use through an interface knows the parameters of the interface, which the class has by name
+            // a use through an interface has the parameters of the interface, which the class has by name
             let of_interface: Option<Rc<[ClassParameter<'a>]>> = call
                 .interface
                 .map(|interface| lineage::parameters(self.program, interface).into());
@@ -183,7 +183,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Links the scopes of the texts of a class or record. A younger text sees all names of the elder ones. The
-    /// text of an interface sees a name of its class only if it asks for it.
+    /// text of an interface may use a name of its class only if it requires it.
     pub(super) fn link(&mut self, texts: &Texts<'a>) {
         for (younger, (_, scope)) in texts.iter().enumerate() {
             for (_, elder) in texts.iter().take(younger).rev() {

@@ -3,7 +3,7 @@
 use super::super::requirement::{Asked, Message, Part};
 use super::super::scalar::{Flag, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
 use super::super::value::{ScopeId, Value};
-use super::super::{Check, Elaborator, Entry, Eval, MessagePart as Told, Reported, location};
+use super::super::{Check, Elaborator, Entry, Eval, MessagePart as CheckPart, Reported, location};
 use super::Draft;
 use crate::codes;
 use crate::ir::Node;
@@ -83,19 +83,19 @@ impl<'a> Elaborator<'a, '_> {
         used_at: Option<Location>,
     ) -> Eval<Node> {
         let name = &state.name.text;
-        let (node, span, told) = match &state.scale {
+        let (node, span, message) = match &state.scale {
             Some(scale) => {
                 let value = self.evaluate(scale, own)?;
                 let s = self.as_scalar(value, scale.span)?;
-                let told = format!("the scale of the state `{name}` must be positive");
-                (self.bind_node(s, scale.span)?, scale.span, told)
+                let message = format!("the scale of the state `{name}` must be positive");
+                (self.bind_node(s, scale.span)?, scale.span, message)
             }
             None => {
                 let span = state.value.as_ref().map_or(state.name.span, |v| v.span);
-                let told = format!(
+                let message = format!(
                     "the state `{name}` starts at zero and has no scale; state the size from which it matters after its start: `… scale …`"
                 );
-                (self.bench.bind.graph.abs(start), span, told)
+                (self.bench.bind.graph.abs(start), span, message)
             }
         };
         let graph = &mut self.bench.bind.graph;
@@ -110,7 +110,7 @@ impl<'a> Elaborator<'a, '_> {
                 holds,
                 advise: false,
                 name: String::new(),
-                message: vec![Told::Text(told)],
+                message: vec![CheckPart::Text(message)],
                 path: path.to_owned(),
                 used_at,
                 defined_at: Some(location(span)),
@@ -237,8 +237,8 @@ impl<'a> Elaborator<'a, '_> {
                 advise: false,
                 name: String::new(),
                 message: vec![
-                    Told::Text("the length after `resolve` must be positive, not ".to_owned()),
-                    Told::Value(node, display),
+                    CheckPart::Text("the length after `resolve` must be positive, not ".to_owned()),
+                    CheckPart::Value(node, display),
                 ],
                 path: path.to_owned(),
                 used_at,

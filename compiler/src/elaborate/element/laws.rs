@@ -15,7 +15,9 @@ use crate::typed::types::Type;
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::{Binding, BindingKind, ItemKind, Kind, Statement};
 use eng_system::Dimension;
-use eng_system::system::summary::{Summary, SummaryColumn, SummaryParameter, SummaryRow, Taken};
+use eng_system::system::summary::{
+    Statistic, Summary, SummaryColumn, SummaryParameter, SummaryRow,
+};
 use eng_system::system::{FiringInfo, JournalInfo, Slot};
 
 /// Data of an element for the results, besides its channels. The element has no index and no channels yet.
@@ -46,9 +48,9 @@ fn outputs<'a>(level: &Level<'a>) -> impl Iterator<Item = Promise<'a>> {
 }
 
 /// The summary that an output has.
-fn taken(output: &Promise<'_>) -> Option<Taken> {
+fn statistic(output: &Promise<'_>) -> Option<Statistic> {
     let word = output.binding.summary.as_ref()?;
-    Taken::of(&word.text)
+    Statistic::of(&word.text)
 }
 
 impl<'a> Elaborator<'a, '_> {
@@ -217,7 +219,7 @@ impl<'a> Elaborator<'a, '_> {
         let of_interface = |level: &&Level<'a>| level.declaration.kind == Kind::Interface;
         let mut interfaces = class.levels.iter().filter(of_interface);
         let Some(eldest) =
-            interfaces.find(|level| outputs(level).any(|output| taken(&output).is_some()))
+            interfaces.find(|level| outputs(level).any(|output| statistic(&output).is_some()))
         else {
             return Ok(None);
         };
@@ -274,7 +276,7 @@ impl<'a> Elaborator<'a, '_> {
         let mut read = Vec::new();
         for level in class.levels.iter() {
             for output in outputs(level) {
-                let Some(taken) = taken(&output) else {
+                let Some(statistic) = statistic(&output) else {
                     continue;
                 };
                 let name = &output.binding.name;
@@ -283,7 +285,7 @@ impl<'a> Elaborator<'a, '_> {
                 let column = SummaryColumn {
                     output: name.text.clone(),
                     about: output.docs.join(" "),
-                    taken,
+                    statistic,
                 };
                 read.push((column, channel));
             }
@@ -298,7 +300,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         for (column, channel) in read {
             let same = |other: &SummaryColumn| {
-                (&other.output, other.taken) == (&column.output, column.taken)
+                (&other.output, other.statistic) == (&column.output, column.statistic)
             };
             match summary.columns.iter().position(same) {
                 Some(at) => row.channels[at] = Some(channel),

@@ -270,7 +270,7 @@ impl<'a> Elaborator<'a, '_> {
                     )
                     .at(call, "an acceleration, a reaction or an output of another element is in its condition")
                     .also(asked.span, "its condition is watched at every step")
-                    .with_help("call it in the class that knows the value, or a function without `require`"),
+                    .with_help("call it in the class that has the value, or a function without `require`"),
                 ));
             }
             element.asked.push(asked);

@@ -44,9 +44,7 @@ impl<'a> Elaborator<'a, '_> {
         use BinaryOp as B;
         match op {
             B::And | B::Or => return self.logic(op, a, b, a_span, b_span),
-            B::Equal | B::NotEqual | B::Less | B::LessEqual | B::Greater | B::GreaterEqual => {
-                return self.comparison(op, a, b, a_span, b_span);
-            }
+            _ if op.is_comparison() => return self.comparison(op, a, b, a_span, b_span),
             _ => {}
         }
         if let (Value::Int(x), Value::Int(y)) = (&a, &b) {

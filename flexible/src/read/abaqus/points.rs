@@ -37,7 +37,7 @@ pub(super) fn make(
             if !wanted(row.shape) {
                 return Err(keyword.problem(
                     &format!("element {} is of another type", row.label),
-                    "it takes elements of type MASS, ROTARYI or SPRING, as its name says",
+                    "it takes elements of type MASS, ROTARYI or SPRING, as its name states",
                 ));
             }
             if let Some(seen) = given.get_mut(index as usize)

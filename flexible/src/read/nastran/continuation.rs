@@ -44,7 +44,7 @@ struct Orphan {
     used: bool,
 }
 
-/// Takes lines and returns cards. A card without its continuation behind it waits until the end of the deck.
+/// Makes cards of lines. A card without its continuation behind it waits until the end of the deck.
 #[derive(Default)]
 pub(super) struct Assembler {
     open: Option<Open>,
@@ -59,8 +59,8 @@ pub(super) struct Assembler {
 }
 
 impl Assembler {
-    /// Takes a line. Returns the earlier cards that are now complete.
-    pub fn take(&mut self, line: &Line) -> Result<Vec<Card>, FileProblem> {
+    /// Adds a line. Returns the earlier cards that are now complete.
+    pub fn push(&mut self, line: &Line) -> Result<Vec<Card>, FileProblem> {
         let piece = cut(line)?;
         if piece.continues() {
             self.repeated.continued();

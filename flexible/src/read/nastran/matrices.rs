@@ -42,7 +42,7 @@ pub fn read_dmig(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMat
         if let Some(lost) = card.lost_problem() {
             return Err(lost);
         }
-        take(&card, name, &mut matrices)
+        add(&card, name, &mut matrices)
     })?;
     let mut held = Vec::new();
     let mut found = None;
@@ -59,7 +59,8 @@ pub fn read_dmig(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMat
     chosen(file, name, &held, found)
 }
 
-fn take(
+/// Adds the head or a column of a matrix.
+fn add(
     card: &Card,
     name: &str,
     matrices: &mut BTreeMap<String, Matrix>,
@@ -109,7 +110,7 @@ fn take(
     if matrix.is_numbered() && !(1..=count).contains(&column.0) {
         return Err(card.problem(
             &format!(
-                "column {} is none of the {count} that the head says",
+                "column {} is not among the {count} columns of the head",
                 column.0
             ),
             "NCOL of the head is missing or wrong",

@@ -66,7 +66,7 @@ pub fn read_bulk(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
         mass_scale: 1.0,
         ..Deck::default()
     };
-    let case = read_cards(files, name, |card| deck.take(&card))?;
+    let case = read_cards(files, name, |card| deck.add(&card))?;
     Ok(deck.mesh(name, &case)?)
 }
 
@@ -102,7 +102,7 @@ impl Deck {
     /// Keeps a card, or counts it. A card may call a missing continuation. Like Nastran, the reader then
     /// reads the card without it and lists this. It refuses the card if the continuation could hold nodes or
     /// whole lists.
-    fn take(&mut self, card: &Card) -> Result<(), FileProblem> {
+    fn add(&mut self, card: &Card) -> Result<(), FileProblem> {
         match (self.read(card), card.lost_problem()) {
             (Err(problem), None) => Err(problem),
             (Err(_), Some(problem)) => Err(problem),

@@ -620,7 +620,7 @@ impl<'d> Made<'d> {
         })
     }
 
-    /// Index of the material of a property. A beam knows E and G apart, so that any NU serves it.
+    /// Index of the material of a property. A beam uses E and G separately, so any NU is valid for it.
     fn material(&mut self, id: u64, user: &PropertyCard, usage: Use) -> Result<u32, FileProblem> {
         let Some(card) = self.cards.materials.get(&id) else {
             return Err(user.at.problem(

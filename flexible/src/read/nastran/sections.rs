@@ -44,7 +44,7 @@ pub(super) fn read_cards(
                     "give each superelement as a deck of its own; a whole deck can be included before other cards",
                 ));
             }
-            for card in cards.take(&line)? {
+            for card in cards.push(&line)? {
                 give(card)?;
             }
             continue;
@@ -66,12 +66,12 @@ pub(super) fn read_cards(
             .into_iter()
             .flat_map(|head| head.cards(begins, &mut case))
         {
-            for card in cards.take(&earlier)? {
+            for card in cards.push(&earlier)? {
                 give(card)?;
             }
         }
         if !begins {
-            for card in cards.take(&line)? {
+            for card in cards.push(&line)? {
                 give(card)?;
             }
         }
@@ -85,7 +85,7 @@ pub(super) fn read_cards(
             ));
         }
         for earlier in before.cards(false, &mut case) {
-            for card in cards.take(&earlier)? {
+            for card in cards.push(&earlier)? {
                 give(card)?;
             }
         }
@@ -179,7 +179,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cards_and_control_lines_are_told_apart() {
+    fn cards_and_control_lines_are_distinguished() {
         assert!(is_card("GRID", "GRID*   1"));
         assert!(is_card("GRID", "grid,1,,0.,0.,0."));
         assert!(!is_card("SPC", "SPC = 3"));

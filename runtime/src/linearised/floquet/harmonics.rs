@@ -17,7 +17,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// Share above which a further harmonic is reported.
-const TOLD: f64 = 0.1;
+const REPORTED: f64 = 0.1;
 
 /// The harmonics of a mode's motion as the ground sees it.
 #[derive(Clone, Debug, PartialEq)]
@@ -240,7 +240,7 @@ pub(super) fn harmonics(
         further: energies
             .iter()
             .skip(1)
-            .take_while(|(_, e)| *e > TOLD * whole)
+            .take_while(|(_, e)| *e > REPORTED * whole)
             .map(|(k, e)| (frequency(*k), e / whole))
             .collect(),
         whirl,

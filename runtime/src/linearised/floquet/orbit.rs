@@ -169,7 +169,7 @@ impl Course<'_> {
         seen(&self.model, self.running.sampled_state(), equations)
     }
 
-    fn tell(&mut self, part: f64) -> Result<(), RuntimeError> {
+    fn report(&mut self, part: f64) -> Result<(), RuntimeError> {
         let advance = Advance::new(&self.running, part);
         follow(&self.running, self.observer, &advance, false)
     }
@@ -271,7 +271,7 @@ pub(super) fn round(
             coarse.iter_mut().for_each(March::end_segment);
             segment += 1;
         }
-        course.tell((pair + 1) as f64 / pairs as f64)?;
+        course.report((pair + 1) as f64 / pairs as f64)?;
     }
     fine.close(&first);
     coarse.iter_mut().for_each(|march| march.close(&first));

@@ -1,6 +1,6 @@
 //! Held directions of a balance: stated positions, moving parts, and directions that nothing holds.
 
-use super::telling::not_finite;
+use super::describing::not_finite;
 use super::{Balance, NEUTRAL, Place, Stop};
 use crate::assembly::at;
 use crate::assembly::rows::{Along, Rows};

@@ -17,7 +17,7 @@
 //! the text states upside down is kept, with a warning. (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35
 //! (1998) 508.)
 
-use super::telling::not_finite;
+use super::describing::not_finite;
 use super::{Balance, NEUTRAL, Place, REACH, Stop};
 use crate::start::picking::split;
 use crate::start::{Equilibrium, Unstable};

@@ -46,7 +46,7 @@ const TURNS: f64 = 1e-6;
 #[derive(Debug)]
 pub(super) enum NoOrbit {
     /// A reason.
-    Told(String),
+    Reason(String),
     /// The model cannot be evaluated.
     Stop(Stop),
 }
@@ -55,7 +55,7 @@ impl NoOrbit {
     /// The reason in words; an error is returned as such.
     fn reason(self) -> Result<String, Stop> {
         match self {
-            NoOrbit::Told(reason) => Ok(reason),
+            NoOrbit::Reason(reason) => Ok(reason),
             NoOrbit::Stop(Stop::Obstacle(stop)) => {
                 Ok(format!("{}: {}", stop.origin.path, stop.message))
             }
@@ -73,7 +73,7 @@ impl<E: Into<Stop>> From<E> for NoOrbit {
 fn singular(error: NoMotion) -> NoOrbit {
     match error {
         NoMotion::Singular => {
-            NoOrbit::Told("its velocities are not determined at every angle of a turn".to_owned())
+            NoOrbit::Reason("its velocities are not determined at every angle of a turn".to_owned())
         }
         NoMotion::Error(error) => NoOrbit::Stop(error.into()),
     }
@@ -114,11 +114,11 @@ impl Balance<'_> {
         self.turned = None;
         let reason = match orbit {
             Ok(orbit) => {
-                found.turning = Some(orbit.told);
+                found.turning = Some(orbit.turning);
                 found.portions = found.portions.max(1);
                 self.velocity = orbit.velocity;
                 self.acceleration = orbit.acceleration;
-                return self.told_of(state, &orbit.place, found);
+                return self.adopt(state, &orbit.place, found);
             }
             Err(none) => none.reason()?,
         };
@@ -128,7 +128,7 @@ impl Balance<'_> {
         }
         let origin = self.turning_body().cloned().unwrap_or_default();
         found.turning = Some(Turning::WithTheBody { origin, reason });
-        self.told_of(state, &place, found)
+        self.adopt(state, &place, found)
     }
 
     /// The start in films. The motion is integrated from a balance without the inertia of bending. With this
@@ -140,9 +140,9 @@ impl Balance<'_> {
         let reason = match begun {
             Ok((place, mut found)) => match self.follow(&place) {
                 Ok(followed) => {
-                    found.turning = Some(followed.told);
+                    found.turning = Some(followed.turning);
                     self.velocity = followed.velocity;
-                    return self.told_of(state, &followed.place, found);
+                    return self.adopt(state, &followed.place, found);
                 }
                 Err(none) => none.reason()?,
             },
@@ -152,7 +152,7 @@ impl Balance<'_> {
         let (place, mut found) = self.balanced(state)?;
         let origin = self.turning_body().cloned().unwrap_or_default();
         found.turning = Some(Turning::WithTheBody { origin, reason });
-        self.told_of(state, &place, found)
+        self.adopt(state, &place, found)
     }
 
     /// The repeating motion, from a position in it.
@@ -172,5 +172,5 @@ struct Orbit {
     place: Place,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
-    told: Turning,
+    turning: Turning,
 }

@@ -67,7 +67,7 @@ pub fn read_op2_matrix(
             if column != matrix.columns {
                 return Err(blocks.problem(
                     format!(
-                        "matrix {} has {column} columns, its head says {}",
+                        "matrix {} has {column} columns, but its head states {}",
                         matrix.name, matrix.columns
                     ),
                     "the file is damaged",
@@ -176,7 +176,7 @@ fn entries(
         }
     };
     let place = match column.checked_sub(1) {
-        Some(place) if place < matrix.columns => place as u32, // as many as the head says, which fit
+        Some(place) if place < matrix.columns => place as u32, // as many as the head states, which fit
         _ => {
             return Err(damaged(format!(
                 "there are only {} columns",

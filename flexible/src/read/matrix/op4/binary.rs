@@ -3,12 +3,12 @@
 
 use super::super::CUT;
 use super::super::bytes::{Order, Records};
-use super::{Head, Taken, Wrong, keep};
+use super::{Found, Head, Wrong, keep};
 use crate::error::FileProblem;
 use crate::read::Files;
 use crate::read::matrix::ForeignMatrix;
 
-pub(super) fn read(files: &dyn Files, file: &str, take: &mut Taken) -> Result<(), FileProblem> {
+pub(super) fn read(files: &dyn Files, file: &str, found: &mut Found) -> Result<(), FileProblem> {
     let (mut records, length) = Records::open(files, file, &[24, 48], "OP4 file")?;
     let key = if length == 24 { 4 } else { 8 };
     while let Some(record) = records.next_record()? {
@@ -31,14 +31,14 @@ pub(super) fn read(files: &dyn Files, file: &str, take: &mut Taken) -> Result<()
         }
         let name = name(record.get(4 * key..).unwrap_or(&[]));
         let head = Head::new(name, integer(0), integer(1), integer(3)).map_err(located)?;
-        let mut matrix = if take.wants(&head) {
+        let mut matrix = if found.wants(&head) {
             Some(head.empty_matrix(file).map_err(located)?)
         } else {
             None
         };
         columns(&mut records, &head, key, matrix.as_mut())?;
         if matrix.is_some() {
-            take.found = matrix;
+            found.found = matrix;
         }
     }
     Ok(())
@@ -94,7 +94,7 @@ fn columns(
         if record.len() < 3 * key || ![4, 8].contains(&word) || word * words != data.len() {
             return Err(records.problem(
                 format!(
-                    "column {column} of matrix {} says it has {} words, but has {} bytes",
+                    "column {column} of matrix {} states {} words, but has {} bytes",
                     head.name,
                     integer(2),
                     data.len()

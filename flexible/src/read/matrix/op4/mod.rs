@@ -29,27 +29,27 @@ pub fn read_op4(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMatr
         .all(|byte| byte.is_ascii_digit() || byte.is_ascii_whitespace() || *byte == b'-')
         && !start.is_empty();
     drop(reader);
-    let mut take = Taken {
+    let mut found = Found {
         name,
         held: Vec::new(),
         found: None,
     };
     if is_text {
-        text::read(files, file, &mut take)?;
+        text::read(files, file, &mut found)?;
     } else {
-        binary::read(files, file, &mut take)?;
+        binary::read(files, file, &mut found)?;
     }
-    chosen(file, name, &take.held, take.found)
+    chosen(file, name, &found.held, found.found)
 }
 
 /// The matrices of the file so far, and the wanted one.
-struct Taken<'n> {
+struct Found<'n> {
     name: &'n str,
     held: Vec<Held>,
     found: Option<ForeignMatrix>,
 }
 
-impl Taken<'_> {
+impl Found<'_> {
     /// Whether the matrix with this head is the wanted one. It also notes the head.
     fn wants(&mut self, head: &Head) -> bool {
         self.held.push(Held {

@@ -2,12 +2,12 @@
 //! separates them.
 
 use super::super::text::{NUMBERS, Text, columns, real};
-use super::{Head, Taken, Wrong, keep};
+use super::{Found, Head, Wrong, keep};
 use crate::error::FileProblem;
 use crate::read::matrix::ForeignMatrix;
 use crate::read::{Files, number};
 
-pub(super) fn read(files: &dyn Files, file: &str, take: &mut Taken) -> Result<(), FileProblem> {
+pub(super) fn read(files: &dyn Files, file: &str, found: &mut Found) -> Result<(), FileProblem> {
     let mut text = Text::open(files, file)?;
     while let Some(line) = text.next_line()? {
         if line.is_empty() {
@@ -31,7 +31,7 @@ pub(super) fn read(files: &dyn Files, file: &str, take: &mut Taken) -> Result<()
         };
         let head = Head::new(name, column_count, row_count, kind);
         let head = head.map_err(|(problem, advice)| text.problem(problem, advice))?;
-        let mut matrix = if take.wants(&head) {
+        let mut matrix = if found.wants(&head) {
             let empty = head.empty_matrix(file);
             Some(empty.map_err(|(problem, advice)| text.problem(problem, advice))?)
         } else {
@@ -39,7 +39,7 @@ pub(super) fn read(files: &dyn Files, file: &str, take: &mut Taken) -> Result<()
         };
         read_columns(&mut text, &head, format, matrix.as_mut())?;
         if matrix.is_some() {
-            take.found = matrix;
+            found.found = matrix;
         }
     }
     Ok(())
@@ -108,7 +108,7 @@ fn read_columns(
                     "the head of a column after column {last} of matrix {}: column, row, words",
                     head.name
                 ),
-                "the file is damaged, or its values have another width than its format says",
+                "the file is damaged, or its values have another width than its format states",
             ));
         };
         let located = |text: &Text, (problem, advice): Wrong| text.problem(problem, advice);
@@ -142,7 +142,7 @@ fn read_columns(
                 _ => {
                     return Err(text.wrong(
                         "the head of a string of entries",
-                        "the file is damaged, or its values have another width than its format says",
+                        "the file is damaged, or its values have another width than its format states",
                     ));
                 }
             };
@@ -242,7 +242,7 @@ fn values(
                     "the line has {length} columns where {here} values of {} should be",
                     format.width
                 ),
-                "the line was cut or edited, or the values have another width than the head's format says".into(),
+                "the line was cut or edited, or the values have another width than the head's format states".into(),
             ));
         }
         if let Some((problem, advice)) = wrong {

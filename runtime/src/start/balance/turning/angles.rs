@@ -2,8 +2,9 @@
 
 use super::super::{Balance, Place, Stop};
 use super::derivative::{PeriodicDerivative, refined};
+use super::followed::offset;
 use super::krylov::gmres;
-use super::path::{Path, turn_between};
+use super::path::Path;
 use super::tangent::Tangent;
 use super::{NoOrbit, Orbit, singular};
 use crate::model::Model;
@@ -96,7 +97,7 @@ fn chosen(balance: &mut Balance, state: &State) -> Result<Vec<usize>, NoOrbit> {
     let mut chosen = Vec::new();
     for i in 0..rows.nrows() {
         let left = split(&(rows.rows(i, 1) * &free))
-            .ok_or_else(|| NoOrbit::Told("its rows are no numbers".to_owned()))?;
+            .ok_or_else(|| NoOrbit::Reason("its rows are no numbers".to_owned()))?;
         if left.pick.nrows() > 0 {
             chosen.push(i);
             free *= left.free;
@@ -112,7 +113,7 @@ fn held_at(
 ) -> Result<DMatrix<f64>, NoOrbit> {
     let rows = candidates(balance, state)?;
     if chosen.iter().any(|i| *i >= rows.nrows()) {
-        return Err(NoOrbit::Told(
+        return Err(NoOrbit::Reason(
             "the stated values differ from angle to angle".to_owned(),
         ));
     }
@@ -173,19 +174,7 @@ impl Angles {
             .iter()
             .zip(path.states.iter().step_by(2))
             .map(|(angle, base)| {
-                let mut off = vec![0.0; model.velocities];
-                let (pose, base) = (&angle.place.state.pose, &base.pose);
-                for body in &model.bodies {
-                    let (p, v) = (body.pose, body.velocity);
-                    for i in 0..3 {
-                        off[v + i] = pose[p + i] - base[p + i];
-                    }
-                    let turn = turn_between(&base[p + 3..p + 7], &pose[p + 3..p + 7]);
-                    off[v + 3..v + 6].copy_from_slice(turn.as_slice());
-                    for i in 0..body.modes() {
-                        off[v + 6 + i] = pose[p + 7 + i] - base[p + 7 + i];
-                    }
-                }
+                let mut off = offset(model, &base.pose, &angle.place.state.pose);
                 off.extend(&angle.place.state.multipliers);
                 off
             })
@@ -267,10 +256,10 @@ impl Angles {
                 return Ok(());
             }
             if size > FAR {
-                return Err(NoOrbit::Told(self.resonance(balance, &steps)));
+                return Err(NoOrbit::Reason(self.resonance(balance, &steps)));
             }
             if solution.residual > STALLED {
-                return Err(NoOrbit::Told(format!(
+                return Err(NoOrbit::Reason(format!(
                     "the equations of all angles are not solved: {} products leave {:.0} % of the unbalanced load",
                     solution.products,
                     100.0 * solution.residual
@@ -287,7 +276,7 @@ impl Angles {
                 last = f64::INFINITY;
             }
         }
-        Err(NoOrbit::Told(
+        Err(NoOrbit::Reason(
             "Newton's method finds no motion that repeats".to_owned(),
         ))
     }
@@ -402,7 +391,7 @@ impl Angles {
             place: first.place,
             velocity: first.velocity,
             acceleration: first.acceleration,
-            told: Turning::Repeating {
+            turning: Turning::Repeating {
                 angles: count,
                 period,
                 change,

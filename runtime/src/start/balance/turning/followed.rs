@@ -71,7 +71,7 @@ const SAME: f64 = 1e-8;
 pub(super) struct Followed {
     pub place: Place,
     pub velocity: Vec<f64>,
-    pub told: Turning,
+    pub turning: Turning,
 }
 
 /// The scheme between two states of the motion.
@@ -111,7 +111,7 @@ fn still_states(pattern: &Pattern, states: std::ops::Range<usize>, values: &mut 
 }
 
 fn no_step() -> NoOrbit {
-    NoOrbit::Told("a step along its motion has no solution".to_owned())
+    NoOrbit::Reason("a step along its motion has no solution".to_owned())
 }
 
 impl Follower {
@@ -311,7 +311,7 @@ impl Follower {
     fn accept(&mut self, balance: &mut Balance) -> Result<(), NoOrbit> {
         let model = balance.model;
         let h = self.step;
-        self.integrator.take_trial(model, h);
+        self.integrator.apply_trial(model, h);
         let time = self.integrator.current.time + h;
         self.integrator.accept(model, h, time);
         let now = &mut self.integrator.current;
@@ -404,7 +404,7 @@ fn unscaled(unknowns: &[f64], scales: &[f64]) -> Vec<f64> {
 }
 
 /// The increment from one position to another.
-fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
+pub(super) fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
     for body in &model.bodies {
         let (p, v) = (body.pose, body.velocity);
@@ -519,7 +519,7 @@ impl Balance<'_> {
             }
         }
         if off > NEARLY || off.is_nan() {
-            return Err(NoOrbit::Told(format!(
+            return Err(NoOrbit::Reason(format!(
                 "its motion on the films does not repeat: the {PERIODS}th period of {:.4} ms changes the bending by {} of itself",
                 1e3 * period,
                 short(off, 2)
@@ -533,7 +533,7 @@ impl Balance<'_> {
                 efforts: place.efforts.clone(),
             },
             velocity,
-            told: Turning::Followed {
+            turning: Turning::Followed {
                 periods: followed,
                 period,
                 change: off,
@@ -617,7 +617,7 @@ impl Balance<'_> {
             Some(across * factors)
         });
         found.ok_or_else(|| {
-            NoOrbit::Told("the stated values cannot hold along its motion".to_owned())
+            NoOrbit::Reason("the stated values cannot hold along its motion".to_owned())
         })
     }
 

@@ -45,7 +45,7 @@ fn scaled(balance: &Balance, velocity: &[f64]) -> DVector<f64> {
 }
 
 fn no_numbers() -> NoOrbit {
-    NoOrbit::Told("its rows are no numbers".to_owned())
+    NoOrbit::Reason("its rows are no numbers".to_owned())
 }
 
 impl Kept {

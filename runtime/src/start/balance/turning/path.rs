@@ -76,7 +76,7 @@ impl Path {
                 }
             }
         }
-        Err(NoOrbit::Told(if cycle.is_some() {
+        Err(NoOrbit::Reason(if cycle.is_some() {
             format!("the motion does not repeat after a cycle: {off}")
         } else {
             format!("the motion does not repeat within {MOST_TURNS} turns: {off}")
@@ -127,7 +127,7 @@ pub(super) fn period_of(balance: &Balance, place: &Place) -> Result<(f64, f64), 
         .find(|turns| comes_round(turns * turn))
         .map(|turns| (turns * turn, turns))
         .ok_or_else(|| {
-            NoOrbit::Told(format!(
+            NoOrbit::Reason(format!(
                 "the motion does not repeat within {MOST_TURNS} turns"
             ))
         })
@@ -149,7 +149,7 @@ fn slowest_turn(balance: &Balance) -> Result<f64, NoOrbit> {
         .reduce(f64::min);
     match slowest {
         Some(speed) => Ok(TAU / speed),
-        None => Err(NoOrbit::Told("the motion has no period".to_owned())),
+        None => Err(NoOrbit::Reason("the motion has no period".to_owned())),
     }
 }
 

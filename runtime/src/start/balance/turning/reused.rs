@@ -45,7 +45,7 @@ pub(super) struct Reused {
     before: Vec<f64>,
     moved: Vec<f64>,
     paired: bool,
-    /// Size of the last correction in this step with the present factors, and whether its contraction asks for others.
+    /// Size of the last correction in this step with the present factors, and whether its contraction requires others.
     last: Option<f64>,
     slow: bool,
 }
@@ -144,13 +144,13 @@ impl Reused {
     /// Improves a correction of the factors.
     pub fn improve(&mut self, correction: &mut [f64]) {
         if self.paired {
-            self.secants.take(&self.moved, &self.before, correction);
+            self.secants.add(&self.moved, &self.before, correction);
         }
         self.before.copy_from_slice(correction);
         self.secants.improve(correction);
     }
 
-    /// Takes the part of a correction of this size that is applied. With the contraction of the factors it tells whether the error
+    /// Takes the part of a correction of this size that is applied. With the contraction of the factors it shows whether the error
     /// that is left is below a goal.
     pub fn applied(&mut self, correction: &[f64], part: f64, size: f64, goal: f64) -> Next {
         for (moved, x) in self.moved.iter_mut().zip(correction) {

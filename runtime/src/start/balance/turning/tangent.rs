@@ -243,7 +243,7 @@ impl Tangent {
         let mut out = Vec::with_capacity(x.len());
         for (part, local) in self.parts(x).iter().zip(&self.locals) {
             let solved = local.factors.solve(part).ok_or_else(|| {
-                NoOrbit::Told("its balance has no stiffness at an angle of the turn".to_owned())
+                NoOrbit::Reason("its balance has no stiffness at an angle of the turn".to_owned())
             })?;
             out.extend(solved.iter());
         }

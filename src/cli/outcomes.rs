@@ -1,7 +1,7 @@
 //! The output of a run for each analysis that ends: messages, tables, files.
 
 use super::arguments::RunArguments;
-use super::files::{draw_all, told_of, wrote};
+use super::files::{draw_all, or_stop, wrote};
 use super::terminal::Terminal;
 use super::{Refusal, Stop};
 use crate::analysis::Failed;
@@ -17,33 +17,37 @@ use std::path::Path;
 /// The end of an analysis.
 pub(super) type Ended = Result<RunOutcome, Failed<RunOutcome>>;
 
-/// The reports of the analyses, in the order of the text and not in the order of their ends.
-pub(super) struct Told<'a> {
+/// The ends of the analyses, in the order of the text and not in the order of their ends.
+pub(super) struct Outcomes<'a> {
     pub arguments: &'a RunArguments,
     pub program: &'a Program,
     /// The folder of the results.
     pub folder: &'a Path,
-    pub outcomes: Vec<RunOutcome>,
+    pub completed: Vec<RunOutcome>,
     /// Names of the analyses that failed.
     pub failures: Vec<String>,
     /// Messages so far. Each is printed once, although analyses of one model often fail in the same way.
     messages: Vec<Diagnostic>,
 }
 
-impl<'a> Told<'a> {
-    pub fn new(arguments: &'a RunArguments, program: &'a Program, folder: &'a Path) -> Told<'a> {
-        Told {
+impl<'a> Outcomes<'a> {
+    pub fn new(
+        arguments: &'a RunArguments,
+        program: &'a Program,
+        folder: &'a Path,
+    ) -> Outcomes<'a> {
+        Outcomes {
             arguments,
             program,
             folder,
-            outcomes: Vec::new(),
+            completed: Vec::new(),
             failures: Vec::new(),
             messages: Vec::new(),
         }
     }
 
-    /// Reports an analysis that has ended.
-    pub fn tell(
+    /// Adds an analysis that has ended, and prints its report.
+    pub fn add(
         &mut self,
         analysis: &str,
         ended: Ended,
@@ -53,7 +57,7 @@ impl<'a> Told<'a> {
             Ok(outcome) => {
                 self.show(&outcome.diagnostics, console)?;
                 self.written(&outcome, console)?;
-                self.outcomes.push(outcome);
+                self.completed.push(outcome);
                 return Ok(());
             }
             Err(failed) => failed,
@@ -105,7 +109,7 @@ impl<'a> Told<'a> {
     /// Prints the table of an analysis and the names of its files, which the run itself has written. Writes
     /// the other requested files.
     fn written(&self, outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop> {
-        let Told {
+        let Outcomes {
             arguments, folder, ..
         } = *self;
         let results = &outcome.results;
@@ -121,7 +125,7 @@ impl<'a> Told<'a> {
             wrote(&matrices, arguments, console)?;
         }
         if arguments.csv {
-            let path = told_of(results.write_csv(folder), console)?;
+            let path = or_stop(results.write_csv(folder), console)?;
             wrote(&path, arguments, console)?;
         }
         // for a sweep the table over its points is more useful; modes and a single state have no history

@@ -67,7 +67,7 @@ impl Balance<'_> {
     }
 
     /// The held directions with their forces, by their rows.
-    pub(super) fn told(&self, place: &Place) -> Vec<Held> {
+    pub(super) fn held_directions(&self, place: &Place) -> Vec<Held> {
         let model = self.model;
         let owners: Vec<(Origin, bool)> = self
             .stated
