@@ -10,8 +10,8 @@
 //! [`TableKink`] says how smooth it must be there.
 //!
 //! A kink in a branch that is not selected changes nothing. So each function has a number that is 1 while the value
-//! of its operation is used, and 0 while each `if` on the way selects another branch. `min` and `max` use both arguments, because their own kink
-//! depends on both.
+//! of its operation is used, and 0 while each `if` on the way selects another branch. `min` and `max` use both arguments, because
+//! their own kink depends on both.
 //!
 //! An operation on parameters alone is no part of this graph, because the class reads its value as a constant. If such a
 //! value follows an input, the element has the kink function and its rate as two more constants ([`BoundKink`]).
@@ -142,6 +142,51 @@ fn named(graph: &Graph, node: Node) -> Node {
     }
 }
 
+/// The kink functions found so far, in their order.
+#[derive(Default)]
+struct Found {
+    places: Vec<KinkPlace>,
+    kinds: Vec<KinkKind>,
+    values: Vec<Node>,
+    /// Handles of tables; −1 for others.
+    handles: Vec<Node>,
+    /// 1 where the operation is used, else 0.
+    active: Vec<Node>,
+}
+
+impl Found {
+    fn add(&mut self, (place, kind): (KinkPlace, KinkKind), [value, handle, used]: [Node; 3]) {
+        self.places.push(place);
+        self.kinds.push(kind);
+        self.values.push(value);
+        self.handles.push(handle);
+        self.active.push(used);
+    }
+
+    /// Joins a function to the same one of another operation: it is used where one of both is, and as smooth as one of both
+    /// needs. `false` if there is none.
+    fn join(
+        &mut self,
+        graph: &mut Graph,
+        (place, kind): (KinkPlace, KinkKind),
+        [value, handle, used]: [Node; 3],
+    ) -> bool {
+        let mut known = (self.values.iter().zip(&self.handles)).zip(&self.places);
+        let Some(known) = known.position(|((its_value, its_handle), its_place)| {
+            *its_value == value && *its_handle == handle && its_place.argument == place.argument
+        }) else {
+            return false;
+        };
+        self.active[known] = either(graph, Some(self.active[known]), used);
+        let known = &mut self.kinds[known];
+        known.constrains |= kind.constrains;
+        if let (Some(known), Some(table)) = (&mut known.table, kind.table) {
+            known.smooth = known.smooth.max(table.smooth);
+        }
+        true
+    }
+}
+
 /// Finds the kink functions that constraints, loads and rates depend on, and adds their rates to the graph. The rate of a
 /// state is that of the class; `changing` gives the rates of constants that follow inputs, by their inputs.
 pub(crate) fn find(
@@ -152,98 +197,115 @@ pub(crate) fn find(
     (turns, wraps, bound): (&[Node], &[(Node, Node)], &[BoundKink]),
 ) -> Result<Kinks, DifferentiateError> {
     let watched: Vec<Node> = rows.iter().chain(loads).chain(rates).copied().collect();
-    let count = graph.nodes().len();
     let used = uses(graph, &watched);
     let of_rows = smoothly_needed(graph, rows);
     let (nowhere, zero) = (graph.constant(-1.0), graph.constant(0.0));
-    let mut kinks = Kinks::default();
-    let mut functions: Vec<KinkFunction> = Vec::new();
-    let mut active: Vec<Node> = Vec::new();
-    for node in (0..count as u32).map(Node) {
-        let Some(used) = used[node.0 as usize].filter(|_| !turns.contains(&node)) else {
+    let mut found = Found::default();
+    for (index, used) in used.iter().enumerate() {
+        let node = Node(index as u32);
+        let Some(used) = used.filter(|_| !turns.contains(&node)) else {
             continue;
         };
-        let constrains = of_rows[node.0 as usize];
-        for function in functions_of(graph, graph.op(node)) {
-            let mut used = used;
-            if let Some(below) = function.below {
-                let cut = graph.less(below, zero);
-                used = graph.select(cut, used, zero);
-                if used == zero {
-                    continue;
+        let constrains = of_rows[index];
+        let op = graph.op(node);
+        for function in functions_of(graph, op) {
+            let used = match function.below {
+                Some(below) => {
+                    let cut = graph.less(below, zero);
+                    graph.select(cut, used, zero)
                 }
-            }
-            let handle_and_argument =
-                |f: &KinkFunction| f.table.map(|(handle, kind)| (handle, kind.argument));
-            let table = function.table.map(|(_, kind)| TableKink {
-                smooth: kind.smooth
-                    + if constrains {
-                        OF_CONSTRAINTS - OF_LOADS
-                    } else {
-                        0
-                    },
-                ..kind
-            });
-            let same = |known: &KinkFunction| {
-                known.value == function.value
-                    && handle_and_argument(known) == handle_and_argument(&function)
+                None => used,
             };
-            if let Some(known) = functions.iter().position(same) {
-                active[known] = either(graph, Some(active[known]), used);
-                let kind = &mut kinks.kinds[known];
-                kind.constrains |= constrains;
-                if let (Some(known), Some(now)) = (&mut kind.table, table) {
-                    known.smooth = known.smooth.max(now.smooth);
-                }
+            if used == zero {
                 continue;
             }
+            let more = if constrains {
+                OF_CONSTRAINTS - OF_LOADS
+            } else {
+                0
+            };
+            let table = function.table.map(|(_, kind)| TableKink {
+                smooth: kind.smooth + more,
+                ..kind
+            });
             let value = function.value;
-            if !moves(graph, layout, value, changing)
-                || known_in_outputs_only(graph, &[value], layout)
-                // the answers of a field have no known rate
-                || uses_fields(graph, &[value], layout, false)
+            let place = KinkPlace {
+                node: named(graph, node),
+                argument: table.map_or(0, |kind| kind.argument),
+            };
+            let kind = KinkKind {
+                table,
+                constrains,
+                wraps: false,
+            };
+            let handle = function.table.map_or(nowhere, |(handle, _)| handle);
+            if found.join(graph, (place, kind), [value, handle, used])
+                || !changes(graph, layout, value, changing)
             {
                 continue;
             }
-            kinks.places.push(KinkPlace {
-                node: named(graph, node),
-                argument: table.map_or(0, |kind| kind.argument),
-            });
-            let parts = dependencies(graph, &[value]);
-            kinks.kinds.push(KinkKind {
-                table,
-                constrains,
-                // a count of turns is a sum of chosen constants
-                wraps: (turns.iter()).any(|turn| {
-                    parts[turn.0 as usize] && matches!(graph.op(*turn), Op::Select(..))
-                }),
-            });
-            functions.push(function);
-            active.push(used);
+            let kind = KinkKind {
+                wraps: jumps_with_turns(graph, value, turns),
+                ..kind
+            };
+            found.add((place, kind), [value, handle, used]);
         }
     }
-    let mut values: Vec<Node> = functions.iter().map(|function| function.value).collect();
-    let handles = functions
-        .iter()
-        .map(|f| f.table.map_or(nowhere, |(handle, _)| handle));
-    let mut handles: Vec<Node> = handles.collect();
     // where a `wrapped` angle begins anew, a constraint must not jump
-    for (wrapped, value) in wraps {
-        let Some(used) = used[wrapped.0 as usize].filter(|_| of_rows[wrapped.0 as usize]) else {
+    for (node, value) in wraps {
+        let Some(used) = used[node.0 as usize].filter(|_| of_rows[node.0 as usize]) else {
             continue;
         };
-        let node = *wrapped;
-        kinks.places.push(KinkPlace { node, argument: 0 });
-        kinks.kinds.push(KinkKind {
+        let place = KinkPlace {
+            node: *node,
+            argument: 0,
+        };
+        let kind = KinkKind {
             constrains: true,
             ..KinkKind::default()
-        });
-        values.push(*value);
-        handles.push(nowhere);
-        active.push(used);
+        };
+        found.add((place, kind), [*value, nowhere, used]);
     }
+    with_rates(graph, layout, found, (rates, changing), bound)
+}
+
+/// Whether a function changes with the motion, and its rate is known.
+fn changes(
+    graph: &Graph,
+    layout: &InputLayout,
+    value: Node,
+    changing: &BTreeMap<u32, Node>,
+) -> bool {
+    moves(graph, layout, value, changing)
+        && !known_in_outputs_only(graph, &[value], layout)
+        // the answers of a field have no known rate
+        && !uses_fields(graph, &[value], layout, false)
+}
+
+/// Whether a function jumps where a `wrapped` angle begins anew: it depends on a count of turns, which is a sum of chosen constants.
+fn jumps_with_turns(graph: &Graph, value: Node, turns: &[Node]) -> bool {
+    let parts = dependencies(graph, &[value]);
+    let mut turns = turns.iter();
+    turns.any(|turn| parts[turn.0 as usize] && matches!(graph.op(*turn), Op::Select(..)))
+}
+
+/// The functions with their rates, and those of constants behind them.
+fn with_rates(
+    graph: &mut Graph,
+    layout: &InputLayout,
+    found: Found,
+    (rates, changing): (&[Node], &BTreeMap<u32, Node>),
+    bound: &[BoundKink],
+) -> Result<Kinks, DifferentiateError> {
+    let Found {
+        places,
+        mut kinds,
+        mut values,
+        mut handles,
+        mut active,
+    } = found;
     if values.is_empty() && bound.is_empty() {
-        return Ok(kinks);
+        return Ok(Kinks::default());
     }
     let mut slopes = time_derivative_with(
         graph,
@@ -252,24 +314,28 @@ pub(crate) fn find(
         (Some(rates), changing),
         Accelerations::Inputs,
     )?;
-    kinks.reads_accelerations = inputs_of(graph, &slopes)
+    let reads_accelerations = inputs_of(graph, &slopes)
         .into_iter()
         .any(|input| Place::of(layout, input) == Place::Acceleration);
-    let always = graph.constant(1.0);
+    let (nowhere, always) = (graph.constant(-1.0), graph.constant(1.0));
     for kink in bound {
         let mut constant = |index: u32| graph.input(layout.constant(index));
         values.push(constant(kink.value));
         slopes.push(constant(kink.rate));
         handles.push(kink.table.map_or(nowhere, |(handle, _)| constant(handle)));
         active.push(always);
-        kinks.kinds.push(KinkKind {
+        kinds.push(KinkKind {
             table: kink.table.map(|(_, kind)| kind),
             ..KinkKind::default()
         });
     }
     let outputs = values.into_iter().chain(slopes).chain(handles);
-    kinks.outputs = outputs.chain(active).collect();
-    Ok(kinks)
+    Ok(Kinks {
+        places,
+        kinds,
+        outputs: outputs.chain(active).collect(),
+        reads_accelerations,
+    })
 }
 
 /// For each operation a number that is 1 while values depend on it by the branches that `if` selects, else 0.
