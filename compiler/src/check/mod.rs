@@ -100,8 +100,6 @@ struct Checker<'p> {
     lints: BTreeSet<&'p str>,
     /// Places of angles with a finished check for turns, so that each gets one message.
     turns_reported: BTreeSet<Span>,
-    /// The last expression with a unit behind a value, which a message reported.
-    unit_behind: Option<Span>,
     /// The findings for later stages.
     findings: Findings,
 }
@@ -175,7 +173,6 @@ impl<'p> Checker<'p> {
             depth: 0,
             lints: program.lints(),
             turns_reported: BTreeSet::new(),
-            unit_behind: None,
             findings: Findings::default(),
         }
     }

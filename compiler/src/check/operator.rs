@@ -42,7 +42,9 @@ impl<'p> Checker<'p> {
             self.condition(scope, right, &format!("the right side of `{}`", sign(op)));
             return Type::Bool;
         }
-        if self.blank_in_unit(scope, op, left, right) {
+        if self.blank_in_unit(scope, op, left, right)
+            || self.units_behind_values(scope, (op, op_span), left, right)
+        {
             return Type::Error;
         }
         if matches!(op, BinaryOp::Equal | BinaryOp::NotEqual) {

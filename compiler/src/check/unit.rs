@@ -68,30 +68,18 @@ impl<'p> Checker<'p> {
         left: &Expr,
         right: &Expr,
     ) -> bool {
-        let base = match &right.kind {
-            ExprKind::Binary {
-                op: BinaryOp::Power,
-                left,
-                ..
-            } => left,
-            _ => right,
-        };
-        let ExprKind::Name(name) = &base.kind else {
+        let Some((name, place)) = base_name(right) else {
             return false;
         };
         if !behind_unit(operator, left, right)
-            || super::scope::BUILT_IN_NAMES.contains(&name.as_str())
+            || super::scope::BUILT_IN_NAMES.contains(&name)
             || self.find(scope, name).is_some()
         {
             return false;
         }
-        if self.program.units.contains_key(name) {
-            self.unit_behind_value(operator, left, right, name);
-            return true;
-        }
         let factor = |span: Span| UnitFactor {
             name: Name {
-                text: name.clone(),
+                text: name.to_owned(),
                 span,
             },
             numerator: 1,
@@ -99,51 +87,95 @@ impl<'p> Checker<'p> {
         };
         // the units before it do not matter, but a factor among others may have any dimension
         let whole = UnitExpr {
-            span: left.span.to(base.span),
-            factors: vec![factor(left.span), factor(base.span)],
+            span: left.span.to(place),
+            factors: vec![factor(left.span), factor(place)],
         };
         self.unknown_unit(scope, 1, &whole);
         true
     }
 
-    /// Reports a unit behind a value, where the text is a value, too: `3 N*depth/mm`.
-    fn unit_behind_value(
+    /// Reports units behind values, where the text is a value, too: `3 N*depth/mm`. One message stands for all units of a product, and
+    /// its remedy moves all of them, because remedies of single ones would overlap.
+    pub(super) fn units_behind_values(
         &mut self,
-        (_, sign): (BinaryOp, Span),
+        scope: &Scope<'p>,
+        (op, sign): (BinaryOp, Span),
         left: &Expr,
         right: &Expr,
-        name: &str,
-    ) {
-        let whole = left.span.to(right.span);
-        // in `2 N*depth/s/mm` the message about `s` stands for both, because their remedies would overlap
-        if self.unit_behind.replace(whole) == Some(left.span) {
-            return;
+    ) -> bool {
+        if !self.is_only_unit(scope, right) || !behind_unit((op, sign), left, right) {
+            return false;
         }
+        let mut factors = vec![(sign, right)];
+        let mut number = left;
+        while let ExprKind::Binary {
+            op_span,
+            left,
+            right,
+            ..
+        } = &number.kind
+        {
+            factors.push((*op_span, right));
+            number = left;
+        }
+        factors.reverse();
+        let (mut units, mut values) = (Vec::new(), Vec::new());
+        let mut before: Option<Span> = None;
+        for (sign, factor) in factors {
+            if self.is_only_unit(scope, factor) {
+                units.push((sign, factor));
+                continue;
+            }
+            if units.is_empty() {
+                before = Some(before.unwrap_or(factor.span).to(factor.span));
+            }
+            values.push((sign, factor));
+        }
+        let text = |span: Span| self.sources.text(span);
+        let joined = |factors: &[(Span, &Expr)]| -> String {
+            let each = factors.iter();
+            each.map(|(sign, factor)| format!("{}{}", text(*sign), text(factor.span)))
+                .collect()
+        };
+        let first = text(number.span);
+        let mut places = units.iter().map(|(_, unit)| (unit.span, base_name(unit)));
+        let Some((place, Some((name, _)))) = places.next() else {
+            return false;
+        };
         let message = Diagnostic::error(
             codes::UNKNOWN_NAME,
             format!("`{name}` is a unit, and here a value is expected"),
         )
-        .at(right.span, "read as a value of this name");
-        let number = number_of(left);
-        let text = |span: Span| self.sources.text(span);
-        let between = Span::new(
-            left.span.source,
-            number.end as usize,
-            left.span.end as usize,
-        );
-        let (first, values) = (text(number), text(between));
-        let unit = format!("{first}{}{}", text(sign), text(right.span));
-        let value = values.trim_start_matches(['*', '/']);
-        let message = message
-            .with_note(format!(
+        .at(place, "read as a value of this name");
+        let message = places.fold(message, |message, (place, _)| {
+            message.also(place, "and here")
+        });
+        let message = match before.map(text) {
+            Some(value) => message.with_note(format!(
                 "the unit of `{first}` ends before `{value}`, which is a value and no unit"
-            ))
-            .with_fix(
-                "write the whole unit before the values",
-                whole,
-                format!("{unit}{values}"),
-            );
+            )),
+            None => message,
+        };
+        let message = message.with_fix(
+            "write the whole unit before the values",
+            number.span.to(right.span),
+            format!("{first}{}{}", joined(&units), joined(&values)),
+        );
         self.report(message);
+        self.infer(scope, number);
+        for (_, value) in values {
+            self.infer(scope, value);
+        }
+        true
+    }
+
+    /// Whether an expression is the name of a unit that is no value here, or a power of one.
+    fn is_only_unit(&mut self, scope: &Scope<'p>, factor: &Expr) -> bool {
+        base_name(factor).is_some_and(|(name, _)| {
+            self.program.units.contains_key(name)
+                && !super::scope::BUILT_IN_NAMES.contains(&name)
+                && self.find(scope, name).is_none()
+        })
     }
 
     fn unknown_unit(&mut self, scope: &Scope<'p>, place: usize, whole: &UnitExpr) {
@@ -300,11 +332,19 @@ impl<'p> Checker<'p> {
     }
 }
 
-/// The number with a unit at the begin of a product.
-fn number_of(product: &Expr) -> Span {
-    match &product.kind {
-        ExprKind::Binary { left, .. } => number_of(left),
-        _ => product.span,
+/// The name in `mm` or `mm^2`, with its place.
+fn base_name(factor: &Expr) -> Option<(&str, Span)> {
+    let base = match &factor.kind {
+        ExprKind::Binary {
+            op: BinaryOp::Power,
+            left,
+            ..
+        } => left,
+        _ => factor,
+    };
+    match &base.kind {
+        ExprKind::Name(name) => Some((name, base.span)),
+        _ => None,
     }
 }
 
