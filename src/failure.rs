@@ -69,18 +69,18 @@ pub(crate) fn overlooked(kink: &Overlooked, analysis: &Origin) -> Diagnostic {
     let message = match kink.origin.defined_at {
         Some(at) => message.also(
             span(at),
-            match kink.jerk {
+            match kink.jump {
                 Some(_) => "the acceleration that it demands jumps here",
                 None => "its load or rate bends here",
             },
         ),
         None => message,
     };
-    let note = match &kink.jerk {
-        Some(jerk) => format!(
-            "the demanded acceleration jumps by {}: positions are wrong by up to {} after the step, and its force is that of neither side",
-            jerk.jump.gap("/s²"),
-            jerk.error.gap("")
+    let note = match &kink.jump {
+        Some(jump) => format!(
+            "the demanded acceleration jumps by {}: over the step, a motion that follows it errs by up to {}, and the force is that of neither side",
+            jump.size.gap("/s²"),
+            jump.error.gap("")
         ),
         None => format!("the depth that matters there is {}", shown(kink.limit)),
     };

@@ -571,7 +571,8 @@ fn wrapped_angles_have_no_kink_where_they_begin_anew() {
     assert!(counts.iter().all(|count| *count <= 40), "{counts:?}");
 }
 
-/// Ends of tables of two arguments, the cut of `atan2`, corners of `acos(cos(x))`: loads that bend or jump there end steps. A block passes each of them under a load of its way alone, so energy gives its speed.
+/// Ends of tables of two arguments, the cut of `atan2`, corners of `acos(cos(x))`: loads that bend or jump there end steps. A block passes
+/// each of them under a load of its way alone, so energy gives its speed.
 #[test]
 fn loads_of_tables_and_angles_end_steps() {
     let tables = "

@@ -47,10 +47,10 @@ pub struct NamedRow {
 
 /// A jump of the acceleration that a constraint demands within a fixed step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Jerk {
-    /// The equation, with the jump of its acceleration.
-    pub jump: Box<NamedRow>,
-    /// The equation, with the error of its position over the step.
+pub struct AccelerationJump {
+    /// The equation, with the jump of its second rate (1/s² of its unit).
+    pub size: Box<NamedRow>,
+    /// The equation, with the largest error of a position over the step that the jump makes.
     pub error: Box<NamedRow>,
 }
 

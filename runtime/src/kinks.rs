@@ -28,7 +28,7 @@ mod points;
 
 use crate::dynamics::Dynamics;
 use crate::elements::{self, Batch, Inputs};
-use crate::error::{Jerk, Moment, RuntimeError};
+use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::integrator::STATE_SHARE;
 use crate::model::Model;
 use crate::state::State;
@@ -160,7 +160,7 @@ pub struct Overlooked {
     /// See [`Overlooked::depth`].
     pub limit: f64,
     /// The jump of the acceleration that a constraint demands there.
-    pub jerk: Option<Jerk>,
+    pub jump: Option<AccelerationJump>,
     /// Size of the passage in units of its limit.
     pub weight: f64,
 }
@@ -700,7 +700,7 @@ impl Kinks {
         model: &Model,
         passed: &Crossing,
         (h, moment): (f64, Moment),
-        (weight, jerk): (f64, Option<Jerk>),
+        (weight, jump): (f64, Option<AccelerationJump>),
     ) -> Option<Overlooked> {
         let item = self.items.get(passed.item)?;
         let kink = model.class(item.element).kinks.get(item.kink)?;
@@ -713,7 +713,7 @@ impl Kinks {
             step: h,
             depth: passed.depth,
             limit: passed.limit,
-            jerk,
+            jump,
             weight,
         })
     }

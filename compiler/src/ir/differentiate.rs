@@ -135,9 +135,22 @@ fn slope(graph: &mut Graph, function: Elementary, a: Node, node: Node) -> Node {
             graph.add(one, square)
         }
         Elementary::Asin | Elementary::Acos => {
-            let (below, above) = (graph.subtract(one, a), graph.add(one, a));
-            let square = graph.multiply(below, above);
-            let root = graph.sqrt(square);
+            // near a corner of `acos(cos(x))` the difference 1 − cos² x has no digits left
+            let root = match graph.op(a) {
+                Op::Elementary(Elementary::Cos, x) => {
+                    let sine = graph.unary(Elementary::Sin, x);
+                    graph.abs(sine)
+                }
+                Op::Elementary(Elementary::Sin, x) => {
+                    let cosine = graph.unary(Elementary::Cos, x);
+                    graph.abs(cosine)
+                }
+                _ => {
+                    let (below, above) = (graph.subtract(one, a), graph.add(one, a));
+                    let square = graph.multiply(below, above);
+                    graph.sqrt(square)
+                }
+            };
             let slope = graph.divide(one, root);
             match function {
                 Elementary::Asin => slope,

@@ -26,7 +26,8 @@ const JUMP: f64 = 1e-6;
 const SIDES: usize = 4;
 
 /// Velocities of the start; see [`admissible`]. A constraint may have a corner at the start, such as `abs(angle)` at zero. Before
-/// its start a motion has no values, so the side to which it goes decides: the state moves there, by less than its rounding error.
+/// its start a motion has no values, so the side to which it goes decides: the state moves there by `BEHIND`, a hundredth of the gap
+/// that counts as closed.
 pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     admissible(model, state)?;
     let start = state.clone();

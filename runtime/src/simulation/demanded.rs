@@ -13,7 +13,7 @@
 //! bisection finds the place. A function that only touches zero changes no sign, and demands no jump.
 
 use super::Simulation;
-use crate::error::{Jerk, Moment, RuntimeError};
+use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::state::State;
 
 /// Smallest jump of a demanded velocity that counts: as a share of the model's motion, and of the model's length in a second. A
@@ -25,7 +25,8 @@ const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
 /// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there.
 const ROUNDINGS: [f64; 2] = [2048.0, 2.0];
-/// Distance from a kink within a step, as a share of the step. Nearer to its corner, `acos(cos(x))` has a rate of few digits.
+/// Distance from a kink within a step, as a share of the step. Nearer to a corner, a rate such as that of `acos(dot(a, b))` has few
+/// digits.
 const WITHIN: f64 = 1e-4;
 /// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed.
 const STRAIGHT: f64 = 0.5;
@@ -37,6 +38,8 @@ const WIDER: f64 = 4.0;
 const ALONG: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 /// Distance from a kink at which accelerations are compared, as a share of the step.
 const APART: f64 = 1e-3;
+/// Largest error of a position over a step h behind a jump of an acceleration, as a share of h² times the jump.
+const MOST_ERROR: f64 = 0.25;
 
 /// Φ and Φ̇ of an element on the other side of a kink, less those on this side.
 type Difference = Vec<[f64; 2]>;
@@ -102,15 +105,19 @@ impl Simulation {
             let Some(place) = place else { return Ok(()) };
             let distance = (WITHIN * h).min(0.5 * place);
             self.refuse_jump(*kink, &base, place, [distance, NEARER * distance])?;
-            self.tell_acceleration(*kink, &base, (place, h))
+            self.keep_acceleration_jump(*kink, &base, (place, h))
         });
         self.stand()?;
         found
     }
 
     /// Keeps a kink at a time (s) behind a motion, within a fixed step h (s), if the acceleration that a constraint demands jumps
-    /// there and the step does not follow: the positions err by up to an eighth of `h²` times the jump.
-    fn tell_acceleration(
+    /// there by a size that matters.
+    ///
+    /// The jump of Φ̈ is that of the slope of Φ̇, from two points on each side, at `−2d, −d, d, 2d` from the kink. The scheme integrates
+    /// accelerations like a trapezoid. So behind a jump `Δa` at the share s of the step, a motion that follows it errs by
+    /// `h² Δa (1/4 − (1 − s)²/2)`, a quarter of `h² Δa` at most.
+    fn keep_acceleration_jump(
         &mut self,
         kink: usize,
         base: &State,
@@ -135,9 +142,10 @@ impl Simulation {
             return Ok(());
         };
         let limit = self.model.tolerance / self.model.length;
+        let error_of = |jump: f64| MOST_ERROR * h * h * jump.abs();
         let errors = far.iter().zip(near).enumerate().map(|(row, (far, near))| {
             let remains = near.abs() >= REMAINS * far.abs();
-            let error = 0.125 * h * h * near.abs() / self.model.row_scale(element, row);
+            let error = error_of(*near) / self.model.row_scale(element, row);
             (row, if remains { error } else { 0.0 })
         });
         let most = errors.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -145,16 +153,18 @@ impl Simulation {
             return Ok(());
         };
         let named = |value: f64| Box::new(self.model.named_row(element, row, value));
-        let jerk = Jerk {
-            jump: named(near[row].abs()),
-            error: named(0.125 * h * h * near[row].abs()),
+        let jump = AccelerationJump {
+            size: named(near[row].abs()),
+            error: named(error_of(near[row])),
         };
-        self.keep_overlooked(kink, (error / limit, Some(jerk)), h);
+        let end = self.moment();
+        let passed = self.kinks.at_end(kink, end.time);
+        self.keep_overlooked(&passed, (h, end), (error / limit, Some(jump)));
         Ok(())
     }
 
-    /// The time (s) behind a motion at which the function of a kink changes its sign, if it does so not farther away than a step and
-    /// is clearly on another side before than behind.
+    /// The time (s) behind a motion at which the function of a kink changes its sign, if it does so at most a step away. Its
+    /// sizes before and behind it must be above rounding.
     fn crossed_beside(
         &mut self,
         kink: usize,

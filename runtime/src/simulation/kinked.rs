@@ -1,8 +1,9 @@
 //! Steps that end at kinks, and fixed steps that pass them.
 
 use super::Simulation;
-use crate::error::{Jerk, RuntimeError};
+use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::integrator::{STEP_SHARE, Trial};
+use crate::kinks::Crossing;
 use crate::state::State;
 
 /// Most trials of a step that a kink may shorten.
@@ -49,31 +50,21 @@ impl Simulation {
         let mut moment = self.moment();
         moment.time += h;
         let weight = found.depth / found.limit;
-        if self
-            .overlooked
-            .as_ref()
-            .is_none_or(|known| weight > known.weight)
-        {
-            self.overlooked = (self.kinks).named(&self.model, &found, (h, moment), (weight, None));
-        }
+        self.keep_overlooked(&found, (h, moment), (weight, None));
         Ok(())
     }
 
-    /// Keeps a kink within the last fixed step h (s), whose weight is in units of its limit.
+    /// Keeps a kink within a fixed step h (s) that ends at a moment, if its weight, in units of its limit, is larger than that of the
+    /// one before.
     pub(super) fn keep_overlooked(
         &mut self,
-        kink: usize,
-        (weight, jerk): (f64, Option<Jerk>),
-        h: f64,
+        passed: &Crossing,
+        (h, end): (f64, Moment),
+        (weight, jump): (f64, Option<AccelerationJump>),
     ) {
-        if self
-            .overlooked
-            .as_ref()
-            .is_none_or(|known| weight > known.weight)
-        {
-            let passed = self.kinks.at_end(kink, self.integrator.current.time);
-            let told = (h, self.moment());
-            self.overlooked = (self.kinks).named(&self.model, &passed, told, (weight, jerk));
+        let mut known = self.overlooked.iter();
+        if known.all(|known| weight > known.weight) {
+            self.overlooked = (self.kinks).named(&self.model, passed, (h, end), (weight, jump));
         }
     }
 
