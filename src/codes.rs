@@ -17,7 +17,7 @@ eng_grammar::codes! {
         "body rod { mass = 1 kg; inertia = [1, 1, 1] g*m^2; products_of_inertia = [2, 0, 0] g*m^2 }",
         "body rod { mass = 1 kg; inertia = [1, 1, 1] g*m^2; products_of_inertia = [0.2, 0, 0] g*m^2 }";
     OPEN_LOOP = "E0703", "the mechanism cannot be assembled: a loop stays open",
-        "No positions fulfil all constraints. The message states the remaining gap. Causes are a wrong length, a marker on the wrong side, different axes, or a start position from which the search does not find the right one.",
+        "No positions fulfil all constraints. The message states the remaining gap. Causes are a wrong length, a marker on the wrong side, different axes, a `start` that the loop does not allow, or a position from which the search does not find the right one: then state a `guess` near it.",
         "", "";
     WRONG_BRANCH = "E0704", "the mechanism assembles only on another branch",
         "The joints close, but a `branch` condition does not hold in any position that was found. State a `guess` near the wanted position, or another `branch` at the use.",

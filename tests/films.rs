@@ -222,6 +222,41 @@ fn a_hole_of_the_pin_turns_over_the_shell() {
     assert!((y[0][0] - y[1][0]).hypot(y[0][1] - y[1][1]) > 0.01 * y[0][0].hypot(y[0][1]));
 }
 
+/// A starved opening that no film can have is refused with its reason: it is on the pin, or has a pressure.
+#[test]
+fn a_starved_opening_is_refused_with_its_reason() {
+    for (opening, reason) in [
+        (
+            "on: pin, pressure: 0 bar",
+            "opening 2 is on the pin and starved",
+        ),
+        (
+            "on: pin, pressure: 2 bar",
+            "opening 2 is on the pin and starved",
+        ),
+        (
+            "pressure: 2 bar",
+            "state `pressure: 0 bar` instead of 2 bar",
+        ),
+    ] {
+        let hole = format!(
+            "hole({opening}, content: 50 %, at: 40 deg, hole_diameter: 7 mm, diameter: 54 mm)"
+        );
+        let text = turning(", cavitation: mass_conserving", "sample: 1 ms")
+            .replace("pressure: 4 bar)]", &format!("pressure: 4 bar), {hole}]"))
+            .replace("{Film, axial_groove}", "{Film, axial_groove, hole}");
+        let program = match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
+            Ok(program) => program,
+            Err(report) => panic!("{report}"),
+        };
+        let run = program
+            .analysis("run")
+            .and_then(|analysis| analysis.run(&mut |_| {}).map_err(|failed| *failed.error));
+        let error = run.err().expect("a refusal").to_string();
+        assert!(error.contains(reason), "{opening}: {error}");
+    }
+}
+
 /// A run of [`turning`] has force, moment and torque of a film at inputs, and so has the weld.
 fn has_the_kernels_loads(text: &str, film: &Film, inputs: &dyn Fn(f64) -> Vec<f64>) {
     let run = Run::of(text);

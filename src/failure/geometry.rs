@@ -63,7 +63,17 @@ pub(super) fn open_loop(
         None => message,
     };
     let message = with_guesses(message, chain, system);
-    with_angle(message, chain, system).with_help(PLACING)
+    let starts = starts(chain, system);
+    let open = |at: &Location| rows.iter().any(|row| row.origin.used_at == Some(*at));
+    let others = starts.iter().filter(|(_, at)| !open(at));
+    let message = others.take(MOST_STARTS).fold(message, |message, (of, at)| {
+        message.also(span(*at), format!("{}: it must hold exactly", of.path))
+    });
+    let message = with_angle(message, chain, system).with_help(PLACING);
+    message.with_help(match starts.is_empty() {
+        true => GUESSING,
+        false => "each `start` must hold exactly: leave out one that the loop decides, or make it a `guess`, at which the search only begins",
+    })
 }
 
 /// A loop that closes only on the wrong branch.
@@ -79,6 +89,7 @@ pub(super) fn wrong_branch(
     let message = with_guesses(message, chain, system);
     with_angle(message, chain, system)
         .with_help(PLACING)
+        .with_help(GUESSING)
         .with_help("or state another `branch` at the use")
 }
 
@@ -131,7 +142,11 @@ pub(super) fn locked(
 }
 
 /// The remedy if the assembly finds no position.
-const PLACING: &str = "check lengths, sides and axes of the loop (`at(…, z:)` finds an x of its own, `x:` states it), or state a `start` or `guess` near the position";
+const PLACING: &str = "check lengths, sides and axes of the loop: a marker `at(…, z:)` without `x:` has an x axis that Eng chooses";
+
+/// The remedy if the search begins at a wrong place.
+const GUESSING: &str =
+    "if they are right, state a `guess` near the position: the search begins there";
 
 /// The largest number of parameters that a message points to.
 pub(super) const MOST_PARAMETERS: usize = 3;
@@ -213,6 +228,33 @@ pub(super) fn with_markers(message: Diagnostic, element: &Origin, system: &Syste
         );
         message.also(span(at), label)
     })
+}
+
+/// The largest number of starts that a message points to.
+const MOST_STARTS: usize = 3;
+
+/// The starts of positions that must hold, with their places: those of the bodies of a loop, or all without a loop.
+fn starts<'a>(chain: Option<&Chain>, system: &'a System) -> Vec<(&'a Origin, Location)> {
+    let in_loop = |marker: &u32| {
+        let body = system
+            .markers
+            .get(*marker as usize)
+            .map(|marker| marker.body);
+        let Some(BodyRef::Body(body)) = body else {
+            return false;
+        };
+        let body = system.bodies.get(body as usize);
+        chain.is_none_or(|chain| {
+            let mut bodies = chain.bodies.iter();
+            body.is_some_and(|body| bodies.any(|other| other.origin == body.origin))
+        })
+    };
+    let elements = system.elements.iter();
+    elements
+        .filter(|e| e.role == Role::StartPosition { exact: true })
+        .filter(|e| e.markers.iter().any(in_loop))
+        .filter_map(|e| Some((&e.origin, e.origin.used_at?)))
+        .collect()
 }
 
 /// The largest number of guesses that a message points to.
