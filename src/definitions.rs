@@ -1,7 +1,7 @@
 //! Definitions in words: the text of an item of a file or of the library, by its name.
 
 use eng_compiler::library::LIBRARY;
-use eng_grammar::ast::{BindingKind, File, Form, Item, ItemKind, Kind, Statement};
+use eng_grammar::ast::{BindingKind, Expr, ExprKind, File, Form, Item, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostics, SourceMap, parse};
 use std::fmt::Write;
 
@@ -33,13 +33,33 @@ pub(crate) fn of_modules<'a>(
     texts: &SourceMap,
 ) -> Option<String> {
     let modules: Vec<(&str, &File)> = modules.collect();
-    let path = path.split('[').next().unwrap_or_default();
-    let (around, name) = path.rsplit_once('.').unwrap_or(("", path));
-    let items = |(_, file): &(&'a str, &'a File)| file.items.iter();
     if let Some((module, file)) = modules.iter().find(|(module, _)| *module == path) {
         return Some(contents(module, file));
     }
-    let found = match around {
+    let mut trail = match path.contains('.') {
+        true => along(&modules, path).unwrap_or_default(),
+        false => Vec::new(),
+    };
+    let (path, item) = match trail.pop() {
+        Some((_, item)) => (path, item),
+        None => {
+            let path = path.split('[').next().unwrap_or_default();
+            (path, by_name(&modules, path)?)
+        }
+    };
+    let module = modules.iter().find(|(_, file)| {
+        file.span.source == item.span.source && file.span.start <= item.span.start
+    });
+    let of = module.filter(|(module, _)| module.starts_with("std."));
+    let of = of.map_or(String::new(), |(module, _)| format!(" of `{module}`"));
+    Some(text((path, &of), item, &trail, texts))
+}
+
+/// An item by its name, after the path of its module or the name of the definition around it.
+fn by_name<'a>(modules: &[(&'a str, &'a File)], path: &str) -> Option<&'a Item> {
+    let (around, name) = path.rsplit_once('.').unwrap_or(("", path));
+    let items = |(_, file): &(&'a str, &'a File)| file.items.iter();
+    match around {
         "" => {
             let top = || modules.iter().flat_map(items);
             let named = top().find(|item| is_called(item, name));
@@ -55,33 +75,55 @@ pub(crate) fn of_modules<'a>(
             let of_module = modules.iter().filter(|(module, _)| *module == around);
             let named = of_module.flat_map(items).find(|item| is_called(item, name));
             named.or_else(|| {
-                let all = || modules.iter().flat_map(items);
-                let holder = all().find(|item| is_called(item, around))?;
-                // the interfaces of a class have items of it
-                let levels = std::iter::successors(Some(holder), |level| {
-                    let interface = interface(level)?;
-                    all().find(|item| is_called(item, interface))
-                });
-                levels
-                    .take(MOST_LEVELS)
-                    .find_map(|level| inside(level, name))
+                let mut all = modules.iter().flat_map(items);
+                let holder = all.find(|item| is_called(item, around))?;
+                in_definition(modules, holder, name)
             })
         }
-    };
-    let item = found?;
-    let module = modules.iter().find(|(_, file)| {
-        file.span.source == item.span.source && file.span.start <= item.span.start
-    });
-    let of = module.filter(|(module, _)| module.starts_with("std."));
-    let of = of.map_or(String::new(), |(module, _)| format!(" of `{module}`"));
-    Some(text(path, &of, item, texts))
+    }
 }
 
-/// Most interfaces above a class; a circle of them is a mistake that the checker reports.
+/// The items on a path in a model, each with the path up to it: `rear` and `rear.pin` of `part rear if tandem = Axle()`. The text alone
+/// decides, so items that a condition leaves out are among them.
+fn along<'a>(modules: &[(&'a str, &'a File)], path: &str) -> Option<Vec<(String, &'a Item)>> {
+    let items = modules.iter().flat_map(|(_, file)| file.items.iter());
+    let mut models = items.filter(|item| is_model(item));
+    models.find_map(|model| {
+        let mut around = model;
+        let mut trail: Vec<(String, &Item)> = Vec::new();
+        for part in path.split('.') {
+            let name = part.split('[').next().unwrap_or_default();
+            around = in_definition(modules, around, name)?;
+            let so_far = match trail.last() {
+                Some((before, _)) => format!("{before}.{part}"),
+                None => part.to_owned(),
+            };
+            trail.push((so_far, around));
+        }
+        Some(trail)
+    })
+}
+
+/// Most definitions above an item; a circle of them is a mistake that the checker reports.
 const MOST_LEVELS: usize = 8;
 
-/// The name of the interface that a definition has after a colon.
-fn interface(item: &Item) -> Option<&str> {
+/// An item of a definition or of a use: in its own block, in that of its class, or in that of an interface.
+fn in_definition<'a>(
+    modules: &[(&'a str, &'a File)],
+    holder: &'a Item,
+    name: &str,
+) -> Option<&'a Item> {
+    let levels = std::iter::successors(Some(holder), |level| {
+        let above = above(level)?;
+        let mut all = modules.iter().flat_map(|(_, file)| file.items.iter());
+        all.find(|item| is_called(item, above))
+    });
+    let mut levels = levels.take(MOST_LEVELS);
+    levels.find_map(|level| inside(level, name))
+}
+
+/// The name of the class of a use, or that of the interface of a definition.
+fn above(item: &Item) -> Option<&str> {
     let ItemKind::Declaration(declaration) = &item.kind else {
         return None;
     };
@@ -89,7 +131,25 @@ fn interface(item: &Item) -> Option<&str> {
         Form::Class { interface, .. } | Form::Plain { interface, .. } => {
             interface.as_ref().map(|name| name.text.as_str())
         }
-        Form::Instance { .. } => None,
+        Form::Instance { value, .. } => class_name(value),
+    }
+}
+
+/// The name of the class in `Axle`, `Axle(…)` and `parts.Axle(…)`.
+fn class_name(value: &Expr) -> Option<&str> {
+    match &value.kind {
+        ExprKind::Call { callee, .. } => class_name(callee),
+        ExprKind::Name(name) => Some(name),
+        ExprKind::Field { name, .. } => Some(&name.text),
+        _ => None,
+    }
+}
+
+/// The condition of `joint pin if driven = …`.
+fn condition(item: &Item) -> Option<&Expr> {
+    match &item.kind {
+        ItemKind::Declaration(declaration) => declaration.condition.as_ref(),
+        _ => None,
     }
 }
 
@@ -230,7 +290,13 @@ fn is(item: &Item) -> &'static str {
     }
 }
 
-fn text(path: &str, of: &str, item: &Item, texts: &SourceMap) -> String {
+/// The text about an item with a path, of a module. `around` are the items on its path.
+fn text(
+    (path, of): (&str, &str),
+    item: &Item,
+    around: &[(String, &Item)],
+    texts: &SourceMap,
+) -> String {
     let place = texts.line_column(item.span.source, item.span.start);
     let file = texts
         .get(item.span.source)
@@ -243,11 +309,13 @@ fn text(path: &str, of: &str, item: &Item, texts: &SourceMap) -> String {
     for line in texts.text(item.span).lines() {
         let _ = writeln!(text, "    {line}");
     }
-    if let ItemKind::Declaration(declaration) = &item.kind
-        && let Some(condition) = &declaration.condition
-    {
-        let condition = texts.text(condition.span);
-        let _ = writeln!(text, "  it exists only where `{condition}` holds");
+    let own = [("it", item)];
+    let around = around.iter().map(|(path, item)| (path.as_str(), *item));
+    for (name, item) in around.chain(own) {
+        if let Some(condition) = condition(item) {
+            let condition = texts.text(condition.span);
+            let _ = writeln!(text, "  {name} exists only where `{condition}` holds");
+        }
     }
     if let ItemKind::Declaration(declaration) = &item.kind
         && let Form::Instance { value, .. } = &declaration.form

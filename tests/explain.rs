@@ -367,3 +367,66 @@ fn definitions_are_explained() {
     assert!(text(&output.stderr).starts_with("error: there is no nowhere in the model"));
     std::fs::remove_dir_all(&folder).expect("removed");
 }
+
+/// Items that a condition leaves out are explained from the text, with the conditions of all items on their path.
+#[test]
+fn items_that_are_left_out_are_explained() {
+    let folder = std::env::temp_dir().join(format!("eng_left_out_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let model = folder.join("shaft.eng");
+    let written = "use std.joints.Revolute
+component Pulley(hub: Marker, damped: Bool = true) {
+    body ring if damped {
+        mass = 0.8 kg
+        inertia = [2, 2, 4] g*m^2
+        marker bore = origin
+    }
+    joint bush if damped = Revolute(ring.bore, hub)
+}
+model Shaft {
+    const pulleys = 2
+    gravity = [0, -9.81, 0] m/s^2
+    marker bearing = [0, 0, 0] mm
+    body shaft { mass = 5 kg; inertia = [30, 30, 10] g*m^2; marker hub[i in 1..2] = [0, 0, 50*i] mm; marker seat = origin }
+    joint hinge = Revolute(shaft.seat, bearing)
+    part pulley[i in 1..2] if i <= pulleys = Pulley(shaft.hub[i], damped: i == 1)
+}
+analysis run = assemble(Shaft())
+";
+    std::fs::write(&model, written).expect("written");
+    let path = model.to_str().expect("a path");
+    for (name, lines) in [
+        (
+            "pulley[2].bush",
+            [
+                "pulley[2].bush: a joint, stated at shaft.eng:8\n",
+                "    joint bush if damped = Revolute(ring.bore, hub)\n",
+                "  pulley[2] exists only where `i <= pulleys` holds\n",
+                "  it exists only where `damped` holds\n",
+            ],
+        ),
+        (
+            "pulley[2].ring.bore",
+            [
+                "pulley[2].ring.bore: a marker, stated at shaft.eng:6\n",
+                "    marker bore = origin\n",
+                "  pulley[2] exists only where `i <= pulleys` holds\n",
+                "  pulley[2].ring exists only where `damped` holds\n",
+            ],
+        ),
+    ] {
+        let output = eng(&["explain", path, name]);
+        assert_eq!(text(&output.stderr), "", "{name}");
+        let found = text(&output.stdout);
+        for line in lines {
+            assert!(found.contains(line), "{name}: no {line} in\n{found}");
+        }
+    }
+    // what exists is explained by its numbers, and an item that the text has not is refused
+    let output = eng(&["explain", path, "pulley[1].bush"]);
+    let found = text(&output.stdout);
+    assert!(found.contains("takes 5 freedoms\n"), "{found}");
+    let output = eng(&["explain", path, "pulley[2].brush"]);
+    assert_eq!(output.status.code(), Some(2));
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
