@@ -408,13 +408,16 @@ fn a_start_at_a_corner_goes_both_ways() {
             let text = guided(lift, "", &format!("duration: 0.1 s, {settings}"));
             let text = text.replace("rail.speed = 1 m/s", &format!("rail.speed = {speed} m/s"));
             let outcome = ran(&text);
-            for (rail, slide) in column(&outcome, "rail.speed")
-                .iter()
-                .zip(column(&outcome, "slide.speed"))
-            {
-                assert!((rail.abs() - 1.0).abs() < 1e-9, "{lift}, {speed}: {rail}");
-                assert!((slide - 0.5).abs() < 1e-9, "{lift}, {speed}: {slide}");
-            }
+            let worst = |path: &str, due: f64| {
+                let misses = column(&outcome, path).iter().map(|x| (x.abs() - due).abs());
+                misses.fold(0.0_f64, f64::max)
+            };
+            let (rail, slide) = (worst("rail.speed", 1.0), worst("slide.speed", 0.5));
+            println!("{lift}, {speed}, {settings}: {rail:.1e} and {slide:.1e} m/s");
+            assert!(rail < 1e-9, "{lift}, {speed}: {rail}");
+            assert!(slide < 1e-9, "{lift}, {speed}: {slide}");
+            let rises = column(&outcome, "slide.speed").iter().all(|x| *x > 0.0);
+            assert!(rises, "{lift}, {speed}: it falls");
         }
     }
 }
@@ -430,6 +433,7 @@ fn the_first_sample_is_behind_a_kink() {
         let outcome = ran(&drawn(way, "", "duration: 0.02 s, sample: 1 ms"));
         let [time, force] = ["time", "along.force.z"].map(|path| column(&outcome, path));
         assert_eq!(time[0], 0.0);
+        println!("{way}: {:.1e} N at the start", force[0] - 40.0);
         // the spring to the free block has no force yet
         assert!((force[0] - 40.0).abs() < 1e-6, "{way}: {} N", force[0]);
         assert!((force[1] - 40.0).abs() < 0.1, "{way}: {} N", force[1]);
