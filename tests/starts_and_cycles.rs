@@ -103,7 +103,7 @@ fn the_crank_is_in_balance_at_the_start() {
         .model()
         .bodies
         .iter()
-        .find(|b| b.origin.path == "crank")
+        .find(|b| b.origin.path == "engine.crank")
         .expect("the crank");
     let first = crank.velocity;
     let (speed, throw) = (4000.0 * std::f64::consts::TAU / 60.0, 0.043);
