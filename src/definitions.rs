@@ -43,7 +43,11 @@ pub(crate) fn of_modules<'a>(
     let (path, item) = match trail.pop() {
         Some((_, item)) => (path, item),
         None => {
-            let path = path.split('[').next().unwrap_or_default();
+            // `pulley[2]` is `pulley`; `pulley[2].brush` is not
+            let path = match path.contains('.') {
+                true => path,
+                false => path.split('[').next().unwrap_or_default(),
+            };
             (path, by_name(&modules, path)?)
         }
     };

@@ -252,7 +252,7 @@ fn a_starved_opening_is_refused_with_its_reason() {
         let run = program
             .analysis("run")
             .and_then(|analysis| analysis.run(&mut |_| {}).map_err(|failed| *failed.error));
-        let error = run.err().expect("a refusal").to_string();
+        let error = run.expect_err("a refusal").to_string();
         assert!(error.contains(reason), "{opening}: {error}");
     }
 }

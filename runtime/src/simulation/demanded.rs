@@ -30,6 +30,8 @@ const ROUNDINGS: [f64; 2] = [2048.0, 2.0];
 const WITHIN: f64 = 1e-4;
 /// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed.
 const STRAIGHT: f64 = 0.5;
+/// Longest distance from a kink, as a share of the step, over which the rate of its function says where the kink is.
+const SMOOTH: f64 = 1e-2;
 /// Shortest distance from a kink (s).
 const SHORTEST: f64 = 1e-12;
 /// Growth of the distance over which a kink is searched.
@@ -66,13 +68,14 @@ impl Simulation {
             let around = around.max(8.0 * f64::EPSILON * here.abs()).max(SHORTEST);
             let rate = self.kinks.rate(kink);
             let ends = [to_kink - around, to_kink + around];
-            if self.passes(kink, &base, rate, ends)? {
+            let step = (self.options.step.fixed()).unwrap_or(self.size.step);
+            // over a long distance another zero of the function may bring the change that the rate says
+            if around <= SMOOTH * step && self.passes(kink, &base, rate, ends)? {
                 return self.refuse_jump(kink, &base, to_kink, [around, NEARER * around]);
             }
             let Some(found) = self.crossed_beside(kink, &base, factor)? else {
                 return Ok(());
             };
-            let step = (self.options.step.fixed()).unwrap_or(self.size.step);
             let distance = (WITHIN * step).max(SHORTEST);
             self.refuse_jump(kink, &base, found, [distance, NEARER * distance])
         });
