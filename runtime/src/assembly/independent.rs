@@ -5,7 +5,7 @@
 //! Cholesky factor of `A Aᵀ` is kept within its envelope: from the first entry of each row to the diagonal, with the
 //! rows in the order of E. Cuthill and J. McKee (Proc. 24th Nat. Conf. ACM, 1969, 157). A chain of n bodies costs as
 //! much as n times a body. The pivot of a row of unit length is the square of its distance from the span of the rows
-//! before it. The squared matrix has the squared condition. So pivots must be above [`CLEAR`], and refinement against
+//! before it. The squared matrix has the squared condition. So pivots must be above `CLEAR`, and refinement against
 //! A itself removes the error of the square (Å. Björck, Numerical Methods for Least Squares Problems, 1996, section
 //! 6.6).
 
@@ -267,7 +267,7 @@ impl Independent {
 /// clearly independent of the others nor dependent on them; another method must decide then.
 ///
 /// Rows that depend on those of the factor, `A₂ = C A₁`, leave the smallest solution among `x = A₁ᵀ (A₁ A₁ᵀ)⁻¹ y`. The y of least
-/// squares follows by conjugate gradients ([`least_squares`]), which need no C.
+/// squares follows by conjugate gradients (`least_squares`), which need no C.
 pub fn solution(matrix: &Gradients, rhs: &DVector<f64>) -> Option<DVector<f64>> {
     let factor = Independent::of(matrix)?;
     if factor.unclear.is_empty() {

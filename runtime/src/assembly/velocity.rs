@@ -25,7 +25,7 @@ const JUMP: f64 = 1e-6;
 /// Most searches of the side to which the motion goes.
 const SIDES: usize = 4;
 
-/// Velocities of the start; see [`admissible`]. A constraint may have a corner at the start, such as `abs(angle)` at zero. Before
+/// Velocities of the start; see `admissible`. A constraint may have a corner at the start, such as `abs(angle)` at zero. Before
 /// its start a motion has no values, so the side to which it goes decides: the state moves there by `BEHIND`, a hundredth of the gap
 /// that counts as closed.
 pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
