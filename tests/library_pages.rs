@@ -77,7 +77,7 @@ fn fields(lines: &[&str]) -> String {
     out
 }
 
-/// What a page shows of an item: its head, the fields of a record, the words of a choice.
+/// The text of an item on a page: its head, the fields of a record, the words of a choice.
 fn shown(kind: &str, lines: &[&str]) -> String {
     match kind {
         "choice" => lines[0].to_owned(),

@@ -11,6 +11,9 @@ use eng_system::system::StepControl;
 
 /// Distance behind a kink of the motion, as a share of the time in which the motion covers its own size.
 const BEHIND: f64 = 1e-12;
+/// Longest way to a kink, in the same measure. A slow motion reaches a kink that is a rounding away after a time in which its
+/// loads change by themselves, and its first state is no state of that time.
+const NEAR: f64 = 1e-9;
 /// Change of an acceleration or a rate at the kink that is a jump, as a share of the largest one.
 const JUMP: f64 = 1e-6;
 
@@ -46,12 +49,17 @@ impl Simulation {
         let pace = largest(&base.velocity).max(libm::sqrt(largest(&base.acceleration)));
         let mut e = 0.0_f64;
         for kink in &here {
-            let behind = if self.kinks.is_moment(*kink) || pace == 0.0 {
-                time.next_up().next_up() - time
-            } else {
-                self.kinks.time_to(*kink) + BEHIND / pace
-            };
-            e = e.max(behind);
+            if self.kinks.is_moment(*kink) || pace == 0.0 {
+                e = e.max(time.next_up().next_up() - time);
+                continue;
+            }
+            let to_kink = self.kinks.time_to(*kink);
+            if to_kink * pace <= NEAR {
+                e = e.max(to_kink + BEHIND / pace);
+            }
+        }
+        if e == 0.0 {
+            return Ok(None);
         }
         // a table may end here, or the first step reports the error
         let found = self.ahead(&base, e);
