@@ -477,7 +477,7 @@ impl Program {
         Ok(Model::new(
             Compiled {
                 system: Arc::clone(&elaborated.system),
-                code: model.code()?.to_vec(),
+                code: self.inner.shared.code(&model)?,
                 bind: elaborated.bind.clone(),
                 reduced,
                 fields: Arc::new(Fields),

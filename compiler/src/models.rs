@@ -10,7 +10,7 @@ use crate::typed::TypedProgram;
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::ElementCode;
 use eng_system::host::Host;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// A model with its constants.
 #[derive(Debug)]
@@ -19,21 +19,8 @@ pub struct SharedModel {
     constants: Vec<(String, Structural)>,
     /// The flat system with its graphs.
     pub elaborated: Elaborated,
+    /// The code of each class, from the first call of [`SharedModels::code`] on.
     code: OnceLock<Vec<Arc<dyn ElementCode>>>,
-}
-
-impl SharedModel {
-    /// The code of each class, compiled at the first call.
-    pub fn code(&self) -> Result<&[Arc<dyn ElementCode>], CodegenError> {
-        if let Some(code) = self.code.get() {
-            return Ok(code);
-        }
-        let classes = self.elaborated.classes.iter();
-        let made: Result<Vec<_>, _> = classes.map(|class| compile_class(class, true)).collect();
-        let made = made?;
-        // another thread may have been faster, with the same code
-        Ok(self.code.get_or_init(|| made))
-    }
 }
 
 /// The models of a program that were elaborated without an error.
@@ -57,8 +44,7 @@ impl SharedModels {
         let same = |model: &&Arc<SharedModel>| {
             model.definition == definition && model.constants == constants
         };
-        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(model) = known().iter().find(same) {
+        if let Some(model) = self.known().iter().find(same) {
             return Some(Arc::clone(model));
         }
         let elaborated = elaborate(typed, sources, host, definition, constants, diagnostics)?;
@@ -68,8 +54,37 @@ impl SharedModels {
             elaborated,
             code: OnceLock::new(),
         });
-        known().push(Arc::clone(&made));
+        self.known().push(Arc::clone(&made));
         Some(made)
+    }
+
+    /// The code of each class of a model, compiled at the first call. Models with other constants share the code of
+    /// the classes that these constants do not change.
+    pub fn code(&self, model: &SharedModel) -> Result<Vec<Arc<dyn ElementCode>>, CodegenError> {
+        if let Some(code) = model.code.get() {
+            return Ok(code.clone());
+        }
+        let known = self.known().clone();
+        let compiled = || {
+            (known.iter()).filter_map(|other| Some((&other.elaborated.classes, other.code.get()?)))
+        };
+        let classes = model.elaborated.classes.iter();
+        let made: Result<Vec<_>, _> = classes
+            .map(|class| {
+                let alike = compiled().find_map(|(classes, code)| {
+                    let at = classes.iter().position(|other| other.same_code(class))?;
+                    code.get(at)
+                });
+                alike.map_or_else(|| compile_class(class, true), |code| Ok(Arc::clone(code)))
+            })
+            .collect();
+        let made = made?;
+        // another thread may have been faster, with the same code
+        Ok(model.code.get_or_init(|| made).clone())
+    }
+
+    fn known(&self) -> MutexGuard<'_, Vec<Arc<SharedModel>>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Checks the names of inputs and channels that analyses state. Other stages report a model with a mistake.

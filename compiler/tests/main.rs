@@ -15,4 +15,5 @@ mod library;
 mod library_classes;
 mod points;
 mod random_graphs;
+mod shared_code;
 mod support;

@@ -33,6 +33,7 @@ use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
 use pace::Limit;
 pub use reading::Reading;
+use std::sync::OnceLock;
 
 /// Options of the integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,7 +202,8 @@ pub struct Simulation {
     /// Names and places of failed `advise`s on parameters that follow inputs, since the start or the resumption.
     advised_inputs: Vec<(String, Origin)>,
     warnings: Vec<Warning>,
-    fingerprint: u64,
+    /// Of the model and its parameters, at the first use: its text is long, and most runs write no checkpoint.
+    fingerprint: OnceLock<u64>,
     start: StartReport,
 }
 
@@ -328,12 +330,17 @@ impl Simulation {
                 .collect(),
             warnings,
             evaluated: None,
-            fingerprint: checkpoint::fingerprint(&model),
+            fingerprint: OnceLock::new(),
             start: StartReport::Assembled,
             completed: state,
             options,
             model,
         })
+    }
+
+    /// The [`checkpoint::fingerprint`] of its model.
+    fn fingerprint(&self) -> u64 {
+        *(self.fingerprint).get_or_init(|| checkpoint::fingerprint(&self.model))
     }
 
     fn moment(&self) -> Moment {

@@ -279,6 +279,16 @@ fn check_inputs(graph: &Graph, nodes: &[Node], count: u32) -> Result<(), Differe
 }
 
 impl ClassFunctions {
+    /// Whether every function has the same operations, so that the code of one class serves the other.
+    pub fn same_code(&self, other: &ClassFunctions) -> bool {
+        eng_system::code::Function::ALL.iter().all(|which| {
+            let (own, other) = (self.get(*which), other.get(*which));
+            own.inputs == other.inputs
+                && own.outputs == other.outputs
+                && own.graph.nodes() == other.graph.nodes()
+        })
+    }
+
     /// A function of the class.
     pub fn get(&self, function: eng_system::code::Function) -> &Function {
         use eng_system::code::Function as Which;

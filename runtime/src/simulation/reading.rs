@@ -83,14 +83,14 @@ impl Simulation {
             channels: channels.to_vec(),
             depth: depths.max().unwrap_or(Depth::Position),
             projected: true,
-            fingerprint: self.fingerprint,
+            fingerprint: self.fingerprint(),
         })
     }
 
     /// Values of the channels of a plan at the last accepted state (SI), in their order. Their bits are those of
     /// [`Simulation::value`], unless the plan is unprojected. It allocates nothing.
     pub fn read(&mut self, reading: &mut Reading, out: &mut [f64]) -> Result<(), RuntimeError> {
-        if reading.fingerprint != self.fingerprint {
+        if reading.fingerprint != self.fingerprint() {
             return Err(RuntimeError::Options {
                 message: "the plan belongs to a simulation of another model or other parameters"
                     .into(),

@@ -19,7 +19,7 @@ impl Simulation {
         if self.integrator.kept_factors().is_none() {
             self.integrator.drop_factors();
         }
-        let mut w = Writer::new(self.fingerprint);
+        let mut w = Writer::new(self.fingerprint());
         for marker in self.model.markers.iter().filter(|m| m.body.is_none()) {
             w.numbers(marker.position.as_slice());
             w.numbers(marker.orientation.as_slice());
