@@ -35,6 +35,19 @@ pub fn pin_and_shell(model: &Model, journal: usize) -> Option<(usize, usize)> {
     ))
 }
 
+/// The origin of a pin from its shell's, in the shell's axes (m).
+fn arm(model: &Model, pin: usize, shell: usize, pose: &[f64]) -> V3 {
+    let rest = vec![0.0; model.velocities];
+    let [place, seen] = [pin, shell].map(|marker| rows::marker(model, marker, pose, &rest));
+    seen.rotation.transpose() * (place.position - seen.position)
+}
+
+/// Eccentricities of pins, seen from their shells: x and y of each (m).
+pub(super) fn places_of_pins(model: &Model, pins: &[Wish], pose: &[f64]) -> Vec<f64> {
+    let arms = (pins.iter()).map(|wish| arm(model, wish.pin, wish.shell, pose));
+    arms.flat_map(|arm| [arm.x, arm.y]).collect()
+}
+
 /// Rates of the eccentricities of pins, seen from their shells: x and y of each (m/s).
 pub(super) fn rates_of_eccentricities(
     model: &Model,
@@ -91,16 +104,14 @@ pub(super) fn eccentricity_rates(model: &Model, pins: &[Wish], state: &State) ->
 
 /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
 pub fn eccentricities(model: &Model, pose: &[f64]) -> Vec<[f64; 2]> {
-    let rest = vec![0.0; model.velocities];
-    (0..model.compiled.system.journals.len())
-        .map(|journal| {
-            let Some((pin, shell)) = pin_and_shell(model, journal) else {
-                return [0.0; 2];
-            };
-            let seen = rows::marker(model, shell, pose, &rest);
-            let place = rows::marker(model, pin, pose, &rest);
-            let arm = seen.rotation.transpose() * (place.position - seen.position);
-            [arm.x, arm.y]
+    let journals = 0..model.compiled.system.journals.len();
+    journals
+        .map(|journal| match pin_and_shell(model, journal) {
+            Some((pin, shell)) => {
+                let arm = arm(model, pin, shell, pose);
+                [arm.x, arm.y]
+            }
+            None => [0.0; 2],
         })
         .collect()
 }

@@ -11,13 +11,14 @@
 //! x = Σ γ_i P(x_i)        Σ γ_i = 1        |Σ γ_i (P(x_i) − x_i)| least
 //! ```
 //!
-//! In films on cells a step takes over much of the steps before ([`Reused`]).
+//! A step takes over much of the steps before ([`Reused`]).
 //!
 //! Efforts keep the mean of each stated speed. They are critically damped and soft against all orders of the
 //! period ([`kept`]). Element states do not change. The velocities at the start are central differences of
 //! eighth order of the positions. Those of the scheme violate `Φ̇ = 0` by `C h² v̈`, which is as much as the
 //! squeeze of a film. At the end position and velocities are projected to the stated values, so that
-//! eccentricities, shapes and their rates change least. (D. G. Anderson, J. ACM 12 (1965) 547.)
+//! eccentricities, shapes and their rates change least. A body that turns in this projection carries its bending
+//! along; its pins keep their places and rates in the shells all the same. (D. G. Anderson, J. ACM 12 (1965) 547.)
 
 use super::super::{Balance, Place, Stop};
 use super::kept::Kept;
@@ -32,7 +33,10 @@ use crate::linear::{BlockLu, LinearSolver, Pattern};
 use crate::model::Model;
 use crate::outputs::Watch;
 use crate::start::Turning;
-use crate::start::eccentricity::{eccentricities, eccentricity_rates, film_ratios, yielding};
+use crate::start::eccentricity::{
+    eccentricities, eccentricity_rates, film_ratios, places_of_pins, rates_of_eccentricities,
+    yielding,
+};
 use crate::start::motion::{SteadyMotion, modal};
 use crate::state::{State, move_pose};
 use eng_system::significant::short;
@@ -81,8 +85,7 @@ struct Follower {
     watch: Watch,
     solver: BlockLu,
     kept: Kept,
-    /// With fields.
-    reused: Option<Reused>,
+    reused: Reused,
     step: f64,
     /// The last positions.
     behind: VecDeque<Vec<f64>>,
@@ -137,8 +140,7 @@ impl Follower {
             &vec![0.0; model.states],
         );
         let solver = BlockLu::new(integrator.pattern());
-        let fields = model.kernels.iter().any(|kernels| !kernels.is_empty());
-        let reused = fields.then(|| Reused::new(integrator.unknowns(), count));
+        let reused = Reused::new(integrator.unknowns(), count);
         Ok(Follower {
             kept: Kept::new(balance, state, period)?,
             integrator,
@@ -169,26 +171,12 @@ impl Follower {
             here: &here,
             pulled: &pulled,
         };
-        let mut reused = self.reused.take();
-        let found = match &mut reused {
-            Some(reused) => {
-                let mut own = trial.clone();
-                self.solve_reusing(balance, &step, reused, &mut own)?
-                    .then_some(own)
-            }
-            None => None,
-        };
-        let trial = match found {
-            Some(found) => found,
-            None => {
-                self.solve(balance, &step, &mut trial)?;
-                trial
-            }
-        };
-        if let Some(reused) = &mut reused {
-            reused.end(&trial);
+        let mut found = trial.clone();
+        if !self.solve_reusing(balance, &step, &mut found) {
+            found.copy_from_slice(&trial);
+            self.solve(balance, &step, &mut found)?;
         }
-        self.reused = reused;
+        self.reused.end(&found);
         self.accept(balance)
     }
 
@@ -213,44 +201,38 @@ impl Follower {
     }
 
     /// Solves a step with the factors and secants of earlier ones; `false` if they lead to no solution.
-    fn solve_reusing(
-        &mut self,
-        balance: &Balance,
-        step: &Step,
-        reused: &mut Reused,
-        trial: &mut [f64],
-    ) -> Result<bool, NoOrbit> {
+    fn solve_reusing(&mut self, balance: &Balance, step: &Step, trial: &mut [f64]) -> bool {
         let model = balance.model;
-        let goal = reused.rough() * GOAL * model.tolerance / model.length;
-        reused.begin(trial);
-        if let Some(found) = reused.found() {
+        let goal = self.reused.rough() * GOAL * model.tolerance / model.length;
+        self.reused.begin(trial);
+        if let Some(found) = self.reused.found() {
             self.dynamics.begin_at(found);
         }
         for iteration in 0..ITERATIONS {
             if self.evaluate(model, trial).is_err() {
                 break;
             }
-            if reused.renews(iteration) {
+            if self.reused.renews(iteration) {
                 let regular = self.factor(model).is_ok();
-                reused.factored(regular);
+                self.reused.factored(regular);
                 if !regular {
                     break;
                 }
             }
             let mut correction = self.correction(model, step);
-            reused.improve(&mut correction);
+            self.reused.improve(&mut correction);
             let Ok((part, size)) = self.correct(balance, step, &correction, trial) else {
                 break;
             };
-            if reused.applied(&correction, part, size, goal) == Next::Solved {
-                if let Some(found) = reused.found_mut() {
+            if self.reused.applied(&correction, part, size, goal) == Next::Solved {
+                if let Some(found) = self.reused.found_mut() {
                     self.dynamics.found(found);
                 }
-                return Ok(true);
+                return true;
             }
         }
-        reused.factored(false);
-        Ok(false)
+        self.reused.factored(false);
+        false
     }
 
     /// Evaluates the residual at unknowns.
@@ -494,9 +476,7 @@ impl Balance<'_> {
             let now = &follower.integrator.current;
             let before = off;
             off = change(model, &first, now);
-            if let Some(reused) = &mut follower.reused {
-                reused.changed(off);
-            }
+            follower.reused.changed(off);
             first.copy_from(now);
             if followed <= PLAIN || off <= REPEATS {
                 continue;
@@ -589,8 +569,9 @@ impl Balance<'_> {
         Ok((off, all))
     }
 
-    /// Weight matrix of moves in scaled velocities. Eccentricities and shapes are stiff.
-    fn stiff(&self, state: &State) -> DMatrix<f64> {
+    /// Weight matrix of moves in scaled velocities, and the weighed rows of the eccentricities in it. Eccentricities and
+    /// shapes are stiff.
+    fn stiff(&self, state: &State) -> (DMatrix<f64>, DMatrix<f64>) {
         let model = self.model;
         let n = model.velocities;
         let mut films = eccentricity_rates(model, &pins(model), state);
@@ -601,20 +582,29 @@ impl Balance<'_> {
         for i in modal(model) {
             weight[(i, i)] += STIFF * STIFF;
         }
-        weight
+        (weight, films)
     }
 
-    /// The least weighted move, in scaled velocities, that changes rows by `wanted`.
+    /// The least weighted move, in scaled velocities, that changes rows by `wanted` and eccentricities by about
+    /// `shifted` (m, or m/s for rates; x and y of each film). With the rows R, those of the eccentricities F, both
+    /// weighed, and the weight W = I + FᵀF it has the least `|y|² + |F y − shifted|²`:
+    ///
+    /// ```text
+    /// y = W⁻¹(Fᵀ shifted + Rᵀμ)        R W⁻¹Rᵀ μ = wanted − R W⁻¹Fᵀ shifted
+    /// ```
     fn softest(
         &self,
         state: &State,
         rows: &DMatrix<f64>,
         wanted: &DVector<f64>,
+        shifted: &DVector<f64>,
     ) -> Result<DVector<f64>, NoOrbit> {
-        let found = self.stiff(state).cholesky().and_then(|weight| {
+        let (weight, films) = self.stiff(state);
+        let found = weight.cholesky().and_then(|weight| {
+            let own = weight.solve(&films.tr_mul(&(shifted * (STIFF / self.model.length))));
             let across = weight.solve(&rows.transpose());
-            let factors = (rows * &across).lu().solve(wanted)?;
-            Some(across * factors)
+            let factors = (rows * &across).lu().solve(&(wanted - rows * &own))?;
+            Some(own + across * factors)
         });
         found.ok_or_else(|| {
             NoOrbit::Reason("the stated values cannot hold along its motion".to_owned())
@@ -632,6 +622,13 @@ impl Balance<'_> {
     ) -> Result<(State, Vec<f64>), NoOrbit> {
         let model = self.model;
         let n = model.velocities;
+        let pins = pins(model);
+        let places = |pose: &[f64]| DVector::from_vec(places_of_pins(model, &pins, pose));
+        let paces = |pose: &[f64], rates: &[f64]| {
+            DVector::from_vec(rates_of_eccentricities(model, &pins, pose, rates))
+        };
+        // a body that turns further carries its bending along, so that its pins leave their places in the shells
+        let (place, pace) = (places(&state.pose), paces(&state.pose, &rates));
         let mut state = state.clone();
         for _ in 0..ROUNDS {
             kept.measure_cycle(self, from, &state)?;
@@ -644,7 +641,8 @@ impl Balance<'_> {
             let mut wanted = DVector::zeros(rows.nrows());
             wanted.rows_mut(0, count).copy_from(&-missed);
             wanted.rows_mut(count, off.len()).copy_from(&-off);
-            let step = self.softest(&state, &rows, &wanted)?;
+            let shifted = &place - places(&state.pose);
+            let step = self.softest(&state, &rows, &wanted, &shifted)?;
             let own = kept.ahead.len();
             kept.ahead += held.rows(held.nrows() - own, own) * &step;
             let from = state.pose.clone();
@@ -653,7 +651,8 @@ impl Balance<'_> {
         }
         let motion = SteadyMotion::along_path(model, &state).map_err(singular)?;
         let (missed, rows) = motion.missed_rates(model, &state, &rates)?;
-        let step = self.softest(&state, &rows, &-missed)?;
+        let shifted = pace - paces(&state.pose, &rates);
+        let step = self.softest(&state, &rows, &-missed, &shifted)?;
         for (rate, (y, s)) in rates.iter_mut().zip(step.iter().zip(self.motion.scales())) {
             *rate += y * s;
         }

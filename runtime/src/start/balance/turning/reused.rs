@@ -1,15 +1,16 @@
-//! Steps along a motion whose loads are costly: those of fields, such as films on cells.
+//! Steps along a motion that take over the work of earlier steps.
 //!
-//! The solution of its fields takes most of the time of an evaluation, and their derivatives take as long again. So a step has few
-//! of both. The factors of one matrix serve for many steps, with the secants of earlier corrections ([`Secants`]), and are made
-//! anew when they contract slowly. The search begins where the scheme extrapolates to, corrected by the error that this
+//! Without films on cells a matrix and its factors cost as much as ten evaluations or more. In films on cells the solution of the
+//! fields takes most of the time of an evaluation, and their derivatives take as long again. So a step has few of both. The factors
+//! of one matrix serve for many steps, with the secants of earlier corrections ([`Secants`]), and are made anew when they contract
+//! slowly. The search begins where the scheme extrapolates to, corrected by the error that this
 //! extrapolation had at the same step of the period before. The searches of the fields begin where they ended there. And as long
 //! as a period changes much, its steps need not be exact.
 
 use eng_system::secants::Secants;
 
-/// Contraction above which the matrix is made anew, within a step or at the begin of the next. A new one takes about as long as two
-/// evaluations.
+/// Contraction above which the matrix is made anew, within a step or at the begin of the next. With films on cells a new one takes
+/// about as long as two evaluations; without them a larger limit gains little.
 const SLOW: f64 = 0.3;
 /// Least contraction that is expected.
 const LEAST: f64 = 0.1;
