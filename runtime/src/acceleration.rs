@@ -59,6 +59,8 @@ pub enum Factors {
 pub struct AccelerationSystem {
     pattern: Pattern,
     bodies: Vec<Block>,
+    /// The places of the entries of Gᵀ, each with that of the same entry of G.
+    transposed: Vec<[usize; 2]>,
     values: Vec<f64>,
     solver: Box<dyn LinearSolver>,
     rhs: Vec<f64>,
@@ -76,6 +78,13 @@ pub struct AccelerationSystem {
     stale: bool,
     /// The position of the factors.
     pose: Vec<f64>,
+}
+
+/// The place of an entry among the values of a pattern that has it.
+fn place(pattern: &Pattern, row: usize, column: usize) -> usize {
+    let begin = pattern.columns[column];
+    let rows = &pattern.rows[begin..pattern.columns[column + 1]];
+    begin + rows.partition_point(|r| *r < row)
 }
 
 impl AccelerationSystem {
@@ -107,6 +116,14 @@ impl AccelerationSystem {
             .iter()
             .map(|b| pattern.block(b.velocity, b.velocity..b.velocity + b.width()))
             .collect();
+        let rows_of_g = model.velocities..size;
+        let transposed = rows_of_g.flat_map(|column| {
+            let places = pattern.columns[column]..pattern.columns[column + 1];
+            let own = places.filter(|k| pattern.rows[*k] < model.velocities);
+            let pattern = &pattern;
+            own.map(move |k| [k, place(pattern, column, pattern.rows[k])])
+        });
+        let transposed = transposed.collect();
         let solver = BlockLu::new(&pattern);
         let mut scales = model.velocity_scales();
         scales.extend(model.row_scales().iter().map(|s| 1.0 / s));
@@ -128,6 +145,7 @@ impl AccelerationSystem {
             pose: vec![0.0; model.poses],
             pattern,
             bodies,
+            transposed,
         })
     }
 
@@ -186,16 +204,16 @@ impl AccelerationSystem {
         }
         let offset = model.velocities;
         let (pattern, values) = (&self.pattern, &mut self.values);
-        let place = |row: usize, column: usize| {
-            let rows = &pattern.rows[pattern.columns[column]..pattern.columns[column + 1]];
-            pattern.columns[column] + rows.partition_point(|r| *r < row)
-        };
+        // the entries of a body stand one after the other in a column of Gᵀ
         dynamics.body_gradients(model, |row, first, line| {
-            for (i, g) in line.iter().enumerate() {
-                values[place(offset + row, first + i)] += g;
-                values[place(first + i, offset + row)] += g;
+            let begin = place(pattern, first, offset + row);
+            for (value, g) in values[begin..].iter_mut().zip(line) {
+                *value += g;
             }
         });
+        for [from, to] in &self.transposed {
+            self.values[*to] = self.values[*from];
+        }
         for column in 0..self.pattern.size {
             for k in self.pattern.columns[column]..self.pattern.columns[column + 1] {
                 self.values[k] *= self.scales[column] * self.scales[self.pattern.rows[k]];
