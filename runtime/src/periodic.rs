@@ -335,7 +335,12 @@ impl Observer for Cycles<'_> {
         self.observer.started(report);
     }
 
+    fn stepped(&mut self) {
+        self.observer.stepped();
+    }
+
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
+        self.observer.sampled();
         self.now.push(sample);
         if self.now.heads.len() <= self.samples {
             return ControlFlow::Continue(());

@@ -85,6 +85,8 @@ pub trait Observer {
     fn started(&mut self, _report: &StartReport) {}
     /// Called at the end of every step, before its samples.
     fn stepped(&mut self) {}
+    /// Called after every sample of a cycle that a periodic analysis compares with others, and may never give.
+    fn sampled(&mut self) {}
     /// Takes a sample; `Break` ends the run after it.
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
     /// Called after every step. No verdict changes a bit of the results.

@@ -421,6 +421,10 @@ impl Observer for Recorder<'_> {
         self.spent(|timings| &mut timings.steps);
     }
 
+    fn sampled(&mut self) {
+        self.spent(|timings| &mut timings.samples);
+    }
+
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         self.spent(|timings| &mut timings.samples);
         let taken = self.record(sample);
