@@ -306,8 +306,8 @@ fn mounts_pass_on_what_their_complex_stiffness_says() {
     }
 }
 
-/// What is told of a motion that never repeats: the share of the time in contact, the number of contacts, the mean load and its root mean
-/// square.
+/// The figures reported for a motion that never repeats: the share of the time in contact, the number of contacts, the mean load and its
+/// root mean square.
 fn statistics(load: &[f64]) -> [f64; 4] {
     let count = load.len() as f64;
     let begun = load.windows(2).filter(|w| w[0] == 0.0 && w[1] != 0.0);

@@ -440,8 +440,8 @@ fn the_first_sample_is_behind_a_kink() {
     }
 }
 
-/// A fixed step over a jump of the demanded acceleration is told, if its error is larger than the tolerance of positions; one over a
-/// smooth corner, or short enough, is not.
+/// A run warns of a fixed step over a jump of the demanded acceleration, if the error of this step is larger than the tolerance of
+/// positions. It does not warn of a step over a smooth corner, or of a step that is short enough.
 #[test]
 fn fixed_steps_over_corners_are_told() {
     for (way, step, told) in [
