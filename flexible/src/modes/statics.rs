@@ -22,8 +22,13 @@ fn solve(
     vectors: &mut [f64],
 ) -> Result<(), FlexibleError> {
     let size = stiffness.size();
-    let matrix = stiffness.without(held)?;
     let kept: Vec<usize> = (0..size).filter(|i| !held[*i]).collect();
+    if kept.is_empty() {
+        // nothing can move, and there is no matrix to factor
+        vectors.fill(0.0);
+        return Ok(());
+    }
+    let matrix = stiffness.without(held)?;
     let analysis = Arc::new(Analysis::fill_reducing(&matrix)?);
     let factor =
         Factorization::new(&analysis, &matrix, Definiteness::Positive).map_err(|error| {
@@ -38,7 +43,7 @@ fn solve(
             }
         })?;
     let inner = kept.len();
-    let mut loads = Vec::with_capacity(vectors.len() / size.max(1) * inner);
+    let mut loads = Vec::with_capacity(vectors.len() / size * inner);
     for vector in vectors.chunks_exact(size) {
         loads.extend(kept.iter().map(|i| vector[*i]));
     }
@@ -215,4 +220,21 @@ fn by_freedoms(structure: &Structure, interface: &[u32]) -> Result<Vec<f64>, Fle
         *x += unit;
     }
     Ok(vectors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::solve;
+    use crate::sparse::SymmetricMatrix;
+
+    #[test]
+    fn a_structure_that_is_held_everywhere_does_not_move() {
+        let entries = [(0, 0, 1.0), (1, 1, 1.0)];
+        let Ok(stiffness) = SymmetricMatrix::from_triplets(2, &entries) else {
+            panic!("a matrix");
+        };
+        let mut loads = vec![1.0, 2.0, 3.0, 4.0];
+        let solved = solve(&stiffness, &[true, true], &mut loads);
+        assert!(solved.is_ok() && loads.iter().all(|x| *x == 0.0));
+    }
 }

@@ -244,8 +244,9 @@ impl Ledger {
             let range = body.velocity + 6..body.velocity + 6 + n;
             let quadratic = |block: &[f64]| {
                 let product = |a: &[f64]| -> f64 {
+                    // a body without modes has no rows
                     block
-                        .chunks_exact(n)
+                        .chunks_exact(n.max(1))
                         .zip(a)
                         .map(|(row, ai)| ai * dot(row, a))
                         .sum()
