@@ -462,11 +462,7 @@ impl Cycles<'_> {
         !earlier.is_empty()
             && last.iter().all(|(_, share)| *share > UNPREDICTED)
             && least(last) > STANDSTILL * least(earlier)
-            && self.moved.beyond <= 1.0
-            && self
-                .moved
-                .mode
-                .is_some_and(|mode| self.moved.beyond * mode.reach() <= 1.0)
+            && self.moved.repeats(UNPREDICTED)
     }
 
     /// Whether the motion differs between cycles of the second half as much as between those of the first,

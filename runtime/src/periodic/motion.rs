@@ -12,6 +12,8 @@ use std::collections::VecDeque;
 /// Share of a state's size, at the usual tolerance, within which states of two cycles count as equal. It is
 /// ten times the error of a step.
 const STATE_TOLERANCE: f64 = 1e-4;
+/// Cycles over which the distance of the motion is compared.
+const LONG: usize = 8;
 
 /// Indices of a body's numbers in a sample's pose and velocities.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +32,29 @@ pub struct Moved {
     /// Largest difference of positions and states, in units of the error that the tolerance of the steps
     /// leaves.
     pub beyond: f64,
+    /// The same difference from the cycle eight cycles before, once it exists. A motion that approaches its limit slowly is far
+    /// from that cycle, and noise of the steps is not.
+    pub beyond_long: Option<f64>,
+}
+
+impl Moved {
+    /// Whether the motion repeats within the tolerance of its steps: now, and in its limit. If the last difference follows from the
+    /// earlier ones, their factor leads to the limit. Otherwise the factor is random, and the motion must also equal
+    /// that of an early cycle.
+    pub fn repeats(&self, noise: f64) -> bool {
+        let Some(mode) = self.mode.filter(|_| self.beyond <= 1.0) else {
+            return false;
+        };
+        self.beyond * mode.reach() <= 1.0
+            || (mode.unpredicted > noise && self.beyond_long.is_some_and(|beyond| beyond <= 1.0))
+    }
+}
+
+/// Positions and states of a cycle's samples.
+#[derive(Clone, Debug, Default)]
+struct Cycle {
+    poses: Vec<f64>,
+    states: Vec<f64>,
 }
 
 /// Compares the motion of cycles.
@@ -43,9 +68,11 @@ pub struct Motion {
     /// angle.
     tolerance: f64,
     length: f64,
-    /// Error of states that the tolerance leaves.
+    /// Share of a state's size that is the error which the tolerance leaves, and the least size of each state.
+    share: f64,
     states: Vec<f64>,
-    poses: Vec<f64>,
+    /// The last cycles, the newest first.
+    cycles: VecDeque<Cycle>,
     before: Vec<f64>,
     differences: VecDeque<Vec<f64>>,
 }
@@ -71,12 +98,9 @@ impl Motion {
             velocities: model.velocities,
             tolerance: model.tolerance * share,
             length: model.length,
-            states: model
-                .state_scales
-                .iter()
-                .map(|scale| STATE_TOLERANCE * share * scale)
-                .collect(),
-            poses: Vec::new(),
+            share: STATE_TOLERANCE * share,
+            states: model.state_scales.clone(),
+            cycles: VecDeque::new(),
             before: Vec::new(),
             differences: VecDeque::new(),
         }
@@ -86,12 +110,26 @@ impl Motion {
     /// followed by states.
     pub fn next(&mut self, poses: &[f64], motion: &[f64]) -> Moved {
         let width = self.units.len().max(1);
-        let old_poses = std::mem::replace(&mut self.poses, poses.to_vec());
+        let samples = motion.chunks(width);
+        let cycle = Cycle {
+            poses: poses.to_vec(),
+            states: samples
+                .flat_map(|sample| &sample[self.velocities..])
+                .copied()
+                .collect(),
+        };
         let old = std::mem::replace(&mut self.before, motion.to_vec());
-        if old.len() != motion.len() || old_poses.len() != poses.len() {
+        let from = |age: usize| {
+            let before = self.cycles.get(age - 1);
+            let alike = before.filter(|before| before.poses.len() == cycle.poses.len());
+            alike.map(|before| self.beyond(&cycle, before))
+        };
+        let (beyond, beyond_long) = (from(1), from(LONG));
+        self.cycles.push_front(cycle);
+        self.cycles.truncate(LONG);
+        let Some(beyond) = beyond.filter(|_| old.len() == motion.len()) else {
             return Moved::default();
-        }
-        let beyond = self.beyond(poses, &old_poses, motion, &old);
+        };
         let difference = motion
             .iter()
             .zip(&old)
@@ -102,16 +140,19 @@ impl Motion {
         self.differences.truncate(3);
         let of_age = |age: usize| self.differences.get(age).map_or(&[][..], |d| d);
         Moved {
-            mode: slowest(of_age(0), of_age(1), of_age(2)),
+            mode: slowest([of_age(0), of_age(1), of_age(2)], width),
             beyond,
+            beyond_long,
         }
     }
 
-    /// Largest difference of positions and states, in units of the error that the tolerance leaves.
-    fn beyond(&self, poses: &[f64], old_poses: &[f64], motion: &[f64], old: &[f64]) -> f64 {
+    /// Largest difference of positions and states of two cycles, in units of the error that the tolerance leaves. The size of a
+    /// state is its largest value in both cycles, as in the control of steps.
+    fn beyond(&self, now: &Cycle, before: &Cycle) -> f64 {
         let pose_width = self.places.last().map_or(1, |p| p.pose + 7 + p.modes);
         let mut worst = 0.0_f64;
-        for (now, before) in poses.chunks(pose_width).zip(old_poses.chunks(pose_width)) {
+        let poses = now.poses.chunks(pose_width);
+        for (now, before) in poses.zip(before.poses.chunks(pose_width)) {
             for place in &self.places {
                 let p = place.pose;
                 for i in p..p + 3 {
@@ -126,14 +167,15 @@ impl Motion {
             }
         }
         let mut beyond = worst / self.tolerance;
-        let width = self.units.len().max(1);
-        for (now, before) in motion.chunks(width).zip(old.chunks(width)) {
-            let states = now[self.velocities..]
-                .iter()
-                .zip(&before[self.velocities..]);
-            for ((now, before), left) in states.zip(&self.states) {
-                beyond = beyond.max((now - before).abs() / left);
+        let count = self.states.len().max(1);
+        for (state, scale) in self.states.iter().enumerate() {
+            let [mut size, mut far] = [*scale, 0.0_f64];
+            let samples = now.states.chunks(count).zip(before.states.chunks(count));
+            for (now, before) in samples {
+                size = size.max(now[state].abs()).max(before[state].abs());
+                far = far.max((now[state] - before[state]).abs());
             }
+            beyond = beyond.max(far / (self.share * size));
         }
         beyond
     }
@@ -168,5 +210,59 @@ mod tests {
             assert!((turned(&a, &b) / turn - 1.0).abs() < 1e-3, "{turn}");
             assert!((turned(&a, &b.map(|x| -x)) / turn - 1.0).abs() < 1e-3);
         }
+    }
+
+    /// A model of states alone.
+    fn of_states(scales: &[f64]) -> Motion {
+        Motion {
+            places: Vec::new(),
+            units: scales.to_vec(),
+            velocities: 0,
+            tolerance: 1e-8,
+            length: 1.0,
+            share: STATE_TOLERANCE,
+            states: scales.to_vec(),
+            cycles: VecDeque::new(),
+            before: Vec::new(),
+            differences: VecDeque::new(),
+        }
+    }
+
+    /// The comparison of the last of some cycles of one state, each of 24 samples.
+    fn cycles_of(motion: &mut Motion, cycles: usize, state: impl Fn(usize, usize) -> f64) -> Moved {
+        let mut moved = Moved::default();
+        for cycle in 0..cycles {
+            let samples: Vec<f64> = (0..24).map(|sample| state(cycle, sample)).collect();
+            moved = motion.next(&[], &samples);
+        }
+        moved
+    }
+
+    #[test]
+    fn a_state_counts_by_its_largest_value() {
+        let peak = |cycle, sample| {
+            let wave = libm::sin(0.25 * f64::from(sample as u32));
+            100.0 * wave + 1e-3 * (cycle % 2) as f64
+        };
+        let moved = cycles_of(&mut of_states(&[1.0]), 2, peak);
+        // 1e-3 of an error of 1e-4 times about 100
+        assert!((moved.beyond - 0.1).abs() < 1e-3, "{moved:?}");
+    }
+
+    #[test]
+    fn a_slow_drift_below_noise_at_one_sample_does_not_repeat() {
+        let noise = [0.5, -0.3, 0.2, -0.6, 0.4, -0.1, 0.3, -0.5, 0.1, -0.4];
+        let with = |drift: f64| {
+            let state = move |cycle: usize, sample: usize| {
+                let peak = if sample == 11 { noise[cycle] } else { 0.0 };
+                1e-4 * (0.7 * peak + drift * cycle as f64)
+            };
+            cycles_of(&mut of_states(&[1.0]), 10, state)
+        };
+        // the noise stands at one sample, so its factor says nothing
+        assert!(with(0.0).repeats(0.3), "{:?}", with(0.0));
+        let drifts = with(0.14);
+        assert!(drifts.beyond <= 1.0, "{drifts:?}");
+        assert!(!drifts.repeats(0.3), "{drifts:?}");
     }
 }

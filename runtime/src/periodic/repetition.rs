@@ -19,6 +19,8 @@ const STEADY: f64 = 1e-3;
 const STANDING: f64 = 1e-3;
 /// Squared sine between two differences below which they have one direction.
 const PARALLEL: f64 = 1e-3;
+/// Number of samples below which a difference says nothing about its prediction.
+const FEW_SAMPLES: f64 = 4.0;
 
 /// A channel that grows by the same amount every cycle.
 #[derive(Clone, Debug, PartialEq)]
@@ -235,26 +237,28 @@ impl Comparison {
 
     /// The decay that follows from the last three differences of a channel.
     fn shrinking(&self, channel: usize) -> Option<Mode> {
-        slowest(
-            &self.column(0, channel),
-            &self.column(1, channel),
-            &self.column(2, channel),
-        )
+        let columns = [0, 1, 2].map(|age| self.column(age, channel));
+        slowest(columns.each_ref().map(Vec::as_slice), 1)
     }
 }
 
 /// The slower of the two modes that fit the last of three differences best, `d₀ = a d₁ + b d₂`. With only two
 /// known differences, or with differences of one direction, there is one mode. `None` if earlier differences
-/// are unknown or zero.
-pub fn slowest(d0: &[f64], d1: &[f64], d2: &[f64]) -> Option<Mode> {
+/// are unknown or zero. Each difference has `width` numbers for each sample.
+///
+/// Two unknowns fit a difference at one or two samples whatever it is. So one that stands at few samples counts as not predicted.
+pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Mode> {
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
     let (s00, s11) = (dot(d0, d0), dot(d1, d1));
     if d1.is_empty() || s11 == 0.0 {
         return None;
     }
     let (r1, r2) = (dot(d0, d1), dot(d0, d2));
+    let few = samples_of(d0, width) < FEW_SAMPLES;
     let share = |explained: f64| {
-        if s00 > 0.0 {
+        if few {
+            1.0
+        } else if s00 > 0.0 {
             (1.0 - explained / s00).clamp(0.0, 1.0)
         } else {
             0.0
@@ -288,6 +292,20 @@ pub fn slowest(d0: &[f64], d1: &[f64], d2: &[f64]) -> Option<Mode> {
         turn,
         unpredicted: share(a * r1 + b * r2),
     })
+}
+
+/// Number of samples over which a difference is spread, `(Σ e)²/Σ e²` with e the sum of squares of a sample: 1 if one sample
+/// differs, n if n samples differ alike. Infinite without differences.
+fn samples_of(difference: &[f64], width: usize) -> f64 {
+    let squares = difference
+        .chunks(width)
+        .map(|sample| sample.iter().map(|x| x * x).sum::<f64>());
+    let (sum, square) = squares.fold((0.0, 0.0), |(sum, square), e| (sum + e, square + e * e));
+    if square > 0.0 {
+        sum * sum / square
+    } else {
+        f64::INFINITY
+    }
 }
 
 #[cfg(test)]
@@ -363,5 +381,25 @@ mod tests {
             (last.mode.unwrap().turn - 2.0 * PI * 0.07).abs() < 1e-6,
             "{last:?}"
         );
+    }
+
+    #[test]
+    fn a_difference_at_one_sample_predicts_nothing() {
+        // a peak whose height differs at random from cycle to cycle
+        let height = [0.1, 0.3, 0.15, 0.28, 0.12, 0.31, 0.22, 0.17];
+        let found = verdicts(8, |k, t| {
+            libm::cos(2.0 * PI * t)
+                + if (t - 0.5).abs() < 1e-9 {
+                    height[k]
+                } else {
+                    0.0
+                }
+        });
+        for verdict in &found[3..] {
+            assert_eq!(
+                verdict.slowest.clone().unwrap().mode.unwrap().unpredicted,
+                1.0
+            );
+        }
     }
 }
