@@ -131,14 +131,14 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Newton { origin, .. } => place(d(codes::NO_STEP), origin, "the largest residual is here")
             .with_help("a force that jumps, or a mechanism at the end of its reach, has no solution: look at the outputs just before"),
         R::Rounding { .. } => d(codes::ROUNDING)
-            .with_help("state a larger `tolerance`; a fixed `step` needs none"),
+            .with_help("state a larger `tolerance`, or a fixed `step`, which needs no tolerance"),
         R::StepTooSmall { origin, state: Some(state), .. } => {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is in its state")
                 .with_help(format!("make the rate of `{state}` continuous where it jumps; state a larger `scale` where errors as small as 1e-5 of it don't matter"))
         }
         R::StepTooSmall { origin, state: None, .. } => {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is here")
-                .with_help("make forces that jump continuous; give a table that ends here an `extrapolation`")
+                .with_help("make every force that jumps continuous; give an `extrapolation` to a table that ends here")
         }
         R::Jumps { jump, .. } => place(d(codes::JUMPS), &jump.origin, "jumps")
             .with_help(UNJUMPED),
@@ -171,7 +171,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
                 None => message,
             };
             message.with_help(match why {
-                NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and loads that depend on time; begin nearer to the steady motion with `after:`, a longer one or with a finer tolerance",
+                NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and the loads that depend on time; with `after:`, a longer `after:` or a finer tolerance the search begins nearer to the steady motion",
                 NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let the ringing of the start die out with `after:`; a shorter `step` follows faster swings",
             })
         }
@@ -185,7 +185,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Remembers { origin } => place(d(codes::TURNING), origin, "a film with memory")
             .with_help("a rigid film with the rule `reynolds` has no memory; `transient` and `periodic` compute the other films"),
         R::Undecided { origin, .. } => place(d(codes::TURNING), origin, "a film without pressure")
-            .with_help("linearise it under load, where its cavity has a place: leave out `start: assembled`, or state a load"),
+            .with_help("linearise the film under a load: leave out `start: assembled`, or state a load"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
@@ -197,7 +197,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             let message = massless.iter().take(3).fold(d(codes::SINGULAR), |message, body| {
                 place(message, &body.origin, &format!("has no {}", body.lacks))
             });
-            message.with_help("give every body that can turn an inertia, and every one that can move a mass")
+            message.with_help("give an inertia to every body that can turn, and a mass to every body that can move")
         }
         R::Options { .. } => d(codes::OPTIONS),
         R::Checkpoint { .. } => d(codes::CHECKPOINT),
@@ -263,7 +263,7 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
         .fold(message, |message, body| {
             place(message, &body.origin, &format!("turns at {} rpm and {}", significant(body.speed*30.0/std::f64::consts::PI, 4), body.reason()))
         })
-        .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: a picture for frequencies well above the speed, wrong for whirl, damping and stability")
+        .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: its frequencies are useful if they are well above the speed, and it is wrong for whirl, damping and stability")
 }
 
 /// Adds the elements that change the coefficients with time, and the remedy.

@@ -511,11 +511,11 @@ fn what_samples_cannot_tell_is_refused() {
     );
     // a value that is no number is not skipped
     assert!(
-        error("odd").contains("is no finite number"),
+        error("odd").contains("is not a finite number"),
         "{}",
         error("odd")
     );
-    assert_eq!(error("none"), "the level of 0 is no finite number");
+    assert_eq!(error("none"), "the level of 0 is not a finite number");
 }
 
 /// With a changing speed, orders cannot be converted to frequencies.
@@ -888,7 +888,7 @@ fn what_cannot_be_made_is_said_in_its_place() {
         error("short"),
         "timed: the results are shorter than the last 1 s"
     );
-    assert_eq!(error("ratio"), "Ratio is no finite number");
+    assert_eq!(error("ratio"), "Ratio is not a finite number");
     assert!(matches!(
         report.values("nothing"),
         Err(PostError::NoValue(_))

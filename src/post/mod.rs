@@ -246,7 +246,7 @@ pub enum PostError {
         source: SignalError,
     },
     /// A value that is no number.
-    #[error("{0} is no finite number")]
+    #[error("{0} is not a finite number")]
     NotFinite(String),
     /// A tree that no checked text gives.
     #[error("expected a {due}, found a {found}")]

@@ -43,7 +43,7 @@ pub enum SignalError {
         found: usize,
     },
     /// A sample is infinite or no number.
-    #[error("sample {} of {what} is no finite number", .index.saturating_add(1))]
+    #[error("sample {} of {what} is not a finite number", .index.saturating_add(1))]
     NotFinite {
         /// The name of the input.
         what: &'static str,

@@ -200,7 +200,7 @@ fn run(
         let Some(value) = value else {
             return Err((
                 format!(
-                    "\"{field}\" at row {}, column {column} of matrix {} is no finite number",
+                    "\"{field}\" at row {}, column {column} of matrix {} is not a finite number",
                     u64::from(row) + 1,
                     head.name
                 ),
