@@ -26,7 +26,8 @@ const REMAINS: f64 = 0.5;
 /// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there.
 const ROUNDINGS: [f64; 2] = [2048.0, 2.0];
 /// Distance from a kink within a step, as a share of the step. Nearer to a corner, a rate such as that of `acos(dot(a, b))` has few
-/// digits.
+/// digits: at the angle x from the corner, the rounding ε of the cosine changes it by `ε/x²` of itself. A hundred radians a second and
+/// steps of 0.1 ms are `x = 1e-6` there, so the rate is known to 2e-4.
 const WITHIN: f64 = 1e-4;
 /// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed.
 const STRAIGHT: f64 = 0.5;
