@@ -177,24 +177,29 @@ impl Comparison {
     fn swings(&self, values: &[f64]) -> Vec<f64> {
         let count = self.dimensions.len();
         let mut swings = self.own_swings(values);
-        let floors: Vec<f64> = (0..count)
-            .map(|channel| {
-                let dimension = self.dimensions[channel];
-                let alike = (0..count).filter(|i| self.dimensions[*i] == dimension);
-                if dimension == Dimension::LENGTH {
-                    self.length
-                } else if dimension == Dimension::ANGLE {
-                    alike.fold(LEAST_ANGLE, |w, i| w.max(LEAST_SWING * swings[i]))
-                } else {
-                    alike
-                        .flat_map(|i| values.iter().skip(i).step_by(count))
-                        .fold(self.rounding(dimension), |w, x| {
-                            w.max(LEAST_SWING * x.abs())
-                        })
-                }
-            })
-            .collect();
-        for (swing, floor) in swings.iter_mut().zip(floors) {
+        // largest swing of each dimension (of angles), and largest value (of the others): once for a dimension, because
+        // each of hundreds of channels would read the values of all channels of its kind
+        let mut floors: Vec<(Dimension, f64)> = Vec::new();
+        for (channel, swing) in swings.iter().enumerate() {
+            let dimension = self.dimensions[channel];
+            let size = if dimension == Dimension::LENGTH {
+                continue;
+            } else if dimension == Dimension::ANGLE {
+                LEAST_ANGLE.max(LEAST_SWING * swing)
+            } else {
+                let samples = values.iter().skip(channel).step_by(count);
+                samples.fold(self.rounding(dimension), |w, x| {
+                    w.max(LEAST_SWING * x.abs())
+                })
+            };
+            match floors.iter_mut().find(|(known, _)| *known == dimension) {
+                Some((_, floor)) => *floor = floor.max(size),
+                None => floors.push((dimension, size)),
+            }
+        }
+        for (swing, dimension) in swings.iter_mut().zip(&self.dimensions) {
+            let known = floors.iter().find(|(known, _)| known == dimension);
+            let floor = known.map_or(self.length, |(_, floor)| *floor);
             *swing = swing.max(floor).max(f64::MIN_POSITIVE);
         }
         swings
