@@ -544,12 +544,7 @@ impl<'p> Checker<'p> {
                 );
             }
         }
-        if binding.kind == BindingKind::Param
-            && around != Some(Kind::Interface)
-            && matches!(
-                ty,
-                Type::Int | Type::Bool | Type::Text | Type::ModeSet | Type::Choice(_)
-            )
+        if binding.kind == BindingKind::Param && around != Some(Kind::Interface) && is_structure(ty)
         {
             let found = self.describe(ty);
             let message = Diagnostic::error(
@@ -749,5 +744,22 @@ fn collect(expr: &Expr, lengths: bool, names: &mut Vec<(String, Span)>) {
             }
         }
         ExprKind::Number { .. } | ExprKind::Text(_) | ExprKind::Bool(_) | ExprKind::Error => {}
+    }
+}
+
+/// Whether a value of a type decides the structure of a model, so that it cannot be a parameter of a run.
+fn is_structure(ty: &Type) -> bool {
+    match ty {
+        Type::Int
+        | Type::Bool
+        | Type::Text
+        | Type::ModeSet
+        | Type::Choice(_)
+        | Type::Function(_)
+        | Type::Class(_)
+        | Type::ClassOf(_)
+        | Type::Bound(_) => true,
+        Type::List { element, .. } => is_structure(element),
+        _ => false,
     }
 }

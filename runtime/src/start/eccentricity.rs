@@ -1,7 +1,7 @@
 //! Eccentricities of films, and their rates.
 
 use crate::assembly::rows::{self, Wish};
-use crate::chain;
+use crate::chain::{self, MarkerKinematics};
 use crate::model::Model;
 use crate::rotation::V3;
 use crate::state::State;
@@ -36,15 +36,15 @@ pub fn pin_and_shell(model: &Model, journal: usize) -> Option<(usize, usize)> {
 }
 
 /// The origin of a pin from its shell's, in the shell's axes (m).
-fn arm(model: &Model, pin: usize, shell: usize, pose: &[f64]) -> V3 {
-    let rest = vec![0.0; model.velocities];
-    let [place, seen] = [pin, shell].map(|marker| rows::marker(model, marker, pose, &rest));
-    seen.rotation.transpose() * (place.position - seen.position)
+fn arm(pin: &MarkerKinematics, shell: &MarkerKinematics) -> V3 {
+    shell.rotation.transpose() * (pin.position - shell.position)
 }
 
 /// Eccentricities of pins, seen from their shells: x and y of each (m).
 pub(super) fn places_of_pins(model: &Model, pins: &[Wish], pose: &[f64]) -> Vec<f64> {
-    let arms = (pins.iter()).map(|wish| arm(model, wish.pin, wish.shell, pose));
+    let rest = vec![0.0; model.velocities];
+    let of = |marker| rows::marker(model, marker, pose, &rest);
+    let arms = pins.iter().map(|wish| arm(&of(wish.pin), &of(wish.shell)));
     arms.flat_map(|arm| [arm.x, arm.y]).collect()
 }
 
@@ -60,7 +60,7 @@ pub(super) fn rates_of_eccentricities(
         let seen = rows::marker(model, wish.shell, pose, velocity);
         let place = rows::marker(model, wish.pin, pose, velocity);
         let back = seen.rotation.transpose();
-        let arm = back * (place.position - seen.position);
+        let arm = arm(&place, &seen);
         let rate = back * (place.velocity - seen.velocity) - seen.angular_velocity.cross(&arm);
         rates.extend([rate.x, rate.y]);
     }
@@ -75,7 +75,7 @@ pub(super) fn eccentricity_rates(model: &Model, pins: &[Wish], state: &State) ->
         let seen = rows::marker(model, wish.shell, &state.pose, &state.velocity);
         let place = rows::marker(model, wish.pin, &state.pose, &state.velocity);
         let back = seen.rotation.transpose();
-        let arm = back * (place.position - seen.position);
+        let arm = arm(&place, &seen);
         for (marker, of_shell) in [(wish.pin, false), (wish.shell, true)] {
             let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
                 continue;
@@ -104,11 +104,13 @@ pub(super) fn eccentricity_rates(model: &Model, pins: &[Wish], state: &State) ->
 
 /// e of every journal (m): the pin's origin from the shell's, along the shell's x and y.
 pub fn eccentricities(model: &Model, pose: &[f64]) -> Vec<[f64; 2]> {
+    let rest = vec![0.0; model.velocities];
+    let of = |marker| rows::marker(model, marker, pose, &rest);
     let journals = 0..model.compiled.system.journals.len();
     journals
         .map(|journal| match pin_and_shell(model, journal) {
             Some((pin, shell)) => {
-                let arm = arm(model, pin, shell, pose);
+                let arm = arm(&of(pin), &of(shell));
                 [arm.x, arm.y]
             }
             None => [0.0; 2],
