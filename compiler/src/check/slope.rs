@@ -88,18 +88,23 @@ impl<'p> Checker<'p> {
                 let names = signature.parameters.iter().map(|p| p.name.as_str());
                 let others: Vec<String> =
                     names.clone().skip(1).map(|n| format!("{n}: …")).collect();
-                self.report(
-                    Diagnostic::error(
-                        codes::WRONG_TYPE,
-                        format!("`{}` takes a function of one argument", function.name),
+                let message = Diagnostic::error(
+                    codes::WRONG_TYPE,
+                    format!("`{}` takes a function of one argument", function.name),
+                )
+                .at(first.span, format!("it takes {}", listing(names, 12)));
+                let message = if function.name == "solve" {
+                    message.with_note(
+                        "several unknowns are one list: `fn f(x: Length[2]) -> Length[2] = …`",
                     )
-                    .at(first.span, format!("it takes {}", listing(names, 12)))
-                    .with_help(format!(
-                        "state the others by their names: `{}({shown}({}), …)`",
-                        function.name,
-                        others.join(", ")
-                    )),
-                );
+                } else {
+                    message
+                };
+                self.report(message.with_help(format!(
+                    "state the others by their names: `{}({shown}({}), …)`",
+                    function.name,
+                    others.join(", ")
+                )));
                 None
             }
             other => {
