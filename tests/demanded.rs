@@ -440,39 +440,6 @@ fn the_first_sample_is_behind_a_kink() {
     }
 }
 
-/// A start that is a rounding before a corner counts as one at it: its first sample has the force behind it, 1 kg · 10 m/s². A start
-/// that is a micrometre before it has the force before it, which is none.
-#[test]
-fn a_start_beside_a_corner_has_the_force_of_its_side() {
-    for (travel, due) in [
-        ("0 mm", 10.0),
-        ("-1e-14 m", 10.0),
-        ("-1e-12 m", 10.0),
-        ("-1e-6 m", 0.0),
-        ("1e-6 m", 10.0),
-    ] {
-        let text = guided(
-            "5 m^-1*max(x, 0 mm)^2",
-            "",
-            "duration: 1 ms, sample: 0.1 ms",
-        );
-        let text = text.replace("rail.travel = 0 mm", &format!("rail.travel = {travel}"));
-        let outcome = ran(&text);
-        let force = column(&outcome, "guide.force.z");
-        println!("{travel}: {} N, then {} N", force[0], force[1]);
-        assert!(
-            (force[0].abs() - due).abs() < 1e-3,
-            "{travel}: {} N",
-            force[0]
-        );
-        assert!(
-            (force[1].abs() - 10.0).abs() < 1e-2,
-            "{travel}: {} N",
-            force[1]
-        );
-    }
-}
-
 /// A run warns of a fixed step over a jump of the demanded acceleration, if the error of this step is larger than the tolerance of
 /// positions. It does not warn of a step over a smooth corner, or of a step that is short enough.
 #[test]

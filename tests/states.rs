@@ -16,8 +16,9 @@ force Lag(a: Marker, b: Marker{parameter}) {{
 model Swing {{
     gravity = [0, -9.81, 0] m/s^2
     body bob {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker top = [0, 0.4, 0] m }}
-    joint pin = Revolute(bob.top, ground)
-    force lag = Lag(bob.top, ground)
+    marker pivot = [0, 0.4, 0] m
+    joint pin = Revolute(bob.top, pivot)
+    force lag = Lag(bob.top, pivot)
     start pin.angle = 20 deg
 }}
 analysis swing = transient(Swing(), duration: 0.2 s, sample: 1 ms)

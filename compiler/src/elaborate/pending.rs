@@ -268,9 +268,35 @@ impl<'a> Elaborator<'a, '_> {
         } else {
             Role::StartPosition { exact }
         };
+        if role == (Role::StartPosition { exact: true }) {
+            self.refuse_coinciding(target)?;
+        }
         let path = format!("start of {}", self.sources.text(target.span));
         let dimension = self.dimension_at(target.span, scope)?;
         self.start_element(role, path, target.span, dimension, rows)
+    }
+
+    /// Refuses the start of a position against `ground` as an argument: this marker is placed on the other marker of its element
+    /// after the assembly, so the stated position never holds.
+    fn refuse_coinciding(&mut self, target: &ast::Expr) -> Eval<()> {
+        let Some(element) = self.bench.element.as_ref() else {
+            return Ok(());
+        };
+        let markers = &self.draft.markers;
+        let mut placed = element.markers.iter().map(|i| &markers[*i as usize]);
+        let Some(partner) = placed.find_map(|marker| marker.placed_at) else {
+            return Ok(());
+        };
+        let other = markers[partner as usize].origin.path.clone();
+        let message = Diagnostic::error(
+            codes::START,
+            format!("`ground` begins at `{other}`, so this cannot be set at the start"),
+        )
+        .at(target.span, "zero at the start, whatever is stated")
+        .with_help(
+            "name a marker of the model in place of `ground`: `marker pivot = [0, 0, 0] mm`",
+        );
+        Err(self.report(message))
     }
 
     /// Whether a value of the present element depends on a marker's twist.

@@ -4,7 +4,8 @@ use super::partial::Passed;
 use super::scalar::{Scalar, Stage};
 use super::value::{Partial, ScopeId, Value};
 use super::{Elaborator, Eval};
-use eng_grammar::Span;
+use crate::codes;
+use eng_grammar::{Diagnostic, Span};
 use std::rc::Rc;
 
 /// A function whose derivative is asked for.
@@ -26,6 +27,18 @@ impl<'a> Elaborator<'a, '_> {
         let mut values = values.into_iter();
         let (function, written) = self.checked(values.next(), span, "no function is given")?;
         if name == "period" {
+            if let Value::Partial(partial) = &function
+                && matches!(partial.function, Value::Table(_))
+            {
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::WRONG_TYPE,
+                        "`period` of a table with some of its arguments is not known",
+                    )
+                    .at(written, "a table of several arguments")
+                    .with_help("pass the period beside the table, as a number of its own"),
+                ));
+            }
             return Ok(Value::Scalar(match function {
                 Value::Table(table) => self.bench.table_period(table.handle),
                 // a function of the text states no period
