@@ -221,6 +221,76 @@ fn a_load_between_two_kinks_is_not_stepped_over() {
     }
 }
 
+/// Trains of pulses by a condition on a function of time that is not linear, with samples far apart: nothing between two pulses
+/// shortens the steps. The impulses are closed forms: of a sinusoid above a level, the angle from asin(level) to 180° less it.
+#[test]
+fn trains_of_pulses_are_not_stepped_over() {
+    let pi = std::f64::consts::PI;
+    // share of a period in which sin is above a level, and the mean of its excess over a period
+    let share = |level: f64| 0.5 - level.asin() / pi;
+    let excess = |level: f64| (1.0 - level * level).sqrt() / pi - level * share(level);
+    let seldom = 1.0 - 1e-9;
+    for (push, due, limit) in [
+        (
+            "if sin(314.15926535897931*time/(1 s)) > 0.9 then 100 N else 0 N",
+            20.0 * share(0.9),
+            1e-9,
+        ),
+        (
+            "if sin(50*2*pi*time/(1 s)) > 0.99999 then 10 kN else 0 N",
+            2000.0 * share(0.99999),
+            1e-8,
+        ),
+        (
+            "if sin(50*2*pi*time/(1 s)) > 0.999999999 then 1 MN else 0 N",
+            2e5 * share(seldom),
+            1e-6,
+        ),
+        (
+            "1 kN*max(sin(50*2*pi*time/(1 s)) - 0.9, 0)",
+            200.0 * excess(0.9),
+            1e-3,
+        ),
+        (
+            "if 1 mm*cos(2000*2*pi*time/(1 s)) < -0.9 mm then 100 N else 0 N",
+            20.0 * share(0.9),
+            1e-8,
+        ),
+        // the product of two sinusoids is (cos 20πt − cos 180πt)/2, above zero in half of the time
+        (
+            "if sin(80*pi*time/(1 s))*sin(100*pi*time/(1 s)) > 0 then 100 N else 0 N",
+            10.0,
+            1e-8,
+        ),
+        (
+            "if 5/s*time > 0.5 and 5/s*time < 0.50005 then 1e5 N else 0 N",
+            1.0,
+            1e-8,
+        ),
+        (
+            "if wrapped(3600 deg/s*time, 360 deg) > 179.9 deg then 100 N else 0 N",
+            20.0 * 0.1 / 360.0,
+            1e-8,
+        ),
+    ] {
+        for sample in ["10 ms", "0.2 s"] {
+            let outcome = pushed(
+                push,
+                [0.0, 0.0],
+                &format!("duration: 0.2 s, sample: {sample}"),
+            );
+            let speeds = &outcome.results.column("block.origin.velocity[3]");
+            let speeds = &speeds.as_ref().expect("a column").values;
+            let found = speeds[speeds.len() - 1];
+            println!("{push}, {sample}: {found} m/s for {due} m/s");
+            assert!(
+                (found - due).abs() < limit * due,
+                "{push}, {sample}: {found} m/s for {due} m/s"
+            );
+        }
+    }
+}
+
 /// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law states no `resolve`.
 fn pushed(push: &str, start: [f64; 2], settings: &str) -> eng::Outcome {
     pushed_with("", push, start, settings)

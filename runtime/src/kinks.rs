@@ -13,16 +13,18 @@
 //! | a length, in an element whose class states `resolve` | the smallest length that it resolves |
 //! | another length | the tolerance of positions, or a fiftieth of the constant distance from another kink of the element |
 //! | an angle | this tolerance over the model's length |
-//! | a time | rounding: a moment is known exactly |
+//! | a time, or a function of time alone | rounding: a moment is known exactly |
 //! | anything else | 1e-5 of the largest value of g so far, the share that errors of states may have |
 //!
 //! A factor on the tolerances multiplies all but times. A factor above 1 does not multiply a stated length.
 //!
 //! A function counts in a step that uses it at the beginning or at the end: it is not used while an `if`
-//! selects a branch without it. A function of a `wrapped` angle jumps by a whole period with this angle, and such a jump is no
+//! selects a branch without it. For a function of time alone, the kink functions are the times since its changes of sign, which are
+//! searched ahead of the steps, so that no step passes two of them unseen. A function of a `wrapped` angle jumps by a whole period with this angle, and such a jump is no
 //! change of sign.
 
 mod beside;
+mod clocks;
 mod crossing;
 mod points;
 
@@ -33,11 +35,14 @@ use crate::integrator::STATE_SHARE;
 use crate::model::Model;
 use crate::state::State;
 use beside::Neighbours;
+use clocks::{Change, Clock, KEPT};
 use crossing::{crossing, roots, same_side};
 use eng_system::code::{Function, Pair};
 use eng_system::dimension::Dimension;
-use eng_system::system::{Kink, Origin};
+use eng_system::layout::InputLayout;
+use eng_system::system::{Course, Kink, Origin};
 use points::Points;
+use std::ops::Range;
 
 /// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
 /// kink, so the load of this distance is an error.
@@ -100,6 +105,8 @@ struct Group {
     own: Option<Batch>,
     /// Index of the first item.
     first: usize,
+    /// Its clocks.
+    clocks: Range<usize>,
 }
 
 /// The kink functions of a model, at the beginning of a step and at the end of its last trial.
@@ -124,7 +131,11 @@ pub struct Kinks {
     stays: Vec<f64>,
     neighbours: Neighbours,
     points: Points,
+    clocks: Vec<Clock>,
+    /// Times (s) of the last accepted state and of the last evaluation.
+    times: [f64; 2],
     out: Vec<Pair>,
+    inputs: Vec<Pair>,
 }
 
 /// A kink within a step.
@@ -182,7 +193,10 @@ impl Kinks {
             stays: Vec::new(),
             neighbours: Neighbours::default(),
             points: Points::default(),
+            clocks: Vec::new(),
+            times: [f64::NEG_INFINITY; 2],
             out: Vec::new(),
+            inputs: Vec::new(),
         };
         for (index, batch) in batches.iter().enumerate() {
             let class = &system.classes[batch.class];
@@ -199,8 +213,10 @@ impl Kinks {
                     .then(|| elements::batches(model, &members, true))
                     .and_then(|made| made.into_iter().next()),
                 first: kinks.items.len(),
+                clocks: 0..0,
             });
-            for element in members {
+            let clocks = kinks.clocks.len();
+            for (member, element) in members.into_iter().enumerate() {
                 for (k, kink) in class.kinks.iter().enumerate() {
                     let item = Item {
                         element,
@@ -210,11 +226,21 @@ impl Kinks {
                         wraps: kink.wraps,
                     };
                     let first = kinks.items.len();
-                    let count = kink
-                        .table
-                        .map_or(1, |table| kinks.points.add(first, table, kink.constrains));
+                    let count = match (kink.table, kink.course) {
+                        (Some(table), _) => kinks.points.add(first, table, kink.constrains),
+                        (None, Course::Time) => {
+                            kinks
+                                .clocks
+                                .push(Clock::new(first, [member / 2, member % 2, k]));
+                            KEPT
+                        }
+                        (None, Course::Motion | Course::Uniform) => 1,
+                    };
                     kinks.items.extend(std::iter::repeat_n(item, count));
                 }
+            }
+            if let Some(group) = kinks.groups.last_mut() {
+                group.clocks = clocks..kinks.clocks.len();
             }
             kinks
                 .out
@@ -247,7 +273,9 @@ impl Kinks {
         dynamics: &Dynamics,
         state: &State,
     ) -> Result<(), RuntimeError> {
-        for group in &mut self.groups {
+        self.times[1] = state.time;
+        for index in 0..self.groups.len() {
+            let group = &mut self.groups[index];
             let common = &dynamics.batches()[group.batch];
             if let Some(own) = &mut group.own {
                 let from = Inputs {
@@ -263,11 +291,14 @@ impl Kinks {
                 elements::gather(model, own, &from);
                 add_accelerations(model, dynamics, state, own);
             }
+            self.search(model, dynamics, index)?;
+            let group = &self.groups[index];
             let batch = group.own.as_ref().unwrap_or(common);
             let class = &model.compiled.system.classes[batch.class];
             let count = class.kinks.len();
             let out = &mut self.out[..4 * count];
             let mut at = group.first;
+            let mut clocks = self.clocks[group.clocks.clone()].iter();
             for pair in 0..batch.pairs.len() {
                 elements::call(model, batch.class, Function::Kinks, batch.inputs(pair), out)?;
                 for lane in 0..batch.lanes(pair) {
@@ -276,15 +307,27 @@ impl Kinks {
                         let used = out[3 * count + k][lane] != 0.0;
                         self.used_next[at] = used;
                         let Some(table) = kink.table else {
-                            self.next[at] = [value, rate];
-                            at += 1;
+                            let changes = match kink.course {
+                                Course::Time => clocks.next(),
+                                Course::Motion | Course::Uniform => None,
+                            };
+                            let Some(clock) = changes else {
+                                self.next[at] = timed(kink.course, [value, rate]);
+                                at += 1;
+                                continue;
+                            };
+                            for function in clock.functions(state.time) {
+                                self.next[at] = function;
+                                self.used_next[at] = used;
+                                at += 1;
+                            }
                             continue;
                         };
                         let handle = out[2 * count + k][lane];
                         let functions =
                             (self.points).functions(model, (at, table), handle, [value, rate]);
                         for function in functions {
-                            self.next[at] = function;
+                            self.next[at] = timed(kink.course, function);
                             self.used_next[at] = used;
                             at += 1;
                         }
@@ -293,6 +336,53 @@ impl Kinks {
             }
         }
         Ok(())
+    }
+
+    /// Searches the moments of the clocks of a group that may lie before the end of a step: up to the time of the last evaluation, and
+    /// by as much further, so that not every step needs a search.
+    fn search(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        group: usize,
+    ) -> Result<(), RuntimeError> {
+        let group = &self.groups[group];
+        let batch = (group.own.as_ref()).unwrap_or(&dynamics.batches()[group.batch]);
+        let count = model.compiled.system.classes[batch.class].kinks.len();
+        let [accepted, time] = self.times;
+        let out = &mut self.out[..4 * count];
+        for clock in &mut self.clocks[group.clocks.clone()] {
+            if !clock.is_short_of(time) {
+                continue;
+            }
+            let [pair, lane, k] = clock.place;
+            let inputs = &mut self.inputs;
+            inputs.clear();
+            inputs.extend_from_slice(batch.inputs(pair));
+            let function = |time: f64| {
+                inputs[InputLayout::TIME as usize] = [time; 2];
+                elements::call(model, batch.class, Function::Kinks, inputs, out)?;
+                Ok([out[k][lane], out[count + k][lane]])
+            };
+            clock.search([accepted, time], function)?;
+            let functions = clock.functions(accepted);
+            self.now[clock.first..clock.first + KEPT].copy_from_slice(&functions);
+        }
+        Ok(())
+    }
+
+    /// Forgets the moments of functions of time alone, because constants have changed.
+    pub fn forget_moments(&mut self) {
+        for clock in &mut self.clocks {
+            clock.forget();
+        }
+    }
+
+    /// The change of sign that a function counts from, if it is that of a clock.
+    fn change(&self, item: usize) -> Option<Change> {
+        let behind = self.clocks.partition_point(|clock| clock.first <= item);
+        let clock = self.clocks.get(behind.checked_sub(1)?)?;
+        clock.change(item - clock.first)
     }
 
     /// Makes the end of the last trial the beginning of the next step. The step had a length h (s), zero if the
@@ -322,6 +412,15 @@ impl Kinks {
             [self.now[item], self.next[item]] = [function; 2];
             [self.stays[item], self.peaks[item]] = [0.0; 2];
         }
+        self.times[0] = self.times[1];
+        for clock in &mut self.clocks {
+            let items = clock.first..clock.first + KEPT;
+            clock.follow(self.times[0]);
+            for (item, function) in items.zip(clock.functions(self.times[0])) {
+                [self.now[item], self.next[item]] = [function; 2];
+                self.stays[item] = 0.0;
+            }
+        }
         for (peak, [value, _]) in self.peaks.iter_mut().zip(&self.now) {
             *peak = peak.max(value.abs());
         }
@@ -345,7 +444,10 @@ impl Kinks {
                 let limit = tolerance * factor;
                 limit.min((APART.0 * self.neighbours.apart(item)).max(APART.1 * limit))
             }
-            Limit::Time => MOMENT * time.abs(),
+            Limit::Time => {
+                let width = self.change(item).map_or(0.0, |change| change.width);
+                (MOMENT * time.abs()).max(2.0 * width)
+            }
             Limit::Share => STATE_SHARE * factor * self.peaks[item],
         }
     }
@@ -491,6 +593,14 @@ impl Kinks {
     /// The same at the last accepted state, which is at a time (s).
     pub fn moment_here(&self, item: usize, time: f64) -> f64 {
         moment(self.now.get(item), time)
+    }
+
+    /// The times (s) just before and just behind the moment (s) of a kink: loads are those of one side there.
+    pub fn around(&self, item: usize, moment: f64) -> [f64; 2] {
+        match self.change(item) {
+            Some(Change { time, width }) => [time - width, time + width],
+            None => [moment.next_down().next_down(), moment.next_up().next_up()],
+        }
     }
 
     /// A kink in time less than a millionth of a step h (s) behind the end of the last trial: a step that began at the end
@@ -708,7 +818,10 @@ impl Kinks {
         Some(Overlooked {
             origin: Box::new(origin),
             text,
-            dimension: kink.dimension,
+            dimension: match kink.course {
+                Course::Motion => kink.dimension,
+                Course::Uniform | Course::Time => Some(Dimension::TIME),
+            },
             moment,
             step: h,
             depth: passed.depth,
@@ -725,7 +838,8 @@ impl Kinks {
         let counts = pairs.chain(&self.bends).chain(&self.peaks);
         let used = self.used.iter().map(|used| f64::from(u8::from(*used)));
         let counts = counts.chain(&self.stays).copied().chain(used);
-        counts.chain(self.points.numbers()).collect()
+        let clocks = self.clocks.iter().flat_map(Clock::numbers);
+        counts.chain(self.points.numbers()).chain(clocks).collect()
     }
 
     /// Sets them from a checkpoint.
@@ -744,12 +858,18 @@ impl Kinks {
         for (place, number) in self.used.iter_mut().zip(used) {
             *place = *number != 0.0;
         }
-        self.points.set_numbers(points);
+        let mut rest = self.points.set_numbers(points);
+        for clock in &mut self.clocks {
+            rest = clock.set_numbers(rest);
+        }
         self.measure_distances();
     }
 }
 
 fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
+    if kink.course != Course::Motion {
+        return Limit::Time;
+    }
     let resolves = &model.compiled.system.elements[element].resolves;
     let stated = resolves.iter().map(|slot| model.slot(*slot));
     match kink.dimension {
@@ -759,6 +879,15 @@ fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
         Some(Dimension::ANGLE) => Limit::Tolerance(model.tolerance / model.length),
         Some(Dimension::TIME) => Limit::Time,
         _ => Limit::Share,
+    }
+}
+
+/// A function with its rate; the time since its change of sign, if its rate is constant and the function depends on time alone.
+fn timed(course: Course, [value, rate]: [f64; 2]) -> [f64; 2] {
+    if course == Course::Uniform && rate != 0.0 {
+        [value / rate, 1.0]
+    } else {
+        [value, rate]
     }
 }
 

@@ -211,6 +211,18 @@ pub struct TableKink {
     pub smooth: u8,
 }
 
+/// What a kink function depends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Course {
+    /// On the motion, or on an input.
+    #[default]
+    Motion,
+    /// On time alone, at a constant rate: `time - 1 s`.
+    Uniform,
+    /// On time alone, at another rate: `sin(50 Hz*time) - 0.9`.
+    Time,
+}
+
 /// A function of the motion that changes its sign where a load, a rate or a constraint of a class is not smooth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kink {
@@ -224,6 +236,8 @@ pub struct Kink {
     pub constrains: bool,
     /// Whether it jumps by a whole period where a `wrapped` angle begins anew.
     pub wraps: bool,
+    /// What it depends on.
+    pub course: Course,
     /// Place of the expression.
     pub defined_at: Option<Location>,
 }

@@ -53,6 +53,7 @@ fn kinks_of(functions: &ClassFunctions, meta: &ClassMeta) -> Vec<Kink> {
             table: kind.table,
             constrains: kind.constrains,
             wraps: kind.wraps,
+            course: kind.course,
             ..kink
         })
         .collect()

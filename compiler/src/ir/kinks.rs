@@ -25,7 +25,7 @@ use super::look_up::Orders;
 use super::optimise::dependencies;
 use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
-use eng_system::system::TableKink;
+use eng_system::system::{Course, TableKink};
 use std::collections::BTreeMap;
 
 /// The highest derivative that must be continuous: that of a load, which bends otherwise, and that of a constraint, whose
@@ -62,6 +62,8 @@ pub struct KinkKind {
     pub constrains: bool,
     /// It jumps by a whole period where a `wrapped` angle begins anew.
     pub wraps: bool,
+    /// What it depends on.
+    pub course: Course,
 }
 
 /// The kink functions of a class.
@@ -238,7 +240,7 @@ pub(crate) fn find(
             let kind = KinkKind {
                 table,
                 constrains,
-                wraps: false,
+                ..KinkKind::default()
             };
             let handle = function.table.map_or(nowhere, |(handle, _)| handle);
             if found.join(graph, (place, kind), [value, handle, used])
@@ -246,8 +248,14 @@ pub(crate) fn find(
             {
                 continue;
             }
+            let course = match over_time(graph, layout, value, changing) {
+                // with its rate it is known whether this rate is constant
+                true => Course::Time,
+                false => Course::Motion,
+            };
             let kind = KinkKind {
-                wraps: jumps_with_turns(graph, value, turns),
+                wraps: course == Course::Motion && jumps_with_turns(graph, value, turns),
+                course,
                 ..kind
             };
             found.add((place, kind), [value, handle, used]);
@@ -282,6 +290,21 @@ fn changes(
         && !known_in_outputs_only(graph, &[value], layout)
         // the answers of a field have no known rate
         && !uses_fields(graph, &[value], layout, false)
+}
+
+/// Whether a function depends on time alone, beside constants that no input changes.
+fn over_time(
+    graph: &Graph,
+    layout: &InputLayout,
+    value: Node,
+    changing: &BTreeMap<u32, Node>,
+) -> bool {
+    let constants = layout.constant(0)..layout.len();
+    let inputs = inputs_of(graph, &[value]);
+    inputs.into_iter().all(|input| {
+        let constant = constants.contains(&input) && !changing.contains_key(&input);
+        input == InputLayout::TIME || constant
+    })
 }
 
 /// Whether a function jumps where a `wrapped` angle begins anew: it depends on a count of turns, which is a sum of chosen constants.
@@ -319,6 +342,12 @@ fn with_rates(
     let reads_accelerations = inputs_of(graph, &slopes)
         .into_iter()
         .any(|input| Place::of(layout, input) == Place::Acceleration);
+    for (kind, slope) in kinds.iter_mut().zip(&slopes) {
+        if kind.course == Course::Time && !inputs_of(graph, &[*slope]).contains(&InputLayout::TIME)
+        {
+            kind.course = Course::Uniform;
+        }
+    }
     let (nowhere, always) = (graph.constant(-1.0), graph.constant(1.0));
     for kink in bound {
         let mut constant = |index: u32| graph.input(layout.constant(index));

@@ -119,11 +119,14 @@ impl Points {
         self.followed.iter().flat_map(|followed| followed.points)
     }
 
-    /// Sets them from a checkpoint.
-    pub fn set_numbers(&mut self, numbers: &[f64]) {
+    /// Sets them from a checkpoint, and returns the others.
+    pub fn set_numbers<'a>(&mut self, numbers: &'a [f64]) -> &'a [f64] {
+        let (numbers, rest) =
+            numbers.split_at((POINTS_BESIDE * self.followed.len()).min(numbers.len()));
         let points = self.followed.iter_mut().flat_map(|f| &mut f.points);
         for (point, number) in points.zip(numbers) {
             *point = *number;
         }
+        rest
     }
 }

@@ -50,7 +50,8 @@ impl Simulation {
         let mut e = 0.0_f64;
         for kink in &here {
             if self.kinks.is_moment(*kink) || pace == 0.0 {
-                e = e.max(time.next_up().next_up() - time);
+                let [_, behind] = self.kinks.around(*kink, time);
+                e = e.max(behind - time);
                 continue;
             }
             let to_kink = self.kinks.time_to(*kink);

@@ -121,10 +121,9 @@ impl Simulation {
         let begin = self.integrator.current.time;
         if self.kinks.is_moment(kink) {
             let moment = self.kinks.moment_at(kink, begin + h);
-            if begin + at < moment {
-                return at;
-            }
-            return moment.next_down().next_down() - begin;
+            let [just_before, _] = self.kinks.around(kink, moment);
+            // by rounding, the time may be that of the moment itself
+            return at.min(just_before - begin);
         }
         if !self.kinks.is_way(kink) {
             return if tries <= SECANTS { at } else { SHORT * at };
@@ -203,9 +202,9 @@ impl Simulation {
     fn after_jump_in_time(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
         let moment = self.moment();
         let time = self.integrator.current.time;
-        let kink = self.kinks.moment_here(kink, time);
-        let behind = kink.next_up().next_up().max(time);
-        let before = kink.next_down().next_down().min(time);
+        let moment_of_kink = self.kinks.moment_here(kink, time);
+        let [before, behind] = self.kinks.around(kink, moment_of_kink);
+        let (before, behind) = (before.min(time), behind.max(time));
         let mut start = self.integrator.current.clone();
         let mut near = start.clone();
         near.time = before;

@@ -137,10 +137,8 @@ impl<'a> Elaborator<'a, '_> {
             (kinks.entry(KinkPlace { node, argument })).or_insert(Kink {
                 text: text_as_written,
                 dimension,
-                table: None,
-                constrains: false,
-                wraps: false,
                 defined_at: Some(location(text)),
+                ..Kink::default()
             });
         }
         Ok(())
