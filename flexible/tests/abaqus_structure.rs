@@ -422,7 +422,10 @@ fn layers_of_shells() {
         ]
     );
     for (section, message) in [
-        ("*SHELL SECTION, ELSET=FOUR, COMPOSITE", "it has no layer"),
+        (
+            "*SHELL SECTION, ELSET=FOUR, COMPOSITE",
+            "the laminate has no layer",
+        ),
         (
             "*SHELL SECTION, ELSET=FOUR, COMPOSITE\n.1, 3",
             "a layer without material",
@@ -792,7 +795,7 @@ fn problems_tell_their_place() {
         (
             "*NODE\n1,0,0,0\n1,0,0,1\n",
             3,
-            "node 1 is there twice; the first is in deck.inp, line 2",
+            "node 1 is defined twice, first in deck.inp, line 2",
         ),
         (
             "*NODE\n1,0,0,0\n*NSET, NSET=a\nb\n",

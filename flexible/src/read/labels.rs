@@ -41,7 +41,7 @@ impl Labels {
             .map(|(_, index)| *index)
     }
 
-    /// A number that is there twice.
+    /// A number that appears twice.
     pub fn repeated(&self) -> Option<u64> {
         self.sorted.windows(2).find_map(|pair| match pair {
             [(one, _), (other, _)] if one == other => Some(*one),

@@ -202,7 +202,7 @@ impl Deck {
         self.enter(keyword)?;
         if self.parts.insert(name.clone(), Scope::default()).is_some() {
             return Err(keyword.problem(
-                &format!("the part {name} is there twice"),
+                &format!("the part {name} is defined twice"),
                 "rename or remove one of them",
             ));
         }
@@ -219,7 +219,7 @@ impl Deck {
         let mut others = self.instances.iter();
         if others.any(|other| key(&other.name) == key(&name)) {
             return Err(keyword.problem(
-                &format!("the instance {name} is there twice"),
+                &format!("the instance {name} is defined twice"),
                 "rename or remove one of them",
             ));
         }
@@ -284,7 +284,7 @@ impl Deck {
                 if position.iter().any(|x| !x.is_finite()) {
                     return Err(row.at.problem(
                         format!("node {label} lies at infinity"),
-                        "look at its coordinates",
+                        "check its coordinates",
                     ));
                 }
                 if let Some(set) = set {

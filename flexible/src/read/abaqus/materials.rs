@@ -64,7 +64,7 @@ impl Materials {
             if let Some(first) = self.entries.insert(key(name), entry) {
                 return Err(keyword.problem(
                     &format!(
-                        "{name} is there twice; the first is in {}, line {}",
+                        "{name} is defined twice, first in {}, line {}",
                         first.at.file, first.at.line
                     ),
                     "rename or remove one of them",

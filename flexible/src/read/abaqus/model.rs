@@ -391,7 +391,7 @@ fn missing(what: &str, keywords: &str, text: &str, at: &At) -> FileProblem {
 fn twice(what: &str, label: u64, first: &At, second: &At) -> FileProblem {
     second.problem(
         format!(
-            "{what} {label} is there twice; the first is in {}, line {}",
+            "{what} {label} is defined twice, first in {}, line {}",
             first.file, first.line
         ),
         "renumber or remove one of them",

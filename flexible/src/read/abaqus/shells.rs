@@ -133,7 +133,7 @@ pub(super) fn layers<'r>(
     }
     if found.is_empty() {
         return Err(keyword.problem(
-            "it has no layer",
+            "the laminate has no layer",
             "a layer is a line: thickness, points, material, angle",
         ));
     }

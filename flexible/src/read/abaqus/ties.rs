@@ -359,7 +359,7 @@ impl Ties<'_, '_> {
             if freedoms.first().is_none_or(|(_, first)| *first == 0.0) {
                 return Err(head.at.problem(
                     "*EQUATION: its first coefficient is zero",
-                    "the first freedom is the one that depends on the others",
+                    "give a coefficient other than zero first: its freedom depends on the others",
                 ));
             }
             for nodes in pairs(&nodes, head)? {

@@ -59,7 +59,7 @@ impl Content {
         let labels = Labels::new(pairs.map(|(node, index)| (node.id, index)).collect());
         if let Some(tag) = labels.repeated() {
             return Err(stream.problem(
-                format!("node {tag} is there twice"),
+                format!("node {tag} is defined twice"),
                 "write the file again; numbers of nodes must differ",
             ));
         }

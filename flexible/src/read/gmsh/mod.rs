@@ -46,7 +46,7 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
         if ["Nodes", "Elements", "MeshFormat"].contains(&section.as_str()) {
             if seen.contains(&section) || section == "MeshFormat" {
                 return Err(stream
-                    .problem_of_line("this section is there twice", "write the file again")
+                    .problem_of_line("this section appears twice", "write the file again")
                     .into());
             }
             seen.push(section.clone());

@@ -41,8 +41,8 @@ impl GridCard {
         let id = card.id(0, "ID")?;
         if card.text(5) == "-1" {
             return Err(card.problem(
-                "a grid point of a fluid (CD = -1)",
-                "only structures can be read; leave the fluid out",
+                "the grid point belongs to a fluid (CD = -1)",
+                "remove the fluid from the deck; Eng reads only structures",
             ));
         }
         Ok(GridCard {
@@ -115,7 +115,7 @@ impl Lookup {
                 if !one.same(again) {
                     return Err(again.at.problem(
                         format!(
-                            "grid point {id} is there twice; the first is in {}, line {}",
+                            "grid point {id} is defined twice, first in {}, line {}",
                             one.at.file, one.at.line
                         ),
                         "renumber or remove one of them",
@@ -168,7 +168,7 @@ impl Lookup {
         if self.is_scalar(id) {
             return at.problem(
                 format!("{user} uses {id}, which is a scalar point, not a grid point"),
-                "only springs, equations and sets of freedoms may name a scalar point",
+                "name a grid point; only springs, equations and sets of freedoms can use scalar points",
             );
         }
         at.problem(
@@ -257,7 +257,7 @@ pub(super) fn nodes(
         if position.iter().any(|x| !x.is_finite()) {
             return Err(grid.at.problem(
                 format!("GRID {} lies at infinity", grid.id),
-                "look at its coordinates",
+                "check its coordinates",
             ));
         }
         let analysis = grid.analysis.unwrap_or(0);
