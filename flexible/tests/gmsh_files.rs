@@ -377,9 +377,9 @@ fn all_formats_are_the_same_mesh() {
 #[test]
 fn problems_tell_their_place() {
     for (from, to, text) in [
-        ("4.1 0 8", "4.0 0 8", "format 4.0 can't be read"),
-        ("$MeshFormat", "$Mesh", "doesn't begin with $MeshFormat"),
-        ("2 1 \"a face\"", "9 1 \"a face\"", "names no group"),
+        ("4.1 0 8", "4.0 0 8", "Eng does not read format 4.0"),
+        ("$MeshFormat", "$Mesh", "does not begin with $MeshFormat"),
+        ("2 1 \"a face\"", "9 1 \"a face\"", "is no name of a group"),
         (
             "0 0 2 0 0 0\n",
             "0 0 z 0 0 0\n",

@@ -348,7 +348,7 @@ fn packed_files_are_unpacked() {
         .insert("grids.bdf.gz".into(), bytes[..bytes.len() - 9].to_vec());
     let cut = problem_of(&files);
     assert_eq!(cut.file, "grids.bdf.gz");
-    assert!(cut.problem.contains("can't be read on"), "{cut}");
+    assert!(cut.problem.contains("reading stopped here"), "{cut}");
 }
 
 #[test]

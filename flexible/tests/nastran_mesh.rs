@@ -165,7 +165,7 @@ fn systems_that_cannot_be_placed() {
         (
             "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,0.,0.,5.\nGRID,1\n",
             1,
-            "coincide or are in line",
+            "its three points lie on one line",
         ),
         (
             "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,1,,0.,0.,0.,0.,0.,1.\n,2.,0.,0.\nGRID,1\n",

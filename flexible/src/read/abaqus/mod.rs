@@ -52,7 +52,7 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
         return Err(whole(
             name,
             "the file has no node",
-            "give an Abaqus or CalculiX input file with *NODE, or one that INCLUDEs it; parts need an *INSTANCE",
+            "give an input file of Abaqus or CalculiX with *NODE, or with an *INCLUDE of such a file; a part needs an *INSTANCE",
         )
         .into());
     }

@@ -95,8 +95,8 @@ pub(super) fn elements(stream: &mut Stream, content: &mut Content) -> Result<(),
 pub(super) fn known_type(stream: &Stream, number: i32) -> Result<Type, FileProblem> {
     Type::of(number).ok_or_else(|| {
         stream.problem(
-            format!("elements of type {number} are not known"),
-            "mesh with elements of order 1 or 2; or the file is damaged: write it again",
+            format!("gmsh has no elements of type {number} that Eng knows"),
+            "mesh with elements of order 1 or 2, or write the file again if it is damaged",
         )
     })
 }
@@ -114,8 +114,8 @@ fn dimension(stream: &mut Stream) -> Result<u8, FileProblem> {
     match stream.integer("the dimension of an entity")? {
         found @ 0..=3 => Ok(found as u8), // 0 to 3
         found => Err(stream.problem(
-            format!("an entity of dimension {found}"),
-            "the file is damaged; write it again",
+            format!("the dimension of an entity is {found}, not 0 to 3"),
+            "write the file again; it is damaged",
         )),
     }
 }

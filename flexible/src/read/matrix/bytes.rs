@@ -129,8 +129,8 @@ impl Records {
 
     fn unreadable(&self, error: &io::Error) -> FileProblem {
         self.problem(
-            format!("the file can't be read on: {error}"),
-            "it may have been cut or damaged on its way here",
+            format!("reading stopped here: {error}"),
+            "copy the file again; it may be cut or damaged",
         )
     }
 

@@ -60,8 +60,8 @@ impl Text {
             .read_until(b'\n', &mut self.bytes);
         if let Err(error) = read {
             return Err(self.problem(
-                format!("the file can't be read on: {error}"),
-                "it may have been cut or damaged on its way here",
+                format!("reading stopped here: {error}"),
+                "copy the file again; it may be cut or damaged",
             ));
         }
         if self.bytes.is_empty() {

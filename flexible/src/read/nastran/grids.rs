@@ -256,7 +256,7 @@ pub(super) fn nodes(
         )?;
         if position.iter().any(|x| !x.is_finite()) {
             return Err(grid.at.problem(
-                format!("GRID {} lies at infinity", grid.id),
+                format!("the position of GRID {} is not finite", grid.id),
                 "check its coordinates",
             ));
         }
