@@ -168,12 +168,12 @@ impl ForeignMatrices {
         if listed.rows.len() != matrix.rows {
             return Err(FlexibleError::Matrix {
                 problem: format!(
-                    "{} has {} rows, but {} freedoms are listed for them",
+                    "{} has {} rows, but the list has {} freedoms",
                     title(matrix),
                     matrix.rows,
                     listed.rows.len()
                 ),
-                advice: "matrix and list of freedoms must come from the same run".into(),
+                advice: "give the matrix and the list of freedoms of the same run".into(),
             });
         }
         listed

@@ -246,7 +246,10 @@ fn files_that_are_no_decks() {
             "GRID,1,,0.,0.,0.\n=(3)\n",
             "no line before it states the increments",
         ),
-        ("GRID,1,,0.,0.,0.\n=,*(1),*(1),==\n", "adds to \"\""),
+        (
+            "GRID,1,,0.,0.,0.\n=,*(1),*(1),==\n",
+            "adds a number to \"\"",
+        ),
     ] {
         let found = problem(deck);
         assert!(found.problem.contains(message), "{deck:?}: {found}");

@@ -41,11 +41,11 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
     if matrix.rows.len() != matrix.matrix.size() {
         return Err(FlexibleError::Matrix {
             problem: format!(
-                "{title} has {} rows, but {} freedoms are listed for them",
+                "{title} has {} rows, but the list has {} freedoms",
                 matrix.matrix.size(),
                 matrix.rows.len()
             ),
-            advice: "matrix and list of freedoms must come from the same run".into(),
+            advice: "give the matrix and the list of freedoms of the same run".into(),
         });
     }
     let index: BTreeMap<u64, u32> = mesh.node_index();

@@ -166,7 +166,7 @@ fn full_shapes(
                     "{}: mode {} has values missing or not finite",
                     given.modes.file, mode.number
                 ),
-                "the file is damaged",
+                "write or copy the file again; it is damaged",
             ));
         }
         for ((node, axes), values) in rows.iter().zip(&mode.shape) {

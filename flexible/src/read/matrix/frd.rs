@@ -48,7 +48,7 @@ pub fn read_frd_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, Fil
                 _ => {
                     return Err(text.wrong(
                         "the head of a result as text",
-                        "binary .frd files are not read: ask for *NODE FILE, not *NODE OUTPUT",
+                        "request *NODE FILE instead of *NODE OUTPUT; Eng reads no binary .frd",
                     ));
                 }
             };
@@ -104,7 +104,7 @@ fn shape(text: &mut Text, id_width: usize) -> Result<Vec<(u64, [f64; 6])>, FileP
             _ => {
                 return Err(text.wrong(
                     "a line of a mode shape (-5, -1 or -3)",
-                    "the file was edited or cut",
+                    "write the file again; it was edited or cut",
                 ));
             }
         }

@@ -57,7 +57,7 @@ pub fn read_punch_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, F
         let (Some(id), "G" | "S" | "L" | "M" | "H") = (id, kind) else {
             return Err(text.wrong(
                 "the line of a point: number, G, three values",
-                "the file was edited or cut",
+                "write the file again; it was edited or cut",
             ));
         };
         if kind != "G" {
@@ -73,7 +73,7 @@ pub fn read_punch_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, F
                 None => text.cut(&format!("the rotations of grid point {id}")),
                 Some(_) => text.wrong(
                     &format!("the rotations of grid point {id}"),
-                    "the file was edited or cut",
+                    "write the file again; it was edited or cut",
                 ),
             });
         };
