@@ -22,7 +22,7 @@ impl Labels {
         self.sorted.get(place).map(|(_, index)| *index)
     }
 
-    /// Indices of those numbers from `first` to `last` in steps that are there, but those in `except`.
+    /// Indices of the existing numbers from `first` to `last` in steps of `step`, without those in `except`.
     pub fn range(
         &self,
         first: u64,
@@ -59,7 +59,7 @@ impl Labels {
         self.sorted.last().map_or(0, |(label, _)| *label)
     }
 
-    /// Whether both hold a number.
+    /// Whether both have a number in common.
     pub fn meets(&self, other: &Labels) -> bool {
         self.sorted
             .iter()

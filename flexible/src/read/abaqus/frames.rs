@@ -148,8 +148,9 @@ impl NodeSystem {
     }
 }
 
-/// Reads `*SYSTEM`: `a, b / c` with the origin a, b on the x axis, c in the x–y plane. Without data the
-/// global system holds again; with a alone the axes stay parallel; without c the z axis does.
+/// Reads `*SYSTEM`: `a, b / c` with the origin a, b on the x axis, c in the x–y plane. Without data the global
+/// system holds again. With a alone, all axes are parallel to those of the global system; without c, the z
+/// axis is.
 pub(super) fn system(rows: &[Row], at: &At) -> Result<Motion, FileProblem> {
     let mut rows = rows.iter().filter(|row| !row.is_blank());
     let Some(first) = rows.next() else {

@@ -49,7 +49,7 @@ pub(super) struct ElementRow {
 pub(super) enum Member {
     /// Numbers: first, last, step.
     Numbers(u64, u64, u64),
-    /// A set or number with the name of its instance, or a set.
+    /// The name of a set, or the name of an instance with a set or number of it.
     Name(String),
     /// The nodes of a set of elements.
     NodesOf(String),

@@ -197,7 +197,7 @@ impl<'m> Sections<'m> {
     }
 
     /// Index of the property of a row. Solids without a section get one without material, shells become
-    /// facets; `None` for beams and trusses, which are nothing without one.
+    /// facets; `None` for beams and trusses, which need a section.
     pub fn property(
         &mut self,
         row: u32,
@@ -328,7 +328,7 @@ fn rod(area: f64) -> Section {
     })
 }
 
-/// The name of a section's shape. CalculiX looks at its first four letters, of `BOX` at three.
+/// The name of a section's shape. CalculiX compares its first four letters, and three letters of `BOX`.
 fn shape_name(written: String, code: Code) -> String {
     if code != Code::CalculiX {
         return written;
@@ -340,10 +340,10 @@ fn shape_name(written: String, code: Code) -> String {
     }
 }
 
-/// `*BEAM SECTION`: `RECT` a, b; `CIRC` r; `PIPE` r, t; `BOX` a, b, t1…t4, with a along n1 and b along n2.
-/// The element's y is n1, its z n2. CalculiX has the diameters along n1 and n2 for `CIRC`, and takes a second
-/// dimension of `RECT` and `CIRC` that is left out for the first. Shear factors are Abaqus's: 0.85 for
-/// `RECT`, 0.89 for `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
+/// `*BEAM SECTION`: `RECT` a, b; `CIRC` r; `PIPE` r, t; `BOX` a, b, t1…t4, with a along n1 and b along n2. The
+/// element's y is n1, its z n2. In CalculiX, `CIRC` has the diameters along n1 and n2, and a missing second
+/// dimension of `RECT` and `CIRC` equals the first. Shear factors are Abaqus's: 0.85 for `RECT`, 0.89 for
+/// `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
 fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem> {
     let row = first_row(block)?;
     let keyword = &block.keyword;

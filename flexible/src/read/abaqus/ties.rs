@@ -325,8 +325,8 @@ impl Ties<'_, '_> {
         }
     }
 
-    /// `*EQUATION`: number of terms, then `node or set, freedom, coefficient` over as many lines as it takes.
-    /// With sets there is an equation for each node of them.
+    /// `*EQUATION`: number of terms, then `node or set, freedom, coefficient` over as many lines as needed.
+    /// With sets, each node of the sets has an equation.
     fn equations(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
         let mut rows = block.rows.iter().filter(|row| !row.is_blank());
         while let Some(head) = rows.next() {

@@ -7,7 +7,7 @@ use crate::read::{Files, number};
 
 /// Longest word of a text file.
 const LONGEST_WORD: usize = 512;
-/// The number of bytes of a line that are read at most.
+/// The largest number of bytes that are read of a line.
 const LONGEST_LINE: u64 = 1 << 16;
 
 /// An open file.

@@ -17,8 +17,8 @@ pub(super) fn nodes(stream: &mut Stream, content: &mut Content) -> Result<(), Fi
 }
 
 /// Reads `$Elements`: in text `number type count tags… nodes…`, in binary groups `type count-of-elements
-/// count-of-tags` before `number tags… nodes…`. The first tag is the group, zero for none, negative where
-/// reversed.
+/// count-of-tags` before `number tags… nodes…`. The first tag is the number of the group: zero without a
+/// group, negative if the element is reversed.
 pub(super) fn elements(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
     let total = count(stream)?;
     let mut done = 0;

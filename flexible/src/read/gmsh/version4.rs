@@ -5,7 +5,8 @@ use super::shapes::Type;
 use super::stream::Stream;
 use crate::error::FileProblem;
 
-/// Reads `$Entities`: the groups of each entity. A negative group is one whose entity is reversed.
+/// Reads `$Entities`: the groups of each entity. The number of a group is negative if the entity is reversed
+/// in it.
 pub(super) fn entities(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
     let mut counts = [0; 4];
     for count in &mut counts {

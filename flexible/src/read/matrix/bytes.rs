@@ -71,8 +71,8 @@ pub(super) struct Records {
 }
 
 impl Records {
-    /// Opens a file whose first record has one of these lengths, by which the order of bytes is known. The
-    /// second value is that length.
+    /// Opens a file whose first record has one of the lengths `first`. This length shows the order of bytes;
+    /// it is returned too.
     pub fn open(
         files: &dyn Files,
         file: &str,

@@ -1,7 +1,7 @@
 //! Mode shapes of CalculiX's `.frd` as text (`*NODE FILE` with `U` in a step `*FREQUENCY`). A result begins
 //! with `100C` (its value is the frequency in cycles) and names its quantity on a line `-4`. It has a line
-//! `-1` for each node, with values in 12 columns, which is 6 digits. `1PMODE`, `1PGM` and `1PGK` before it
-//! give the mode's number, generalised mass and stiffness. Source: CalculiX GraphiX manual, result format.
+//! `-1` for each node, with values of 6 digits in 12 columns. `1PMODE`, `1PGM` and `1PGK` before it give the
+//! mode's number, generalised mass and stiffness. Source: CalculiX GraphiX manual, result format.
 
 use super::text::{NUMBERS, Text, columns, count, real};
 use super::{ForeignModes, ShapeFrame};

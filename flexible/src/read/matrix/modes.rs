@@ -1,9 +1,9 @@
-//! Mode shapes as files hold them.
+//! Mode shapes in the form of their files.
 
 use super::{CUT, whole};
 use crate::error::FileProblem;
 
-/// In which frame shapes are written.
+/// The frame of written shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShapeFrame {
     /// Each node's analysis frame.
@@ -32,7 +32,7 @@ pub struct ForeignModes {
     pub nodes: Vec<u64>,
     /// Modes in the order of the file.
     pub modes: Vec<ForeignMode>,
-    /// In which frame the shapes are.
+    /// The frame of the shapes.
     pub frame: ShapeFrame,
     /// Significant decimal digits of the shapes.
     pub digits: u32,

@@ -21,7 +21,7 @@ enum Orientation {
     Vector([f64; 3]),
     /// A grid point (`G0`).
     Grid(u64),
-    /// Nothing: the section is a rod's.
+    /// Any orientation: the section of a rod has none.
     Any,
 }
 

@@ -150,7 +150,7 @@ impl Lookup {
         self.ids.find(id)
     }
 
-    /// Whether a number is a scalar point's.
+    /// Whether a number belongs to a scalar point.
     pub fn is_scalar(&self, id: u64) -> bool {
         let next = self.scalar.partition_point(|(from, _)| *from <= id);
         next.checked_sub(1)
@@ -203,7 +203,7 @@ impl Lookup {
         Ok(found)
     }
 
-    /// Indices of those grid points of a list that exist, and how many named ones don't.
+    /// Indices of the existing grid points of a list, and the number of named points that do not exist.
     pub fn existing(&self, ids: &Ids) -> (Vec<u32>, usize) {
         existing(&self.ids, ids)
     }
@@ -226,7 +226,7 @@ fn runs(ranges: &[IdRange]) -> Vec<(u64, u64)> {
     runs
 }
 
-/// Indices of those of a list that a sorted table of numbers holds, and how many named ones it doesn't.
+/// Indices of the numbers of a list that are in a sorted table, and the number of named ones that are not.
 pub(super) fn existing(table: &Labels, ids: &Ids) -> (Vec<u32>, usize) {
     let (mut found, mut lacking) = (Vec::new(), 0);
     for range in &ids.ranges {

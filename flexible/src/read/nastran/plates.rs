@@ -1,5 +1,5 @@
-//! Shells: the fields behind their grid points, `PSHELL`, `PCOMP`, `PCOMPG`, and the materials `MAT2` and `MAT8`
-//! of sheets.
+//! Shells: the fields after their grid points, `PSHELL`, `PCOMP`, `PCOMPG`, and the materials `MAT2` and
+//! `MAT8` of sheets.
 
 use super::card::Card;
 use super::frames::Systems;
@@ -15,11 +15,11 @@ use crate::mesh::{Carries, Layup, SheetElasticity, ShellAxis, ShellSection, Shel
 enum Axis {
     /// Angle (°) from the side G1–G2.
     Angle(f64),
-    /// Coordinate system whose x axis it is.
+    /// The x axis of this coordinate system.
     System(u64),
 }
 
-/// Fields of a shell behind its grid points.
+/// Fields of a shell after its grid points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShellFields {
     axis: Axis,
@@ -73,7 +73,7 @@ impl ShellFields {
     /// The thickness. Corners without one have that of the property.
     ///
     /// # Errors
-    /// A corner without one where the property has none either.
+    /// Neither a corner nor the property has a thickness.
     pub fn thickness(
         &self,
         property: Option<f64>,

@@ -272,8 +272,8 @@ fn averaging(card: &Card) -> Result<Kind, FileProblem> {
     })
 }
 
-/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN), the others or those named (CM) depend on
-/// them.
+/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN). The freedoms CM depend on them, or all
+/// others if CM is blank.
 fn bar(card: &Card) -> Result<Kind, FileProblem> {
     let grids = [card.id(1, "GA")?, card.id(2, "GB")?];
     let part = |i: usize, name: &str| {

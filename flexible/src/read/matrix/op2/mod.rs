@@ -23,8 +23,8 @@ const POOLED: [i64; 6] = [32768, 0, 0, 0, 0, 0];
 /// the model must state the freedoms of the rows.
 ///
 /// # Errors
-/// With file and record: a file of another format, a cut or damaged file, a complex matrix, an entry that is
-/// no finite number; a name that the file doesn't hold, with those it does.
+/// With file and record: a file of another format, a cut or damaged file, a complex matrix, an entry
+/// that is no finite number; a name that is not in the file, with the names that are.
 pub fn read_op2_matrix(
     files: &dyn Files,
     file: &str,

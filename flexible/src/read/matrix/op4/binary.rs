@@ -1,5 +1,5 @@
-//! Binary OP4: one record a head and a column. 32-bit files count words of 4 bytes, 64-bit ones (head of 48
-//! bytes) integers of 8 and words of 8, in which single precision has 8 bytes too.
+//! Binary OP4: one record for each head and each column. Integers and words have 4 bytes in 32-bit files. In
+//! 64-bit files, whose heads have 48 bytes, they have 8 bytes, also in single precision.
 
 use super::super::CUT;
 use super::super::bytes::{Order, Records};

@@ -17,8 +17,8 @@ use crate::read::{self, Files};
 /// has the digits of its format.
 ///
 /// # Errors
-/// With file and record or line: a file of another format, a cut or damaged file, a complex matrix, an
-/// entry that is not a finite number; a name that the file doesn't hold, with those it does.
+/// With file and record or line: a file of another format, a cut or damaged file, a complex matrix,
+/// an entry that is not a finite number; a name that is not in the file, with the names that are.
 pub fn read_op4(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMatrix, FileProblem> {
     let mut reader = read::open(files, file)?;
     let start = reader.fill_buf().unwrap_or(&[]);

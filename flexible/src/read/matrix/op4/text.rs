@@ -146,7 +146,7 @@ fn read_columns(
                     ));
                 }
             };
-            // words an entry: two in double precision
+            // words of an entry: two in double precision
             let size = head.parts() * if head.kind % 2 == 0 { 2 } else { 1 };
             let used = usize::try_from(length.saturating_sub(1)).unwrap_or(0);
             if used == 0 || !used.is_multiple_of(size) || used.saturating_add(heading) > left {
