@@ -21,7 +21,7 @@ enum Orientation {
     Vector([f64; 3]),
     /// A grid point (`G0`).
     Grid(u64),
-    /// Any orientation: the section of a rod has none.
+    /// Any orientation: the section of a rod is round.
     Any,
 }
 
