@@ -1,5 +1,6 @@
-//! Readers of finite-element files, with one module for each family of formats. They yield a [`crate::Mesh`]
-//! or matrices.
+//! Readers of finite-element files, with one module for each family of formats.
+//!
+//! They yield a [`crate::Mesh`] or matrices.
 
 pub mod abaqus;
 mod builder;
