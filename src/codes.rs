@@ -20,7 +20,7 @@ eng_grammar::codes! {
         "No positions fulfil all constraints. The message states the remaining gap. Causes are a wrong length, a marker on the wrong side, different axes, a `start` that the loop does not allow, or a position from which the search does not find the right one: then state a `guess` near it.",
         "", "";
     WRONG_BRANCH = "E0704", "the mechanism assembles only on another branch",
-        "The joints close, but a `branch` condition does not hold in any position that was found. State a `guess` near the wanted position, or another `branch` at the use.",
+        "The joints close, but a `branch` condition does not hold in any position that was found. State a `guess` near the wanted position, or another `branch` in the block of the joint.",
         "", "";
     START_VELOCITY = "E0705", "start velocities contradict each other",
         "A velocity that `start` states does not fit the joints, the drives or other stated velocities. Remove one of them.",

@@ -380,7 +380,7 @@ fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
         }
     }
     message.with_help(
-        "reactions of repeated equations are not unique: keep one of the joints, and let the others hold less (PointOnLine, PointOnPlane) or replace them by journals",
+        "keep one of these joints, and replace the others by joints with fewer equations (PointOnLine, PointOnPlane) or by journals: the reactions of repeated equations are not unique",
     )
 }
 
@@ -389,10 +389,10 @@ pub(crate) fn no_input(parameter: &Parameter) -> Diagnostic {
     let path = &parameter.origin.path;
     let message = Diagnostic::error(
         codes::INPUT,
-        format!("the parameter `{path}` stays as it is during a run"),
+        format!("`{path}` is a parameter, which keeps its value during a run"),
     );
     place(message, &parameter.origin, "no `input`").with_help(
-        "declare it as `input` in its model; an argument of a class can be given an input of the model",
+        "declare it as `input` in its model; as the argument of a class, state an input of the model",
     )
 }
 
@@ -465,7 +465,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                 None => message,
             };
             message.with_help(
-                "something is divided by zero, a root is taken of a negative number, or a direction has the length zero",
+                "look for a division by zero, a root of a negative number, or a direction of length zero",
             )
         }
         BindError::TooLarge { path, .. } => {
@@ -474,7 +474,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                 Some(at) => message.at(span(at), "of this"),
                 None => message,
             };
-            message.with_help("look at its exponent and its unit")
+            message.with_help("check its exponent and its unit")
         }
         BindError::Limits { path, .. } => {
             let message = Diagnostic::error(codes::PARAMETER_LIMITS, error.to_string());
@@ -537,7 +537,7 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     Some(
         place(message, &obstacle.origin, "the obstacle")
             .with_note(format!(
-                "so it is in equilibrium with {:.3} % of the load; the run starts as assembled",
+                "the search found an equilibrium with {:.3} % of the load; the run starts as assembled",
                 100.0 * obstacle.carried
             ))
             .with_help("`start: assembled` takes this start without a warning"),
@@ -611,7 +611,7 @@ pub(crate) fn periodic(
             continue;
         }
         let fact = format!(
-            "{} moves by {:.3} µm at {:.3} of the crank's speed besides its repeating orbit",
+            "besides its repeating orbit, {} moves by {:.3} µm at {:.3} times the crank's speed",
             element.origin.path,
             1e6 * whirl.radius,
             whirl.order
@@ -624,7 +624,7 @@ pub(crate) fn periodic(
             warnings.push(
                 place(message, &element.origin, "half-speed whirl")
                     .with_note(fact)
-                    .with_help("a film that carries little load whirls: load it, or take a larger clearance, thinner oil or a shorter bearing"),
+                    .with_help("load the film more, or take a larger clearance, thinner oil or a shorter bearing: a film with little load whirls"),
             );
         } else {
             facts.push(fact);

@@ -1,5 +1,6 @@
-//! The figures that `eng run` and `eng report` draw without a `report` block. This module states which figures
-//! these are, as the trees that a `report` block also gives; [`post::draw`] draws both.
+//! The figures that `eng run` and `eng report` draw without a `report` block.
+//!
+//! They are trees of the same form as the figures of a `report` block; [`post::draw`] draws both.
 
 use crate::machine::JournalGeometry;
 use crate::post::{self, ORDERS, PostError, Run};

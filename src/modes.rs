@@ -1,5 +1,6 @@
-//! Modes of a `linear` analysis as columns. Each row is a mode: oscillations first, then the others, each
-//! from slow to fast.
+//! Modes of a `linear` analysis as columns.
+//!
+//! Each row is a mode: oscillations first, then the others, each from slow to fast.
 //!
 //! | column | meaning |
 //! | --- | --- |

@@ -91,7 +91,7 @@ fn analyses_and_figures_are_explained() {
     assert_eq!(output.status.code(), Some(0));
     let told = text(&output.stdout);
     assert!(
-        told.starts_with("`periodic` is an analysis: the last of as many cycles"),
+        told.starts_with("`periodic` is an analysis: the last cycle of a run that continues"),
         "{told}"
     );
     assert!(

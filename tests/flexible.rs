@@ -169,8 +169,8 @@ fn matrices_that_do_not_name_their_rows_are_taken_by_ascending_nodes() {
     }
     // without the order the message explains how to state it, and with a wrong order it names the right one
     for (arguments, says) in [
-        ("", "`per_node: 3` or `6`"),
-        (", per_node: 6", "`per_node: 3` would fit"),
+        ("", "`per_node: 3` or `per_node: 6`"),
+        (", per_node: 6", "state `per_node: 3`"),
     ] {
         let refused = check(arguments)
             .expect_err("rows without a name")

@@ -648,7 +648,7 @@ fn wrong_uses_of_inputs_are_told() {
     );
     told(
         refused(hold.input("stiffness")),
-        "the parameter `stiffness` stays as it is during a run",
+        "`stiffness` is a parameter, which keeps its value during a run",
     );
     told(
         refused(simulation.set_input(load, f64::NAN)),

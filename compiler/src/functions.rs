@@ -241,7 +241,7 @@ static ABOUT: [(&str, &str, &str); 50] = [
         "der(x)",
         "the exact time derivative of an expression of poses, states and time; only outputs may differentiate a velocity",
     ),
-    ("abs", "abs(x)", "the amount of a number"),
+    ("abs", "abs(x)", "the magnitude of a number"),
     ("sqrt", "sqrt(x)", "the square root"),
     (
         "exp",

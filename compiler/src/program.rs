@@ -1,4 +1,6 @@
-//! A resolved program: modules, names, units. `resolve` makes it; the checker and elaboration read it.
+//! A resolved program: modules, names, units.
+//!
+//! `resolve` makes it; the checker and elaboration read it.
 //!
 //! It contains syntax trees and tables to find items in them. It must not contain values of expressions or
 //! instances.

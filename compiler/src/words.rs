@@ -1,4 +1,6 @@
-//! The words of flexible bodies and tables, with their arguments. The checker and elaboration read the same tables.
+//! The words of flexible bodies and tables, with their arguments.
+//!
+//! The checker and elaboration read the same tables.
 
 use eng_system::mesh_files::{ElementRules, MeshUnits, ShapeFormat, Stated};
 use eng_system::table::End;

@@ -1,5 +1,6 @@
-//! Dense blocks: rows of `width` numbers one after the other. Their loops run over pairs of numbers, and over
-//! constant widths where those are common.
+//! Dense blocks: rows of `width` numbers one after the other.
+//!
+//! Their loops run over pairs of numbers, and over constant widths where those are common.
 
 /// Calls a function with the width of the blocks, as a constant where that is common: its loops become
 /// straight code.

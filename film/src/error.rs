@@ -74,7 +74,7 @@ pub enum SourceError {
         range: &'static str,
     },
     /// Fewer cells than the grid needs.
-    #[error("a film has {cells} cells {direction}, and its openings need at least {needed}")]
+    #[error("a film has {cells} cells {direction}, but its openings need at least {needed}")]
     TooFewCells {
         /// `around` or `across`.
         direction: &'static str,
@@ -206,7 +206,7 @@ pub enum FilmError {
     TiltOfHalf,
     /// A search for the cavity that does not end.
     #[error(
-        "the edge of the cavity is not found within {rounds} rounds: it still moves at {place}; a shorter step has less to move"
+        "the edge of the cavity is not found within {rounds} rounds: it still moves at {place}; take a shorter step"
     )]
     NotConverged {
         /// Rounds of the active set.

@@ -1,4 +1,4 @@
-//! Response of an aligned bearing that depends on one velocity alone, and its correction of a closed formula.
+//! The response of an aligned bearing to its one relevant velocity, as a correction of the impedance formula.
 //!
 //! The force of a plain, aligned film with the rule `Reynolds` is homogeneous of degree one in
 //! `v_s = ė − ½ ω × e`, the velocity of the pin's centre seen from a frame that turns with the mean surface

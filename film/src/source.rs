@@ -1,4 +1,6 @@
-//! Plain data of a film: geometry, rule, openings, profiles and cells. All numbers are SI.
+//! Plain data of a film: geometry, rule, openings, profiles and cells.
+//!
+//! All numbers are SI.
 
 use crate::error::SourceError;
 use crate::surfaces::{Roughness, Thinning};

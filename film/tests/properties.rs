@@ -451,7 +451,7 @@ fn data_out_of_range_are_refused() {
     );
     assert!(
         message(&|source| source.around = Lines::Equal(2))
-            .contains("2 cells around, and its openings need at least 4")
+            .contains("2 cells around, but its openings need at least 4")
     );
     assert!(
         message(&|source| source.around = Lines::At(vec![0.0, 1.0, 0.5, 2.0]))

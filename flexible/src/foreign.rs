@@ -155,12 +155,12 @@ impl ForeignMatrices {
         let Some(listed) = listed else {
             return Err(FlexibleError::Matrix {
                 problem: format!(
-                    "{} does not say which freedom each of its {} rows is",
+                    "{} does not state the freedoms of its {} rows",
                     title(matrix),
                     matrix.rows
                 ),
                 advice: format!(
-                    "give the list of freedoms, `freedoms: \"….dof\"`, or `per_node: 3` or `6` where rows are all nodes by ascending number with so many freedoms each; the mesh has {} nodes",
+                    "give the list of freedoms, `freedoms: \"….dof\"`; or state `per_node: 3` or `per_node: 6` if the rows are these freedoms of all nodes in ascending order. The mesh has {} nodes",
                     mesh.nodes.len()
                 ),
             });
@@ -168,12 +168,12 @@ impl ForeignMatrices {
         if listed.rows.len() != matrix.rows {
             return Err(FlexibleError::Matrix {
                 problem: format!(
-                    "{} has {} rows, but {} freedoms are listed for them",
+                    "{} has {} rows, but the list has {} freedoms",
                     title(matrix),
                     matrix.rows,
                     listed.rows.len()
                 ),
-                advice: "matrix and list of freedoms must come from the same run".into(),
+                advice: "give the matrix and the list of freedoms of the same run".into(),
             });
         }
         listed
@@ -188,7 +188,7 @@ impl ForeignMatrices {
                         title(matrix),
                         row + 1
                     ),
-                    advice: "freedoms are 1 to 6".into(),
+                    advice: "name freedoms from 1 to 6".into(),
                 }),
                 None => Err(FlexibleError::Matrix {
                     problem: format!(
@@ -196,7 +196,7 @@ impl ForeignMatrices {
                         title(matrix),
                         row + 1
                     ),
-                    advice: "a matrix that is reduced already has no places for its modal points, and the constants of a moving body need them; write stiffness and mass over all nodes (KGG, MGG)".into(),
+                    advice: "write stiffness and mass over all nodes (KGG, MGG); a reduced matrix states no positions of its modal points, which a moving body needs".into(),
                 }),
             })
             .collect()
@@ -220,16 +220,16 @@ fn resists(
     let positive = diagonal.iter().any(|x| *x > ROUNDING * largest);
     Err(FlexibleError::Matrix {
         problem: format!(
-            "{title} is a stiffness with {} on the diagonal at freedom {} of node {node}, and {count} of {} diagonals are negative: \
-             it is not positive semi-definite, a displacement there would give energy",
+            "{title} is a stiffness with {} on its diagonal at freedom {} of node {node}, and {count} of its {} diagonal entries are negative: \
+             it is not positive semidefinite",
             short(*value, 5),
             component + 1,
             diagonal.len()
         ),
         advice: if positive {
-            "look for negative springs, or a stiffness under a load beyond buckling; ask for the structural stiffness alone"
+            "write the structural stiffness alone; look for negative springs, or a load beyond buckling"
         } else {
-            "all of its diagonal is negative: its sign is turned, write −K"
+            "write −K: its whole diagonal is negative, so its sign is reversed"
         }
         .into(),
     })
@@ -260,8 +260,8 @@ fn ascending(
                 mesh.nodes.len()
             ),
             advice: match other {
-                Some(count) => format!("`per_node: {count}` would fit"),
-                None => "give the mesh of the run that wrote it, or a matrix that lists its freedoms: supported freedoms may be missing".into(),
+                Some(count) => format!("state `per_node: {count}`"),
+                None => "give the mesh of the run that wrote it, or a matrix that lists its freedoms; rows of supported freedoms may be missing".into(),
             },
         });
     }

@@ -541,7 +541,7 @@ impl Mesh {
                 format!(
                     "Young's modulus {young}, Poisson's ratio {poisson} and density {density} make no material"
                 ),
-                "Young's modulus is above zero, Poisson's ratio between -1 and 0.5, the density not negative",
+                "give Young's modulus above zero, Poisson's ratio between -1 and 0.5, and a density that is not negative",
             );
         }
         if let Some(own) = self.materials.first() {
@@ -562,13 +562,13 @@ impl Mesh {
                 {
                     return wrong(
                         format!(
-                            "the mesh's material {} lacks a density, but has Young's modulus {} Pa and Poisson's ratio {}, the given one {} Pa and {poisson}",
+                            "the mesh's material {} lacks a density, and its Young's modulus of {} Pa or its Poisson's ratio of {} differs from the given material's {} Pa and {poisson}",
                             own.name,
                             short(own.young, 5),
                             own.poisson,
                             short(young, 5)
                         ),
-                        "give the material that the mesh has, or the density in the file",
+                        "give a material with the constants of the mesh, or state the density in the file",
                     );
                 }
                 own.density = density;
@@ -578,7 +578,7 @@ impl Mesh {
             }
             return wrong(
                 format!("the mesh has a material of its own, {name}"),
-                "leave the material out, or take it out of the file",
+                "remove the material from the body or from the file",
             );
         }
         let mut taken = false;
@@ -590,7 +590,7 @@ impl Mesh {
         }
         if !taken {
             return wrong(
-                "the mesh has no solid that could take a material".into(),
+                "the mesh has no solid element to take the material".into(),
                 "give a mesh of volumes",
             );
         }

@@ -137,7 +137,7 @@ const RESISTED: f64 = 1e-6;
 pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleError> {
     if request.geometric_stiffness && request.matrices.is_some() {
         return Err(FlexibleError::Structure {
-            problem: "matrices of another code don't tell the stresses that geometric stiffness comes from".into(),
+            problem: "geometric stiffness needs stresses, which matrices of another code do not state".into(),
             advice: "leave geometric stiffness out, or let the elements of the mesh give stiffness and mass".into(),
         });
     }
@@ -311,7 +311,7 @@ fn warn_of_mass(report: &mut Report) {
     let (mass, volumes) = (report.body.mass, estimate.mass);
     if (mass / volumes - 1.0).abs() > MASS_APART {
         report.warnings.push(format!(
-            "the mass matrix holds {} kg, the volumes and densities of the mesh make {} kg: look at the units, or for masses of the run that the mesh does not name",
+            "the mass matrix has {} kg, but the volumes and densities of the mesh give {} kg: check the units, and look for masses of the run that the mesh lacks",
             short(mass, 5),
             short(volumes, 5)
         ));
@@ -380,13 +380,15 @@ fn of_deck(mesh: &Mesh) -> Result<Vec<Support>, FlexibleError> {
     });
     if let Some(moved) = moved {
         return Err(FlexibleError::Structure {
-            problem: format!("{moved} moves or changes a support of the deck: supports hold still"),
-            advice: "take it out of the deck, or hold markers by `support = …`".into(),
+            problem: format!(
+                "{moved} moves or changes a support of the deck, but Eng reads only supports at rest"
+            ),
+            advice: "remove it from the deck, or hold markers by `support = …`".into(),
         });
     }
     if mesh.supports.is_empty() {
         return Err(FlexibleError::Structure {
-            problem: "the deck holds no freedom, but `support = deck` is stated".into(),
+            problem: "`support = deck` is stated, but the deck holds no freedom".into(),
             advice: "add SPC or *BOUNDARY to the deck, or hold markers by `support = …`".into(),
         });
     }
@@ -408,7 +410,7 @@ fn matrices(
         let shells = full.without_stiffness.len();
         if shells > 0 {
             report.warnings.push(format!(
-                "{shells} shell elements carry mass, and no stiffness here"
+                "{shells} shell elements have mass but no stiffness here"
             ));
         }
         return Ok((full, Vec::new()));
@@ -460,10 +462,10 @@ fn matrices(
         report.supported = held;
         report.warnings.push(if report.supported {
             format!(
-                "{nodes} and resists rigid motion: the body is taken as held to the ground there; write the matrices without supports for a free one"
+                "{nodes} and resists rigid motion, so the body is held to the ground there; for a free body, write the matrices without supports"
             )
         } else {
-            format!("{nodes}: these don't move in pictures")
+            format!("{nodes}: these nodes do not move in pictures")
         });
     }
     Ok((found.structure, found.missing))
@@ -485,7 +487,7 @@ fn exchanged(stiffness: &NodalMatrix, mass: &NodalMatrix) -> FlexibleError {
             "{} and {} make no free structure as stiffness and mass, but they do as mass and stiffness",
             stiffness.title, mass.title
         ),
-        advice: "the two were exchanged: give the other one to each of `stiffness` and `mass`"
+        advice: "exchange the two files: `stiffness` reads the mass, and `mass` the stiffness"
             .into(),
     }
 }
@@ -530,10 +532,10 @@ fn check_movable(mesh: &Mesh, found: &fe::ForeignStructure) -> Result<(), Flexib
     };
     Err(FlexibleError::Structure {
         problem: format!(
-            "freedoms without mass and stiffness: {}{more}: the body can't move there, and a free one moves in all directions",
+            "freedoms without mass and stiffness: {}{more}: the body can't move there, but a free body must move in all directions",
             named.join(", ")
         ),
-        advice: "masses and springs along a line make no moving body: write matrices of a structure in space, or state it as `body`s and springs"
+        advice: "write matrices of a structure in space; state masses and springs along a line as `body`s and springs"
             .into(),
     })
 }
@@ -570,7 +572,7 @@ fn refuse_grounded_springs(mesh: &Mesh) -> Result<(), FlexibleError> {
                 "spring {} of the mesh holds a node to the ground, and the body has no `support`: the ground of the mesh would move with the body",
                 spring.id
             ),
-            advice: "take the spring out of the mesh and write it as a force of the model; or state a `support`".into(),
+            advice: "remove the spring from the mesh and state it as a force of the model, or state a `support`".into(),
         }),
     }
 }

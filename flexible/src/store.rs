@@ -60,7 +60,7 @@ pub enum StoreError {
     #[error("the file of the reduced body was altered after it was written: its hash differs")]
     Altered,
     /// The sizes in the file contradict each other: a program with a fault wrote it.
-    #[error("the file of the reduced body makes no sense: {problem}")]
+    #[error("the file of the reduced body is inconsistent: {problem}")]
     Contents {
         /// The contradiction.
         problem: String,

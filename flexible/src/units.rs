@@ -1,4 +1,6 @@
-//! Units of finite-element files. The files do not state their units.
+//! Units of finite-element files.
+//!
+//! The files do not state their units.
 
 use crate::mesh::{BeamSection, Mesh, Section, ShellSection, Tie};
 

@@ -363,7 +363,7 @@ RIGHT, .03
     assert!(
         found
             .problem
-            .contains("element 1 has NODAL THICKNESS, and its node 1 has none"),
+            .contains("element 1 takes NODAL THICKNESS, but its node 1 has no thickness"),
         "{found}"
     );
 }
@@ -422,18 +422,21 @@ fn layers_of_shells() {
         ]
     );
     for (section, message) in [
-        ("*SHELL SECTION, ELSET=FOUR, COMPOSITE", "it has no layer"),
+        (
+            "*SHELL SECTION, ELSET=FOUR, COMPOSITE",
+            "the laminate has no layer",
+        ),
         (
             "*SHELL SECTION, ELSET=FOUR, COMPOSITE\n.1, 3",
-            "a layer without material",
+            "the layer has no material",
         ),
         (
             "*ELEMENT, TYPE=T3D2, ELSET=ROD\n9, 1, 3\n*SOLID SECTION, ELSET=ROD, MATERIAL=CARBON\n1.",
-            "the material CARBON is used but has no isotropic *ELASTIC",
+            "a section uses the material CARBON, which has no isotropic *ELASTIC",
         ),
         (
             "*MATERIAL, NAME=WRONG\n*ELASTIC, TYPE=LAMINA\n1., 9., .9, 1., 1., 1.",
-            "these constants are those of no elastic lamina",
+            "no elastic lamina has these constants",
         ),
     ] {
         let found = problem(&format!("{SHELLS}{lamina}{section}\n"));
@@ -773,7 +776,7 @@ fn problems_tell_their_place() {
     for (deck, line, text) in [
         ("*NODE\n1, 0., x, 0.\n", 2, "a coordinate is \"x\""),
         ("*NODE\n0, 0., 0.\n", 2, "the number of a node is \"0\""),
-        ("1, 2\n", 1, "doesn't begin with a keyword"),
+        ("1, 2\n", 1, "does not begin with a keyword"),
         (
             "*NODE\n1,0,0,0\n*ELEMENT, TYPE=C3D4\n1, 1,1,1\n*NSET, NSET=a\n",
             4,
@@ -792,7 +795,7 @@ fn problems_tell_their_place() {
         (
             "*NODE\n1,0,0,0\n1,0,0,1\n",
             3,
-            "node 1 is there twice; the first is in deck.inp, line 2",
+            "node 1 is defined twice, first in deck.inp, line 2",
         ),
         (
             "*NODE\n1,0,0,0\n*NSET, NSET=a\nb\n",
@@ -810,11 +813,15 @@ fn problems_tell_their_place() {
             "runs backwards",
         ),
         ("*NODE\n1,0,0,0\n*BOUNDARY\n1, 0\n", 4, "no freedom"),
-        ("*NODE\n1,0,0,0\n*BOUNDARY\n1, 6, 1\n", 4, "run backwards"),
+        (
+            "*NODE\n1,0,0,0\n*BOUNDARY\n1, 6, 1\n",
+            4,
+            "comes after freedom",
+        ),
         (
             "*NODE\n1,0,0,0\n*KINEMATIC\n1, 3\n",
             3,
-            "no *COUPLING is before it",
+            "no *COUPLING precedes it",
         ),
         (
             "*NODE\n1,0,0,0\n*EQUATION\n2\n1, 1, 1.\n",
@@ -857,7 +864,7 @@ fn problems_tell_their_place() {
         (
             "*SHELL SECTION, ELSET=LOW\n1.\n",
             1,
-            "doesn't fit element 1",
+            "element 1 needs another kind of section",
         ),
         ("*SURFACE, NAME=a\nLOW, S7\n", 2, "no face \"S7\""),
         (

@@ -286,7 +286,7 @@ fn surfaces_that_cannot_be_are_refused() {
     point.place = MarkerPlace::Node(1);
     let told = refused(mesh(), &request(point, 2, 0, 1));
     assert!(
-        told.contains("an elastic surface is a ring of nodes"),
+        told.contains("an elastic surface needs a ring of nodes"),
         "{told}"
     );
 }

@@ -357,7 +357,7 @@ fn integration_of_psolid_is_read() {
     assert!(
         nastran_deck::problem(deck)
             .problem
-            .contains("IN = \"GAUSS\"")
+            .contains("IN is \"GAUSS\"")
     );
 }
 

@@ -154,7 +154,7 @@ fn a_stiffness_of_the_wrong_sign_is_told() {
         mesh(),
         turned,
         masses([2.0; 3]),
-        "not positive semi-definite",
+        "not positive semidefinite",
         "write −K",
     );
     let mut partly = bars();
@@ -163,7 +163,7 @@ fn a_stiffness_of_the_wrong_sign_is_told() {
         mesh(),
         partly,
         masses([2.0; 3]),
-        "at freedom 2 of node 2, and 1 of 12 diagonals are negative",
+        "at freedom 2 of node 2, and 1 of its 12 diagonal entries are negative",
         "negative springs",
     );
 }
@@ -172,7 +172,7 @@ fn a_stiffness_of_the_wrong_sign_is_told() {
 fn exchanged_matrices_are_told() {
     let says = "but they do as mass and stiffness";
     let unit = masses([2.0; 3]);
-    refused(mesh(), unit.clone(), bars(), says, "exchanged");
+    refused(mesh(), unit.clone(), bars(), says, "exchange the two files");
     // a mass that couples the nodes, as of solids
     let mut coupled = unit;
     for axis in 0..3u32 {
@@ -181,7 +181,7 @@ fn exchanged_matrices_are_told() {
         }
     }
     assert!(reduced(mesh(), bars(), coupled.clone()).is_ok());
-    refused(mesh(), coupled, bars(), says, "exchanged");
+    refused(mesh(), coupled, bars(), says, "exchange the two files");
 }
 
 #[test]

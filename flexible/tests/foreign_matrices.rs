@@ -132,8 +132,8 @@ fn problems_of_op4_say_what_and_where() {
     let k = [Dense::symmetric("KAA", 5), Dense::symmetric("MAA", 6)];
     let file = op4_binary(&k, Layout::Dense, false, false, false);
     let missing = problem(file.clone(), "a.op4", "MGG");
-    assert_eq!(missing.problem, "holds no matrix MGG");
-    assert_eq!(missing.advice, "the file holds KAA (5 × 5), MAA (6 × 6)");
+    assert_eq!(missing.problem, "contains no matrix MGG");
+    assert_eq!(missing.advice, "the file contains KAA (5 × 5), MAA (6 × 6)");
     assert!(
         problem(file.clone(), "a.op4", "")
             .advice
@@ -172,7 +172,7 @@ fn problems_of_op4_say_what_and_where() {
         "KAA",
     );
     assert!(
-        nan.problem.contains("holds NaN at row 3, column 2"),
+        nan.problem.contains("contains NaN at row 3, column 2"),
         "{nan}"
     );
     let text = op4_text(&[Dense::symmetric("KAA", 5)], Layout::Dense, false);
@@ -183,7 +183,7 @@ fn problems_of_op4_say_what_and_where() {
     assert_eq!(bad.place, Place::Line(3));
     let short = text.replacen(lines[2], &lines[2][..20], 1);
     let short = problem(short.into_bytes(), "a.op4", "KAA");
-    assert!(short.problem.contains("has 20 columns"), "{short}");
+    assert!(short.problem.contains("has 20 characters"), "{short}");
 }
 
 #[test]
@@ -312,7 +312,7 @@ fn abaqus_matrix_input_names_nodes() {
     assert!(
         problem(b"0 1 1.\n".to_vec(), "k.mtx", "")
             .advice
-            .contains("count from 1")
+            .contains("numbers from 1")
     );
     assert!(
         problem(b"1 1 nan\n".to_vec(), "k.sti", "")
@@ -357,7 +357,7 @@ fn conversion_refuses_what_is_no_symmetric_matrix() {
     );
     let text = say(&wrong, stiffness);
     assert!(
-        text.starts_with("f: matrix K is not symmetric: worst at row 3 (node 6, freedom 3), column 1: 0 and mirrored 0.5"),
+        text.starts_with("f: matrix K is not symmetric: the worst entry, at row 3 (node 6, freedom 3), column 1, is 0, and its mirror image is 0.5"),
         "{text}"
     );
     // 1e-10 of the row's norm is rounding: the mean is taken
@@ -377,7 +377,7 @@ fn conversion_refuses_what_is_no_symmetric_matrix() {
     let negative = matrix(true, 3, &[(0, 0, 1.0), (1, 1, -2.0)]);
     assert!(
         say(&negative, MatrixKind::Mass)
-            .contains("-2 on the diagonal at row 2 (node 5, freedom 2)")
+            .contains("-2 on its diagonal at row 2 (node 5, freedom 2)")
     );
     assert!(negative.to_symmetric(stiffness).is_ok());
     assert!(say(&matrix(true, 3, &[(0, 0, f64::INFINITY)]), stiffness).contains("inf"));

@@ -377,15 +377,15 @@ fn all_formats_are_the_same_mesh() {
 #[test]
 fn problems_tell_their_place() {
     for (from, to, text) in [
-        ("4.1 0 8", "4.0 0 8", "format 4.0 can't be read"),
-        ("$MeshFormat", "$Mesh", "doesn't begin with $MeshFormat"),
-        ("2 1 \"a face\"", "9 1 \"a face\"", "names no group"),
+        ("4.1 0 8", "4.0 0 8", "Eng does not read format 4.0"),
+        ("$MeshFormat", "$Mesh", "does not begin with $MeshFormat"),
+        ("2 1 \"a face\"", "9 1 \"a face\"", "is no name of a group"),
         (
             "0 0 2 0 0 0\n",
             "0 0 z 0 0 0\n",
             "a coordinate of a node is \"z\"",
         ),
-        ("3 2 11 1\n", "3 2 99 1\n", "type 99 are not known"),
+        ("3 2 11 1\n", "3 2 99 1\n", "elements of type 99"),
         ("12 14 13\n", "12 14 15\n", "uses node 15, which is missing"),
     ] {
         let changed = SMALL.replacen(from, to, 1);
@@ -402,7 +402,7 @@ fn problems_tell_their_place() {
         assert_eq!(problem.place, Place::Line(line), "{problem}");
     }
     for (blocks, text) in [
-        ("4 5 1 9", "where $EndElements should"),
+        ("4 5 1 9", "in the place of $EndElements"),
         ("6 5 1 9", "$EndElements"),
     ] {
         let changed = SMALL.replacen("5 5 1 9", blocks, 1);

@@ -322,7 +322,7 @@ fn a_mechanism_and_a_held_free_body_are_told() {
         .collect();
     let error = Structure::free(&fewer_k, &fewer_m, cut).unwrap_err();
     assert!(
-        error.to_string().contains("resisted by its stiffness"),
+        error.to_string().contains("resists its rigid motion"),
         "{error}"
     );
 }

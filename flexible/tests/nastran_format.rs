@@ -240,10 +240,16 @@ fn files_that_are_no_decks() {
         ),
         (
             "=,*(1),=,*(.1),==\n",
-            "repeats a card of several lines, or none",
+            "repeats the card before, but that card has several lines or is missing",
         ),
-        ("GRID,1,,0.,0.,0.\n=(3)\n", "does not state the increments"),
-        ("GRID,1,,0.,0.,0.\n=,*(1),*(1),==\n", "adds to \"\""),
+        (
+            "GRID,1,,0.,0.,0.\n=(3)\n",
+            "no line before it states the increments",
+        ),
+        (
+            "GRID,1,,0.,0.,0.\n=,*(1),*(1),==\n",
+            "adds a number to \"\"",
+        ),
     ] {
         let found = problem(deck);
         assert!(found.problem.contains(message), "{deck:?}: {found}");
@@ -345,7 +351,7 @@ fn packed_files_are_unpacked() {
         .insert("grids.bdf.gz".into(), bytes[..bytes.len() - 9].to_vec());
     let cut = problem_of(&files);
     assert_eq!(cut.file, "grids.bdf.gz");
-    assert!(cut.problem.contains("can't be read on"), "{cut}");
+    assert!(cut.problem.contains("reading stopped here"), "{cut}");
 }
 
 #[test]
@@ -378,7 +384,7 @@ fn numbers_and_fields_that_are_wrong() {
             "CORD2R,9,,0.,0.,0.,0.,0.,1.",
             "the card ends before its field C1",
         ),
-        ("GRID,9,,0.,0.,0.,-1", "a grid point of a fluid"),
+        ("GRID,9,,0.,0.,0.,-1", "the grid point belongs to a fluid"),
     ] {
         let found = problem(&format!("{CORNERS}{card}\n"));
         assert_eq!(found.place, Place::Line(7), "{found}");

@@ -165,17 +165,17 @@ fn systems_that_cannot_be_placed() {
         (
             "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,0.,0.,5.\nGRID,1\n",
             1,
-            "coincide or are in line",
+            "its three points lie on one line",
         ),
         (
             "CORD2R,1,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,1,,0.,0.,0.,0.,0.,1.\n,2.,0.,0.\nGRID,1\n",
             3,
-            "coordinate system 1 is there twice",
+            "coordinate system 1 is defined twice",
         ),
         (
             "GRID,1,,0.,0.,0.\nGRID,2,,0.,0.,0.\nGRID,1,,0.,0.,1.\n",
             3,
-            "grid point 1 is there twice; the first is in deck.bdf, line 1",
+            "grid point 1 is defined twice, first in deck.bdf, line 1",
         ),
     ] {
         let found = problem(deck);
@@ -456,7 +456,7 @@ PBAR,4,8,1.,2.,3.,4.
             "element 1: its orientation vector lies along the beam",
         ),
         ("CBAR,1,4,1,3,1.,0.,0.", "element 1 has no length"),
-        ("CBAR,1,4,1,2", "no orientation vector"),
+        ("CBAR,1,4,1,2", "the orientation vector is missing"),
         (
             "CBAR,1,4,1,2,9",
             "element 1 uses grid point 9, which is missing",
@@ -472,11 +472,11 @@ PBAR,4,8,1.,2.,3.,4.
         ),
         (
             "PBARL,5,8,,BOX\n,1.,1.,.6,.1\nCBAR,1,5,1,2,0.,1.,0.",
-            "make no BOX",
+            "no BOX has the dimensions",
         ),
         (
             "PBARL,5,8,,DBOX\n,1.,1.,.6,.1\nCBAR,1,5,1,2,0.,1.,0.",
-            "PBARL 5, used by element 1, is of a kind that can't be read",
+            "element 1 uses PBARL 5, and Eng does not read this kind",
         ),
     ] {
         let found = problem(&deck(card));
@@ -505,10 +505,10 @@ fn one_of_three_elastic_constants_may_be_blank() {
         assert_eq!(mesh.unread, []);
     }
     for (card, message) in [
-        ("MAT1,8,,,.3,5.", "two of E, G and NU are needed"),
-        ("MAT1,8,2.6,,.5,5.", "is no elastic material"),
-        ("MAT1,8,2.6,.8,,5.", "is no elastic material"),
-        ("MAT1,8,2.6,,.3,-5.", "is no elastic material"),
+        ("MAT1,8,,,.3,5.", "E is missing, and one of G and NU"),
+        ("MAT1,8,2.6,,.5,5.", "no elastic material has"),
+        ("MAT1,8,2.6,.8,,5.", "no elastic material has"),
+        ("MAT1,8,2.6,,.3,-5.", "no elastic material has"),
         ("MAT9,8,2.6", "MAT9 8, used by PSOLID 3, is not isotropic"),
         (
             "MAT1,9,2.6,,.3",
@@ -543,10 +543,10 @@ fn elements_that_miss_something() {
         (
             "CTETRA,17,3,1,2,3,4\nCHEXA,18,3,1,2,3,4,1,2\n,3,4\nCTETRA,17,3,1,2,3,4",
             10,
-            "element 17 is there twice; the first is in deck.bdf, line 7",
+            "element 17 is defined twice, first in deck.bdf, line 7",
         ),
-        ("PSOLID,3,8", 7, "PSOLID 3: this property is there twice"),
-        ("MAT1,8,1.,,.3", 7, "MAT1 8: this material is there twice"),
+        ("PSOLID,3,8", 7, "PSOLID 3: this property is defined twice"),
+        ("MAT1,8,1.,,.3", 7, "MAT1 8: this material is defined twice"),
         (
             "PSHELL,5,8\nCTRIA3,1,5,1,2,3",
             8,
@@ -560,7 +560,7 @@ fn elements_that_miss_something() {
         (
             "MAT8,5,1.,2.,.9,1.",
             7,
-            "these constants are those of no elastic sheet",
+            "no elastic sheet has these constants",
         ),
         (
             "MAT8,5,2.,1.,.3,1.\nCTETRA,17,5,1,2,3,4\nPSOLID,5,5",
@@ -575,7 +575,7 @@ fn elements_that_miss_something() {
         (
             "PSOLID,6,8,,,,,PFLUID\nCTETRA,1,6,1,2,3,4",
             7,
-            "of a kind that can't be read",
+            "Eng does not read this kind of property",
         ),
     ] {
         let found = problem(&format!("{}{cards}\n", grids(4)));

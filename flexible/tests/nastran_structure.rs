@@ -309,22 +309,22 @@ fn ties_that_cannot_be() {
         ("RBE2,1,1,128,2", "field CM is \"128\", not freedoms 1 to 6"),
         ("RBE2,1,1,123,5,THRU,2", "THRU 2 has no lower number"),
         ("RBE3,1,,6,123", "ends before its field WT1"),
-        ("RBE3,1,,6,123,1.,123", "a weight has no grid points"),
+        ("RBE3,1,,6,123,1.,123", "no grid points follow a weight"),
         ("RBE3,1,,6,123,-1.,123,1,2", "the weight -1 is negative"),
         (
             "RBAR,1,1,2,123,123",
-            "RBAR 1: its independent freedoms leave a rigid motion free",
+            "the independent freedoms of RBAR 1 do not hold all rigid motions",
         ),
         ("RBAR,1,1,2,123,45", "5 independent freedoms instead of six"),
         ("RBE1,1,1,123,2,456", "\"UM\" is missing"),
         ("MPC,1,1,1,0.,2,1,1.", "the first coefficient is zero"),
-        ("MPC,1,1,,1.,2,1,1.", "no freedom named at grid point 1"),
+        ("MPC,1,1,,1.,2,1,1.", "states no freedom of grid point 1"),
         (
             "RBE2,1,1,123,2\nRBE3,1,,6,123,1.,123,1,2",
-            "rigid element 1 is there twice",
+            "rigid element 1 is defined twice",
         ),
-        ("CELAS2,1,1.", "the spring is held nowhere"),
-        ("CELAS2,1,1.,1,,2,1", "no freedom named at grid point 1"),
+        ("CELAS2,1,1.", "the spring has no end at a grid point"),
+        ("CELAS2,1,1.,1,,2,1", "states no freedom of grid point 1"),
         (
             "CELAS1,1,5,1,1",
             "spring 1 uses property 5, which is missing",
@@ -337,7 +337,7 @@ fn ties_that_cannot_be() {
             "CONM2,1,1,9,1.",
             "mass 1 uses coordinate system 9, which is missing",
         ),
-        ("CONM2,1,1,,1.\nCONM2,1,2,,1.", "mass 1 is there twice"),
+        ("CONM2,1,1,,1.\nCONM2,1,2,,1.", "mass 1 is defined twice"),
     ] {
         let found = problem(&format!("{GRIDS}{card}\n"));
         assert!(matches!(found.place, Place::Line(9 | 10)), "{found}");
@@ -434,7 +434,12 @@ QSET1,,1001,THRU,1010
         "{found}"
     );
     let found = problem(&format!("{GRIDS}ASET1,,1\n"));
-    assert!(found.problem.contains("no freedoms are named"), "{found}");
+    assert!(
+        found
+            .problem
+            .contains("states no freedoms for its grid points"),
+        "{found}"
+    );
 }
 
 #[test]

@@ -345,7 +345,7 @@ fn foreign_matrices() {
     assert_eq!(
         reduced.report.warnings,
         [
-            "the mass matrix holds 31400 kg, the volumes and densities of the mesh make 31.4 kg: look at the units, or for masses of the run that the mesh does not name"
+            "the mass matrix has 31400 kg, but the volumes and densities of the mesh give 31.4 kg: check the units, and look for masses of the run that the mesh lacks"
         ]
     );
 }

@@ -296,7 +296,7 @@ fn what_is_held_is_along_the_axes_of_its_marker() {
     assert!(moved(1) < 1e-8 * moved(0).max(moved(2)));
     let refused = reduced_skew(vec![at(0, 0b010)], normal(0b111)).unwrap_err();
     assert!(
-        refused.contains("foot.y: a support along an axis"),
+        refused.contains("foot.y: a support holds a direction"),
         "{refused}"
     );
 }

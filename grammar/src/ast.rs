@@ -1,4 +1,6 @@
-//! The syntax tree: the text in structured form, with its places. No name is looked up here.
+//! The syntax tree: the text in structured form, with its places.
+//!
+//! No name is looked up here.
 //!
 //! Every parse gives a tree. Unreadable text becomes [`ItemKind::Error`] or [`ExprKind::Error`]. Later stages
 //! skip these nodes silently, because the parser has reported the error.

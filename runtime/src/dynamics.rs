@@ -1,5 +1,6 @@
-//! Forces, constraints and their derivatives at a state. Marker blocks of the elements are carried to body
-//! coordinates.
+//! Forces, constraints and their derivatives at a state.
+//!
+//! Marker blocks of the elements are carried to body coordinates.
 //!
 //! Signs: an element's wrench is its loads minus `Gᵀλ`, so that `M v̇ − Q_v − Q_g − Σ JᵀW = 0` is
 //! `M v̇ + Φ_qᵀ λ = Q`.

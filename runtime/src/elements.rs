@@ -1,5 +1,6 @@
-//! Calls of element code. Instances of a class are evaluated in pairs, and their inputs are in arrays that
-//! live as long as the model.
+//! Calls of element code.
+//!
+//! Instances of a class are evaluated in pairs, and their inputs are in arrays that live as long as the model.
 
 use crate::chain::MarkerKinematics;
 use crate::error::{Moment, RuntimeError, Undefined};

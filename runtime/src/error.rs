@@ -217,7 +217,7 @@ fn undetermined(massless: &[Massless], repeated: &[RedundantGroup]) -> String {
             .collect();
         format!("{}{}", named.join("; "), more(massless.len()))
     } else {
-        "something can move that has no mass or inertia, or the mechanism is locked".to_owned()
+        "a movable part has no mass or inertia, or the mechanism is locked".to_owned()
     }
 }
 
@@ -251,7 +251,7 @@ fn undefined(origin: &Origin, because: &Option<Box<Undefined>>, moment: &Moment)
     match because {
         Some(because) => format!("{}: {because} ({moment})", origin.path),
         None => format!(
-            "{} is not finite at {moment}: something is divided by zero, or a root or logarithm taken of a number that has none",
+            "{} is not finite at {moment}: a division by zero, or a root or a logarithm of a number that has none",
             origin.path
         ),
     }
@@ -323,7 +323,7 @@ pub enum RuntimeError {
     },
     /// The `guess` for a body is beyond the reach of its joints.
     #[error(
-        "{} is guessed {} m away from the bodies that it is joined to, and the model is at most {} m large",
+        "the guess of {} is {} m away from the bodies that it is joined to, but the model is at most {} m large",
         origin.path,
         short(*distance, 4),
         short(*length, 4)
@@ -392,7 +392,7 @@ pub enum RuntimeError {
         moment: Moment,
     },
     /// Newton's iteration fails even with the smallest step.
-    #[error("no solution of the step at {moment} with h = {} s: the largest residual is {} {unit} in {} ({equation})", short(*step, 3), short(*size, 3), origin.path)]
+    #[error("the step of {} s at {moment} has no solution: the largest residual is {} {unit} in {} ({equation})", short(*step, 3), short(*size, 3), origin.path)]
     Newton {
         /// When.
         moment: Moment,
@@ -472,7 +472,7 @@ pub enum RuntimeError {
     #[error("the run was stopped at {moment}; its {slow}", moment = .0.moment, slow = .0)]
     Stopped(Slow),
     /// A stated step turns a body further than angles can be followed.
-    #[error("a step of {step} s turns {} by {degrees:.0}°; angles are followed up to 90° a step", origin.path)]
+    #[error("a step of {step} s turns {} by {degrees:.0}°; the limit is 90° a step", origin.path)]
     TurnsTooFar {
         /// When.
         moment: Moment,
@@ -546,7 +546,7 @@ pub enum RuntimeError {
     },
     /// The coefficients of the linearised motion change with time alone.
     #[error(
-        "the linearised motion at {moment} has no constant coefficients: because of {} they depend on time; already {} s later {}",
+        "the coefficients of the linearised motion at {moment} depend on time through {}; {} s later, {}",
         list_timed(elements), short(*later, 2), changed(*change)
     )]
     OverTime {
@@ -566,7 +566,7 @@ pub enum RuntimeError {
         origin: Box<Origin>,
     },
     /// A field has other derivatives on both sides of the state.
-    #[error("{}: at {moment} its film has no pressure, so each motion ruptures another part of it: it has no linear equations there", origin.path)]
+    #[error("{}: at {moment} its film has no pressure; its rupture there depends on the direction of the motion, so it has no linear equations", origin.path)]
     Undecided {
         /// The element.
         origin: Box<Origin>,

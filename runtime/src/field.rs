@@ -1,4 +1,4 @@
-//! A field of an element: its numbers at a state, and the work on them.
+//! A field of an element: its numbers at a state, and its solution.
 
 use eng_system::field::{FieldError, FieldSolver, Past};
 

@@ -1,4 +1,4 @@
-//! Reference frames of bodies, and weights of a matrix.
+//! Reference frames of bodies, and factors on the derivatives by velocity and acceleration.
 
 use crate::rotation::{M3, V3};
 

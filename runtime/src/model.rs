@@ -1,4 +1,6 @@
-//! A compiled model bound to one parameter set. Numbers replace slots, and offsets replace references.
+//! A compiled model bound to one parameter set.
+//!
+//! Numbers replace slots, and offsets replace references.
 
 mod bind;
 

@@ -1,5 +1,5 @@
-//! The start of a motion: as assembled, or in balance with a steady or repeating motion. Also the turn of the assembled
-//! machine without forces.
+//! The start of a motion, as assembled or in balance with a steady or repeating motion, and the turn of the
+//! assembled machine without forces.
 //!
 //! Assembly gives positions that close every joint, and velocities of least energy. A turning engine that
 //! starts there rings: the films do not carry its pins in these positions, and its flexible bodies are

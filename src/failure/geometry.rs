@@ -72,7 +72,7 @@ pub(super) fn open_loop(
     let message = with_angle(message, chain, system).with_help(PLACING);
     message.with_help(match starts.is_empty() {
         true => GUESSING,
-        false => "each `start` must hold exactly: leave out one that the loop decides, or make it a `guess`, at which the search only begins",
+        false => "each `start` must hold exactly: remove one that the loop decides, or replace it by a `guess`, where the search only begins",
     })
 }
 
@@ -90,7 +90,7 @@ pub(super) fn wrong_branch(
     with_angle(message, chain, system)
         .with_help(PLACING)
         .with_help(GUESSING)
-        .with_help("or state another `branch` at the use")
+        .with_help("or state another `branch` in the block of the joint")
 }
 
 /// Velocities of the start that contradict each other.
@@ -101,7 +101,7 @@ pub(super) fn start_velocity(
     system: &System,
 ) -> Diagnostic {
     for row in rows.iter().take(3) {
-        message = place(message, &row.origin, "cannot hold together with the others");
+        message = place(message, &row.origin, "contradicts the others");
     }
     // the guide or the drive; rows of the start have no markers of their own
     if let Some(row) = rows.first() {
@@ -110,7 +110,7 @@ pub(super) fn start_velocity(
     }
     let message = match chain {
         Some(chain) => with_axes(message, chain).with_help(format!(
-            "check whether the joints of {chain} allow this motion: perhaps an axis is across, or a bore is along the crank"
+            "check that the joints of {chain} allow this motion; an axis may be turned by 90°, or a bore parallel to the axis of the crank"
         )),
         None => message,
     };
@@ -137,12 +137,12 @@ pub(super) fn locked(
         None => message,
     }
     .with_help(
-        "forces play no part: change a length or an axis, or take a joint with fewer equations",
+        "change a length or an axis, or take a joint with fewer equations; forces play no part",
     )
 }
 
 /// The remedy if the assembly finds no position.
-const PLACING: &str = "check lengths, sides and axes of the loop: a marker `at(…, z:)` without `x:` has an x axis that Eng chooses";
+const PLACING: &str = "check the lengths, sides and axes of the loop; for a marker `at(…, z:)` without `x:`, Eng chooses the x axis";
 
 /// The remedy if the search begins at a wrong place.
 const GUESSING: &str =
@@ -168,7 +168,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
     let message = match lengths.is_empty() {
         true => message,
         false => message.with_note(format!(
-            "lengths of the loop, from joint to joint across its axis: {}",
+            "lengths of the bodies in the loop, from joint to joint, perpendicular to the axis of the loop: {}",
             lengths.join(", ")
         )),
     };
@@ -203,7 +203,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
             message.also(
                 span(at),
                 format!(
-                    "{}: of the {length} mm of {}",
+                    "{}: an end of the {length} mm of {}",
                     marker.path, body.origin.path
                 ),
             )
@@ -305,7 +305,7 @@ fn with_axes(message: Diagnostic, chain: &Chain) -> Diagnostic {
         })
         .collect();
     message.with_note(format!(
-        "z axes of the joints, in ground axes: {}",
+        "z axes of the joints, in the axes of the ground: {}",
         axes.join("; ")
     ))
 }
@@ -347,13 +347,13 @@ fn with_angle(message: Diagnostic, chain: Option<&Chain>, system: &System) -> Di
     let wrong = joints.iter().find_map(|(path, axis, joint)| {
         let cosine = cosine(axis, shared);
         let (what, due) = match joint {
-            Joint::Guide if cosine > NOT_SQUARE => ("guide", "square (90°)"),
+            Joint::Guide if cosine > NOT_SQUARE => ("guide", "perpendicular (90°)"),
             Joint::Hinge if cosine < PARALLEL => ("hinge", "parallel (0°)"),
             _ => return None,
         };
         let angle = fixed(libm::acos(cosine.min(1.0)).to_degrees(), 1);
         Some(format!(
-            "the axis of the {what} {path} is {angle}° apart from that of {}: in a plane loop it is {due} to them",
+            "the axis of the {what} {path} is at {angle}° to that of {}: in a plane loop it must be {due}",
             paths.join(", ")
         ))
     });

@@ -68,7 +68,7 @@ impl Reduction {
             .at(span(self.at), "the body is stiffer there than its mesh");
         if !rigid.is_empty() {
             message = message.with_note(format!(
-                "constraint modes that are rigid motions of a free body, and leave nothing: {}",
+                "constraint modes that add nothing, because they are rigid motions of a free body: {}",
                 rigid.join(", ")
             ));
         }

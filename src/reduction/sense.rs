@@ -155,7 +155,7 @@ fn ignored_for_nothing<'a>(
         Diagnostic::warning(
             codes::IGNORED_NOTHING,
             format!(
-                "{}: the mesh holds no {ignored} that is left out",
+                "{}: `ignore` names {ignored}, which is no unread content of the mesh",
                 source.origin.path
             ),
         )
@@ -219,7 +219,7 @@ pub(super) fn unread(unread: &[Unread], source: &FlexibleSource) -> Option<Box<D
         .map(|unread| format!("{:?}", unread.name))
         .collect();
     Some(Box::new(message.with_help(format!(
-        "take it out of the file and state it in the model; or, where the body can do without, write `ignore: [{}]` in the mesh",
+        "remove it from the file and state it in the model; or, if the body does not need it, write `ignore: [{}]` in the mesh",
         names.join(", ")
     ))))
 }

@@ -1,4 +1,6 @@
-//! The interface through which the compiler reads files. The embedding program implements it.
+//! The interface through which the compiler reads files.
+//!
+//! The embedding program implements it.
 
 /// A file that could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,4 +1,4 @@
-//! Enums of kinds: every variant holds another type, and all these types have one trait.
+//! Enums of kinds: each variant holds another type, and one trait unites these types.
 
 /// Makes an enum dereference to the trait of its variants, so that the questions of the trait are methods of the
 /// enum.

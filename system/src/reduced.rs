@@ -1,4 +1,6 @@
-//! A flexible body after reduction. A time step uses its constants and no node.
+//! A flexible body after reduction.
+//!
+//! A time step uses its constants and no node.
 //!
 //! With the mass matrix M of the finite-element model, the shapes Φ (nodal vectors, n of them), the rigid
 //! motions `R_t` (unit translations) and `R_r` (unit rotations about the body frame's origin), and `E_k`, the

@@ -1,5 +1,6 @@
-//! The shapes of elastic round surfaces as a text states them: how many there are, and their order. The reduction of a
-//! body finds their amplitudes, and a film on the surface has them in its gap.
+//! The shapes of elastic round surfaces in a text: their number and their order.
+//!
+//! The reduction of a body finds their amplitudes, and a film on the surface has them in its gap.
 
 use serde::{Deserialize, Serialize};
 

@@ -636,7 +636,7 @@ impl<'p> Checker<'p> {
                 message = message.also(span, "has no default");
             }
             self.report(message.with_help(format!(
-                "give `{class_name}({}: …)` here (in an analysis the name of such a definition), or give the parameter a default",
+                "write `{class_name}({}: …)` here (in an analysis, the name of such a definition), or give the parameter a default",
                 extra.name
             )));
             return Type::Error;

@@ -118,7 +118,7 @@ impl<'p> Checker<'p> {
                     )
                     .also(parent.declaration.name.span, "defined here")
                     .with_help(
-                        "an interface extends one that extends none: put the common items into it",
+                        "an interface can extend only an interface that extends no other: put the common items into it",
                     ),
                 _ => return true,
             }
@@ -330,7 +330,7 @@ impl<'p> Checker<'p> {
                 format!("`{}` is {}", found.name, self.describe(&found.ty))
             } else if narrower {
                 format!(
-                    "`{}` has one length, and the interface takes any",
+                    "`{}` has a fixed length, but the interface takes any length",
                     found.name
                 )
             } else if due.optional && !found.optional {
@@ -347,7 +347,10 @@ impl<'p> Checker<'p> {
         let required = more.into_iter().find(|parameter| !parameter.optional)?;
         Some((
             required.span,
-            format!("`{}` is one more, without a default", required.name),
+            format!(
+                "it has one more parameter, `{}`, without a default",
+                required.name
+            ),
         ))
     }
 
@@ -415,7 +418,7 @@ impl<'p> Checker<'p> {
             self.report(
                 Diagnostic::error(
                     codes::INTERFACE,
-                    format!("the {word} `{name}` of `{class}` has one length, and `{interface}` takes any"),
+                    format!("the {word} `{name}` of `{class}` has a fixed length, but `{interface}` takes any length"),
                 )
                 .at(ty.span, "arrays of another length do not fit")
                 .also(promise.name.span, "the argument decides the length here")

@@ -1,5 +1,7 @@
-//! Checks names, dimensions and uses. Each definition is checked once, at its own place, for all its uses.
-//! Then the arguments of each use are checked against the parameters.
+//! Checks names, dimensions and uses.
+//!
+//! Each definition is checked once, at its own place, for all its uses. Then the arguments of each use are
+//! checked against the parameters.
 //!
 //! The checker works with types. It must not use values, lengths of arrays that depend on parameters, or
 //! instances.

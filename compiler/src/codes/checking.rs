@@ -127,11 +127,11 @@ eng_grammar::codes! {
         "accept usul",
         "accept usual";
     MANY_TURNS = "W0551", "an angle in rad is many turns",
-        "The angle is more than 20 rad, which is three turns, and engines have parts of a turn: degrees were probably meant. Or a sine takes a number of more than a turn without a unit of angle: `sin(16)`; `i*360/7 deg` is i*360/(7 deg). If the angle is intended, write `accept turns` in the definition around it.",
+        "The angle is more than 20 rad, about three turns. Angles of engines are parts of a turn, so degrees were probably meant. A sine of a plain number of more than a turn gives the same warning: `sin(16)`, or `i*360/7 deg`, which is i*360/(7 deg). If the angle is intended, write `accept turns` in the definition around it.",
         "start crank.angle = 180 rad",
         "start crank.angle = 180 deg";
     UNIT_NAME = "W0553", "a value has the name of a unit",
-        "Behind a number or another unit the word is the unit: `2 N*m` is a torque, also where a mass `m` is declared. Give the value a longer name. Or keep it, write blanks around the operator (`2 N * m`), and write `accept unit_name` in the definition around it.",
+        "After a number or another unit, the word is the unit: `2 N*m` is a torque, also where a mass `m` is declared. Give the value a longer name. Or keep it, write blanks around the operator (`2 N * m`), and write `accept unit_name` in the definition around it.",
         "param m: Mass = 2 kg",
         "param mass: Mass = 2 kg";
     UNUSED_LET = "W0301", "a value is not used",

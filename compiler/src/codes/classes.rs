@@ -24,7 +24,7 @@ eng_grammar::codes! {
         "let y = sin(3 deg, 4 deg)",
         "let y = sin(3 deg)";
     MISPLACED = "E0406", "an item does not belong here",
-        "Bodies belong in models and components, constraints and loads into classes, parameters of a class into its parentheses.",
+        "Bodies belong in models and components, constraints and loads in classes, and the parameters of a class in its parentheses.",
         "force Push(a: Marker) { param load: Force = 3 N }",
         "force Push(a: Marker, load: Force = 3 N) { apply force load*a.x on a }";
     INTERFACE = "E0407", "a class does not fill its interface",

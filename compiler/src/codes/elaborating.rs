@@ -204,7 +204,7 @@ eng_grammar::codes! {
         "The pressure is above 10,000 bar, three times that of fuel injection. Usually the numbers have another unit than the stated one: pascal read as bar.",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [6e6, 1e5] bar, extrapolation: hold)",
         "table gas(theta: CrankAngle) -> AbsolutePressure = points([0, 360] deg, [60, 1] bar, extrapolation: hold)";
-    MUCH_DAMPING = "W0552", "a flexible body is damped like no structure",
+    MUCH_DAMPING = "W0552", "a flexible body has more damping than any structure",
         "The damping is more than 20 % of the critical one over all frequencies, or more than the critical one: `2` is 200 %, and `2 %` was probably meant. If it is intended, write `accept damping` in the body.",
         "flexible crank { damping = 2 }",
         "flexible crank { damping = 2 % }";

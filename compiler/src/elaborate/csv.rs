@@ -283,7 +283,7 @@ impl<'a> Elaborator<'a, '_> {
                 )
                 .at(span, format!("of the points {point}, counted from a zero of their own"))
                 .with_help(format!(
-                    "where the numbers are differences, name a unit without a zero of its own in the file and here; else declare {point}"
+                    "if the numbers are differences, name a unit without its own zero in the file and here; otherwise declare {point}"
                 )),
             ));
         }

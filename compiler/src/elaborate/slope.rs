@@ -36,7 +36,7 @@ impl<'a> Elaborator<'a, '_> {
                         "`period` of a table with some of its arguments is not known",
                     )
                     .at(written, "a table of several arguments")
-                    .with_help("pass the period beside the table, as a number of its own"),
+                    .with_help("pass the period beside the table, as another number"),
                 ));
             }
             return Ok(Value::Scalar(match function {

@@ -1,5 +1,6 @@
-//! The typed tree: the syntax trees of a program with the findings of the checker beside them. The checker
-//! writes it, and elaboration reads it.
+//! The typed tree: the syntax trees of a program with the findings of the checker beside them.
+//!
+//! The checker writes it, and elaboration reads it.
 //!
 //! It contains types, dimensions, instantiations and messages, each under the place of its expression. It
 //! must not contain values of expressions or instances of classes.

@@ -1,4 +1,6 @@
-//! The table of finite elements. All other modules of the crate take the properties of an element from it.
+//! The table of finite elements.
+//!
+//! All other modules of the crate take the properties of an element from it.
 //!
 //! A row is a `Description`: nodes, edges, faces, shape functions, integration rules, and the element's
 //! name and order of nodes in each code. The row is beside the shape functions in the file of its family, and

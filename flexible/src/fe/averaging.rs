@@ -58,7 +58,7 @@ pub(super) fn followers(
                 "averaging tie {id}: node {} follows itself",
                 mesh.nodes[*node as usize].id
             ),
-            "take the reference out of the nodes it follows",
+            "remove the reference node from the nodes that it follows",
         ));
     }
     let origin = mesh.nodes[reference as usize].position;
@@ -138,7 +138,7 @@ pub(super) fn followers(
                         component + 1,
                         mesh.nodes[reference as usize].id
                     ),
-                    "take nodes that don't lie on a line, or leave the component out",
+                    "choose nodes that do not lie on one line, or remove the component",
                 ));
             }
         }

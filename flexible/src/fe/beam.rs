@@ -339,7 +339,7 @@ fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String
         return if whole == 0.0 {
             Ok(())
         } else {
-            Err("its released freedoms leave it a mechanism".into())
+            Err("its released freedoms make it a mechanism".into())
         };
     }
     let mut follow = row.map(|x| -x / pivot);
@@ -395,7 +395,7 @@ fn placed(
     }
     let z = scale(1.0 / across, normal);
     let frame = [x, cross(z, x), z];
-    let beam = Beam::new(length, section, material).ok_or("its section isn't a beam's")?;
+    let beam = Beam::new(length, section, material).ok_or("its section is no beam section")?;
     let mut local = Pair {
         stiffness: beam.stiffness(),
         other: other(&beam),

@@ -30,7 +30,7 @@ pub(super) fn wrong(problem: String, advice: &str) -> FlexibleError {
     }
 }
 
-const BROKEN: &str = "the mesh refers to something it does not hold; read it again from its file";
+const BROKEN: &str = "read the mesh again from its file; it refers to an object that is missing";
 
 /// The role of an element in the assembly of the matrices.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +111,7 @@ fn shell_fault(section: &ShellSection, role: Role) -> Option<String> {
         ))
     } else if stiff && !(bending > 0.0 && bending.is_finite()) {
         Some(format!(
-            "a bending stiffness of {bending} of its plate's; it must be above zero"
+            "a bending stiffness of {bending} times that of its plate; it must be above zero"
         ))
     } else if stiff && !(shear >= 0.0 && shear.is_finite()) {
         Some(format!("a shear factor of {shear}; it can't be negative"))
@@ -147,7 +147,7 @@ fn section_fault(section: &Section, role: Role) -> Option<String> {
                 Some("a moment, torsion constant, shear factor or mass a length that is negative or not a number".into())
             } else if product != 0.0 && product * product >= moment_y * moment_z {
                 Some(format!(
-                    "a product of second moments {product} m⁴ beyond the moments {moment_z} and {moment_y} m⁴"
+                    "a product of area of {product} m⁴, whose square must be below the product of its second moments {moment_z} and {moment_y} m⁴"
                 ))
             } else {
                 None
@@ -253,7 +253,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
             if !of_sheets && material.sheet.is_some() {
                 return Err(wrong(
                     format!(
-                        "element {} is no shell, and its material “{}” is that of a sheet",
+                        "element {} is no shell, but its material “{}” is only for sheets",
                         element.id, material.name
                     ),
                     "give it an isotropic material",
@@ -294,7 +294,7 @@ fn without_material(mesh: &Mesh, element: &Element, property: &str) -> FlexibleE
     }
     wrong(
         format!("element {}{property} has no material", element.id),
-        "give it one in the file, as the others have; `material =` of the body is for a mesh without any",
+        "state its material in the file; `material =` of the body is only for a mesh without materials",
     )
 }
 
@@ -321,7 +321,7 @@ pub(crate) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), Flexib
         if !absent && node as usize >= mesh.nodes.len() {
             return Err(wrong(
                 format!("node {} of element {} is missing", local + 1, element.id),
-                "corner nodes must all be there; only mid-side nodes may be left out",
+                "add the node; only mid-side nodes can be left out",
             ));
         }
     }

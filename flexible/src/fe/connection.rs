@@ -144,7 +144,7 @@ pub(super) fn check(mesh: &Mesh, freedoms: &FreedomMap) -> Result<(), FlexibleEr
     pieces.finish(
         mesh,
         freedoms,
-        "shells without a material and those of six or eight nodes carry mass and no stiffness; attach such nodes by ties, or leave them out",
+        "attach these nodes by ties, or remove them; shells without a material and shells of six or eight nodes have mass but no stiffness",
     )
 }
 
@@ -173,6 +173,6 @@ pub(super) fn check_matrix(
     pieces.finish(
         mesh,
         freedoms,
-        "the matrices hold mass but no stiffness there; tie such nodes, or write the matrices without them",
+        "tie these nodes, or write the matrices without them; the matrices have mass but no stiffness there",
     )
 }

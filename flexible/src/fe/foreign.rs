@@ -41,11 +41,11 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
     if matrix.rows.len() != matrix.matrix.size() {
         return Err(FlexibleError::Matrix {
             problem: format!(
-                "{title} has {} rows, but {} freedoms are listed for them",
+                "{title} has {} rows, but the list has {} freedoms",
                 matrix.matrix.size(),
                 matrix.rows.len()
             ),
-            advice: "matrix and list of freedoms must come from the same run".into(),
+            advice: "give the matrix and the list of freedoms of the same run".into(),
         });
     }
     let index: BTreeMap<u64, u32> = mesh.node_index();
@@ -57,7 +57,7 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
             Some(_) => {
                 return Err(wrong(
                     format!("{title} names component {} of node {node}", component + 1),
-                    "components are 1 to 6",
+                    "name components from 1 to 6",
                 ));
             }
             None => unknown.push(*node),
@@ -67,7 +67,7 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
     if !unknown.is_empty() {
         return Err(wrong(
             format!(
-                "{title} has rows of {} nodes that the mesh does not hold: {}",
+                "{title} has rows of {} nodes that are not in the mesh: {}",
                 unknown.len(),
                 list(unknown.iter().map(u64::to_string))
             ),
@@ -83,7 +83,7 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
                 "{title} has two rows of component {} of node {id}",
                 component + 1
             ),
-            "each row is another freedom; check the order of the rows",
+            "check the order of the rows; each row must be a different freedom",
         ));
     }
     Ok(found)
@@ -246,8 +246,8 @@ pub fn from_matrices(
     let total = mass.rigid(mesh).mass;
     if total.is_nan() || total <= 0.0 {
         return Err(wrong(
-            format!("the mass matrix moves {total} kg with the whole structure"),
-            "is it the mass of this run, and are the units right?",
+            format!("the mass matrix gives the whole structure a mass of {total} kg"),
+            "check that it is the mass matrix of this run, and check its units",
         ));
     }
     let unused_nodes = (0..mesh.nodes.len() as u32)

@@ -401,7 +401,7 @@ pub fn warnings(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
         let name = name(mesh, kind, variant);
         match (verdict(kind, variant, mesh.code, rule), rule) {
             (Verdict::Differing(_, why), _) => warnings.push(format!(
-                "{count} × {name} are integrated in full, and {why}: coarse meshes come out stiffer here; `element_rules = exact` states that this is intended"
+                "{count} × {name} are integrated in full, and {why}: coarse meshes are stiffer here; `element_rules = exact` accepts this"
             )),
             (_, StiffnessRule::Full) if matches!(variant, Variant::Letters(_)) => {
                 warnings.push(format!(

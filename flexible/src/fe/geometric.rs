@@ -71,7 +71,7 @@ impl GeometricStiffness {
                 Some(Role::Shell(..)) => {
                     return Err(wrong(
                         format!(
-                            "the geometric stiffness of shells is not known, and element {} is one",
+                            "element {} is a shell, and Eng has no geometric stiffness of shells",
                             element.id
                         ),
                         "leave geometric stiffness out for this body, or mesh it with solids",
@@ -84,7 +84,7 @@ impl GeometricStiffness {
             return Err(wrong(
                 "geometric stiffness needs the stresses of solids or beams, and the mesh has none"
                     .into(),
-                "leave it out: matrices of another code don't state their stresses",
+                "leave it out; matrices of another code do not state their stresses",
             ));
         }
         solids

@@ -422,7 +422,7 @@ impl Reduction {
                 loose.len(),
                 list(loose)
             ),
-            "solids do not hold rotations: tie the node to several others, hold the freedom, or give it a spring",
+            "tie the node to several others, hold the freedom, or give it a spring; solids do not hold rotations",
         ))
     }
 

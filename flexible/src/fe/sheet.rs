@@ -105,13 +105,13 @@ pub(super) fn sheet_fault(sheet: &SheetElasticity) -> Option<String> {
     let stiff = a > 0.0 && a * d - b * b > 0.0 && determinant(&sheet.plane) > 0.0;
     if !(symmetric && stiff && d.is_finite() && f.is_finite() && c.is_finite() && e.is_finite()) {
         return Some(format!(
-            "a plane stiffness (Pa) of {a:.4e} {b:.4e} {c:.4e}, {d:.4e} {e:.4e}, {f:.4e}, which some strain costs nothing"
+            "a plane stiffness (Pa) of {a:.4e} {b:.4e} {c:.4e}, {d:.4e} {e:.4e}, {f:.4e}, which is not symmetric and positive definite"
         ));
     }
     let [[a, b], [c, d]] = sheet.across?;
     let stiff = a > 0.0 && b == c && a * d - b * c > 0.0 && a.is_finite() && d.is_finite();
     (!stiff).then(|| {
-        format!("a stiffness (Pa) of {a:.4e} {b:.4e}, {d:.4e} for shear across the sheet, which some shear costs nothing")
+        format!("a stiffness (Pa) of {a:.4e} {b:.4e}, {d:.4e} for shear across the sheet, which is not symmetric and positive definite")
     })
 }
 
@@ -137,7 +137,10 @@ pub(super) fn shape_fault(mesh: &Mesh, element: &Element, sheet: &Sheet) -> Opti
         return Some(format!("an offset of {offset} m"));
     }
     if sheet.section.is_membrane() && offsets.iter().any(|x| *x != 0.0) {
-        return Some("an offset, but a section without bending stiffness: nothing takes the moment of the offset".into());
+        return Some(
+            "an offset, but its section has no bending stiffness to take the moment of the offset"
+                .into(),
+        );
     }
     let ShellAxis::Direction(direction, _) = shape.axis else {
         return None;

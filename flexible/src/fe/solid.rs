@@ -348,6 +348,6 @@ pub(super) fn inverted(faults: &[(u64, f64)]) -> FlexibleError {
                 short(*jacobian, 4)
             )))
         ),
-        "repair the mesh; if all elements are inverted, the order of their nodes is another program's",
+        "repair the mesh; if all elements are inverted, their nodes have the order of another program",
     )
 }

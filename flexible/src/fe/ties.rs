@@ -93,7 +93,7 @@ impl Constraints {
                             name(mesh, freedoms, freedom),
                             other.tie
                         ),
-                        "take it out of one of them, or make the other's node independent",
+                        "remove it from one of the two ties; a dependent node can depend on one tie only",
                     ));
                 }
                 rules.insert(freedom, Rule { tie, sum });
@@ -145,7 +145,7 @@ fn rigid(
                     "rigid tie {id}: node {} depends on itself",
                     mesh.nodes[node as usize].id
                 ),
-                "take the independent node out of the dependent ones",
+                "remove the independent node from the dependent nodes",
             ));
         }
         let arm = subtract(
@@ -183,8 +183,8 @@ fn equation(
 ) -> Result<(u32, Vec<(u32, f64)>), FlexibleError> {
     let none = || {
         wrong(
-            format!("equation {id} has no first term with a coefficient other than zero"),
-            "its first term names the freedom that depends on the others",
+            format!("the first coefficient of equation {id} is zero or missing"),
+            "give a coefficient other than zero first: its freedom depends on the others",
         )
     };
     let mut known = Vec::with_capacity(terms.len());

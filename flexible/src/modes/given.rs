@@ -101,7 +101,7 @@ pub fn fit(
     if let Some((mode, misfit)) = worst {
         return Err(refuse(
             format!(
-                "{file}: ties and supports of the body leave {:.0} % of mode {} out",
+                "{file}: ties and supports of the body remove {:.0} % of mode {}",
                 100.0 * misfit,
                 mode.number
             ),
@@ -127,7 +127,7 @@ fn given_rows(mesh: &Mesh, given: &GivenModes) -> Result<Vec<GivenRow>, Flexible
     if let Some(first) = unknown.next() {
         return Err(refuse(
             format!(
-                "{} gives shapes at {} nodes that the mesh does not hold: {first}, …",
+                "{} gives shapes at {} nodes that are not in the mesh: {first}, …",
                 given.modes.file,
                 unknown.count() + 1
             ),
@@ -166,7 +166,7 @@ fn full_shapes(
                     "{}: mode {} has values missing or not finite",
                     given.modes.file, mode.number
                 ),
-                "the file is damaged",
+                "write or copy the file again; it is damaged",
             ));
         }
         for ((node, axes), values) in rows.iter().zip(&mode.shape) {
@@ -241,11 +241,11 @@ fn undetermined(file: &str, reduction: &Reduction, open: &[usize]) -> FlexibleEr
         .collect();
     refuse(
         format!(
-            "{file}: the shapes leave {} freedoms of the body open: {}{}",
+            "{file}: the shapes have no values for {} freedoms of the body: {}{}",
             open.len(),
             names.join(", "),
             if open.len() > NAMED { ", …" } else { "" }
         ),
-        "write the shapes of all nodes, with rotations where nodes turn",
+        "write the shapes of all nodes, with rotations at nodes that turn",
     )
 }

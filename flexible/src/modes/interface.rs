@@ -45,7 +45,7 @@ impl<'a> Interface<'a> {
                 return Err(FlexibleError::Row {
                     row: number,
                     problem: format!("{} is held by a support already", row.label),
-                    advice: "leave it out of the interface".into(),
+                    advice: "remove it from the interface".into(),
                 });
             }
         }
@@ -165,7 +165,7 @@ fn repeated(rows: &[Load], row: usize) -> FlexibleError {
     FlexibleError::Row {
         row,
         problem: format!("{label} moves only with the other freedoms of the interface"),
-        advice: "leave it out, or take nodes that move on their own".into(),
+        advice: "remove it, or use nodes that move independently".into(),
     }
 }
 

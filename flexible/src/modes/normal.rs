@@ -198,11 +198,12 @@ fn loose(structure: &Structure, eigenvalues: &[f64], vectors: &[f64]) -> Result<
     Err(FlexibleError::Singular {
         row,
         problem: format!(
-            "the structure has {count} more motion{} without stiffness than its rigid ones: it is a mechanism",
+            "besides its rigid motions, the structure has {count} motion{} without stiffness: it is a mechanism",
             if count == 1 { "" } else { "s" }
         ),
-        advice: "parts may touch in a node or an edge alone: join them by whole faces, or by ties"
-            .into(),
+        advice:
+            "join its parts by whole faces or by ties; they may touch only in a node or an edge"
+                .into(),
     })
 }
 

@@ -181,11 +181,11 @@ fn check_stretch(stiffness: &SymmetricMatrix, motions: &[f64]) -> Result<f64, Fl
         if share.is_nan() || share > 1e-6 {
             return Err(FlexibleError::Structure {
                 problem: format!(
-                    "rigid motion {} of the structure is resisted by its stiffness: {} of the forces remain",
+                    "the stiffness of the structure resists its rigid motion {}: {} of the forces remain",
                     number + 1,
                     short(share, 2)
                 ),
-                advice: "a free body must not be supported or tied to the ground; matrices of another code need all their digits, the mesh of the same run and its units".into(),
+                advice: "remove supports and ties to the ground from a free body; give matrices of another code with all their digits, and with the mesh and the units of the same run".into(),
             });
         }
     }

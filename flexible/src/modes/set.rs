@@ -111,7 +111,7 @@ impl ModeSet {
             if *value <= 0.0 {
                 return Err(FlexibleError::Structure {
                     problem: "a mode moves no mass".into(),
-                    advice: "a static mode of massless parts needs some mass there".into(),
+                    advice: "give some mass to the parts that this static mode moves".into(),
                 });
             }
             let scale = 1.0 / libm::sqrt(*value);

@@ -168,7 +168,7 @@ pub(crate) fn explained<F: Readable, T>(
             file: problem.file,
             place: Place::File,
             problem: format!("the compressed file is damaged: {damage}"),
-            advice: "copy or compress it again; `gzip -t` tests it".into(),
+            advice: "copy or compress the file again; `gzip -t` tests it".into(),
         }
         .into());
     }
@@ -183,7 +183,7 @@ pub(crate) fn explained<F: Readable, T>(
     let others = names(&|format| format.reads(content));
     let advice = if others.is_empty() {
         format!(
-            "{} are read by {}",
+            "Eng reads {} by {}",
             F::READ_FOR,
             names(&|_| true).join(", ")
         )

@@ -22,7 +22,7 @@ impl Labels {
         self.sorted.get(place).map(|(_, index)| *index)
     }
 
-    /// Indices of those numbers from `first` to `last` in steps that are there, but those in `except`.
+    /// Indices of the existing numbers from `first` to `last` in steps of `step`, without those in `except`.
     pub fn range(
         &self,
         first: u64,
@@ -41,7 +41,7 @@ impl Labels {
             .map(|(_, index)| *index)
     }
 
-    /// A number that is there twice.
+    /// A number that appears twice.
     pub fn repeated(&self) -> Option<u64> {
         self.sorted.windows(2).find_map(|pair| match pair {
             [(one, _), (other, _)] if one == other => Some(*one),
@@ -59,7 +59,7 @@ impl Labels {
         self.sorted.last().map_or(0, |(label, _)| *label)
     }
 
-    /// Whether both hold a number.
+    /// Whether both have a number in common.
     pub fn meets(&self, other: &Labels) -> bool {
         self.sorted
             .iter()

@@ -1,5 +1,6 @@
-//! Readers of finite-element files, with one module for each family of formats. They yield a [`crate::Mesh`]
-//! or matrices.
+//! Readers of finite-element files, with one module for each family of formats.
+//!
+//! They yield a [`crate::Mesh`] or matrices.
 
 pub mod abaqus;
 mod builder;
@@ -81,7 +82,7 @@ pub fn open(files: &dyn Files, name: &str) -> Result<Box<dyn BufRead>, FileProbl
         file: name.into(),
         place: Place::File,
         problem: format!("can't be opened: {error}"),
-        advice: "check the name; paths count from the folder of the model".into(),
+        advice: "check the name; paths are relative to the folder of the model".into(),
     };
     let mut buffered = BufReader::with_capacity(1 << 16, files.open(name).map_err(failed)?);
     let packed = buffered.fill_buf().map_err(failed)?.starts_with(&PACKED);

@@ -103,8 +103,8 @@ impl<'f> Source<'f> {
             .read_until(b'\n', &mut bytes)
             .map_err(|error| {
                 at.problem(
-                    format!("the file can't be read on: {error}"),
-                    "it may have been cut or damaged on its way here",
+                    format!("reading stopped here: {error}"),
+                    "copy the file again; it may be cut or damaged",
                 )
             })?;
         if bytes.is_empty() {
@@ -112,7 +112,7 @@ impl<'f> Source<'f> {
         }
         if bytes.len() as u64 == LONGEST_LINE || bytes.contains(&0) {
             return Err(at.problem(
-                format!("this is no text of {}", self.syntax.text),
+                format!("this line is no text of {}", self.syntax.text),
                 format!("give {}, not a database or result file", self.syntax.files),
             ));
         }
@@ -125,8 +125,8 @@ impl<'f> Source<'f> {
         self.includes += 1;
         if self.stack.len() >= DEEPEST || self.includes > MOST_INCLUDES {
             return Err(at.problem(
-                format!("{include} '{name}': too many files include each other"),
-                "look for files that include themselves",
+                format!("{include} '{name}': the files include more than {MOST_INCLUDES} files, or more than {DEEPEST} inside each other"),
+                "remove includes; a file may include itself",
             ));
         }
         let including = self.stack.last().map_or("", |file| &*file.name).to_string();
@@ -167,7 +167,7 @@ impl<'f> Source<'f> {
                 "{include} '{name}': {why} (tried {})",
                 candidates.join(", ")
             ),
-            "paths count from the including file, the deck or the folder of the model",
+            "check the name; paths are relative to the including file, the deck or the folder of the model",
         ))
     }
 }

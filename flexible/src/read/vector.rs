@@ -1,4 +1,4 @@
-//! Rotations, as far as frames need them.
+//! Rotations of frames, and the axes of beams.
 
 use crate::fe::vector::cross;
 

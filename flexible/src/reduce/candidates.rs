@@ -223,7 +223,7 @@ impl Candidates<'_> {
                 for (mode, misfit) in modes.modes.modes.iter().zip(&fitted.misfits) {
                     if *misfit > 10.0 * fitted.noise {
                         self.report.warnings.push(format!(
-                            "{file}: ties and supports of the body leave {misfit:.1e} of mode {} out",
+                            "{file}: ties and supports of the body remove the share {misfit:.1e} of mode {}",
                             mode.number
                         ));
                     }

@@ -129,10 +129,12 @@ impl MarkerFreedoms<'_> {
                 _ => {
                     return Err(FlexibleError::Structure {
                         problem: format!(
-                            "{}: a support along an axis that is not the mesh's",
+                            "{}: a support holds a direction that is no axis of the mesh",
                             freedom.label
                         ),
-                        advice: "hold all three directions, or turn the marker".into(),
+                        advice:
+                            "hold all three directions, or turn the marker to the axes of the mesh"
+                                .into(),
                     }
                     .of(Part::Marker(support.marker)));
                 }

@@ -113,7 +113,7 @@ impl Bore {
         } = &marker.place
         else {
             return Err(refused(
-                "an elastic surface is a ring of nodes",
+                "an elastic surface needs a ring of nodes",
                 "gather the nodes by `ring(center:, axis:, radius:, width:)`",
             ));
         };
@@ -178,7 +178,7 @@ pub(super) fn prepare(
             return Err(refuse(
                 surface.marker,
                 format!(
-                    "{name}: faces of the mesh cover {:.0} % of the ring's surface: a film's pressure would find no wall on the rest",
+                    "{name}: faces of the mesh cover {:.0} % of the ring's surface, so the pressure of a film has no wall on the rest",
                     100.0 * covered
                 ),
                 "check centre, radius and width of the ring, or widen its tolerance",
@@ -354,7 +354,7 @@ impl Sums {
         let inverse = positive_inverse(count, &self.gram, APART)?.map_err(|_| {
             refuse(
                 surface.marker,
-                format!("{name}: the faces of the ring do not tell its shapes apart"),
+                format!("{name}: the faces of the ring are too few to distinguish its shapes"),
                 "state fewer waves around or a lower degree across, or refine the mesh",
             )
         })?;

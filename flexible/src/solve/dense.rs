@@ -78,7 +78,7 @@ pub(crate) fn symmetric_eigen(
     )
     .map_err(|_| FlexibleError::Numerical {
         problem: format!("the eigenvalues of a dense matrix of {size} rows don't converge"),
-        advice: "are all entries finite?".into(),
+        advice: "check that all entries are finite".into(),
     })?;
     values.iter_mut().for_each(|value| *value *= scale);
     Ok((values, vectors))

@@ -541,7 +541,7 @@ pub(crate) fn singular(row: usize, ratio: Option<f64>) -> FlexibleError {
             "a matrix is singular or not positive definite: the pivot of row {} {found}",
             row + 1
         ),
-        advice: "the structure can move there without resistance (or a part is connected to nothing): support it, or connect the part"
+        advice: "support the structure, or connect its parts; it can move there without resistance"
             .into(),
     }
 }

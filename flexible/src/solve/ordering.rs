@@ -148,13 +148,13 @@ pub(crate) fn minimum_degree_of(graph: &Graph) -> Result<Vec<u32>, FlexibleError
 pub(crate) fn out_of_memory() -> FlexibleError {
     FlexibleError::Numerical {
         problem: "not enough memory for the factor of a sparse matrix".into(),
-        advice: "a coarser mesh needs less".into(),
+        advice: "take a coarser mesh, which needs less".into(),
     }
 }
 
 pub(crate) fn too_large() -> FlexibleError {
     FlexibleError::Numerical {
         problem: "a sparse matrix has too many entries for 32-bit indices".into(),
-        advice: "a coarser mesh has fewer".into(),
+        advice: "take a coarser mesh, which has fewer".into(),
     }
 }

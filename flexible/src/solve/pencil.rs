@@ -20,7 +20,7 @@ pub fn shifted(
                 "the stiffness matrix has {size} rows, the mass matrix {}",
                 mass.size()
             ),
-            advice: "both must be of the same freedoms".into(),
+            advice: "give both matrices of the same freedoms".into(),
         });
     }
     let most = stiffness.rows().len().max(mass.rows().len());

@@ -77,7 +77,7 @@ pub(super) fn typical_ratio(
     if ratios.is_empty() {
         return Err(FlexibleError::Matrix {
             problem: "no row has both mass and stiffness: there are no modes".into(),
-            advice: "do the materials have densities?".into(),
+            advice: "give the materials densities".into(),
         });
     }
     let (_, typical, _) = ratios.select_nth_unstable_by(middle, f64::total_cmp);

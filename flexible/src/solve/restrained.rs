@@ -129,7 +129,7 @@ fn inverse(size: usize, matrix: Vec<f64>) -> Result<(Vec<f64>, usize), FlexibleE
                 "combination {} of rows to be held follows from the others",
                 row + 1
             ),
-            advice: "leave out the rows that others hold already".into(),
+            advice: "remove the rows that others hold already".into(),
         });
     }
     let mut inverse = vec![0.0; size * size];

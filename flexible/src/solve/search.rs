@@ -81,7 +81,7 @@ impl<'a> Search<'a> {
         if stiffness.size() == 0 && mass.size() == 0 {
             return Err(FlexibleError::Matrix {
                 problem: "modes of matrices without rows".into(),
-                advice: "does the mesh have free nodes?".into(),
+                advice: "check that the mesh has free nodes".into(),
             });
         }
         let masses = diagonal(mass);
@@ -244,9 +244,9 @@ impl<'a> Search<'a> {
             }
         }
         Err(FlexibleError::Numerical {
-            problem: format!("of {wanted} modes that a count shows, some can't be found"),
+            problem: format!("some of the {wanted} counted modes can't be found"),
             advice:
-                "ask for a few modes more or fewer, so that the last is not one of many close ones"
+                "request a few modes more or fewer, so that the last one does not lie among many close modes"
                     .into(),
         })
     }
@@ -350,7 +350,7 @@ impl<'a> Search<'a> {
                     problem: format!(
                         "{wanted} modes don't converge within {most} blocks of vectors"
                     ),
-                    advice: "ask for fewer modes, or allow a larger basis".into(),
+                    advice: "request fewer modes, or allow a larger basis".into(),
                 });
             }
             lanczos.step(factor)?;
@@ -449,8 +449,8 @@ fn better_shift(
 
 fn too_few(there: usize, wanted: usize) -> FlexibleError {
     FlexibleError::Numerical {
-        problem: format!("{wanted} modes are requested, there are {there}"),
-        advice: "only freedoms with mass have modes; ask for fewer".into(),
+        problem: format!("{wanted} modes are requested, but there are only {there}"),
+        advice: "request fewer modes; only freedoms with mass have modes".into(),
     }
 }
 

@@ -114,7 +114,7 @@ impl Search<'_> {
                         "the eigenvalues below {} rad²/s² can't be counted: the factor there is inexact",
                         short(place, 7)
                     ),
-                    advice: "ask for a few modes more or fewer".into(),
+                    advice: "request a few modes more or fewer".into(),
                 });
             }
             offset = if offset > 0.0 { 10.0 * offset } else { 1e-10 };
@@ -212,7 +212,7 @@ pub(super) fn miscounted(found: usize, counted: usize, below: f64) -> FlexibleEr
             "{found} modes are found below the eigenvalue {} rad²/s², but {counted} counted",
             short(below, 7)
         ),
-        advice: "stiffness or mass may not be positive semidefinite; or ask for a few modes more or fewer"
+        advice: "request a few modes more or fewer; otherwise check that stiffness and mass are positive semidefinite"
             .into(),
     }
 }

@@ -33,7 +33,7 @@ pub enum StackError {
         at: [f64; 2],
     },
     /// Lines of one outline meet elsewhere than in the corner between them.
-    #[error("section {section}: the line behind corner {first} meets the one behind corner {second} at {}", place(.at))]
+    #[error("section {section}: the line after corner {first} meets the line after corner {second} at {}", place(.at))]
     Crossing {
         /// The section.
         section: usize,
@@ -57,7 +57,7 @@ pub enum StackError {
         first: usize,
     },
     /// Elements as large as a section is wide.
-    #[error("the size {} mm is larger than section {section} is wide: its width is about {} mm", mm(*.size), mm(*.width))]
+    #[error("the size {} mm is larger than the width of section {section}, which is about {} mm", mm(*.size), mm(*.width))]
     Coarse {
         /// The section.
         section: usize,
@@ -67,7 +67,7 @@ pub enum StackError {
         width: f64,
     },
     /// Straight edges in the place of arcs change a section too much.
-    #[error("section {section} has {:.2} % of its area in this mesh", 100.0 * .share)]
+    #[error("the mesh of section {section} has {:.2} % of the area of its outline", 100.0 * .share)]
     Faceted {
         /// The section.
         section: usize,
@@ -135,7 +135,7 @@ impl StackError {
             StackError::Empty => "give at least one section",
             StackError::Number { .. } => "check the number and its unit",
             StackError::SamePlace { .. } => {
-                "leave one of them out; the last corner is joined with the first without repeating it"
+                "remove one of them; the outline closes from the last corner to the first by itself"
             }
             StackError::Crossing { .. } => {
                 "the corners must follow the outline once around; check their order and the signs of the bends"

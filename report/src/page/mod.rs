@@ -1,4 +1,6 @@
-//! One self-contained HTML file: text, tables, figures, animations. It loads no part from another place.
+//! One self-contained HTML file: text, tables, figures, animations.
+//!
+//! It loads no part from another place.
 //!
 //! May contain: markup, style, the two scripts. Must not contain: the drawing of figures, files. The page is
 //! readable without scripts, on paper, with the keyboard and with screen readers. It is light or dark as the

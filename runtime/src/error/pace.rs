@@ -78,7 +78,7 @@ impl std::fmt::Display for Pace {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Pace::Stated => f.write_str("the text states this step"),
-            Pace::Longest => f.write_str("samples are this close"),
+            Pace::Longest => f.write_str("this is the distance of the samples"),
             Pace::Jump(jump) => write!(f, "{jump}"),
             Pace::Error { origin, state } => {
                 let of = state

@@ -230,7 +230,7 @@ fn by_input(
     }
     if found.iter().any(|slope| slope.bent) {
         return refused(
-            "its effect bends at its value, so no matrix describes small changes: linearise at another value",
+            "its effect has a kink at its value, so no matrix describes small changes: linearise at another value",
         );
     }
     Ok(DVector::from_iterator(

@@ -136,7 +136,7 @@ impl Model {
             if memory > 0 && element.role != Role::Dynamic {
                 return Err(RuntimeError::Field {
                     origin: Box::new(element.origin.clone()),
-                    message: "a field with memory must be part of the motion: apply a load that uses its answers".into(),
+                    message: "apply a load that uses the results of the field: a field with memory must act on the motion".into(),
                 });
             }
             model.memory += memory;
@@ -539,7 +539,7 @@ fn body_kind(
     }
     if moments.iter().any(|m| 2.0 * m > trace * (1.0 + 1e-6)) {
         return Err(refuse(
-            "a principal moment of inertia exceeds the sum of the other two, which no body can have",
+            "a principal moment of inertia exceeds the sum of the other two, which is impossible for a body",
         ));
     }
     let c = skew(&center);

@@ -45,7 +45,7 @@ pub(super) const ROW: KindRow = KindRow {
                 |x| (1.0..=1e5).contains(&x),
                 "at least 1 and at most 100000; without it all modes are given",
             )],
-            "how many oscillations are kept, the slowest; all by default",
+            "the number of the slowest oscillations that are kept; all by default",
         ),
         argument(
             "up_to",
@@ -59,21 +59,21 @@ pub(super) const ROW: KindRow = KindRow {
             Takes::Switch,
             "",
             &[],
-            "whether coefficients that change are held at the moment",
+            "whether coefficients that change keep their values of the moment",
         ),
         argument(
             "after",
             Takes::Extent(Counted::ByCycle),
             "s",
             POSITIVE,
-            "how long a transient runs to the state; without it the state is the start",
+            "the duration of a transient that leads to the state; without it, the state is the start",
         ),
         argument(
             "over",
             Takes::Extent(Counted::ByFastest),
             "s",
             POSITIVE,
-            "the period of a motion that repeats, about which the modes are",
+            "the period of a repeating motion; the modes are those about this motion",
         ),
         argument(
             "inputs",

@@ -26,7 +26,7 @@ pub struct Periodic {
 
 pub(super) const ROW: KindRow = KindRow {
     name: "periodic",
-    about: "the last of as many cycles as it takes until the motion repeats",
+    about: "the last cycle of a run that continues until the motion repeats",
     also_called: &[],
     needs_cycle: Some("runs cycle by cycle"),
     arguments: &[

@@ -38,7 +38,7 @@ pub(super) const ROW: KindRow = KindRow {
                 Takes::Extent(Counted::ByCycle),
                 "s",
                 POSITIVE,
-                "how long it runs, a time or an angle of the cycle",
+                "the duration of the run, a time or an angle of the cycle",
             )
         },
         argument(

@@ -208,7 +208,7 @@ impl<'a> Elaborator<'a, '_> {
         self.diagnostics.push(
             Diagnostic::warning(
                 codes::MUCH_DAMPING,
-                format!("{path}: a damping of {} % of critical in its modes is that of no structure", 100.0 * ratio),
+                format!("{path}: a damping of {} % of critical in its modes is more than that of any structure", 100.0 * ratio),
             )
             .at(span, format!("{path}: {} %", 100.0 * ratio))
             .with_help("a part of metal has 0.1 to 3 %: write `2 %`; modes that no step resolves are damped by `modal(2 %, up_to: 4000 Hz)`")

@@ -272,7 +272,7 @@ pub(super) fn folded(faults: &[(u64, f64)]) -> FlexibleError {
                     .map(|(id, area)| format!("element {id} (area {} m²)", short(*area, 4)))
             )
         ),
-        "repair the mesh: order the nodes around the element, and use a triangle where two of them are one",
+        "repair the mesh: order the nodes around the element, and use a triangle where two nodes coincide",
     )
 }
 

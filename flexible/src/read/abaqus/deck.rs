@@ -116,7 +116,7 @@ pub(super) fn read(files: &dyn Files, name: &str) -> Result<Deck, FileProblem> {
                 None if row.is_blank() => {}
                 None => {
                     return Err(row.at.problem(
-                        "the file doesn't begin with a keyword",
+                        "the file does not begin with a keyword",
                         "give an Abaqus or CalculiX input file, which begins with *HEADING, *NODE or another keyword",
                     ));
                 }
@@ -202,7 +202,7 @@ impl Deck {
         self.enter(keyword)?;
         if self.parts.insert(name.clone(), Scope::default()).is_some() {
             return Err(keyword.problem(
-                &format!("the part {name} is there twice"),
+                &format!("the part {name} is defined twice"),
                 "rename or remove one of them",
             ));
         }
@@ -219,7 +219,7 @@ impl Deck {
         let mut others = self.instances.iter();
         if others.any(|other| key(&other.name) == key(&name)) {
             return Err(keyword.problem(
-                &format!("the instance {name} is there twice"),
+                &format!("the instance {name} is defined twice"),
                 "rename or remove one of them",
             ));
         }
@@ -268,8 +268,8 @@ impl Deck {
             return Ok(());
         }
         Err(keyword.problem(
-            "the part or instance before it isn't ended",
-            "end it with *END PART or *END INSTANCE",
+            "the part or instance before this line is still open",
+            "end it with *END PART or *END INSTANCE before this line",
         ))
     }
 
@@ -283,8 +283,8 @@ impl Deck {
                 let position = system.place(row.vector(1, "a coordinate")?);
                 if position.iter().any(|x| !x.is_finite()) {
                     return Err(row.at.problem(
-                        format!("node {label} lies at infinity"),
-                        "look at its coordinates",
+                        format!("the position of node {label} is not finite"),
+                        "check its coordinates",
                     ));
                 }
                 if let Some(set) = set {
@@ -322,7 +322,7 @@ impl Deck {
                             pending.len() - 1,
                             shape.node_count()
                         ),
-                        "look at the TYPE of *ELEMENT, and for a lost line",
+                        "check the TYPE of *ELEMENT; a line may be missing",
                     ));
                 }
                 if pending.len() >= needed {
@@ -370,7 +370,7 @@ impl Deck {
                 None => {
                     return Err(at.problem(
                         format!("element {number}: a node is \"{node}\""),
-                        "write whole numbers above zero",
+                        "write each node as a whole number above zero",
                     ));
                 }
             }
@@ -402,7 +402,7 @@ impl Deck {
                             pending.len() - 1,
                             shape.node_count()
                         ),
-                        "look at the TYPE of *ELEMENT, and for a lost line",
+                        "check the TYPE of *ELEMENT; a line may be missing",
                     ));
                 }
                 self.scope().sets.extend(set);
@@ -464,7 +464,7 @@ impl Deck {
                             "*INSTANCE {}: the part {} is missing",
                             instance.name, instance.part
                         ),
-                        "add its *PART, or *INCLUDE the file that holds it",
+                        "add its *PART, or *INCLUDE the file that contains it",
                     ));
                 }
             };

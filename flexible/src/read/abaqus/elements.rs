@@ -114,10 +114,10 @@ fn line(
     if beam_axes(along, orientation).is_none() {
         return Err(row.at.problem(
             format!(
-                "element {} has no length, or its axis n1 lies along it",
+                "element {} has no length, or its axis n1 is parallel to it",
                 row.label
             ),
-            "give the direction n1 in the second line of its beam section, across the beam",
+            "give a direction n1 across the beam, in the second line of its beam section",
         ));
     }
     let axes = BeamAxes {

@@ -62,8 +62,8 @@ impl Motion {
         let angle = second.real(6, "the angle of rotation")?;
         if let Some(more) = rows.next() {
             return Err(more.at.problem(
-                "a third data line of *INSTANCE",
-                "give a translation, then a rotation, then the keywords of the instance",
+                "*INSTANCE has a third data line",
+                "write the translation on the first line, the rotation on the second, and then the keywords of the instance",
             ));
         }
         if angle == 0.0 {
@@ -75,7 +75,7 @@ impl Motion {
         let Some(axis) = unit(subtract(b, a)) else {
             return Err(second.at.problem(
                 "the two points of the axis of rotation coincide",
-                "give two points on the axis, then the angle in degrees",
+                "give two different points on the axis, then the angle in degrees",
             ));
         };
         let rotation = about(axis, angle);
@@ -125,8 +125,8 @@ impl NodeSystem {
             "C" => true,
             other => {
                 return Err(keyword.problem(
-                    &format!("SYSTEM={other} can't be read"),
-                    "give the nodes in rectangular (R) or cylindrical (C) coordinates",
+                    &format!("Eng does not read SYSTEM={other}"),
+                    "write the nodes in rectangular (R) or cylindrical (C) coordinates",
                 ));
             }
         };
@@ -148,8 +148,9 @@ impl NodeSystem {
     }
 }
 
-/// Reads `*SYSTEM`: `a, b / c` with the origin a, b on the x axis, c in the x–y plane. Without data the
-/// global system holds again; with a alone the axes stay parallel; without c the z axis does.
+/// Reads `*SYSTEM`: `a, b / c` with the origin a, b on the x axis, c in the x–y plane. Without data the global
+/// system holds again. With a alone, all axes are parallel to those of the global system; without c, the z
+/// axis is.
 pub(super) fn system(rows: &[Row], at: &At) -> Result<Motion, FileProblem> {
     let mut rows = rows.iter().filter(|row| !row.is_blank());
     let Some(first) = rows.next() else {
@@ -174,8 +175,8 @@ pub(super) fn system(rows: &[Row], at: &At) -> Result<Motion, FileProblem> {
         .map(|rotation| Motion { rotation, shift: a })
         .ok_or_else(|| {
             at.problem(
-                "*SYSTEM: its points coincide or are in line",
-                "origin, point on the x axis and point in the x-y plane must make a triangle",
+                "*SYSTEM: its points lie on one line",
+                "move a point: the origin, the point on the x axis and the point in the x-y plane must form a triangle",
             )
         })
 }
@@ -215,15 +216,15 @@ impl Transform {
             "S" => TransformKind::Spherical,
             other => {
                 return Err(keyword.problem(
-                    &format!("TYPE={other} is not known"),
-                    "give R (rectangular), C (cylindrical) or S (spherical)",
+                    &format!("TYPE={other} is no kind of coordinates"),
+                    "write TYPE=R (rectangular), C (cylindrical) or S (spherical)",
                 ));
             }
         };
         let Some(row) = rows.iter().find(|row| !row.is_blank()) else {
             return Err(keyword.problem(
                 "its data line is missing",
-                "give the coordinates of the points a and b",
+                "write the coordinates of the points a and b on the next line",
             ));
         };
         Ok(Transform {

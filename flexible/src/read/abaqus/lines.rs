@@ -124,7 +124,7 @@ impl Row {
             text => number::real(text).map(Some).ok_or_else(|| {
                 self.at.problem(
                     format!("{name} is \"{text}\", not a number"),
-                    "write a number like 1.5 or 2.1E+11",
+                    "write a number such as 1.5 or 2.1E+11",
                 )
             }),
         }
@@ -135,7 +135,7 @@ impl Row {
         self.optional_real(i, name)?.ok_or_else(|| {
             self.at.problem(
                 format!("{name} is missing (entry {} of this line)", i + 1),
-                "add it; entries are parted by commas",
+                "add it; commas separate the entries",
             )
         })
     }
@@ -160,7 +160,7 @@ impl Row {
             Ok(freedom @ 1..=6) => Ok(freedom - 1),
             _ => Err(self.at.problem(
                 format!("\"{}\" is no freedom of a structure", self.text(i)),
-                "give one of 1 to 6",
+                "write a freedom from 1 to 6",
             )),
         }
     }
@@ -176,7 +176,7 @@ impl Row {
         };
         if last < first {
             return Err(self.at.problem(
-                format!("freedoms {} to {} run backwards", first + 1, last + 1),
+                format!("freedom {} comes after freedom {}", first + 1, last + 1),
                 "write the smaller number first",
             ));
         }

@@ -64,7 +64,7 @@ impl Materials {
             if let Some(first) = self.entries.insert(key(name), entry) {
                 return Err(keyword.problem(
                     &format!(
-                        "{name} is there twice; the first is in {}, line {}",
+                        "{name} is defined twice, first in {}, line {}",
                         first.at.file, first.at.line
                     ),
                     "rename or remove one of them",
@@ -84,18 +84,21 @@ impl Materials {
                 let Some(entry) = entry else {
                     return Err(keyword.problem(
                         "it belongs to no material",
-                        "put it behind the *MATERIAL that it describes",
+                        "put it after the *MATERIAL that it describes",
                     ));
                 };
                 if rows.len() > 1 {
                     unread.note(
-                        &format!("*{} at further temperatures", keyword.name),
+                        &format!("*{} at several temperatures", keyword.name),
                         &keyword.at,
                         Carries::Unknown,
                     );
                 }
                 let Some(row) = rows.first() else {
-                    return Err(keyword.problem("its data line is missing", "add its values"));
+                    return Err(keyword.problem(
+                        "its data line is missing",
+                        "write its values on the next line",
+                    ));
                 };
                 if keyword.key == "DENSITY" {
                     entry.density = Some(row.real(0, "the density")?);
@@ -118,8 +121,8 @@ impl Materials {
                     let sheet = SheetElasticity::orthotropic([e1, e2, poisson, g12], [g13, g23]);
                     if sheet.is_none() {
                         return Err(row.at.problem(
-                            "these constants are those of no elastic lamina",
-                            "E1, E2 and the shear moduli are above zero, and Nu12 squared below E1/E2",
+                            "no elastic lamina has these constants",
+                            "E1, E2 and the shear moduli must be above zero, and Nu12 squared below E1/E2",
                         ));
                     }
                     entry.sheet = sheet;
@@ -146,8 +149,8 @@ impl Materials {
         let known = entry.elastic.filter(|_| shell || entry.sheet.is_none());
         let Some((young, poisson)) = known else {
             return Err(entry.at.problem(
-                format!("the material {name} is used but has no isotropic *ELASTIC"),
-                "give it *ELASTIC with Young's modulus and Poisson's ratio; TYPE=LAMINA is for shells",
+                format!("a section uses the material {name}, which has no isotropic *ELASTIC"),
+                "give it *ELASTIC with Young's modulus and Poisson's ratio; only shells can have TYPE=LAMINA",
             ));
         };
         Ok(Material {

@@ -8,8 +8,8 @@
 //! is the set of its nodes, `surface:NAME`, and also `NAME` if no set has this name.
 //!
 //! The two codes differ in the dimensions of beam sections and in the rules of elements, whose variants (`R`,
-//! `I`, …) the mesh keeps. After `*STEP` only `*BOUNDARY` is read: that of the first step counts together
-//! with the model's.
+//! `I`, …) the mesh keeps. After `*STEP` only `*BOUNDARY` is read. The supports of the first step count as
+//! supports of the model.
 //!
 //! ```text
 //! lines ─▶ deck (parts, instances, scopes) ─▶ model (numbered through) ─▶ sets, surfaces ─▶ elements, points, ties, supports ─▶ mesh
@@ -39,7 +39,7 @@ use crate::read::held::HoldingCards;
 use crate::read::source::whole;
 use model::Model;
 
-/// Reads an input file of Abaqus or CalculiX with all it includes. Units stay those of the file.
+/// Reads an input file of Abaqus or CalculiX with all included files. Values keep the units of the file.
 ///
 /// # Errors
 /// With file, line and keyword: a file that can't be read or isn't an input file, text in the place of a
@@ -52,7 +52,7 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
         return Err(whole(
             name,
             "the file has no node",
-            "give an Abaqus or CalculiX input file with *NODE, or one that INCLUDEs it; parts need an *INSTANCE",
+            "give an input file of Abaqus or CalculiX with *NODE, or with an *INCLUDE of such a file; a part needs an *INSTANCE",
         )
         .into());
     }

@@ -142,8 +142,8 @@ impl Model {
             let position = motion.place(row.position);
             if position.iter().any(|x| !x.is_finite()) {
                 return Err(row.at.problem(
-                    format!("node {} lies at infinity", row.label),
-                    "look at its coordinates and the translation of the instance",
+                    format!("the position of node {} is not finite", row.label),
+                    "check its coordinates and the translation of its instance",
                 ));
             }
             pairs.push((row.label, index));
@@ -254,8 +254,11 @@ impl Model {
         let Some(step) = step else {
             return Err(whole(
                 file,
-                "numbers of nodes or elements are too large to tell instances apart",
-                "renumber nodes and elements to below 1e12",
+                &format!(
+                    "a node or an element has the number {largest}, which is too large for {} instances",
+                    self.places.len()
+                ),
+                "give nodes and elements numbers below 1e12",
             ));
         };
         for (k, placed) in self.places.iter_mut().enumerate() {
@@ -348,8 +351,8 @@ impl Model {
         match *self.nodes_of(place, text, at)?.as_slice() {
             [node] => Ok(node),
             ref nodes => Err(at.problem(
-                format!("{text} means {} nodes instead of one", nodes.len()),
-                "give one node, or a set of one",
+                format!("{text} contains {} nodes instead of one", nodes.len()),
+                "give one node, or a set of one node",
             )),
         }
     }
@@ -391,7 +394,7 @@ fn missing(what: &str, keywords: &str, text: &str, at: &At) -> FileProblem {
 fn twice(what: &str, label: u64, first: &At, second: &At) -> FileProblem {
     second.problem(
         format!(
-            "{what} {label} is there twice; the first is in {}, line {}",
+            "{what} {label} is defined twice, first in {}, line {}",
             first.file, first.line
         ),
         "renumber or remove one of them",

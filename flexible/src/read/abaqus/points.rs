@@ -36,16 +36,19 @@ pub(super) fn make(
             };
             if !wanted(row.shape) {
                 return Err(keyword.problem(
-                    &format!("element {} is of another type", row.label),
-                    "it takes elements of type MASS, ROTARYI or SPRING, as its name states",
+                    &format!(
+                        "its set contains element {}, which has another type",
+                        row.label
+                    ),
+                    "its set must contain only elements of its own type: MASS, ROTARYI or SPRING",
                 ));
             }
             if let Some(seen) = given.get_mut(index as usize)
                 && std::mem::replace(seen, true)
             {
                 return Err(keyword.problem(
-                    &format!("element {} has its values already", row.label),
-                    "leave it out of one of the two sets",
+                    &format!("element {} has two sets of values", row.label),
+                    "remove it from one of the two sets",
                 ));
             }
             match row.shape {
@@ -85,7 +88,10 @@ fn mass(
         return Ok(());
     }
     let Some(values) = block.rows.iter().find(|row| !row.is_blank()) else {
-        return Err(keyword.problem("its data line is missing", "add the mass or inertia"));
+        return Err(keyword.problem(
+            "its data line is missing",
+            "write the mass or the inertia on the next line",
+        ));
     };
     let mut matrix = [[0.0; 6]; 6];
     if row.shape == Shape::Mass {
@@ -145,8 +151,8 @@ fn spring(
         .and_then(|rows| <&[_; 2]>::try_from(rows).ok())
         .ok_or_else(|| {
             keyword.problem(
-                "it has fewer than two data lines",
-                "give the freedoms (an empty line for SPRINGA), then the stiffness",
+                "it has less than two data lines",
+                "write the freedoms on the first line (for SPRINGA, an empty line) and the stiffness on the second",
             )
         })?;
     let stiffness = values.real(0, "the stiffness")?;

@@ -49,7 +49,7 @@ pub(super) struct ElementRow {
 pub(super) enum Member {
     /// Numbers: first, last, step.
     Numbers(u64, u64, u64),
-    /// A set or number with the name of its instance, or a set.
+    /// The name of a set, or the name of an instance with a set or number of it.
     Name(String),
     /// The nodes of a set of elements.
     NodesOf(String),
@@ -102,14 +102,20 @@ impl SetBlock {
             [Some(first), Some(last), Some(step)] => (first, last, step.max(1)),
             _ => {
                 return Err(row.at.problem(
-                    format!("set {}: GENERATE needs first, last and step", self.name),
-                    "write three whole numbers, or leave GENERATE out for a list",
+                    format!(
+                        "set {}: with GENERATE, a line is: first number, last number, step",
+                        self.name
+                    ),
+                    "write three whole numbers; for a list of numbers, remove GENERATE",
                 ));
             }
         };
         if last < first {
             return Err(row.at.problem(
-                format!("set {}: {first} to {last} runs backwards", self.name),
+                format!(
+                    "set {}: the first number {first} is above the last number {last}",
+                    self.name
+                ),
                 "write the smaller number first",
             ));
         }

@@ -100,8 +100,8 @@ impl<'m> Sections<'m> {
                 if section.replace(index).is_some() {
                     let label = model.rows.get(row as usize).map_or(0, |row| row.label);
                     return Err(keyword.problem(
-                        &format!("element {label} has a section already"),
-                        "leave it out of one of the two sets",
+                        &format!("element {label} has two sections"),
+                        "remove it from one of the two sets",
                     ));
                 }
             }
@@ -197,7 +197,7 @@ impl<'m> Sections<'m> {
     }
 
     /// Index of the property of a row. Solids without a section get one without material, shells become
-    /// facets; `None` for beams and trusses, which are nothing without one.
+    /// facets; `None` for beams and trusses, which need a section.
     pub fn property(
         &mut self,
         row: u32,
@@ -285,8 +285,8 @@ impl<'m> Sections<'m> {
             _ => {
                 let label = model.rows.get(row as usize).map_or(0, |row| row.label);
                 return Err(keyword.problem(
-                    &format!("it doesn't fit element {label}"),
-                    "solids and trusses take *SOLID SECTION, shells *SHELL SECTION, beams *BEAM SECTION; composites are shells",
+                    &format!("element {label} needs another kind of section"),
+                    "give solids and trusses a *SOLID SECTION, shells a *SHELL SECTION, and beams a *BEAM SECTION; only shells can be COMPOSITE",
                 ));
             }
         };
@@ -315,9 +315,10 @@ fn first_row(block: &Block) -> Result<&lines::Row, FileProblem> {
 }
 
 fn without_line(block: &Block) -> FileProblem {
-    block
-        .keyword
-        .problem("its data line is missing", "add its dimensions")
+    block.keyword.problem(
+        "its data line is missing",
+        "write its dimensions on the next line",
+    )
 }
 
 fn rod(area: f64) -> Section {
@@ -327,7 +328,7 @@ fn rod(area: f64) -> Section {
     })
 }
 
-/// The name of a section's shape. CalculiX looks at its first four letters, of `BOX` at three.
+/// The name of a section's shape. CalculiX compares its first four letters, and three letters of `BOX`.
 fn shape_name(written: String, code: Code) -> String {
     if code != Code::CalculiX {
         return written;
@@ -339,10 +340,10 @@ fn shape_name(written: String, code: Code) -> String {
     }
 }
 
-/// `*BEAM SECTION`: `RECT` a, b; `CIRC` r; `PIPE` r, t; `BOX` a, b, t1…t4, with a along n1 and b along n2.
-/// The element's y is n1, its z n2. CalculiX has the diameters along n1 and n2 for `CIRC`, and takes a second
-/// dimension of `RECT` and `CIRC` that is left out for the first. Shear factors are Abaqus's: 0.85 for
-/// `RECT`, 0.89 for `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
+/// `*BEAM SECTION`: `RECT` a, b; `CIRC` r; `PIPE` r, t; `BOX` a, b, t1…t4, with a along n1 and b along n2. The
+/// element's y is n1, its z n2. In CalculiX, `CIRC` has the diameters along n1 and n2, and a missing second
+/// dimension of `RECT` and `CIRC` equals the first. Shear factors are Abaqus's: 0.85 for `RECT`, 0.89 for
+/// `CIRC`, 0.53 for `PIPE`, 0.44 for `BOX`.
 fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem> {
     let row = first_row(block)?;
     let keyword = &block.keyword;
@@ -351,10 +352,9 @@ fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem
             if value > 0.0 {
                 return Ok(value);
             }
-            Err(row.at.problem(
-                format!("{name} is {value}"),
-                "dimensions of a section must be above zero",
-            ))
+            Err(row
+                .at
+                .problem(format!("{name} is {value}"), "give a number above zero"))
         })
     };
     let choice = shape_name(keyword.choice("SECTION"), code);
@@ -370,7 +370,7 @@ fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem
             let diameter = positive(0, "the diameter along n1")?;
             if !row.text(1).is_empty() && positive(1, "the diameter along n2")? != diameter {
                 return Err(row.at.problem(
-                    "a CIRC of two diameters is an ellipse, which can't be read",
+                    "the two diameters of CIRC differ, and Eng reads no ellipse",
                     "give one diameter, or mesh the beam with solids",
                 ));
             }
@@ -391,8 +391,8 @@ fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem
             let [t1, t2, t3, t4] = walls;
             if t1 != t3 || t2 != t4 {
                 return Err(row.at.problem(
-                    "a BOX of unequal opposite walls",
-                    "give its area and moments in *BEAM GENERAL SECTION",
+                    "opposite walls of the BOX differ: t1 and t3, or t2 and t4",
+                    "give its area and moments of area in *BEAM GENERAL SECTION",
                 ));
             }
             // t1 and t3 are the sides, t2 and t4 the lids
@@ -404,15 +404,15 @@ fn shaped(block: &Block, shear: bool, code: Code) -> Result<Section, FileProblem
         }
         other => {
             return Err(keyword.problem(
-                &format!("SECTION={other} can't be read"),
-                "RECT, CIRC, PIPE and BOX can; give others by area and moments in *BEAM GENERAL SECTION",
+                &format!("Eng does not read SECTION={other}"),
+                "use RECT, CIRC, PIPE or BOX, or give the area and the moments of area in *BEAM GENERAL SECTION",
             ));
         }
     };
     let Some(found) = shapes::section(shape, &dimensions) else {
         return Err(row.at.problem(
-            format!("these dimensions make no {choice}"),
-            "look at walls thicker than the section",
+            format!("no {choice} has these dimensions"),
+            "take thinner walls or a larger section; the walls must fit into it",
         ));
     };
     // up is the element's z here
@@ -431,27 +431,30 @@ fn general(block: &Block, name: &str) -> Result<(Section, Material), FileProblem
     let choice = keyword.choice("SECTION");
     if !matches!(choice.as_str(), "" | "GENERAL") {
         return Err(keyword.problem(
-            &format!("SECTION={choice} can't be read"),
-            "give area and moments with SECTION=GENERAL, or *BEAM SECTION",
+            &format!("Eng does not read SECTION={choice}"),
+            "write SECTION=GENERAL with the area and the moments of area, or use *BEAM SECTION",
         ));
     }
     let row = first_row(block)?;
     let Some(elastic) = block.rows.get(2) else {
         return Err(keyword.problem(
             "its third data line is missing",
-            "the lines are: A, I11, I12, I22, J; n1; E, G",
+            "write three lines: A, I11, I12, I22, J; then n1; then E, G",
         ));
     };
     let (young, shear) = (elastic.real(0, "E")?, elastic.real(1, "G")?);
     if !(young > 0.0 && shear > 0.0) {
         return Err(elastic
             .at
-            .problem("E and G must be above zero", "give both moduli"));
+            .problem("E or G is not above zero", "give both moduli"));
     }
     let density = match keyword.get("DENSITY") {
         None => 0.0,
         Some(text) => crate::read::number::real(text).ok_or_else(|| {
-            keyword.problem(&format!("DENSITY={text} is no number"), "give the density")
+            keyword.problem(
+                &format!("DENSITY is \"{text}\", not a number"),
+                "give the density",
+            )
         })?,
     };
     let section = Section::Beam(BeamSection {

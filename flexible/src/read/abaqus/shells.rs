@@ -56,10 +56,10 @@ impl NodalThickness {
                     let id = model.nodes.get(*node as usize).map_or(0, |node| node.id);
                     row.at.problem(
                         format!(
-                            "element {} has NODAL THICKNESS, and its node {id} has none",
+                            "element {} takes NODAL THICKNESS, but its node {id} has no thickness",
                             row.label
                         ),
-                        "give the node one in *NODAL THICKNESS",
+                        "give the node a thickness in *NODAL THICKNESS",
                     )
                 })
             })
@@ -116,8 +116,8 @@ pub(super) fn layers<'r>(
         let material = row.text(2);
         if material.is_empty() {
             return Err(row.at.problem(
-                "a layer without material",
-                "a layer is: thickness, points, material, angle",
+                "the layer has no material",
+                "write the layer as: thickness, points, material, angle",
             ));
         }
         let written = row.text(3);
@@ -133,8 +133,8 @@ pub(super) fn layers<'r>(
     }
     if found.is_empty() {
         return Err(keyword.problem(
-            "it has no layer",
-            "a layer is a line: thickness, points, material, angle",
+            "the laminate has no layer",
+            "write one line for each layer: thickness, points, material, angle",
         ));
     }
     if keyword.has("SYMMETRIC") {

@@ -32,8 +32,8 @@ pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
             let Some(axes) = transform.axes_at(local) else {
                 let id = model.nodes.get(node as usize).map_or(0, |node| node.id);
                 return Err(keyword.problem(
-                    &format!("the axes at node {id} are not determined"),
-                    "the points must make a triangle, and no node may lie on the axis",
+                    &format!("its points give no axes at node {id}"),
+                    "choose points that form a triangle, and no axis through the node",
                 ));
             };
             let index = match shared {
@@ -50,8 +50,8 @@ pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
             if of_node.insert(node, index).is_some() {
                 let id = model.nodes.get(node as usize).map_or(0, |node| node.id);
                 return Err(keyword.problem(
-                    &format!("node {id} has a *TRANSFORM already"),
-                    "leave it out of one of the two sets",
+                    &format!("node {id} has two *TRANSFORM"),
+                    "remove it from one of the two sets",
                 ));
             }
         }
@@ -147,8 +147,8 @@ fn holding(
             (None, Ok(_)) => row.freedom_range(1)?,
             (None, Err(_)) => {
                 return Err(row.at.problem(
-                    format!("*BOUNDARY: \"{}\" is no freedom or support", row.text(1)),
-                    "give first and last freedom 1 to 6, or ENCASTRE, PINNED, XSYMM, …",
+                    format!("*BOUNDARY: \"{}\" is neither a freedom nor a support", row.text(1)),
+                    "give the first and the last freedom, each from 1 to 6, or a support such as ENCASTRE, PINNED or XSYMM",
                 ));
             }
         };

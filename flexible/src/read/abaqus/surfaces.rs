@@ -99,7 +99,7 @@ fn add_faces(
             _ => {
                 return Err(row.at.problem(
                     format!("element {} has no faces", element.label),
-                    "a surface is made of solids, shells or facets",
+                    "put only solids, shells or facets into a surface",
                 ));
             }
         };
@@ -108,7 +108,7 @@ fn add_faces(
         let wrong = || {
             row.at.problem(
                 format!("element {} has no face \"{}\"", element.label, row.text(1)),
-                "a solid has S1, S2, …; a shell SPOS and SNEG, and edges E1, E2, …",
+                "use S1, S2, … for a solid; SPOS, SNEG or the edges E1, E2, … for a shell",
             )
         };
         let number = |letter: char| {

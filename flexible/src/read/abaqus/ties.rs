@@ -42,8 +42,8 @@ pub(super) fn ties(model: &Model, unread: &mut UnreadCards) -> Result<Vec<Tie>, 
             "KINEMATIC" | "DISTRIBUTING" => {
                 let Some((_, coupling)) = waiting.take().filter(|(of, _)| *of == place) else {
                     return Err(keyword.problem(
-                        "no *COUPLING is before it",
-                        "put it right behind its *COUPLING",
+                        "no *COUPLING precedes it",
+                        "put it right after its *COUPLING",
                     ));
                 };
                 ties.coupling(place, coupling, block)?;
@@ -71,7 +71,7 @@ pub(super) fn ties(model: &Model, unread: &mut UnreadCards) -> Result<Vec<Tie>, 
 fn bare(coupling: &Block) -> FileProblem {
     coupling.keyword.problem(
         "neither *KINEMATIC nor *DISTRIBUTING follows",
-        "add one of them behind it",
+        "add one of them right after it",
     )
 }
 
@@ -112,8 +112,8 @@ impl Ties<'_, '_> {
         if let Some(radius) = keyword.get("INFLUENCERADIUS") {
             let Some(radius) = crate::read::number::real(radius) else {
                 return Err(keyword.problem(
-                    &format!("INFLUENCE RADIUS={radius} is no number"),
-                    "give the radius, or leave it out",
+                    &format!("INFLUENCE RADIUS is \"{radius}\", not a number"),
+                    "give a number, or remove INFLUENCE RADIUS",
                 ));
             };
             let centre = self.model.position(reference);
@@ -124,7 +124,7 @@ impl Ties<'_, '_> {
         if surface.is_empty() {
             return Err(keyword.problem(
                 &format!("its surface {name} has no nodes"),
-                "look at the surface, and at the influence radius",
+                "check the surface and the influence radius",
             ));
         }
         let components = components(&kind.rows)?.unwrap_or(ALL);
@@ -270,8 +270,8 @@ impl Ties<'_, '_> {
         components.remove(&reference);
         if components.is_empty() {
             return Err(keyword.problem(
-                "it has no nodes but its reference",
-                "give NSET, TIE NSET, PIN NSET or ELSET",
+                "it has no nodes except its reference node",
+                "give its nodes by NSET, TIE NSET, PIN NSET or ELSET",
             ));
         }
         self.made.push(Tie::Rigid {
@@ -325,23 +325,26 @@ impl Ties<'_, '_> {
         }
     }
 
-    /// `*EQUATION`: number of terms, then `node or set, freedom, coefficient` over as many lines as it takes.
-    /// With sets there is an equation for each node of them.
+    /// `*EQUATION`: number of terms, then `node or set, freedom, coefficient` over as many lines as needed.
+    /// With sets, each node of the sets has an equation.
     fn equations(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
         let mut rows = block.rows.iter().filter(|row| !row.is_blank());
         while let Some(head) = rows.next() {
             let count = label(head.text(0)).ok_or_else(|| {
                 head.at.problem(
-                    format!("*EQUATION: \"{}\" is no number of terms", head.text(0)),
-                    "an equation begins with a line with the number of its terms",
+                    format!(
+                        "*EQUATION: the number of terms is \"{}\", not a whole number above zero",
+                        head.text(0)
+                    ),
+                    "write the number of terms on the first line of the equation",
                 )
             })?;
             let (mut nodes, mut freedoms) = (Vec::new(), Vec::new());
             while (freedoms.len() as u64) < count {
                 let Some(row) = rows.next() else {
                     return Err(head.at.problem(
-                        format!("*EQUATION has {} of its {count} terms", freedoms.len()),
-                        "add the others, or correct the number",
+                        format!("*EQUATION has only {} of its {count} terms", freedoms.len()),
+                        "add the missing terms, or correct their number",
                     ));
                 };
                 let fields = row.fields().len();
@@ -353,13 +356,13 @@ impl Ties<'_, '_> {
             if freedoms.len() as u64 != count {
                 return Err(head.at.problem(
                     format!("*EQUATION has {} terms instead of {count}", freedoms.len()),
-                    "correct the number",
+                    "correct the number of terms",
                 ));
             }
             if freedoms.first().is_none_or(|(_, first)| *first == 0.0) {
                 return Err(head.at.problem(
                     "*EQUATION: its first coefficient is zero",
-                    "the first freedom is the one that depends on the others",
+                    "give a coefficient other than zero first: its freedom depends on the others",
                 ));
             }
             for nodes in pairs(&nodes, head)? {
@@ -400,8 +403,8 @@ fn pairs(lists: &[Vec<u32>], row: &Row) -> Result<Vec<Vec<u32>>, FileProblem> {
     let fits = |list: &Vec<u32>| list.len() == longest || list.len() == 1;
     if !lists.iter().all(fits) {
         return Err(row.at.problem(
-            "the sets have different numbers of nodes",
-            "give sets of the same size, or one node for all",
+            "the sets of the terms have different numbers of nodes",
+            "give sets with equal numbers of nodes; a single node goes with all nodes of the other sets",
         ));
     }
     Ok((0..longest)

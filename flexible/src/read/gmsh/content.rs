@@ -41,8 +41,8 @@ impl Content {
     ) -> Result<(), FileProblem> {
         if tag == 0 || u32::try_from(self.mesh.nodes.len()).is_err() {
             return Err(stream.problem(
-                format!("the number of a node is {tag}, or there are too many"),
-                "numbers begin with 1; divide a model of more than 4e9 nodes",
+                format!("the number of a node is {tag}, or the mesh has more than 4e9 nodes"),
+                "give nodes numbers from 1, and divide a model with more than 4e9 nodes",
             ));
         }
         self.mesh.nodes.push(Node {
@@ -59,8 +59,8 @@ impl Content {
         let labels = Labels::new(pairs.map(|(node, index)| (node.id, index)).collect());
         if let Some(tag) = labels.repeated() {
             return Err(stream.problem(
-                format!("node {tag} is there twice"),
-                "write the file again; numbers of nodes must differ",
+                format!("node {tag} is defined twice"),
+                "write the file again; each node needs its own number",
             ));
         }
         self.labels = Some(labels);
@@ -79,8 +79,8 @@ impl Content {
     ) -> Result<(), FileProblem> {
         let Some(labels) = &self.labels else {
             return Err(stream.problem(
-                "it is before the nodes",
-                "write the file again; $Nodes comes first",
+                "this element comes before the nodes",
+                "write the file again with $Nodes before $Elements",
             ));
         };
         let mut nodes = Vec::with_capacity(tags.len());
@@ -88,7 +88,7 @@ impl Content {
             nodes.push(labels.find(*node).ok_or_else(|| {
                 stream.problem(
                     format!("element {tag} uses node {node}, which is missing"),
-                    "write the whole mesh, with its nodes",
+                    "write the whole mesh with all its nodes",
                 )
             })?);
         }
@@ -109,7 +109,7 @@ impl Content {
         }
         let Some(kind) = kind.volume else {
             return Err(stream.problem(
-                format!("element {tag}: volumes of type {number} can't be read"),
+                format!("element {tag} is a volume of type {number}, which Eng does not read"),
                 "mesh with order 1, or with order 2 and Mesh.SecondOrderIncomplete = 1",
             ));
         };

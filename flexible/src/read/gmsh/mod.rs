@@ -34,7 +34,7 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
             if section != "MeshFormat" {
                 return Err(stream
                     .problem_of_line(
-                        "the file doesn't begin with $MeshFormat",
+                        "the file does not begin with $MeshFormat",
                         "give a mesh file of gmsh (.msh) of format 4.1 or 2.2",
                     )
                     .into());
@@ -46,7 +46,7 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
         if ["Nodes", "Elements", "MeshFormat"].contains(&section.as_str()) {
             if seen.contains(&section) || section == "MeshFormat" {
                 return Err(stream
-                    .problem_of_line("this section is there twice", "write the file again")
+                    .problem_of_line("this section appears twice", "write the file again")
                     .into());
             }
             seen.push(section.clone());
@@ -64,8 +64,8 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
             ("PartitionedEntities" | "GhostElements" | "ParametricNodes", _) => {
                 return Err(stream
                     .problem_of_line(
-                        "a mesh with partitions or parametric nodes can't be read",
-                        "write it without them: unpartition it, Mesh.SaveParametric = 0",
+                        "the mesh has partitions or parametric nodes, which Eng does not read",
+                        "remove the partitions, set Mesh.SaveParametric = 0 and write the mesh again",
                     )
                     .into());
             }
@@ -91,7 +91,7 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
         return Err(whole(
             name,
             "the file has no volume elements",
-            "mesh the volumes (gmsh -3) and save them: Mesh.SaveAll = 1, or give them a physical group",
+            "mesh the volumes (gmsh -3); to save them, set Mesh.SaveAll = 1 or give them a physical group",
         )
         .into());
     }
@@ -113,7 +113,7 @@ fn read_format(stream: &mut Stream) -> Result<Version, FileProblem> {
         other => {
             let other = other.chars().take(20).collect::<String>();
             return Err(stream.problem(
-                format!("format {other} can't be read"),
+                format!("Eng does not read format {other} of gmsh"),
                 "write the mesh with Mesh.MshFileVersion = 4.1 or 2.2",
             ));
         }
@@ -122,7 +122,7 @@ fn read_format(stream: &mut Stream) -> Result<Version, FileProblem> {
     let size = stream.integer("the size of numbers")?;
     if size != 8 {
         return Err(stream.problem(
-            format!("numbers of {size} bytes"),
+            format!("the file has numbers of {size} bytes instead of 8"),
             "write the mesh on a machine with numbers of 8 bytes",
         ));
     }
@@ -135,7 +135,7 @@ fn read_format(stream: &mut Stream) -> Result<Version, FileProblem> {
             _ => {
                 return Err(stream.problem(
                     "the order of bytes cannot be determined",
-                    "it may have been sent as text on its way here; send it as binary",
+                    "copy the file again as binary; a copy as text damages it",
                 ));
             }
         }
@@ -164,10 +164,10 @@ fn names(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> 
         let (Some(dimension @ 0..=3), Some(tag)) = (dimension, tag) else {
             return Err(stream.problem_of_line(
                 format!(
-                    "\"{}\" names no group",
+                    "\"{}\" is no name of a group",
                     line.chars().take(40).collect::<String>()
                 ),
-                "a line is: dimension, number, name in quotes",
+                "write each line as: dimension, number, name in quotes",
             ));
         };
         let name = words.next().unwrap_or("").trim().trim_matches('"').trim();

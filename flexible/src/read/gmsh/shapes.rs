@@ -9,7 +9,7 @@ pub(super) struct Type {
     pub dimension: u8,
     /// Number of nodes in the file.
     pub nodes: usize,
-    /// For a volume that can be read: its kind.
+    /// The kind, if it is a volume that Eng reads.
     pub volume: Option<ElementKind>,
 }
 

@@ -7,7 +7,7 @@ use crate::read::{Files, number};
 
 /// Longest word of a text file.
 const LONGEST_WORD: usize = 512;
-/// The number of bytes of a line that are read at most.
+/// The largest number of bytes that are read of a line.
 const LONGEST_LINE: u64 = 1 << 16;
 
 /// An open file.
@@ -84,15 +84,15 @@ impl Stream {
 
     fn unreadable(&self, error: &std::io::Error) -> FileProblem {
         self.problem(
-            format!("the file can't be read on: {error}"),
-            "it may have been cut or damaged on its way here",
+            format!("reading stopped here: {error}"),
+            "copy the file again; it may be cut or damaged",
         )
     }
 
     fn cut(&self) -> FileProblem {
         self.problem(
-            "the file ends here",
-            "it may have been cut on its way here; write it again",
+            "the file ends too early",
+            "write or copy the file again; it may be cut",
         )
     }
 
@@ -134,7 +134,7 @@ impl Stream {
                 _ => {
                     let found = line.chars().take(40).collect::<String>();
                     return Err(self.problem_of_line(
-                        format!("\"{found}\" is where a section should begin"),
+                        format!("\"{found}\" stands in the place of the beginning of a section"),
                         "give a mesh file of gmsh (.msh); its sections begin with $ and a name",
                     ));
                 }
@@ -162,8 +162,8 @@ impl Stream {
         }
         let found = found.chars().take(40).collect::<String>();
         Err(self.problem(
-            format!("\"{found}\" is where {end} should be"),
-            "the counts at its head don't fit the lines below; write the file again",
+            format!("\"{found}\" stands in the place of {end}"),
+            "write the file again; the counts at the head of the section do not fit its lines",
         ))
     }
 
@@ -204,7 +204,7 @@ impl Stream {
             self.byte += used as u64;
             if word.len() > LONGEST_WORD {
                 return Err(self.problem(
-                    "this is no text of a mesh file",
+                    "this line is no text of a mesh file",
                     "give a mesh file of gmsh (.msh)",
                 ));
             }
@@ -239,8 +239,8 @@ impl Stream {
     fn no_number(&self, what: &str, word: &str) -> FileProblem {
         let word = word.chars().take(40).collect::<String>();
         self.problem(
-            format!("{what} is \"{word}\", not a number that fits"),
-            "the file is damaged, or the counts at its head don't fit; write it again",
+            format!("{what} is \"{word}\", not a valid number"),
+            "write the file again; it is damaged, or the counts at the head of the section are wrong",
         )
     }
 

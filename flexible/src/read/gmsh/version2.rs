@@ -17,8 +17,8 @@ pub(super) fn nodes(stream: &mut Stream, content: &mut Content) -> Result<(), Fi
 }
 
 /// Reads `$Elements`: in text `number type count tags… nodes…`, in binary groups `type count-of-elements
-/// count-of-tags` before `number tags… nodes…`. The first tag is the group, zero for none, negative where
-/// reversed.
+/// count-of-tags` before `number tags… nodes…`. The first tag is the number of the group: zero without a
+/// group, negative if the element is reversed.
 pub(super) fn elements(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
     let total = count(stream)?;
     let mut done = 0;
@@ -66,7 +66,7 @@ fn count(stream: &mut Stream) -> Result<u64, FileProblem> {
         let found = line.chars().take(40).collect::<String>();
         stream.problem_of_line(
             format!("its count is \"{found}\", not a whole number"),
-            "the file is damaged; write it again",
+            "write the file again; it is damaged",
         )
     })
 }
@@ -77,7 +77,7 @@ fn number(stream: &mut Stream, what: &str) -> Result<u64, FileProblem> {
     u64::try_from(found).map_err(|_| {
         stream.problem(
             format!("{what} is {found}"),
-            "the file is damaged; write it again",
+            "write the file again; it is damaged",
         )
     })
 }

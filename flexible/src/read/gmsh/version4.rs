@@ -5,7 +5,8 @@ use super::shapes::Type;
 use super::stream::Stream;
 use crate::error::FileProblem;
 
-/// Reads `$Entities`: the groups of each entity. A negative group is one whose entity is reversed.
+/// Reads `$Entities`: the groups of each entity. The number of a group is negative if the entity is reversed
+/// in it.
 pub(super) fn entities(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
     let mut counts = [0; 4];
     for count in &mut counts {
@@ -95,8 +96,8 @@ pub(super) fn elements(stream: &mut Stream, content: &mut Content) -> Result<(),
 pub(super) fn known_type(stream: &Stream, number: i32) -> Result<Type, FileProblem> {
     Type::of(number).ok_or_else(|| {
         stream.problem(
-            format!("elements of type {number} are not known"),
-            "mesh with elements of order 1 or 2; or the file is damaged: write it again",
+            format!("gmsh has no elements of type {number} that Eng knows"),
+            "mesh with elements of order 1 or 2, or write the file again if it is damaged",
         )
     })
 }
@@ -114,8 +115,8 @@ fn dimension(stream: &mut Stream) -> Result<u8, FileProblem> {
     match stream.integer("the dimension of an entity")? {
         found @ 0..=3 => Ok(found as u8), // 0 to 3
         found => Err(stream.problem(
-            format!("an entity of dimension {found}"),
-            "the file is damaged; write it again",
+            format!("the dimension of an entity is {found}, not 0 to 3"),
+            "write the file again; it is damaged",
         )),
     }
 }

@@ -71,8 +71,8 @@ pub(super) struct Records {
 }
 
 impl Records {
-    /// Opens a file whose first record has one of these lengths, by which the order of bytes is known. The
-    /// second value is that length.
+    /// Opens a file whose first record has one of the lengths `first`. This length shows the order of bytes;
+    /// it is returned too.
     pub fn open(
         files: &dyn Files,
         file: &str,
@@ -102,10 +102,8 @@ impl Records {
             }
         }
         Err(records.problem(
-            format!("this is no {what}: it begins with the bytes {start:02x?}"),
-            format!(
-                "give the {what} as Nastran writes it, unformatted; one copied as text between machines is damaged"
-            ),
+            format!("this is no {what}: the file begins with the bytes {start:02x?}"),
+            format!("give the unformatted {what} that Nastran writes; a copy as text damages it"),
         ))
     }
 
@@ -129,8 +127,8 @@ impl Records {
 
     fn unreadable(&self, error: &io::Error) -> FileProblem {
         self.problem(
-            format!("the file can't be read on: {error}"),
-            "it may have been cut or damaged on its way here",
+            format!("reading stopped here: {error}"),
+            "copy the file again; it may be cut or damaged",
         )
     }
 
@@ -171,10 +169,10 @@ impl Records {
         }
         self.problem(
             format!(
-                "the record would be {} bytes long, beyond the end of the file; with its bytes in the other order {other}",
+                "the record is {} bytes long, beyond the end of the file; in the other order of bytes it is {other} bytes long",
                 length.unsigned_abs()
             ),
-            "the file mixes both orders of bytes: it was converted in part, or put together from two machines; write it again",
+            "write the file again; it mixes both orders of bytes, as after a partial conversion or a merge of files of two machines",
         )
     }
 
@@ -201,9 +199,9 @@ impl Records {
             if after.unsigned_abs() != length.unsigned_abs() {
                 return Err(self.problem(
                     format!(
-                        "the record is {length} bytes long at its beginning and {after} at its end"
+                        "the record states {length} bytes at its beginning and {after} bytes at its end"
                     ),
-                    "the file is damaged, or was copied as text; copy it again as binary",
+                    "copy the file again as binary; it is damaged, or it was copied as text",
                 ));
             }
             more = length < 0;

@@ -22,7 +22,7 @@ impl ForeignMatrix {
         if self.rows != self.columns {
             return Err(self.problem(
                 format!("is not square: {} × {}", self.rows, self.columns),
-                "a stiffness or mass matrix is square; look whether another matrix is meant",
+                "name a stiffness or a mass matrix, which is square",
             ));
         }
         if self.rows / EMPTIEST > self.entries.len() + EMPTIEST {
@@ -32,7 +32,7 @@ impl ForeignMatrix {
                     self.rows,
                     self.entries.len()
                 ),
-                "its size is damaged, or the run wrote an empty matrix",
+                "write the matrix again; its size is damaged, or the run wrote an empty matrix",
             ));
         }
         let mut pairs = Vec::with_capacity(self.entries.len());
@@ -40,22 +40,22 @@ impl ForeignMatrix {
             if !value.is_finite() {
                 return Err(self.problem(
                     format!(
-                        "holds {value} at {}, column {}",
+                        "contains {value} at {}, column {}",
                         self.row_name(row as usize),
                         column + 1
                     ),
-                    "the run that wrote it failed; look into its messages",
+                    "the run that wrote it failed; read the messages of that run",
                 ));
             }
             if row as usize >= self.rows || column as usize >= self.rows {
                 return Err(self.problem(
                     format!(
-                        "has {} rows but an entry at row {}, column {}",
+                        "has {} rows, but an entry at row {}, column {}",
                         self.rows,
                         row + 1,
                         column + 1
                     ),
-                    "the file is damaged",
+                    "write or copy the file again; it is damaged",
                 ));
             }
             let (low, high) = (row.min(column), row.max(column));
@@ -76,11 +76,11 @@ impl ForeignMatrix {
             if kind == MatrixKind::Mass && place.row == place.column && self.value(place) < 0.0 {
                 return Err(self.problem(
                     format!(
-                        "is a mass with {} on the diagonal at {}",
+                        "is a mass matrix with {} on its diagonal at {}",
                         short(self.value(place), 5),
                         self.row_name(place.row as usize)
                     ),
-                    "look for negative densities or masses, or whether stiffness and mass were exchanged",
+                    "check for negative densities or masses, and for an exchange of stiffness and mass",
                 ));
             }
         }
@@ -163,15 +163,15 @@ impl ForeignMatrix {
         let (below, above) = self.sides(place);
         Err(self.problem(
             format!(
-                "is not symmetric: worst at {}, column {}: {} and mirrored {}, {} of the row's norm",
+                "is not symmetric: the worst entry, at {}, column {}, is {}, and its mirror image is {}; they differ by {} of the row's norm",
                 self.row_name(place.row as usize),
                 place.column + 1,
                 short(below, 9),
                 short(above, 9),
                 short(part, 2)
             ),
-            "a body needs symmetric matrices without gyroscopic, follower or friction terms; ask for the structural stiffness \
-             alone, and write it with enough digits",
+            "write the structural stiffness alone, without gyroscopic, follower or friction terms, and \
+             with enough digits",
         ))
     }
 }

@@ -12,9 +12,9 @@ use crate::read::Files;
 const PENALTY: f64 = 1e30;
 
 const MATRIX_MARKET: &str =
-    "lines with % make this a file of the MatrixMarket format, not Abaqus' or CalculiX's text";
-const STRIP: &str = "take out the lines that begin with % and the line of sizes after them: `row column value` of a symmetric matrix, counted \
-     from 1, is what remains and can be read; say by `per_node: 3`, `6` or `freedoms: \".dof\"` which freedoms the rows are";
+    "lines that begin with % belong to the format MatrixMarket, not to text of Abaqus or CalculiX";
+const STRIP: &str = "remove the lines that begin with % and the line of sizes after them. Eng reads the remaining lines `row column value` of a \
+     symmetric matrix, counted from 1. State the freedoms of the rows by `per_node: 3`, `per_node: 6` or `freedoms: \".dof\"`";
 
 /// Reads a matrix of Abaqus, in either of its formats.
 ///
@@ -36,8 +36,8 @@ pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix
         if line.starts_with('*') {
             return Err(text.wrong(
                 "an entry of a matrix",
-                "this .mtx is no global matrix (a substructure's or an element's); write stiffness and mass with \
-                 *MATRIX GENERATE and *MATRIX OUTPUT",
+                "write stiffness and mass with *MATRIX GENERATE and *MATRIX OUTPUT; this .mtx holds the matrix of a \
+                 substructure or of an element",
             ));
         }
         let fields = line
@@ -68,7 +68,7 @@ pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix
         let Some(value) = value else {
             return Err(text.wrong(
                 "an entry \"row column value\" or \"node, freedom, node, freedom, value\"",
-                "numbers count from 1, freedoms from 1 to 6; nodes of Abaqus' own (contact, negative numbers) can't be part of a body",
+                "write numbers from 1 and freedoms from 1 to 6; nodes that Abaqus adds, with negative numbers (contact), can't be part of a body",
             ));
         };
         let Some(value) = real(value) else {
@@ -76,8 +76,8 @@ pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix
         };
         if value.abs() >= PENALTY {
             return Err(text.wrong(
-                "an entry of a free body: a support",
-                "write the matrices without *BOUNDARY; supports are given in the model",
+                "an entry of a free body, but of a support",
+                "write the matrices without *BOUNDARY, and state the supports in the model",
             ));
         }
         if let Some(last) = coordinates.last_mut() {
@@ -182,8 +182,8 @@ pub fn read_calculix_freedoms(
     if let Some([(node, freedom), ..]) = twice {
         return Err(whole(
             file,
-            format!("names freedom {freedom} of node {node} twice"),
-            "the file is damaged",
+            format!("lists freedom {freedom} of node {node} twice"),
+            "write or copy the file again; it is damaged",
         ));
     }
     Ok(ForeignFreedoms { rows })
@@ -222,8 +222,8 @@ fn from_coordinates(
     let Some(size) = entries.iter().map(|entry| entry.0.max(entry.1)).max() else {
         return Err(whole(
             file,
-            "holds no entry of a matrix",
-            "the run that should write it may have failed; look into its messages",
+            "contains no entry of a matrix",
+            "read the messages of the run that writes it; the run may have failed",
         ));
     };
     let below = entries.iter().any(|entry| entry.0 > entry.1);

@@ -1,7 +1,7 @@
 //! Mode shapes of CalculiX's `.frd` as text (`*NODE FILE` with `U` in a step `*FREQUENCY`). A result begins
 //! with `100C` (its value is the frequency in cycles) and names its quantity on a line `-4`. It has a line
-//! `-1` for each node, with values in 12 columns, which is 6 digits. `1PMODE`, `1PGM` and `1PGK` before it
-//! give the mode's number, generalised mass and stiffness. Source: CalculiX GraphiX manual, result format.
+//! `-1` for each node, with values of 6 digits in 12 columns. `1PMODE`, `1PGM` and `1PGK` before it give the
+//! mode's number, generalised mass and stiffness. Source: CalculiX GraphiX manual, result format.
 
 use super::text::{NUMBERS, Text, columns, count, real};
 use super::{ForeignModes, ShapeFrame};
@@ -48,7 +48,7 @@ pub fn read_frd_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, Fil
                 _ => {
                     return Err(text.wrong(
                         "the head of a result as text",
-                        "binary .frd files are not read: ask for *NODE FILE, not *NODE OUTPUT",
+                        "request *NODE FILE instead of *NODE OUTPUT; Eng reads no binary .frd",
                     ));
                 }
             };
@@ -104,7 +104,7 @@ fn shape(text: &mut Text, id_width: usize) -> Result<Vec<(u64, [f64; 6])>, FileP
             _ => {
                 return Err(text.wrong(
                     "a line of a mode shape (-5, -1 or -3)",
-                    "the file was edited or cut",
+                    "write the file again; it was edited or cut",
                 ));
             }
         }

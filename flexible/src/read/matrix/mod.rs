@@ -81,11 +81,11 @@ impl ForeignMatrix {
         if freedoms.rows.len() != self.rows {
             return Err(self.problem(
                 format!(
-                    "has {} rows, but {} freedoms are listed for them",
+                    "has {} rows, but the list has {} freedoms",
                     self.rows,
                     freedoms.rows.len()
                 ),
-                "matrix and list of freedoms must come from the same run",
+                "give the matrix and the list of freedoms of the same run",
             ));
         }
         self.freedoms = Some(freedoms);
@@ -218,9 +218,9 @@ pub(super) fn chosen(
         .collect::<Vec<_>>()
         .join(", ");
     let advice = if held.is_empty() {
-        "the file holds no matrix".to_string()
+        "the file contains no matrix".to_string()
     } else {
-        format!("the file holds {list}")
+        format!("the file contains {list}")
     };
     let times = held
         .iter()
@@ -230,20 +230,20 @@ pub(super) fn chosen(
         Some(matrix) if times == 1 => Ok(matrix),
         Some(_) if name.is_empty() => Err(whole(
             file,
-            "holds several matrices and none is named",
-            format!("name one: {advice}"),
+            "contains several matrices, and the model names none",
+            format!("name one of them; {advice}"),
         )),
         Some(_) => Err(whole(
             file,
-            format!("holds {times} matrices called {name}"),
-            "write each under a name or into a file of its own",
+            format!("contains {times} matrices with the name {name}"),
+            "write each with its own name or into its own file",
         )),
         None => Err(whole(
             file,
             if name.is_empty() {
-                "holds no matrix".to_string()
+                "contains no matrix".to_string()
             } else {
-                format!("holds no matrix {name}")
+                format!("contains no matrix {name}")
             },
             advice,
         )),
@@ -251,12 +251,12 @@ pub(super) fn chosen(
 }
 
 /// The remedy for a complex matrix, which Eng does not read.
-pub(super) const COMPLEX: &str = "write the real stiffness and mass: remove structural damping (GE, PARAM G), \
-     aerodynamics and fluid from the run, damping is given to the body here";
+pub(super) const COMPLEX: &str = "write real stiffness and mass: remove structural damping (GE, PARAM G), \
+     aerodynamics and fluid from the run, and state damping at the body in the model";
 
 /// The remedy for a file that ends too early.
 pub(super) const CUT: &str =
-    "the file was cut, or the run that wrote it was stopped; copy or write it again";
+    "copy or write the file again; it was cut, or the run that wrote it was stopped";
 
 /// A problem of a file as a whole.
 pub(super) fn whole(

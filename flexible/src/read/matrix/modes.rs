@@ -1,9 +1,9 @@
-//! Mode shapes as files hold them.
+//! Mode shapes in the form of their files.
 
 use super::{CUT, whole};
 use crate::error::FileProblem;
 
-/// In which frame shapes are written.
+/// The frame of written shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShapeFrame {
     /// Each node's analysis frame.
@@ -32,7 +32,7 @@ pub struct ForeignModes {
     pub nodes: Vec<u64>,
     /// Modes in the order of the file.
     pub modes: Vec<ForeignMode>,
-    /// In which frame the shapes are.
+    /// The frame of the shapes.
     pub frame: ShapeFrame,
     /// Significant decimal digits of the shapes.
     pub digits: u32,
@@ -50,7 +50,7 @@ impl ForeignModes {
             frame,
             digits,
             warnings: vec![format!(
-                "{file}: shapes have {digits} digits; invariants and orthogonality of modes are no better"
+                "{file}: shapes have {digits} digits, so invariants and orthogonality of modes have no more digits"
             )],
         }
     }
@@ -69,11 +69,11 @@ impl ForeignModes {
             return Err(whole(
                 &self.file,
                 format!(
-                    "mode {number} has {} nodes that are not the {} of the modes before",
+                    "mode {number} is stated at {} nodes, which are not the {} nodes of the modes before",
                     rows.len(),
                     self.nodes.len()
                 ),
-                format!("ask for the shapes of all nodes in every mode; or {CUT}"),
+                format!("request the shapes of all nodes in every mode, or {CUT}"),
             ));
         }
         self.modes.push(ForeignMode {
@@ -87,7 +87,7 @@ impl ForeignModes {
     /// The modes, if there are any.
     pub(super) fn finish(self, advice: &str) -> Result<Self, FileProblem> {
         if self.nodes.is_empty() || self.modes.is_empty() {
-            return Err(whole(&self.file, "holds no mode shape", advice));
+            return Err(whole(&self.file, "contains no mode shape", advice));
         }
         let mut sorted = self.nodes.clone();
         sorted.sort_unstable();
@@ -95,8 +95,8 @@ impl ForeignModes {
         if let Some([node, ..]) = twice {
             return Err(whole(
                 &self.file,
-                format!("gives node {node} twice in a mode"),
-                "the file is damaged, or written in parts",
+                format!("lists node {node} twice in a mode"),
+                "write the file again in one part; it is damaged, or it was written in parts",
             ));
         }
         Ok(self)

@@ -1,6 +1,6 @@
-//! Mode shapes of Nastran's punch file (`VECTOR(PUNCH) = ALL`): blocks `$EIGENVECTOR`, a mode a block, two
-//! lines a grid point (number, `G`, translations; `-CONT-`, rotations), values 18 columns wide with 7 digits,
-//! a line's number in the last 8 columns.
+//! Mode shapes of Nastran's punch file (`VECTOR(PUNCH) = ALL`): a block `$EIGENVECTOR` for each mode, with two
+//! lines for each grid point (number, `G`, translations; `-CONT-`, rotations). Values have 18 columns and 7
+//! digits. The last 8 columns of a line contain its number.
 
 use super::text::{NUMBERS, Text, columns, count, real};
 use super::{COMPLEX, ForeignModes, ShapeFrame};
@@ -17,8 +17,8 @@ struct Open {
 /// Reads the mode shapes of a punch file; other results in it are passed over, scalar points too.
 ///
 /// # Errors
-/// With file and line: complex shapes, results sorted by point, a lost line, a number that isn't one; modes
-/// on different nodes, or none.
+/// With file and line: complex shapes, results sorted by point, a lost line, text in the place of a
+/// number; modes on different nodes, or none.
 pub fn read_punch_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, FileProblem> {
     let mut text = Text::open(files, file)?;
     let mut modes = ForeignModes::new(file, ShapeFrame::Analysis, 7);
@@ -57,7 +57,7 @@ pub fn read_punch_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, F
         let (Some(id), "G" | "S" | "L" | "M" | "H") = (id, kind) else {
             return Err(text.wrong(
                 "the line of a point: number, G, three values",
-                "the file was edited or cut",
+                "write the file again; it was edited or cut",
             ));
         };
         if kind != "G" {
@@ -73,7 +73,7 @@ pub fn read_punch_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, F
                 None => text.cut(&format!("the rotations of grid point {id}")),
                 Some(_) => text.wrong(
                     &format!("the rotations of grid point {id}"),
-                    "the file was edited or cut",
+                    "write the file again; it was edited or cut",
                 ),
             });
         };

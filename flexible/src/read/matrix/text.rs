@@ -60,8 +60,8 @@ impl Text {
             .read_until(b'\n', &mut self.bytes);
         if let Err(error) = read {
             return Err(self.problem(
-                format!("the file can't be read on: {error}"),
-                "it may have been cut or damaged on its way here",
+                format!("reading stopped here: {error}"),
+                "copy the file again; it may be cut or damaged",
             ));
         }
         if self.bytes.is_empty() {
@@ -70,8 +70,8 @@ impl Text {
         }
         if self.bytes.len() as u64 == LONGEST_LINE || self.bytes.contains(&0) {
             return Err(self.problem(
-                "this is no text of a matrix or of modes",
-                "give a text file; the end of its name marks a binary one, or must be written as text",
+                "this line is no text of a matrix or of modes",
+                "write the matrix or the modes as text; this file is binary",
             ));
         }
         for byte in &mut self.bytes {
@@ -112,4 +112,4 @@ pub(super) fn count(text: &str) -> Option<u64> {
 
 /// The remedy for a text that is no number.
 pub(super) const NUMBERS: &str =
-    "stars or NaN come from a run that failed; otherwise look whether the file was edited or cut";
+    "write the file again; it was edited or cut, or its run failed and wrote stars or NaN";

@@ -21,7 +21,7 @@ enum Orientation {
     Vector([f64; 3]),
     /// A grid point (`G0`).
     Grid(u64),
-    /// Nothing: the section is a rod's.
+    /// Any orientation: the section of a rod is round.
     Any,
 }
 
@@ -223,16 +223,16 @@ fn orientation(card: &Card, fields: &[String; 3]) -> Result<Orientation, FilePro
         if !field.is_empty() {
             *value = number::real(field).ok_or_else(|| {
                 card.problem(
-                    &format!("the orientation vector holds \"{field}\", not a number"),
-                    "give three components, or one grid point",
+                    &format!("a component of the orientation vector is \"{field}\", not a number"),
+                    "give three numbers, or the number of one grid point",
                 )
             })?;
         }
     }
     if vector == [0.0; 3] {
         return Err(card.problem(
-            "no orientation vector",
-            "give X1 X2 X3 or the grid point G0; BAROR and BEAMOR give defaults",
+            "the orientation vector is missing",
+            "give X1 X2 X3 or the grid point G0, in this card or in BAROR or BEAMOR",
         ));
     }
     Ok(Orientation::Vector(vector))
@@ -243,7 +243,7 @@ fn offset_flag(card: &Card, flag: &str) -> Result<(Axes, [Axes; 2]), FileProblem
     let unknown = || {
         card.problem(
             &format!("field OFFT is \"{flag}\""),
-            "only three letters are known: G or B for the vector, G or O for each offset",
+            "write three letters: G or B for the vector, then G or O for each offset",
         )
     };
     let offset = |letter: u8| match letter {
@@ -362,7 +362,7 @@ fn no_axes(id: u64, along: [f64; 3], at: &At) -> FileProblem {
     } else {
         at.problem(
             format!("element {id} has no length"),
-            "its two ends, offsets included, are at the same place",
+            "move one of its ends; with their offsets, both are at the same place",
         )
     }
 }

@@ -68,8 +68,8 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
                     line.text.trim()
                 ),
                 format!(
-                    "a line in free field holds a name, {count} fields and the name of the \
-                     continuation; the rest belongs on a line of its own that begins with a comma"
+                    "a line in free format holds the name of the card, {count} fields and the name of its \
+continuation; write further fields on a new line that begins with a comma"
                 ),
             ));
         }
@@ -199,8 +199,8 @@ impl Card {
         let name = self.lost.as_ref()?;
         Some(self.problem(
             &format!("its continuation \"{name}\" is missing"),
-            "the line may have been lost, or its first field may differ from the last field of \
-             the line it continues; where nothing is to follow, leave the last field blank",
+            "add the line that begins with this name; if no line follows, leave the last field of \
+the card blank",
         ))
     }
 
@@ -208,7 +208,7 @@ impl Card {
         if i >= self.len() {
             self.problem(
                 &format!("the card ends before its field {field}"),
-                "a continuation may have been lost, or the line cut",
+                "add the missing fields; the line may have been cut, or its continuation lost",
             )
         } else {
             self.problem(&format!("field {field} is blank"), "give it a value")
@@ -218,7 +218,7 @@ impl Card {
     fn wrong(&self, i: usize, field: &str, what: &str) -> FileProblem {
         self.problem(
             &format!("field {field} is \"{}\", not {what}", self.text(i)),
-            "check that the fields are in their columns; no blank may be inside a number",
+            "check that each field is in its columns and that no number contains a blank",
         )
     }
 
@@ -316,7 +316,7 @@ impl Card {
                     else {
                         return Err(self.problem(
                             &format!("THRU {end} has no lower number before it"),
-                            "write the list as \"first THRU last\"",
+                            "write the list as \"first THRU last\" with the smaller number first",
                         ));
                     };
                     range.to = end;

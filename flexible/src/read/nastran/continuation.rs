@@ -148,7 +148,7 @@ impl Assembler {
                 _ => {
                     return Err(orphan.at.problem(
                         format!("\"{}\" continues no card", orphan.text),
-                        "the card it continues may have been lost, or calls another name",
+                        "add the card that it continues, or write its name in the last field of that card",
                     ));
                 }
             }

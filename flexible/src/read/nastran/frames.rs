@@ -179,7 +179,7 @@ impl Systems {
             {
                 return Err(card.at.problem(
                     format!(
-                        "coordinate system {} is there twice; the first is in {}, line {}",
+                        "coordinate system {} is defined twice, first in {}, line {}",
                         card.id, first.at.file, first.at.line
                     ),
                     "remove one of them",
@@ -235,7 +235,7 @@ impl Systems {
                         .join(" → ");
                     return Err(card.at.problem(
                         format!("coordinate systems refer to each other in a circle: {circle}"),
-                        "give one of them in the basic system",
+                        "define one of them in the basic system",
                     ));
                 }
                 stack.push(next);
@@ -268,10 +268,10 @@ impl Systems {
             let Some(rotation) = axes else {
                 return Err(card.at.problem(
                     format!(
-                        "coordinate system {}: its three points coincide or are in line",
+                        "coordinate system {}: its three points lie on one line",
                         card.id
                     ),
-                    "origin, point on the z axis and point in the x-z plane must make a triangle",
+                    "move a point: the origin, the point on the z axis and the point in the x-z plane must form a triangle",
                 ));
             };
             self.placed.insert(

@@ -41,8 +41,8 @@ impl GridCard {
         let id = card.id(0, "ID")?;
         if card.text(5) == "-1" {
             return Err(card.problem(
-                "a grid point of a fluid (CD = -1)",
-                "only structures can be read; leave the fluid out",
+                "the grid point belongs to a fluid (CD = -1)",
+                "remove the fluid from the deck; Eng reads only structures",
             ));
         }
         Ok(GridCard {
@@ -115,7 +115,7 @@ impl Lookup {
                 if !one.same(again) {
                     return Err(again.at.problem(
                         format!(
-                            "grid point {id} is there twice; the first is in {}, line {}",
+                            "grid point {id} is defined twice, first in {}, line {}",
                             one.at.file, one.at.line
                         ),
                         "renumber or remove one of them",
@@ -150,7 +150,7 @@ impl Lookup {
         self.ids.find(id)
     }
 
-    /// Whether a number is a scalar point's.
+    /// Whether a number belongs to a scalar point.
     pub fn is_scalar(&self, id: u64) -> bool {
         let next = self.scalar.partition_point(|(from, _)| *from <= id);
         next.checked_sub(1)
@@ -168,7 +168,7 @@ impl Lookup {
         if self.is_scalar(id) {
             return at.problem(
                 format!("{user} uses {id}, which is a scalar point, not a grid point"),
-                "only springs, equations and sets of freedoms may name a scalar point",
+                "name a grid point; only springs, equations and sets of freedoms can use scalar points",
             );
         }
         at.problem(
@@ -203,7 +203,7 @@ impl Lookup {
         Ok(found)
     }
 
-    /// Indices of those grid points of a list that exist, and how many named ones don't.
+    /// Indices of the existing grid points of a list, and the number of named points that do not exist.
     pub fn existing(&self, ids: &Ids) -> (Vec<u32>, usize) {
         existing(&self.ids, ids)
     }
@@ -226,7 +226,7 @@ fn runs(ranges: &[IdRange]) -> Vec<(u64, u64)> {
     runs
 }
 
-/// Indices of those of a list that a sorted table of numbers holds, and how many named ones it doesn't.
+/// Indices of the numbers of a list that are in a sorted table, and the number of named ones that are not.
 pub(super) fn existing(table: &Labels, ids: &Ids) -> (Vec<u32>, usize) {
     let (mut found, mut lacking) = (Vec::new(), 0);
     for range in &ids.ranges {
@@ -256,8 +256,8 @@ pub(super) fn nodes(
         )?;
         if position.iter().any(|x| !x.is_finite()) {
             return Err(grid.at.problem(
-                format!("GRID {} lies at infinity", grid.id),
-                "look at its coordinates",
+                format!("the position of GRID {} is not finite", grid.id),
+                "check its coordinates",
             ));
         }
         let analysis = grid.analysis.unwrap_or(0);

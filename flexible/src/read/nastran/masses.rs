@@ -87,7 +87,7 @@ impl Masses {
                     let stiffness = card.real_or_zero(i + 1, "K")?;
                     if self.stiffness.insert(id, stiffness).is_some() {
                         return Err(card.problem(
-                            &format!("property {id} of springs is there twice"),
+                            &format!("property {id} of springs is defined twice"),
                             "renumber or remove one of them",
                         ));
                     }
@@ -186,7 +186,10 @@ impl Masses {
         };
         let ends = ends(card, 2)?;
         if ends == [None, None] {
-            return Err(card.problem("the spring is held nowhere", "give G1 and C1"));
+            return Err(card.problem(
+                "the spring has no end at a grid point",
+                "give a grid point and its freedom in G1 and C1, or in G2 and C2",
+            ));
         }
         self.springs.push(SpringCard {
             order: card.order,
@@ -286,8 +289,8 @@ impl Masses {
                 let node = lookup.require(grid, &|| format!("spring {}", card.id), &card.at)?;
                 let freedom = freedom.ok_or_else(|| {
                     card.at.problem(
-                        format!("spring {}: no freedom named at grid point {grid}", card.id),
-                        "give C1 and C2, one of 1 to 6 each",
+                        format!("spring {} states no freedom of grid point {grid}", card.id),
+                        "give C1 and C2, each a freedom from 1 to 6",
                     )
                 })?;
                 ends.push((node, freedom));
@@ -333,7 +336,7 @@ pub(super) fn distinct<'c>(
         {
             return Err(at.problem(
                 format!(
-                    "{what} {id} is there twice; the first is in {}, line {}",
+                    "{what} {id} is defined twice, first in {}, line {}",
                     first.file, first.line
                 ),
                 "renumber or remove one of them",

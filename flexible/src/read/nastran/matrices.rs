@@ -67,7 +67,10 @@ fn add(
 ) -> Result<(), FileProblem> {
     let own = card.text(0).to_string();
     if own.is_empty() {
-        return Err(card.problem("the name of the matrix is missing", "give it a name"));
+        return Err(card.problem(
+            "the name of the matrix is missing",
+            "write the name in the first field",
+        ));
     }
     if card.text(1) == "0" {
         let kind = card.id(3, "TIN")?;
@@ -75,12 +78,12 @@ fn add(
         if matrices.contains_key(&own) {
             return Err(card.problem(
                 "the matrix has two heads",
-                "give each matrix a name or a file of its own",
+                "give each matrix its own name or its own file",
             ));
         }
         let columns = card.optional_id(7, "NCOL")?;
         if columns.is_some_and(|count| u32::try_from(count).is_err()) {
-            return Err(card.problem("NCOL is too large", "look at the last field of the head"));
+            return Err(card.problem("NCOL is too large", "check the last field of the head"));
         }
         matrices.insert(
             own,
@@ -97,8 +100,8 @@ fn add(
     }
     let Some(matrix) = matrices.get_mut(&own) else {
         return Err(card.problem(
-            "a column is before the head of its matrix",
-            "a card \"DMIG name 0 IFO TIN …\" must come first; the file may have been cut",
+            "this column comes before the head of its matrix",
+            "write the head \"DMIG name 0 IFO TIN …\" before the columns; the file may have been cut",
         ));
     };
     let wanted = name.is_empty() || own.eq_ignore_ascii_case(name);
@@ -110,10 +113,10 @@ fn add(
     if matrix.is_numbered() && !(1..=count).contains(&column.0) {
         return Err(card.problem(
             &format!(
-                "column {} is not among the {count} columns of the head",
+                "column {} is beyond the {count} columns that NCOL states",
                 column.0
             ),
-            "NCOL of the head is missing or wrong",
+            "correct NCOL, the last field of the head; a blank field states no column",
         ));
     }
     matrix.column_points.insert(column);

@@ -113,8 +113,10 @@ impl Deck {
                 // its continuation can hold only limits of stress
                 if card.name != "MAT1" {
                     let place = format!("{}:{}", card.at.file, card.at.line);
-                    self.doubts
-                        .push(format!("{place}: {}; it is read without", problem.problem));
+                    self.doubts.push(format!(
+                        "{place}: {}; the card is read without it",
+                        problem.problem
+                    ));
                 }
                 Ok(())
             }
@@ -180,8 +182,8 @@ impl Deck {
                 let scale = card.real(1, "value")?;
                 if scale <= 0.0 {
                     return Err(card.problem(
-                        &format!("masses can't be multiplied by {scale}"),
-                        "WTMASS is 1/g in the units of the deck where densities are weights",
+                        &format!("WTMASS is {scale}; it must be above zero"),
+                        "if the densities are weights, state 1/g in the units of the deck",
                     ));
                 }
                 self.mass_scale = scale;
@@ -209,7 +211,7 @@ impl Deck {
             return Err(whole(
                 name,
                 "the deck has no grid point",
-                "give a Nastran bulk data deck with GRID cards, or one that INCLUDEs them",
+                "give a deck of Nastran bulk data with GRID cards, or a deck that INCLUDEs them",
             ));
         }
         for grid in &mut grids {

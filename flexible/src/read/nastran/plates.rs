@@ -1,5 +1,5 @@
-//! Shells: the fields behind their grid points, `PSHELL`, `PCOMP`, `PCOMPG`, and the materials `MAT2` and `MAT8`
-//! of sheets.
+//! Shells: the fields after their grid points, `PSHELL`, `PCOMP`, `PCOMPG`, and the materials `MAT2` and
+//! `MAT8` of sheets.
 
 use super::card::Card;
 use super::frames::Systems;
@@ -15,11 +15,11 @@ use crate::mesh::{Carries, Layup, SheetElasticity, ShellAxis, ShellSection, Shel
 enum Axis {
     /// Angle (°) from the side G1–G2.
     Angle(f64),
-    /// Coordinate system whose x axis it is.
+    /// The x axis of this coordinate system.
     System(u64),
 }
 
-/// Fields of a shell behind its grid points.
+/// Fields of a shell after its grid points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShellFields {
     axis: Axis,
@@ -73,7 +73,7 @@ impl ShellFields {
     /// The thickness. Corners without one have that of the property.
     ///
     /// # Errors
-    /// A corner without one where the property has none either.
+    /// Neither a corner nor the property has a thickness.
     pub fn thickness(
         &self,
         property: Option<f64>,
@@ -93,7 +93,7 @@ impl ShellFields {
             *own = found.ok_or_else(|| {
                 at.problem(
                     format!("element {element} has no thickness at one of its grid points"),
-                    "give T in its property, or T1 to T4 of all its grid points without TFLAG",
+                    "give T in its property; or give T1 to T4 at all its grid points and leave TFLAG blank",
                 )
             })?;
         }
@@ -251,8 +251,8 @@ impl LaminateCard {
         }
         if layers.is_empty() {
             return Err(card.problem(
-                "it has no layer",
-                "give material and thickness of its layers",
+                "the laminate has no layer",
+                "give the material and the thickness of each layer",
             ));
         }
         match card.text(7) {
@@ -335,8 +335,8 @@ impl SheetConstants {
         let across = [card.real_or_zero(5, "G1Z")?, card.real_or_zero(6, "G2Z")?];
         let Some(sheet) = SheetElasticity::orthotropic(constants, across) else {
             return Err(card.problem(
-                "these constants are those of no elastic sheet",
-                "E1, E2 and G12 are above zero, and NU12 squared below E1/E2; leave G1Z and G2Z both blank for no shear flexibility",
+                "no elastic sheet has these constants",
+                "E1, E2 and G12 must be above zero, and NU12 squared below E1/E2; without shear flexibility, leave G1Z and G2Z blank",
             ));
         };
         Ok(SheetConstants {

@@ -128,7 +128,7 @@ impl Properties {
         match self.properties.insert((family, id), property) {
             Some(first) => Err(card.at.problem(
                 format!(
-                    "{} {id}: this property is there twice; the first is {} in {}, line {}",
+                    "{} {id}: this property is defined twice, first by {} in {}, line {}",
                     card.name, first.name, first.at.file, first.at.line
                 ),
                 "renumber or remove one of them",
@@ -330,8 +330,8 @@ impl Properties {
         let inner = if wall == 0.0 { 0.0 } else { outer - wall };
         if !(0.0..outer).contains(&inner) {
             return Err(card.problem(
-                "the wall is thicker than the tube",
-                "OD is the diameter, T the thickness of the wall",
+                "OD and T make no tube",
+                "the outer diameter OD must be above zero, and the wall T at most OD/2; for a solid bar, leave T blank",
             ));
         }
         let (o, i) = (outer * outer, inner * inner);
@@ -370,7 +370,7 @@ impl Properties {
                 (young, 0.0)
             }
             _ => {
-                return Err(card.problem("two of E, G and NU are needed", "give E and NU"));
+                return Err(card.problem("E is missing, and one of G and NU", "give E and NU"));
             }
         };
         self.material(card, Constants::Isotropic([young, poisson, density]))
@@ -386,7 +386,7 @@ impl Properties {
         match self.materials.insert(id, material) {
             Some(first) => Err(card.at.problem(
                 format!(
-                    "{} {id}: this material is there twice; the first is {} in {}, line {}",
+                    "{} {id}: this material is defined twice, first by {} in {}, line {}",
                     card.name, first.name, first.at.file, first.at.line
                 ),
                 "renumber or remove one of them",
@@ -404,8 +404,8 @@ fn network(card: &Card) -> Result<Variant, FileProblem> {
         "3" | "THREE" => 3,
         other => {
             return Err(card.problem(
-                &format!("the integration IN = \"{other}\" is not known"),
-                "leave it blank, or write BUBBLE, TWO or THREE",
+                &format!("IN is \"{other}\", which is no rule of integration"),
+                "write BUBBLE, TWO or THREE, or leave the field blank",
             ));
         }
     };
@@ -414,8 +414,8 @@ fn network(card: &Card) -> Result<Variant, FileProblem> {
         "1" | "FULL" => true,
         other => {
             return Err(card.problem(
-                &format!("the integration ISOP = \"{other}\" is not known"),
-                "leave it blank, or write REDUCED or FULL",
+                &format!("ISOP is \"{other}\", which is no rule of integration"),
+                "write REDUCED or FULL, or leave the field blank",
             ));
         }
     };
@@ -439,8 +439,8 @@ fn shaped(card: &Card, from: usize, count: usize) -> Result<BeamSection, FilePro
             ..section
         }),
         None => Err(card.problem(
-            &format!("the dimensions {dimensions:?} make no {shape}"),
-            "look at the drawing of this shape: a wall is thicker than the section, or a dimension is negative",
+            &format!("no {shape} has the dimensions {dimensions:?}"),
+            "compare the dimensions with the drawing of the shape; walls must fit into the section, and no dimension may be negative",
         )),
     }
 }
@@ -547,10 +547,10 @@ impl<'d> Made<'d> {
             Kind::Unreadable => {
                 return Err(card.at.problem(
                     format!(
-                        "{}, used by element {element}, is of a kind that can't be read",
+                        "element {element} uses {}, and Eng does not read this kind of property for it",
                         card.name
                     ),
-                    "solids need PSOLID of a structure, beams PBAR, PBEAM or a known shape of PBARL, PBEAML",
+                    "give solids a PSOLID of a structure, and beams PBAR, PBEAM, or PBARL and PBEAML with a known shape",
                 ));
             }
         };
@@ -641,7 +641,7 @@ impl<'d> Made<'d> {
             _ => {
                 return Err(card.at.problem(
                     format!("{}, used by {}, is not isotropic", card.name, user.name),
-                    "only MAT1 can be read, and MAT2 and MAT8 of shells; read the matrices of the other code instead",
+                    "use MAT1, or for shells MAT2 or MAT8; otherwise read the matrices of the other code",
                 ));
             }
         };
@@ -650,10 +650,10 @@ impl<'d> Made<'d> {
         if !(elastic && density >= 0.0) {
             return Err(card.at.problem(
                 format!(
-                    "{}, used by {}: E = {young}, NU = {poisson}, RHO = {density:?} is no elastic material",
+                    "{}, used by {}: no elastic material has E = {young}, NU = {poisson} and RHO = {density:?}",
                     card.name, user.name
                 ),
-                "E and RHO can't be negative, NU lies between -1 and 0.5; without NU it is E/(2 G) - 1",
+                "E and RHO must not be negative, and NU must lie between -1 and 0.5; a blank NU is E/(2 G) - 1",
             ));
         }
         let by = (id, sheet.is_some() && usage == Use::Across);

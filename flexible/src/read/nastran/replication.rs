@@ -32,7 +32,10 @@ impl Repeated {
             return Ok(vec![piece]);
         }
         let Some(before) = self.card.clone() else {
-            return Err(problem(line, "repeats a card of several lines, or none"));
+            return Err(problem(
+                line,
+                "repeats the card before, but that card has several lines or is missing",
+            ));
         };
         let count = piece
             .head
@@ -44,7 +47,7 @@ impl Repeated {
             let (Some(count), false) = (count, self.added.is_empty()) else {
                 return Err(problem(
                     line,
-                    "repeats the card before a number of times, but does not state the increments of its fields",
+                    "repeats the card before several times, but no line before it states the increments of the fields",
                 ));
             };
             let mut made = Vec::new();
@@ -98,12 +101,15 @@ impl Repeated {
 fn problem(line: &Line, what: &str) -> FileProblem {
     line.at.problem(
         format!("\"{}\" {what}", line.text.trim()),
-        "write these cards in full",
+        "write each repeated card in full",
     )
 }
 
 fn not_added(line: &Line, field: &str) -> FileProblem {
-    problem(line, &format!("adds to \"{field}\", which is no number"))
+    problem(
+        line,
+        &format!("adds a number to \"{field}\", which is no number"),
+    )
 }
 
 /// The text without brackets around it.

@@ -2,8 +2,8 @@
 //! written as equations.
 //!
 //! All points move with one rigid body: the translation along e of a point at d from the origin is e·u + (d ×
-//! e)·θ, its rotation about e is e·θ. The six independent freedoms give u and θ, and these every dependent
-//! freedom.
+//! e)·θ, its rotation about e is e·θ. The six independent freedoms give u and θ, and u and θ give every
+//! dependent freedom.
 
 use super::vector::{IDENTITY, norm};
 use crate::fe::vector::{cross, subtract};

@@ -40,8 +40,8 @@ pub(super) fn read_cards(
         let Some(before) = &mut head else {
             if word == "BEGIN" {
                 return Err(line.at.problem(
-                    format!("\"{}\" begins a second part", line.text.trim()),
-                    "give each superelement as a deck of its own; a whole deck can be included before other cards",
+                    format!("\"{}\" begins a second part of the deck", line.text.trim()),
+                    "put each superelement into its own deck; one whole deck can be included before the other cards",
                 ));
             }
             for card in cards.push(&line)? {
@@ -54,8 +54,8 @@ pub(super) fn read_cards(
             before.control |= CONTROL.contains(&word.as_str());
             if before.lines.len() >= LONGEST_HEAD {
                 return Err(line.at.problem(
-                    format!("no card of bulk data in the first {LONGEST_HEAD} lines"),
-                    "give a Nastran bulk data deck",
+                    format!("the first {LONGEST_HEAD} lines contain no card of bulk data"),
+                    "give a deck of Nastran bulk data",
                 ));
             }
             before.lines.push(line);
@@ -81,7 +81,7 @@ pub(super) fn read_cards(
             return Err(whole(
                 name,
                 "the deck has no BEGIN BULK",
-                "the file may have been cut; bulk data is between BEGIN BULK and ENDDATA",
+                "write the bulk data between BEGIN BULK and ENDDATA; the file may have been cut",
             ));
         }
         for earlier in before.cards(false, &mut case) {

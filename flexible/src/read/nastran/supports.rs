@@ -189,7 +189,7 @@ fn chosen(
     if found.is_disjoint(sets) && (name == "SPC" || !sets.is_empty()) {
         return Err(at.problem(
             format!("{name} = {selected} selects a set that is missing"),
-            format!("add its {name} cards, or remove the selection to take all sets"),
+            format!("add the {name} cards of this set; without a selection, all sets apply"),
         ));
     }
     Ok(Some(found))
@@ -208,8 +208,8 @@ fn collect(
                 continue;
             }
             return Err(entry.at.problem(
-                format!("{}: no freedoms are named at a grid point", entry.name),
-                "give the freedoms 1 to 6 it concerns",
+                format!("{} states no freedoms for its grid points", entry.name),
+                "give the freedoms, each from 1 to 6",
             ));
         }
         for node in lookup.all(ids, &user, &entry.at)? {

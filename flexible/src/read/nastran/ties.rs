@@ -159,8 +159,8 @@ fn tie(
                 let node = lookup.require(grid, &user, &card.at)?;
                 let freedom = freedom.ok_or_else(|| {
                     card.at.problem(
-                        format!("MPC {id}: no freedom named at grid point {grid}"),
-                        "give C1, C2, …, one of 1 to 6 each",
+                        format!("MPC {id} states no freedom of grid point {grid}"),
+                        "give C1, C2, …, each a freedom from 1 to 6",
                     )
                 })?;
                 terms.push((node, freedom, coefficient));
@@ -189,10 +189,10 @@ fn tie(
             let Some(rows) = rows else {
                 return Err(card.at.problem(
                     format!(
-                        "{} {id}: its independent freedoms leave a rigid motion free",
+                        "the independent freedoms of {} {id} do not hold all rigid motions",
                         card.name
                     ),
-                    "give six freedoms that hold a rigid body, or 123456 at one grid point",
+                    "give 123456 at one grid point, or six freedoms that hold all motions of a rigid body",
                 ));
             };
             for (freedom, row) in following.iter().zip(rows) {
@@ -250,14 +250,14 @@ fn averaging(card: &Card) -> Result<Kind, FileProblem> {
         let ids = card.ids(first, i, "G")?;
         if ids.ranges.is_empty() {
             return Err(card.problem(
-                "a weight has no grid points",
-                "the list is weight, components, grid points; a real begins the next weight",
+                "no grid points follow a weight",
+                "write a weight with a decimal point, then components, then grid points",
             ));
         }
         if weight < 0.0 {
             return Err(card.problem(
                 &format!("the weight {weight} is negative"),
-                "weights must be positive",
+                "give a weight above zero",
             ));
         }
         groups.push((ids, weight, parts));
@@ -272,8 +272,8 @@ fn averaging(card: &Card) -> Result<Kind, FileProblem> {
     })
 }
 
-/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN), the others or those named (CM) depend on
-/// them.
+/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN). The freedoms CM depend on them, or all
+/// others if CM is blank.
 fn bar(card: &Card) -> Result<Kind, FileProblem> {
     let grids = [card.id(1, "GA")?, card.id(2, "GB")?];
     let part = |i: usize, name: &str| {
@@ -310,7 +310,10 @@ fn general(card: &Card) -> Result<Kind, FileProblem> {
         }
     }
     if !behind {
-        return Err(card.problem("\"UM\" is missing", "dependent freedoms follow the word UM"));
+        return Err(card.problem(
+            "\"UM\" is missing",
+            "write UM before the dependent freedoms",
+        ));
     }
     shared(card, given, following)
 }
@@ -340,8 +343,8 @@ fn shared(
         .sum();
     if count != 6 {
         return Err(card.problem(
-            &format!("{count} independent freedoms instead of six"),
-            "give 123456 at one grid point, or six freedoms that hold a rigid body",
+            &format!("it has {count} independent freedoms instead of six"),
+            "give 123456 at one grid point, or six freedoms that hold all motions of a rigid body",
         ));
     }
     Ok(Kind::Shared {
@@ -369,7 +372,7 @@ fn equation(card: &Card) -> Result<Kind, FileProblem> {
         Some((_, _, coefficient)) if *coefficient != 0.0 => Ok(Kind::Equation(terms)),
         _ => Err(card.problem(
             "the first coefficient is zero or missing",
-            "the first freedom is the one that depends on the others",
+            "give a coefficient other than zero first: its freedom depends on the others",
         )),
     }
 }

@@ -72,7 +72,7 @@ pub enum GridError {
     },
     /// A value at an odd end is not zero.
     #[error(
-        "the table is odd at an end of `{argument}`, but the value there is {value} in row {row}"
+        "the continuation of the table is odd at an end of `{argument}`, so the value there must be 0: row {row} has {value}"
     )]
     NotOdd {
         /// Argument.

@@ -101,7 +101,7 @@ impl Blocks {
         let place = if self.name.is_empty() {
             "before its first block".to_string()
         } else {
-            format!("inside or behind block {}", self.name)
+            format!("inside or after block {}", self.name)
         };
         self.problem(format!("the file ends {place}"), CUT)
     }
@@ -113,12 +113,12 @@ impl Blocks {
             Some(data) if data.len() == self.key_bytes => Ok(Some(self.integer(&data))),
             Some(data) => Err(self.problem(
                 format!(
-                    "a key of {} bytes should be here, not a record of {}{}",
+                    "a record of {1} bytes stands in the place of a key of {0} bytes{2}",
                     self.key_bytes,
                     data.len(),
                     self.where_it_is()
                 ),
-                "the file is damaged, or no OP2",
+                "write or copy the file again; it is damaged, or it is no OP2",
             )),
         }
     }
@@ -145,10 +145,10 @@ impl Blocks {
         }
         Err(self.problem(
             format!(
-                "the key {expected} should be here, not {key}{}",
+                "the key is {key} in the place of {expected}{}",
                 self.where_it_is()
             ),
-            "the file is damaged, or no OP2",
+            "write or copy the file again; it is damaged, or it is no OP2",
         ))
     }
 
@@ -163,11 +163,11 @@ impl Blocks {
         }
         Err(self.problem(
             format!(
-                "a record of {key} words has {} bytes{}",
+                "the length of a record, {} bytes, does not fit its key of {key} words{}",
                 data.len(),
                 self.where_it_is()
             ),
-            "the file is damaged",
+            "write or copy the file again; it is damaged",
         ))
     }
 
@@ -182,10 +182,10 @@ impl Blocks {
             if key <= 0 {
                 return Err(self.problem(
                     format!(
-                        "the key {end} should be here, not {key}{}",
+                        "the key is {key} in the place of {end}{}",
                         self.where_it_is()
                     ),
-                    "the file is damaged, or no OP2",
+                    "write or copy the file again; it is damaged, or it is no OP2",
                 ));
             }
             all.extend(self.words(key, 0)?);
@@ -210,8 +210,8 @@ impl Blocks {
                 Some(2) => break,
                 Some(key) => {
                     return Err(self.problem(
-                        format!("a block should begin here with the key 2, not {key}"),
-                        "the file is damaged, or no OP2",
+                        format!("a block begins with the key {key} in the place of 2"),
+                        "write or copy the file again; it is damaged, or it is no OP2",
                     ));
                 }
             }
@@ -256,10 +256,10 @@ impl Blocks {
                     (first, second) => {
                         return Err(self.problem(
                             format!(
-                                "a record begins with the keys {first} and {second}{}, not with 1 and 0 or 1",
+                                "a record begins with the keys {first} and {second} in the place of 1 and 0, or 1 and 1{}",
                                 self.where_it_is()
                             ),
-                            "the file is damaged, or no OP2",
+                            "write or copy the file again; it is damaged, or it is no OP2",
                         ));
                     }
                 },
@@ -268,7 +268,7 @@ impl Blocks {
                     if key == 0 {
                         return Err(self.problem(
                             format!("a record has no end{}", self.where_it_is()),
-                            "the file is damaged",
+                            "write or copy the file again; it is damaged",
                         ));
                     }
                     if key < 0 {

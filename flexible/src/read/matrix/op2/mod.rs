@@ -23,8 +23,8 @@ const POOLED: [i64; 6] = [32768, 0, 0, 0, 0, 0];
 /// the model must state the freedoms of the rows.
 ///
 /// # Errors
-/// With file and record: a file of another format, a cut or damaged file, a complex matrix, an entry that is
-/// no finite number; a name that the file doesn't hold, with those it does.
+/// With file and record: a file of another format, a cut or damaged file, a complex matrix, an entry
+/// that is no finite number; a name that is not in the file, with the names that are.
 pub fn read_op2_matrix(
     files: &dyn Files,
     file: &str,
@@ -67,10 +67,10 @@ pub fn read_op2_matrix(
             if column != matrix.columns {
                 return Err(blocks.problem(
                     format!(
-                        "matrix {} has {column} columns, but its head states {}",
+                        "matrix {} has {column} columns, but its head states {} columns",
                         matrix.name, matrix.columns
                     ),
-                    "the file is damaged",
+                    "write or copy the file again; it is damaged",
                 ));
             }
             found = Some(matrix);
@@ -80,7 +80,7 @@ pub fn read_op2_matrix(
     let mut matrix = chosen.map_err(|mut problem| {
         if !pooled.is_empty() {
             problem.advice += &format!(
-                "; {} are tables of DMIG cards: write them with OUTPUT4 or as matrices",
+                "; {} are tables of DMIG cards, which Eng does not read: write them with OUTPUT4 or as matrices",
                 pooled.join(", ")
             );
         }
@@ -135,7 +135,7 @@ fn head(
         )),
         _ => Err(blocks.problem(
             format!(
-                "matrix {} has the trailer {:?}, which gives no size and type",
+                "the trailer {1:?} of matrix {0} states no size and type",
                 block.name, block.trailer
             ),
             "write it with OUTPUT4, or with OUTPUT2 as a matrix",
@@ -155,7 +155,7 @@ fn entries(
     let damaged = |problem: String| {
         blocks.problem(
             format!("in column {column} of matrix {}: {problem}", matrix.name),
-            "the file is damaged",
+            "write or copy the file again; it is damaged",
         )
     };
     let single = block.trailer.get(4) == Some(&1);
@@ -163,14 +163,17 @@ fn entries(
     let (first, values) = data.split_at_checked(key).unwrap_or((&[], &[]));
     let first = blocks.integer(first);
     if values.is_empty() || !values.len().is_multiple_of(real) {
-        return Err(damaged(format!("a string of {} bytes", data.len())));
+        return Err(damaged(format!(
+            "a string has {} bytes, which is no whole number of values",
+            data.len()
+        )));
     }
     let count = values.len() / real;
     let start = match u32::try_from(first.saturating_sub(1)) {
         Ok(start) if start as usize + count <= matrix.rows => start,
         _ => {
             return Err(damaged(format!(
-                "{count} entries from row {first} of {}",
+                "{count} entries from row {first} exceed its {} rows",
                 matrix.rows
             )));
         }
@@ -179,7 +182,7 @@ fn entries(
         Some(place) if place < matrix.columns => place as u32, // as many as the head states, which fit
         _ => {
             return Err(damaged(format!(
-                "there are only {} columns",
+                "the matrix has only {} columns",
                 matrix.columns
             )));
         }
@@ -189,11 +192,11 @@ fn entries(
         if !value.is_finite() {
             return Err(blocks.problem(
                 format!(
-                    "matrix {} holds {value} at row {}, column {column}",
+                    "matrix {} contains {value} at row {}, column {column}",
                     matrix.name,
                     u64::from(row) + 1
                 ),
-                "the run that wrote it failed; look into its messages",
+                "the run that wrote it failed; read the messages of that run",
             ));
         }
         if value != 0.0 {

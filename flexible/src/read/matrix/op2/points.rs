@@ -1,7 +1,7 @@
 //! Points of an OP2: their numbers and rows (`EQEXIN`).
 //!
-//! The second record has pairs (number, 10 · first row + kind), kind 1 a grid point of six rows, 2 a scalar
-//! point of one.
+//! The second record has pairs (number, 10 · first row + kind). Kind 1 is a grid point with six rows, and kind
+//! 2 a scalar point with one row.
 
 use super::blocks::{Block, Blocks};
 use crate::error::FileProblem;

@@ -86,11 +86,11 @@ impl Shapes {
         if !data.len().is_multiple_of(8 * key) {
             return Err(blocks.problem(
                 format!(
-                    "{} has {} bytes, not 8 words a point",
+                    "the {1} bytes of {0} are not 8 words for each point",
                     block.name,
                     data.len()
                 ),
-                "the file is damaged",
+                "write or copy the file again; it is damaged",
             ));
         }
         for point in data.chunks_exact(8 * key) {
@@ -108,12 +108,12 @@ impl Shapes {
                 _ => {
                     return Err(blocks.problem(
                         format!(
-                            "{} has the values {shape:?} of point {:?}, kind {:?}",
+                            "{} has the values {shape:?} at point {:?}, of kind {:?}",
                             block.name,
                             words.first().map(|id| id / 10),
                             words.get(1)
                         ),
-                        "the file is damaged, or the run that wrote it failed",
+                        "write the file again; it is damaged, or the run that wrote it failed",
                     ));
                 }
             }
@@ -154,7 +154,7 @@ impl Shapes {
         }
         if passed > 0 {
             modes.warnings.push(format!(
-                "{file}: {passed} modes of other subcases than the first were not read"
+                "{file}: modes of later subcases than the first were not read: {passed}"
             ));
         }
         if self.scalar > 0 {
@@ -185,7 +185,7 @@ fn begin(
     if word(1) > 1000 || word(9) != 8 {
         return Err(blocks.problem(
             format!(
-                "{}: the shapes are sorted by point (code {}) or have {} words a point, not 8",
+                "{}: the shapes are sorted by point (code {}), or each point has {} words instead of 8",
                 block.name,
                 word(1),
                 word(9)

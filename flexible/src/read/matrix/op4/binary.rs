@@ -1,5 +1,5 @@
-//! Binary OP4: one record a head and a column. 32-bit files count words of 4 bytes, 64-bit ones (head of 48
-//! bytes) integers of 8 and words of 8, in which single precision has 8 bytes too.
+//! Binary OP4: one record for each head and each column. Integers and words have 4 bytes in 32-bit files. In
+//! 64-bit files, whose heads have 48 bytes, they have 8 bytes, also in single precision.
 
 use super::super::CUT;
 use super::super::bytes::{Order, Records};
@@ -26,7 +26,7 @@ pub(super) fn read(files: &dyn Files, file: &str, found: &mut Found) -> Result<(
                     record.len(),
                     6 * key
                 ),
-                "the file is damaged",
+                "write or copy the file again; it is damaged",
             ));
         }
         let name = name(record.get(4 * key..).unwrap_or(&[]));
@@ -94,12 +94,12 @@ fn columns(
         if record.len() < 3 * key || ![4, 8].contains(&word) || word * words != data.len() {
             return Err(records.problem(
                 format!(
-                    "column {column} of matrix {} states {} words, but has {} bytes",
+                    "the head of column {column} of matrix {} states {} words, but the column has {} bytes",
                     head.name,
                     integer(2),
                     data.len()
                 ),
-                "the file is damaged",
+                "write or copy the file again; it is damaged",
             ));
         }
         if column > head.columns {
@@ -144,7 +144,7 @@ impl Column<'_> {
         matrix: &mut ForeignMatrix,
     ) -> Result<(), Wrong> {
         if !data.len().is_multiple_of(self.real) {
-            return Err(self.wrong("the words of an entry are not complete"));
+            return Err(self.wrong("an entry has too few words"));
         }
         let start = self.head.run(first, data.len() / self.real, self.column)?;
         for (row, bytes) in (start..).zip(data.chunks_exact(self.real)) {
@@ -163,7 +163,7 @@ impl Column<'_> {
         while !data.is_empty() {
             let heading = if self.head.big { 2 } else { 1 } * self.key;
             let Some((keys, rest)) = data.split_at_checked(heading) else {
-                return Err(self.wrong("a string has no beginning"));
+                return Err(self.wrong("the head of a string is cut"));
             };
             let (length, row) = match keys.split_at_checked(self.key) {
                 Some((length, row)) if self.head.big => (order.integer(length), order.integer(row)),
@@ -183,7 +183,7 @@ impl Column<'_> {
                 .saturating_mul(self.word);
             let Some((values, rest)) = rest.split_at_checked(bytes).filter(|_| bytes > 0) else {
                 return Err(self.wrong(&format!(
-                    "a string of {length} words from row {row} has {} bytes left",
+                    "a string of {length} words from row {row} has only {} bytes",
                     rest.len()
                 )));
             };
@@ -199,7 +199,8 @@ impl Column<'_> {
                 "in column {} of matrix {}: {problem}",
                 self.column, self.head.name
             ),
-            "the file is damaged, or its integers have another size than its head".into(),
+            "write the file again; it is damaged, or its integers have another size than its head"
+                .into(),
         )
     }
 }

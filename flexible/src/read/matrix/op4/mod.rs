@@ -17,8 +17,8 @@ use crate::read::{self, Files};
 /// has the digits of its format.
 ///
 /// # Errors
-/// With file and record or line: a file of another format, a cut or damaged file, a complex matrix, an
-/// entry that is not a finite number; a name that the file doesn't hold, with those it does.
+/// With file and record or line: a file of another format, a cut or damaged file, a complex matrix,
+/// an entry that is not a finite number; a name that is not in the file, with the names that are.
 pub fn read_op4(files: &dyn Files, file: &str, name: &str) -> Result<ForeignMatrix, FileProblem> {
     let mut reader = read::open(files, file)?;
     let start = reader.fill_buf().unwrap_or(&[]);
@@ -95,7 +95,7 @@ impl Head {
                     "a matrix can't have {} rows, {columns} columns and type {kind}",
                     rows.saturating_abs()
                 ),
-                "the file is damaged, or no OP4".into(),
+                "write or copy the file again; it is damaged, or it is no OP4".into(),
             )),
         }
     }
@@ -130,10 +130,10 @@ impl Head {
             Ok(column) if column > last && column <= self.columns + 1 => Ok(column),
             _ => Err((
                 format!(
-                    "matrix {} of {} columns has column {column} after column {last}",
+                    "matrix {}, of {} columns, has column {column} after column {last}",
                     self.name, self.columns
                 ),
-                "the file is damaged".into(),
+                "write or copy the file again; it is damaged".into(),
             )),
         }
     }
@@ -144,10 +144,10 @@ impl Head {
             Ok(start) if (start as usize).saturating_add(count) <= self.rows => Ok(start),
             _ => Err((
                 format!(
-                    "matrix {} of {} rows has {count} entries from row {first} in column {column}",
+                    "matrix {}, of {} rows, has {count} entries from row {first} in column {column}",
                     self.name, self.rows
                 ),
-                "the file is damaged".into(),
+                "write or copy the file again; it is damaged".into(),
             )),
         }
     }
@@ -158,11 +158,11 @@ fn keep(matrix: &mut ForeignMatrix, row: u32, column: usize, value: f64) -> Resu
     if !value.is_finite() {
         return Err((
             format!(
-                "matrix {} holds {value} at row {}, column {column}",
+                "matrix {} contains {value} at row {}, column {column}",
                 matrix.name,
                 u64::from(row) + 1
             ),
-            "the run that wrote it failed; look into its messages".into(),
+            "the run that wrote it failed; read the messages of that run".into(),
         ));
     }
     if value != 0.0 {

@@ -20,13 +20,13 @@ pub(super) fn read(files: &dyn Files, file: &str, found: &mut Found) -> Result<(
         let [Some(column_count), Some(row_count), Some(_), Some(kind)] = numbers else {
             return Err(text.wrong(
                 "the head of a matrix: columns, rows, form, type (8 columns each), name, format",
-                "the file is damaged, or no OP4",
+                "write or copy the file again; it is damaged, or it is no OP4",
             ));
         };
         let Some(format) = format else {
             return Err(text.wrong(
-                "the head of a matrix: its format, like 1P,3E23.16, is missing",
-                "the file is damaged, or no OP4",
+                "the head of a matrix, because its format, such as 1P,3E23.16, is missing",
+                "write or copy the file again; it is damaged, or it is no OP4",
             ));
         };
         let head = Head::new(name, column_count, row_count, kind);
@@ -108,7 +108,7 @@ fn read_columns(
                     "the head of a column after column {last} of matrix {}: column, row, words",
                     head.name
                 ),
-                "the file is damaged, or its values have another width than its format states",
+                "write the file again; it is damaged, or its values have another width than the format in its head",
             ));
         };
         let located = |text: &Text, (problem, advice): Wrong| text.problem(problem, advice);
@@ -142,20 +142,20 @@ fn read_columns(
                 _ => {
                     return Err(text.wrong(
                         "the head of a string of entries",
-                        "the file is damaged, or its values have another width than its format states",
+                        "write the file again; it is damaged, or its values have another width than the format in its head",
                     ));
                 }
             };
-            // words an entry: two in double precision
+            // words of an entry: two in double precision
             let size = head.parts() * if head.kind % 2 == 0 { 2 } else { 1 };
             let used = usize::try_from(length.saturating_sub(1)).unwrap_or(0);
             if used == 0 || !used.is_multiple_of(size) || used.saturating_add(heading) > left {
                 return Err(text.problem(
                     format!(
-                        "a string of {length} words doesn't fit into column {column} of matrix {}, where {left} are left",
+                        "a string of {length} words does not fit into column {column} of matrix {}, which has {left} words left",
                         head.name
                     ),
-                    "the file is damaged",
+                    "write or copy the file again; it is damaged",
                 ));
             }
             left -= used + heading;
@@ -239,10 +239,10 @@ fn values(
         } else {
             wrong = Some((
                 format!(
-                    "the line has {length} columns where {here} values of {} should be",
+                    "the line has {length} characters instead of {here} values of {} characters",
                     format.width
                 ),
-                "the line was cut or edited, or the values have another width than the head's format states".into(),
+                "write the file again; the line was cut or edited, or its values have another width than the format in the head".into(),
             ));
         }
         if let Some((problem, advice)) = wrong {
