@@ -572,10 +572,11 @@ fn a_very_long_name_is_shown_in_short() {
     assert!(said.len() < 20_000, "{} bytes", said.len());
 }
 
-/// A force that jumps drives the body back to the jump from both sides.
+/// A force that jumps with the condition `{way}` and drives the body back to the jump from both sides.
 const RUBBED: &str = "force Rub(a: Marker, b: Marker) {
-    let v = dot(a.velocity, b.y)
-    apply force (if v > 0 m/s then -20 N else 20 N)*b.y on a against b
+    let way = dot(a.origin - b.origin, b.y)
+    let v = der(way)
+    apply force (if {way} then -20 N else 20 N)*b.y on a against b
 }
 model Rubbed {
     gravity = [0, -9.81, 0] m/s^2
@@ -588,8 +589,22 @@ analysis a = transient(Rubbed(), duration: 1e6 s, sample: 1 s)
 ";
 
 #[test]
+fn a_force_that_holds_the_motion_at_its_jump_is_refused() {
+    let folder = Folder::with("rub", &RUBBED.replace("{way}", "v > 0 m/s"));
+    let output = folder.eng(&["run", "model.eng", "--no-plots"]);
+    assert_eq!(output.status.code(), Some(1));
+    let told = text(&output.stderr);
+    assert!(
+        told.contains("error[E0770]: the force of rub jumps by 4"),
+        "{told}"
+    );
+    assert!(told.contains("holds the motion there"), "{told}");
+    assert!(told.contains("model.eng:10:11"), "{told}");
+}
+
+#[test]
 fn a_run_that_nobody_waits_for_is_stopped_with_its_reason() {
-    let folder = Folder::with("chatter", RUBBED);
+    let folder = Folder::with("chatter", &RUBBED.replace("{way}", "way > 0 mm"));
     let began = std::time::Instant::now();
     let output = folder.eng(&["run", "model.eng", "--no-plots"]);
     assert!(began.elapsed().as_secs() < 60);
@@ -599,7 +614,7 @@ fn a_run_that_nobody_waits_for_is_stopped_with_its_reason() {
     assert!(told.contains("warning[W0770]: a advances slowly"), "{told}");
     assert!(told.contains("error[E0771]"), "{told}");
     assert!(told.contains("the force of rub jumps by 4"), "{told}");
-    assert!(told.contains("model.eng:9:11"), "{told}");
+    assert!(told.contains("model.eng:10:11"), "{told}");
     assert!(told.contains("at this pace the rest takes about"), "{told}");
     assert!(told.contains("--patient"), "{told}");
 }

@@ -440,7 +440,7 @@ pub enum RuntimeError {
         state: Option<String>,
     },
     /// A load or a rate jumps at the present motion, and no step passes the jump.
-    #[error("{jump} at {moment}, and the steps fall below {} s there", short(*step, 3))]
+    #[error("{jump} at {moment} and holds the motion there, in steps of {} s", short(*step, 3))]
     Jumps {
         /// When.
         moment: Moment,

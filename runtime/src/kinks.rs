@@ -65,6 +65,8 @@ const SIGN: f64 = 1e-6;
 /// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
 /// pressures have become equal, a body that sticks. To end every step there would gain nothing.
 const STAYS: f64 = 3.0;
+/// Number of passages, each of which the motion turns back to, from which on the motion is held there.
+const HELD: f64 = 32.0;
 /// Share of the change of a function over a step that its rates do not explain, from which on a `wrapped` angle began anew.
 const WRAPPED: f64 = 0.5;
 
@@ -129,6 +131,9 @@ pub struct Kinks {
     peaks: Vec<f64>,
     /// Number of steps one after the other that passed each kink.
     stays: Vec<f64>,
+    /// Number of passages one after the other while the motion came towards the kink at each accepted state, on both sides.
+    returns: Vec<f64>,
+    held: Option<usize>,
     neighbours: Neighbours,
     points: Points,
     clocks: Vec<Clock>,
@@ -191,6 +196,8 @@ impl Kinks {
             bends: Vec::new(),
             peaks: Vec::new(),
             stays: Vec::new(),
+            returns: Vec::new(),
+            held: None,
             neighbours: Neighbours::default(),
             points: Points::default(),
             clocks: Vec::new(),
@@ -256,6 +263,7 @@ impl Kinks {
         kinks.bends = vec![0.0; count];
         kinks.peaks = vec![0.0; count];
         kinks.stays = vec![0.0; count];
+        kinks.returns = vec![0.0; count];
         let kind = |item: &Item| {
             let dimension = model.class(item.element).kinks[item.kink].dimension;
             let tolerance = matches!(item.limit, Limit::Tolerance(_));
@@ -406,6 +414,18 @@ impl Kinks {
                 *stay = 0.0;
             }
         }
+        self.held = None;
+        let pairs = self.now.iter().zip(&self.next).enumerate();
+        for ((item, (from, to)), returns) in pairs.zip(&mut self.returns) {
+            if to[0] * to[1] >= 0.0 {
+                *returns = 0.0;
+            } else if from[0] * to[0] < 0.0 {
+                *returns += 1.0;
+                if *returns >= HELD && (*returns as u64).is_power_of_two() {
+                    self.held = Some(item);
+                }
+            }
+        }
         self.now.copy_from_slice(&self.next);
         self.used.copy_from_slice(&self.used_next);
         for (item, function) in self.points.follow(model) {
@@ -466,6 +486,12 @@ impl Kinks {
         if let Some(stay) = self.stays.get_mut(item) {
             *stay = f64::INFINITY;
         }
+    }
+
+    /// A kink at which the last steps hold the motion: they pass it to and fro, and on both sides the motion comes towards it. It is given
+    /// with the last of a number of such passages, and again when their number has doubled.
+    pub fn holds(&self) -> Option<usize> {
+        self.held
     }
 
     /// The first kink that a trial of a step h (s) passes deeper than its limit. The trial ends at a time (s).
@@ -837,7 +863,8 @@ impl Kinks {
         let pairs = self.now.iter().flatten();
         let counts = pairs.chain(&self.bends).chain(&self.peaks);
         let used = self.used.iter().map(|used| f64::from(u8::from(*used)));
-        let counts = counts.chain(&self.stays).copied().chain(used);
+        let counts = counts.chain(&self.stays).chain(&self.returns);
+        let counts = counts.copied().chain(used);
         let clocks = self.clocks.iter().flat_map(Clock::numbers);
         counts.chain(self.points.numbers()).chain(clocks).collect()
     }
@@ -848,9 +875,10 @@ impl Kinks {
         for (now, pair) in self.now.iter_mut().zip(pairs.as_chunks::<2>().0) {
             *now = *pair;
         }
-        let (counts, used) = rest.split_at((3 * self.now.len()).min(rest.len()));
+        let (counts, used) = rest.split_at((4 * self.now.len()).min(rest.len()));
         let bends = self.bends.iter_mut();
         let places = bends.chain(&mut self.peaks).chain(&mut self.stays);
+        let places = places.chain(&mut self.returns);
         for (place, number) in places.zip(counts) {
             *place = *number;
         }

@@ -280,12 +280,8 @@ fn locate(
             high = middle;
         }
     }
-    Ok(Change {
-        time: high,
-        width: width(high, function)?
-            .unwrap_or(0.0)
-            .max(2.0 * (high - low)),
-    })
+    let width = width(high, function)?;
+    Ok(width.map(|width| Change { time: high, width }))
 }
 
 /// The distance (s) from a time at which a function has one sign before and the other one behind, clear of rounding: the signs at

@@ -125,6 +125,22 @@ impl Simulation {
         }
     }
 
+    /// Refuses a motion that the last steps hold at a kink, if a load or a rate jumps there: it has no solution behind the jump.
+    pub(super) fn refuse_held(&self) -> Result<(), RuntimeError> {
+        let Some(kink) = self.kinks.holds() else {
+            return Ok(());
+        };
+        let element = &self.model.compiled.system.elements[self.kinks.element(kink)];
+        match self.jump(self.earlier_step) {
+            Some(jump) if jump.origin.path == element.origin.path => Err(RuntimeError::Jumps {
+                moment: self.moment(),
+                step: self.earlier_step,
+                jump,
+            }),
+            _ => Ok(()),
+        }
+    }
+
     /// The load or rate with the largest jump along the motion near the present state. `step` (s) is the
     /// distance of the search.
     ///

@@ -428,6 +428,7 @@ impl Simulation {
         self.dynamics.keep_memory(&self.model)?;
         self.kinks.accept(&self.model, h, self.at_kink);
         self.refuse_jumps_within(&passed)?;
+        self.refuse_held()?;
         self.evaluated = None;
         self.cycle_at_ends = None;
         if self.options.step.fixed().is_some() && time >= end {
