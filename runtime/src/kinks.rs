@@ -65,8 +65,10 @@ const SIGN: f64 = 1e-6;
 /// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
 /// pressures have become equal, a body that sticks. To end every step there would gain nothing.
 const STAYS: f64 = 3.0;
-/// Number of passages, each of which the motion turns back to, from which on the motion is held there.
-const HELD: f64 = 32.0;
+/// A passage counts as this number of steps without one, and the count from which on many steps have passed a kink: some fifteen of
+/// twenty, or thirty of ninety. An impact has more than four steps on each side.
+const PASSED: f64 = 4.0;
+const OFTEN: f64 = 64.0;
 /// Share of the change of a function over a step that its rates do not explain, from which on a `wrapped` angle began anew.
 const WRAPPED: f64 = 0.5;
 
@@ -131,9 +133,9 @@ pub struct Kinks {
     peaks: Vec<f64>,
     /// Number of steps one after the other that passed each kink.
     stays: Vec<f64>,
-    /// Number of passages one after the other while the motion came towards the kink at each accepted state, on both sides.
-    returns: Vec<f64>,
-    held: Option<usize>,
+    /// Counts of passages that fall with each step without one.
+    passages: Vec<f64>,
+    often: Option<usize>,
     neighbours: Neighbours,
     points: Points,
     clocks: Vec<Clock>,
@@ -196,8 +198,8 @@ impl Kinks {
             bends: Vec::new(),
             peaks: Vec::new(),
             stays: Vec::new(),
-            returns: Vec::new(),
-            held: None,
+            passages: Vec::new(),
+            often: None,
             neighbours: Neighbours::default(),
             points: Points::default(),
             clocks: Vec::new(),
@@ -263,7 +265,7 @@ impl Kinks {
         kinks.bends = vec![0.0; count];
         kinks.peaks = vec![0.0; count];
         kinks.stays = vec![0.0; count];
-        kinks.returns = vec![0.0; count];
+        kinks.passages = vec![0.0; count];
         let kind = |item: &Item| {
             let dimension = model.class(item.element).kinks[item.kink].dimension;
             let tolerance = matches!(item.limit, Limit::Tolerance(_));
@@ -414,16 +416,13 @@ impl Kinks {
                 *stay = 0.0;
             }
         }
-        self.held = None;
+        self.often = None;
         let pairs = self.now.iter().zip(&self.next).enumerate();
-        for ((item, (from, to)), returns) in pairs.zip(&mut self.returns) {
-            if to[0] * to[1] >= 0.0 {
-                *returns = 0.0;
-            } else if from[0] * to[0] < 0.0 {
-                *returns += 1.0;
-                if *returns >= HELD && (*returns as u64).is_power_of_two() {
-                    self.held = Some(item);
-                }
+        for ((item, (from, to)), passages) in pairs.zip(&mut self.passages) {
+            let passed = from[0] * to[0] < 0.0;
+            *passages = (*passages + if passed { PASSED } else { -1.0 }).max(0.0);
+            if *passages >= OFTEN {
+                (*passages, self.often) = (0.0, Some(item));
             }
         }
         self.now.copy_from_slice(&self.next);
@@ -488,10 +487,9 @@ impl Kinks {
         }
     }
 
-    /// A kink at which the last steps hold the motion: they pass it to and fro, and on both sides the motion comes towards it. It is given
-    /// with the last of a number of such passages, and again when their number has doubled.
-    pub fn holds(&self) -> Option<usize> {
-        self.held
+    /// A kink that many of the last steps have passed, to and fro.
+    pub fn often(&self) -> Option<usize> {
+        self.often
     }
 
     /// The first kink that a trial of a step h (s) passes deeper than its limit. The trial ends at a time (s).
@@ -863,7 +861,7 @@ impl Kinks {
         let pairs = self.now.iter().flatten();
         let counts = pairs.chain(&self.bends).chain(&self.peaks);
         let used = self.used.iter().map(|used| f64::from(u8::from(*used)));
-        let counts = counts.chain(&self.stays).chain(&self.returns);
+        let counts = counts.chain(&self.stays).chain(&self.passages);
         let counts = counts.copied().chain(used);
         let clocks = self.clocks.iter().flat_map(Clock::numbers);
         counts.chain(self.points.numbers()).chain(clocks).collect()
@@ -878,7 +876,7 @@ impl Kinks {
         let (counts, used) = rest.split_at((4 * self.now.len()).min(rest.len()));
         let bends = self.bends.iter_mut();
         let places = bends.chain(&mut self.peaks).chain(&mut self.stays);
-        let places = places.chain(&mut self.returns);
+        let places = places.chain(&mut self.passages);
         for (place, number) in places.zip(counts) {
             *place = *number;
         }

@@ -221,7 +221,7 @@ impl Simulation {
     }
 
     /// Evaluates the kink functions at a state.
-    fn place_kinks(&mut self, state: &State) -> Result<(), RuntimeError> {
+    pub(super) fn place_kinks(&mut self, state: &State) -> Result<(), RuntimeError> {
         self.place_at(state);
         self.kinks.evaluate(&self.model, &self.dynamics, state)
     }

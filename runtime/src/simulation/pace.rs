@@ -4,7 +4,7 @@ use super::{Jump, Pace, Simulation, Slow};
 use crate::dynamics::Dynamics;
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::state::move_pose;
+use crate::state::{State, move_pose};
 
 /// The reason for the length of the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -125,20 +125,46 @@ impl Simulation {
         }
     }
 
-    /// Refuses a motion that the last steps hold at a kink, if a load or a rate jumps there: it has no solution behind the jump.
-    pub(super) fn refuse_held(&self) -> Result<(), RuntimeError> {
-        let Some(kink) = self.kinks.holds() else {
+    /// Refuses a motion that is held at a kink where a load or a rate jumps, because it has no solution behind the jump. Many of the last
+    /// steps have passed the kink to and fro, and on both sides the motion comes towards it.
+    pub(super) fn refuse_held(&mut self) -> Result<(), RuntimeError> {
+        let Some(kink) = self.kinks.often() else {
             return Ok(());
         };
-        let element = &self.model.compiled.system.elements[self.kinks.element(kink)];
+        let mut start = self.integrator.current.clone();
+        let moment = self.moment();
+        let solved =
+            (self.system).accelerations(&self.model, &mut self.dynamics, &mut start, moment);
+        // the next step reports the error
+        if solved.is_err() || !self.comes_to(kink, &start)? {
+            return Ok(());
+        }
+        let across = 2.0 * -self.kinks.value(kink) / self.kinks.rate(kink);
+        let Ok(other) = self.ahead(&start, across) else {
+            return Ok(());
+        };
+        let (side, held) = (self.kinks.value(kink), self.comes_to(kink, &other)?);
+        let crossed = self.kinks.value(kink) * side < 0.0;
+        self.place_kinks(&start)?;
+        let path = &self.model.compiled.system.elements[self.kinks.element(kink)]
+            .origin
+            .path;
         match self.jump(self.earlier_step) {
-            Some(jump) if jump.origin.path == element.origin.path => Err(RuntimeError::Jumps {
-                moment: self.moment(),
-                step: self.earlier_step,
-                jump,
-            }),
+            Some(jump) if held && crossed && jump.origin.path == *path => {
+                Err(RuntimeError::Jumps {
+                    moment,
+                    step: self.earlier_step,
+                    jump,
+                })
+            }
             _ => Ok(()),
         }
+    }
+
+    /// Whether the function of a kink goes to zero at a motion with its accelerations.
+    fn comes_to(&mut self, kink: usize, motion: &State) -> Result<bool, RuntimeError> {
+        self.place_kinks(motion)?;
+        Ok(self.kinks.value(kink) * self.kinks.rate(kink) < 0.0)
     }
 
     /// The load or rate with the largest jump along the motion near the present state. `step` (s) is the
