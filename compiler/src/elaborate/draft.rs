@@ -64,6 +64,8 @@ pub(crate) struct Draft<'a> {
     pub named: HashMap<(usize, String), Location>,
     /// Numbers that uses of parts change, by their paths.
     pub changes: Vec<Change<'a>>,
+    /// Indices of repeated items, by path without index.
+    pub repeated: BTreeMap<String, Vec<Vec<usize>>>,
     /// Items whose condition does not hold, with their paths.
     pub absent: Vec<(&'a ast::Declaration, Rc<str>)>,
     pub gravity: Option<[Node; 3]>,

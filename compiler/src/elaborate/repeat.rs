@@ -52,6 +52,9 @@ impl<'a> Elaborator<'a, '_> {
             Ok(())
         })?;
         if !declaration.index.is_empty() {
+            let path = self.path(scope, &declaration.name.text);
+            let indices = made.iter().map(|(position, _)| position.clone());
+            self.draft.repeated.insert(path, indices.collect());
             return Ok(Value::Family(made));
         }
         // without an index there is one combination
