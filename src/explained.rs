@@ -240,7 +240,7 @@ fn nearest(path: &str, known: &[String]) -> Option<String> {
 }
 
 /// `engine.eng:84`; empty if the place is not known.
-fn stated_at(texts: &SourceMap, place: Option<Location>) -> String {
+pub(crate) fn stated_at(texts: &SourceMap, place: Option<Location>) -> String {
     let found = place.and_then(|place| {
         let span = span(place);
         let (line, _) = texts.line_column(span.source, span.start)?;
