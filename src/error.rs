@@ -87,6 +87,14 @@ pub enum Error {
         /// A path with a similar spelling.
         nearest: Option<String>,
     },
+    /// No such index of a repeated item.
+    #[error("there is no {path} in the model: {range}")]
+    NoIndex {
+        /// The wanted item.
+        path: String,
+        /// The indices that there are, in words.
+        range: String,
+    },
     /// A handle of a parameter, input or channel of another model.
     #[error("the handle is of another model")]
     OtherModel,

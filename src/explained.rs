@@ -14,6 +14,7 @@ use eng_system::significant::short;
 use eng_system::system::{
     BodyInertia, BodyRef, Channel, Element, ElementClass, Location, Origin, Role, System,
 };
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Most elements that the text about a body or a marker names.
@@ -26,10 +27,11 @@ impl Program {
     /// model, a class, an analysis, a constant, a unit.
     ///
     /// # Errors
-    /// A path that no model has; a model with a mistake.
+    /// A path or an index that no model has; a model with a mistake.
     pub fn explain(&self, path: &str) -> Result<String, Error> {
         let mut texts = Vec::new();
         let mut known = Vec::new();
+        let mut repeated = Repeated::new();
         for name in self.models() {
             let model = self.outlined(name)?;
             let bound = bound(&model)?;
@@ -43,9 +45,18 @@ impl Program {
                 _ => format!("model {name}\n{text}"),
             }));
             known.extend(explained.paths().map(str::to_owned));
+            for (path, indices) in &model.compiled().system.repeated {
+                let all = repeated.entry(path.clone()).or_default();
+                all.extend(indices.iter().cloned());
+            }
         }
         if texts.is_empty() && self.models().contains(&path) {
             return self.model_in_words(path);
+        }
+        if texts.is_empty()
+            && let Some(outside) = index_outside(path, &repeated, &known)
+        {
+            return Err(outside);
         }
         if texts.is_empty() {
             let modules = self.modules();
@@ -132,6 +143,74 @@ fn items_of(name: &str, model: &Model, texts: &SourceMap) -> String {
     format!("model {name}\n{}", table.render_left(1))
 }
 
+/// Indices of repeated items, by path without index.
+type Repeated = BTreeMap<String, BTreeSet<Vec<usize>>>;
+
+/// The numbers of `2,1`; `None` for other text.
+fn index_of(text: &str) -> Option<Vec<usize>> {
+    text.split(',').map(|n| n.trim().parse().ok()).collect()
+}
+
+/// The error for a path with an index that the models do not make. Paths of the models tell the indices of parameters and
+/// outputs.
+fn index_outside(path: &str, repeated: &Repeated, known: &[String]) -> Option<Error> {
+    for (end, _) in path.match_indices(']') {
+        let part = path.get(..=end)?;
+        let (base, index) = path.get(..end)?.rsplit_once('[')?;
+        let asked = index_of(index)?;
+        let of_paths = known.iter().filter_map(|path| {
+            let rest = path.strip_prefix(base)?.strip_prefix('[')?;
+            index_of(rest.split_once(']')?.0)
+        });
+        let (made, stated) = match repeated.get(base) {
+            Some(made) => (made.clone(), true),
+            None => (of_paths.collect(), false),
+        };
+        if (stated || !made.is_empty()) && !made.contains(&asked) {
+            return Some(Error::NoIndex {
+                path: part.to_owned(),
+                range: range_in_words(base, &made),
+            });
+        }
+    }
+    None
+}
+
+/// `the indices of rod are 1 to 4`.
+fn range_in_words(base: &str, made: &BTreeSet<Vec<usize>>) -> String {
+    let mut shown: Vec<String> = made.iter().take(MOST).map(|index| shown(index)).collect();
+    let flat: Option<Vec<usize>> = made
+        .iter()
+        .map(|index| match index.as_slice() {
+            [one] => Some(*one),
+            _ => None,
+        })
+        .collect();
+    match flat.as_deref() {
+        Some([]) => return format!("the range of the index of {base} is empty"),
+        Some([first, .., last]) if last - first + 1 == made.len() => {
+            return format!("the indices of {base} are {first} to {last}");
+        }
+        _ => {}
+    }
+    if made.len() > MOST {
+        shown.push(format!("{} more", made.len() - MOST));
+    }
+    match shown.as_slice() {
+        [only] => format!("the one index of {base} is {only}"),
+        all => format!("the indices of {base} are {}", all.join(", ")),
+    }
+}
+
+/// An index as a path shows it: `3`, `[2,1]`.
+fn shown(index: &[usize]) -> String {
+    let numbers: Vec<String> = index.iter().map(usize::to_string).collect();
+    match numbers.as_slice() {
+        [one] => one.clone(),
+        all => format!("[{}]", all.join(",")),
+    }
+}
+
 /// The values of a model with the defaults of its parameters.
 fn bound(model: &Model) -> Result<Bound, Error> {
     let compiled = model.compiled();
@@ -161,7 +240,7 @@ fn nearest(path: &str, known: &[String]) -> Option<String> {
 }
 
 /// `engine.eng:84`; empty if the place is not known.
-fn stated_at(texts: &SourceMap, place: Option<Location>) -> String {
+pub(crate) fn stated_at(texts: &SourceMap, place: Option<Location>) -> String {
     let found = place.and_then(|place| {
         let span = span(place);
         let (line, _) = texts.line_column(span.source, span.start)?;

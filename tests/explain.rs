@@ -278,6 +278,31 @@ fn a_part_of_a_model_is_explained() {
     }
 }
 
+/// The error names the range. The text of the item would look as if the index were there.
+#[test]
+fn an_index_out_of_range_is_refused() {
+    for (asked, told) in [
+        (
+            "leg[3]",
+            "there is no leg[3] in the model: the indices of leg are 1 to 2",
+        ),
+        (
+            "leg[0].hip",
+            "there is no leg[0] in the model: the indices of leg are 1 to 2",
+        ),
+        (
+            "leg[1].bone.hole[9]",
+            "there is no leg[1].bone.hole[9] in the model: the indices of leg[1].bone.hole are 1 to 2",
+        ),
+    ] {
+        let output = part(&[asked]);
+        assert_eq!(output.status.code(), Some(2), "{asked}");
+        assert_eq!(text(&output.stdout), "", "{asked}");
+        let errors = text(&output.stderr);
+        assert!(errors.contains(told), "{errors}");
+    }
+}
+
 #[test]
 fn a_path_that_a_model_has_not_is_refused() {
     let output = part(&["sprign"]);
@@ -422,6 +447,9 @@ analysis run = assemble(Shaft())
             assert!(found.contains(line), "{name}: no {line} in\n{found}");
         }
     }
+    // an index beyond the range is not one that the condition leaves out
+    let output = eng(&["explain", path, "pulley[3].bush"]);
+    assert_eq!(output.status.code(), Some(2));
     // what exists is explained by its numbers, and an item that the text has not is refused
     let output = eng(&["explain", path, "pulley[1].bush"]);
     let found = text(&output.stdout);

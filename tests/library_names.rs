@@ -22,13 +22,15 @@ const MODULES: [&str; 12] = [
     "engine",
 ];
 
-/// Paths of interfaces and of a class that Rust knows, each with its reason. No member of them is named.
+/// Paths of interfaces and of a class that Rust knows, each with its reason. No member of them is named but the markers
+/// of the weld.
 const KNOWN: [(&str, &str); 3] = [
     // the start treats pins in films by rules of their own, and orbits are drawn of them
     ("compiler/src/program.rs", "JournalLaw"),
     // firing angles mark figures and give the orders of an engine; lints compare them with the dead centres
     ("compiler/src/program.rs", "GasLaw"),
-    // the weld between the ground and a flexible body that its mesh supports
+    // `support` of a flexible body: no text states the joint to the ground, so elaboration makes it. An element needs a
+    // class, and with that of the library its equations and outputs are written once
     ("compiler/src/program.rs", "Fixed"),
 ];
 

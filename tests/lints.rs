@@ -90,6 +90,47 @@ fn told(text: &str) -> Vec<&'static str> {
     NAMES.into_iter().filter(named).collect()
 }
 
+/// A lint with an index fails several times for one element: the message shows the values of all.
+#[test]
+fn a_lint_with_an_index_shows_each_index() {
+    let text = "use std.joints.Revolute
+force Springs(a: Marker, b: Marker, stiffness: TorsionalStiffness[n]) {
+    advise[k in 1..n] soft: stiffness[k] < 1 N*m/rad else \"spring {k} has {stiffness[k] as N*m/rad}\"
+    apply torque -sum(stiffness)*dot(cross(b.x, a.x), b.z)*b.z on a against b
+}
+model Swing {
+    gravity = [0, 0, 0] m/s^2
+    marker pivot = [0, 0, 0] mm
+    body bob { mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker top = [0, 1, 0] m }
+    joint pin = Revolute(bob.top, pivot)
+    force few = Springs(bob.top, pivot, stiffness: [0.5, 2, 3] N*m/rad)
+    force many = Springs(bob.top, pivot, stiffness: [2, 3, 4, 5, 6, 7] N*m/rad)
+}
+analysis run = transient(Swing(), duration: 1 ms, sample: 1 ms)
+";
+    let (said, _) = Text::new("indexed", text).check();
+    assert_eq!(said.matches("`accept soft`").count(), 1, "{said}");
+    for shown in [
+        "few: spring 2 has 2 N*m/rad",
+        "likewise: spring 3 has 3 N*m/rad",
+        "likewise many",
+    ] {
+        assert!(said.contains(shown), "{shown}: {said}");
+    }
+    let text = text.replace(
+        "    force few = Springs(bob.top, pivot, stiffness: [0.5, 2, 3] N*m/rad)\n",
+        "",
+    );
+    let (said, _) = Text::new("many-indexed", &text).check();
+    for shown in [
+        "many: spring 1 has 2 N*m/rad",
+        "likewise: spring 4 has 5 N*m/rad",
+        "likewise 2 more",
+    ] {
+        assert!(said.contains(shown), "{shown}: {said}");
+    }
+}
+
 #[test]
 fn every_lint_is_told_once_with_its_name() {
     let (said, assembled) = Text::new("told", &text("", "", "", "", "")).check();

@@ -607,9 +607,9 @@ fn a_signal_over_another_one() {
             figure circle \"Path\" = xy(steady.arm.x, steady.arm.y) as mm
             figure several = xy([turned.arm.x, turned.arm.y], [turned.ripple, turned.wave[1]], cycles: 1)
             figure one = xy(steady.arm.x, steady.wave[1..2]) as N
-            figure two = xy(turned.arm.x, coarse.ripple)
+            figure two = xy(turned.arm.x, timed.ripple)
         }",
-        &["steady", "turned", "coarse"],
+        &["steady", "turned", "timed"],
     );
     let report = ran.report();
     let Figure::Xy(circle) = figure(&report, "circle") else {
@@ -659,7 +659,7 @@ fn a_signal_over_another_one() {
     assert!((one.curves[0].y[0] - 1500.0).abs() < 1.0 && one.curves[1].x == one.curves[0].x);
     let two = error(&report, "two");
     assert!(
-        two.contains("turned and coarse have different samples"),
+        two.contains("turned and timed have different samples"),
         "{two}"
     );
 }
@@ -931,6 +931,40 @@ fn folder(name: &str) -> PathBuf {
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).expect("a folder");
     folder
+}
+
+/// Times and angles of two runs agree only by chance, so the run decides. A missing figure is an error with its place.
+#[test]
+fn a_run_whose_figure_is_not_made_fails() {
+    let folder = folder("figure-not-made");
+    let report = "report loops {\n    figure both = xy(turned.arm.x, timed.ripple)\n}\n";
+    let text = format!("{MODEL}{report}");
+    std::fs::write(folder.join("spin.eng"), &text).expect("a file");
+    let line = 1 + text
+        .lines()
+        .position(|line| line.contains("figure both"))
+        .expect("the figure");
+    let ran = |more: &[&str]| {
+        let mut all = vec![
+            "run",
+            "spin.eng",
+            "--analysis",
+            "turned",
+            "--analysis",
+            "timed",
+        ];
+        all.extend(more);
+        command(&folder, &all)
+    };
+    let output = ran(&[]);
+    assert_eq!(output.status.code(), Some(1));
+    let errors = String::from_utf8_lossy(&output.stderr);
+    let told = format!(
+        "error: spin.eng:{line}: `both` of the report `loops` is not made: turned and timed have different samples"
+    );
+    assert!(errors.contains(&told), "{errors}");
+    // samples that the user leaves out are no error
+    assert_eq!(ran(&["--last", "20ms"]).status.code(), Some(0));
 }
 
 #[test]

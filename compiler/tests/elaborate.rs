@@ -296,6 +296,29 @@ fn an_element_may_need_one_that_stands_after_it() {
     assert_eq!(twist.markers.len(), 4);
 }
 
+/// The type of a list states the dimension of its sum. A sum of whole numbers is whole.
+#[test]
+fn the_sum_of_an_empty_list_is_zero() {
+    let model = MODEL
+        .replace(
+            "model Chain {",
+            "fn total(loads: Force[n]) -> Force = sum(loads)\nmodel Chain {",
+        )
+        .replace(
+            "const count = 3",
+            "const count = 3
+    const one = 1 + sum(k for k in 3..1)
+    require total([]) == 0 N else \"a parameter\"
+    require sum(1 mm for k in 3..1) + 2 mm == 2 mm else \"a list of lengths\"
+    marker spare[i in 1..one] = [0, 0, 0] mm",
+        );
+    let (made, diagnostics, _) = run(&model);
+    let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    let made = made.expect("no errors, so a system");
+    assert_eq!(made.system.repeated["spare"], [[1]]);
+}
+
 /// The value of a parameter with all defaults of a model, by its path.
 fn default_of(made: &Elaborated, path: &str) -> f64 {
     let none = vec![None; made.system.parameters.len()];

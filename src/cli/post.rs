@@ -4,6 +4,7 @@ use super::arguments::RunArguments;
 use super::files::{draw, or_stop};
 use super::terminal::Terminal;
 use super::{Refusal, Stop};
+use crate::explained::stated_at;
 use crate::motion::SUFFIX;
 use crate::post::{self, EvaluatedReport, Outcome, Run};
 use crate::program::Program;
@@ -13,7 +14,7 @@ use crate::run::RunOutcome;
 use std::path::Path;
 
 /// Prints the reports about the analyses of this call, together with earlier results in the folder, and
-/// writes their figures. Returns whether all conditions of the reports hold.
+/// writes their figures. Returns whether all conditions of the reports hold, and the results give all entries.
 pub(super) fn reports(
     outcomes: &[RunOutcome],
     arguments: &RunArguments,
@@ -107,6 +108,18 @@ pub(super) fn reports(
             write!(console.output, "{}", post::text(&made))?;
         } else if made.fails() {
             write!(console.errors, "{}", post::text(&made))?;
+        }
+        // `--last` leaves out samples that an entry may need
+        if arguments.last.is_none() {
+            for (entry, error) in made.faults() {
+                holds = false;
+                let place = stated_at(program.texts(), Some(entry.place));
+                let (name, report) = (&entry.name, &made.name);
+                writeln!(
+                    console.errors,
+                    "error: {place}: `{name}` of the report `{report}` is not made: {error}"
+                )?;
+            }
         }
         if !arguments.no_plots {
             let failed = outcomes.iter().any(|o| o.results.failure().is_some());

@@ -217,12 +217,39 @@ fn diagnostic(group: &[&Finding]) -> Diagnostic {
     };
     message = decided(message, &first.decided_by);
     if !alike {
-        message = message.with_note(format!("likewise {}", listed(&paths[1..])));
+        message = likewise(message, group);
     }
     if !first.help.is_empty() {
         message = message.with_help(first.help.as_str());
     }
     message.acceptable(&first.name)
+}
+
+/// Names the other objects of a group. An indexed condition fails several times for one object: there only the
+/// messages differ.
+fn likewise(mut message: Diagnostic, group: &[&Finding]) -> Diagnostic {
+    let first = group[0];
+    let mut paths: Vec<&str> = Vec::new();
+    let mut texts: Vec<&str> = Vec::new();
+    for finding in &group[1..] {
+        let path = finding.origin.path.as_str();
+        if path == first.origin.path {
+            texts.push(&finding.message);
+        } else if !paths.contains(&path) {
+            paths.push(path);
+        }
+    }
+    for text in texts.iter().take(MOST_PLACES) {
+        message = message.with_note(format!("likewise: {text}"));
+    }
+    if texts.len() > MOST_PLACES {
+        let more = texts.len() - MOST_PLACES;
+        message = message.with_note(format!("likewise {more} more"));
+    }
+    if !paths.is_empty() {
+        message = message.with_note(format!("likewise {}", listed(&paths)));
+    }
+    message
 }
 
 /// An angle (rad) with its unit: degrees, unless the number of degrees is too large for a float.

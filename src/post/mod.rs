@@ -46,6 +46,7 @@ use crate::results::Results;
 use eng_report::figure::Figure;
 use eng_report::signal::SignalError;
 use eng_system::DisplayUnit;
+use eng_system::place::Location;
 use eng_system::report::{EntryKind, MessagePart, Report};
 use evaluate::Evaluator;
 
@@ -325,6 +326,10 @@ pub struct Evaluated {
     pub outcome: Result<Outcome, PostError>,
     /// Whether it is a `require` that the results of its analyses do not decide.
     pub undecided: bool,
+    /// Whether it is a figure or a value that the results of its analyses do not give although they were kept.
+    pub missing: bool,
+    /// Its place in the text.
+    pub place: Location,
 }
 
 impl Evaluated {
@@ -365,6 +370,13 @@ impl EvaluatedReport {
             Some(Err(error)) => Err(error.clone()),
             _ => Err(PostError::NoValue(name.to_owned())),
         }
+    }
+
+    /// The figures and values that results of whole runs do not give, with the reasons.
+    pub fn faults(&self) -> impl Iterator<Item = (&Evaluated, &PostError)> {
+        let missing = move |entry: &&Evaluated| self.partial.is_empty() && entry.missing;
+        let entries = self.entries.iter().filter(missing);
+        entries.filter_map(|entry| Some((entry, entry.outcome.as_ref().err()?)))
     }
 
     /// Whether a `require` does not hold, or cannot be decided although its analyses were run.
@@ -409,13 +421,20 @@ pub fn evaluate(report: &Report, runs: &[Run<'_>]) -> EvaluatedReport {
             };
             let required = matches!(entry.kind, EntryKind::Require { advise: false, .. });
             let made = !matches!(outcome, Err(PostError::NotRun(_)));
+            let kept = !matches!(
+                outcome,
+                Err(PostError::NotRun(_) | PostError::NoChannel { .. } | PostError::NoMotion(_))
+            );
+            let shown = !matches!(entry.kind, EntryKind::Require { .. });
             Evaluated {
                 undecided: required && made && outcome.is_err(),
+                missing: shown && kept && outcome.is_err(),
                 name: entry.name.clone(),
                 title: entry.title.clone(),
                 text: entry.text.clone(),
                 written: entry.written.clone(),
                 outcome,
+                place: entry.place,
             }
         })
         .collect();

@@ -474,6 +474,8 @@ pub struct System {
     /// Places of stated attributes, by path: `gravity`, `crank.inertia`. If an argument of a class is the
     /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,
+    /// Indices of the items that the text repeats, by path without index, also of items whose condition does not hold.
+    pub repeated: std::collections::BTreeMap<String, Vec<Vec<usize>>>,
     /// Quantities that lints follow through a turn without forces, in the order of their inputs of the bind graph.
     pub followed: Vec<crate::lint::Followed>,
     /// Lints that the text accepts.

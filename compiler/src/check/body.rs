@@ -339,26 +339,27 @@ impl<'p> Checker<'p> {
                 ExprKind::Name(name) if word(Place::Marker, name).is_some() => {
                     self.mesh_without_body(name, callee.span);
                 }
-                _ => self.place(&scope, name, value),
+                _ => self.place(&scope, name, value, &[]),
             },
-            _ => self.place(&scope, name, value),
+            _ => self.place(&scope, name, value, &[]),
         }
     }
 
-    /// `origin`, or three lengths.
-    fn place(&mut self, scope: &Scope<'p>, name: &str, value: &Expr) {
+    /// `origin`, or three lengths. The arguments are those of `at` around it.
+    fn place(&mut self, scope: &Scope<'p>, name: &str, value: &Expr, arguments: &[Argument]) {
         if matches!(&value.kind, ExprKind::Name(word) if word == "origin") {
             return;
         }
         let ty = self.infer(scope, value);
         if ty == Type::Marker {
+            let help = self.in_axes_of(value, arguments);
             self.report(
                 Diagnostic::error(
                     codes::MARKER,
                     format!("the place of `{name}` is another marker"),
                 )
                 .at(value.span, "this is a marker")
-                .with_help("use that marker itself, or repeat its place: `[x, y, z] mm`"),
+                .with_help(help),
             );
             return;
         }
@@ -370,6 +371,19 @@ impl<'p> Checker<'p> {
             &Type::vector(Quantity::hard(Dimension::LENGTH)),
             &due,
         );
+    }
+
+    /// The remedy for a marker as the place of another.
+    fn in_axes_of(&self, marker: &Expr, arguments: &[Argument]) -> String {
+        let mut others = arguments.iter().filter_map(|a| a.name.as_ref()).peekable();
+        if others.peek().is_none() {
+            return "use that marker itself, or repeat its place: `[x, y, z] mm`".to_owned();
+        }
+        let mut form = format!("at([0, 0, 0] mm, in: {}", self.sources.text(marker.span));
+        for name in others.filter(|name| name.text != "in") {
+            form.push_str(&format!(", {}: …", name.text));
+        }
+        format!("`in:` names a marker of the same body: `{form})`")
     }
 
     fn place_with_axes(
@@ -385,7 +399,7 @@ impl<'p> Checker<'p> {
             match &argument.name {
                 None if place.is_none() => {
                     place = Some(());
-                    self.place(scope, name, &argument.value);
+                    self.place(scope, name, &argument.value, arguments);
                 }
                 None => {
                     self.report(

@@ -1,7 +1,7 @@
 //! Types in words.
 
 use super::Checker;
-use super::types::{Dim, Kind as PointKind, Quantity, Type};
+use super::types::{Dim, Kind as PointKind, Quantity, Signature, Type};
 use crate::program::{DefinitionId, USUAL_UNITS};
 use crate::resolve::suggest::LONGEST;
 pub(super) use crate::typed::kind_words::{kind_word, with_article};
@@ -188,20 +188,7 @@ impl Checker<'_> {
                 } else {
                     ""
                 };
-                let of = match element.as_ref() {
-                    Type::Scalar(quantity) if !quantity.dim.is_one() => {
-                        self.quantity_name(quantity)
-                    }
-                    Type::Scalar(_) => "numbers".to_owned(),
-                    Type::Int => "whole numbers".to_owned(),
-                    Type::Marker => "markers".to_owned(),
-                    Type::Body(_) => "bodies".to_owned(),
-                    Type::Text => "texts".to_owned(),
-                    other => {
-                        let noun = self.describe(other);
-                        noun.strip_prefix("a ").map_or(noun.clone(), str::to_owned)
-                    }
-                };
+                let of = self.describe_several(element);
                 match length {
                     Some(length) => format!("a list of {length} {of}{axes}"),
                     None => format!("a list of {of}{axes}"),
@@ -211,14 +198,9 @@ impl Checker<'_> {
             Type::Marker => "a marker".to_owned(),
             Type::Body(_) => "a body".to_owned(),
             Type::Function(signature) if signature.name.is_empty() => {
-                let parameters: Vec<String> = signature
-                    .parameters
-                    .iter()
-                    .map(|parameter| self.describe(&parameter.ty))
-                    .collect();
                 format!(
                     "a function of {} that gives {}",
-                    parameters.join(" and "),
+                    self.parameters_of(signature),
                     self.describe(&signature.result)
                 )
             }
@@ -243,6 +225,51 @@ impl Checker<'_> {
             }
             Type::Cycle => "the cycle".to_owned(),
         }
+    }
+
+    /// Elements of a list: `numbers`, `Force`, `classes of the interface …`. Names of dimensions and records have no plural.
+    fn describe_several(&self, element: &Type) -> String {
+        let each = |one: &str, many: &str| {
+            let noun = self.describe(element);
+            match noun.strip_prefix(one) {
+                Some(rest) => format!("{many}{rest}"),
+                None => noun,
+            }
+        };
+        match element {
+            Type::Scalar(quantity) if !quantity.dim.is_one() => self.quantity_name(quantity),
+            Type::Scalar(_) => "numbers".to_owned(),
+            Type::Int => "whole numbers".to_owned(),
+            Type::Bool => "truth values".to_owned(),
+            Type::Text => "texts".to_owned(),
+            Type::Marker => "markers".to_owned(),
+            Type::Body(_) => "bodies".to_owned(),
+            Type::ModeSet => "mode sets".to_owned(),
+            Type::Class(_) | Type::Bound(_) => "classes".to_owned(),
+            Type::Function(signature) if signature.name.is_empty() => {
+                format!(
+                    "functions of {} that give {}",
+                    self.parameters_of(signature),
+                    self.describe(&signature.result)
+                )
+            }
+            Type::Function(_) => "functions".to_owned(),
+            Type::ClassOf(_) => each("a class", "classes"),
+            Type::Choice(_) => each("a word", "words"),
+            Type::Signal { .. } => each("a signal", "signals"),
+            Type::Vector { .. } => each("a vector", "vectors"),
+            Type::List { .. } => each("a list", "lists"),
+            Type::Range(_) => "ranges".to_owned(),
+            Type::Instance(id) | Type::InstanceOf(id) => format!("`{}`", self.class_name(*id)),
+            Type::Cycle | Type::Error => self.describe(element),
+        }
+    }
+
+    /// The parameters of a function without a name: `a Length and a Time`.
+    fn parameters_of(&self, signature: &Signature) -> String {
+        let parameters = signature.parameters.iter();
+        let parameters: Vec<String> = parameters.map(|p| self.describe(&p.ty)).collect();
+        parameters.join(" and ")
     }
 
     /// The usual unit of a dimension.

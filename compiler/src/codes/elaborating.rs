@@ -113,10 +113,10 @@ eng_grammar::codes! {
         "All its markers are on one rigid body, or all on the ground: they never move against each other, so its equations hold nothing.",
         "joint pin = Revolute(pivot, pivot)",
         "joint pin = Revolute(bob.top, pivot)";
-    EMPTY_LIST = "E0529", "a sum, minimum or maximum of an empty list",
-        "With the constants of this model the list has no element, so its value and dimension are unknown. State the value for this case.",
-        "const gaps = 0\nlet slack = sum(1 mm for i in 1..gaps)",
-        "const gaps = 0\nlet slack = if gaps > 0 then sum(1 mm for i in 1..gaps) else 0 mm";
+    EMPTY_LIST = "E0529", "a minimum or maximum of an empty list",
+        "With the constants of this model the list has no element. State the value for this case. A sum of an empty list is zero.",
+        "const gaps = 0\nlet least = min(1 mm for i in 1..gaps)",
+        "const gaps = 0\nlet least = if gaps > 0 then min(1 mm for i in 1..gaps) else 0 mm";
     CYCLE_PERIOD = "E0530", "the period of the cycle is not positive",
         "The cycle's angle is counted in periods: 360 deg for a two-stroke engine or a machine, 720 deg for a four-stroke engine.",
         "cycle angle = rotation(crank.main, ground) { period = 0 deg }",

@@ -11,8 +11,8 @@ eng_grammar::codes! {
         "Words choose windows, axes and scales. The message lists the words that are possible at this place.",
         "report forces { figure lines = spectrum(run.force, window: hanning) }",
         "report forces { figure lines = spectrum(run.force, window: hann) }";
-    REPORT_RUNS = "E0803", "a function of reports needs signals of another number of runs",
-        "A waterfall needs the runs of a sweep. Two lists that are combined need one length. A turned vector needs an angle of its own run.",
+    REPORT_RUNS = "E0803", "a function of reports needs signals of other runs",
+        "A waterfall needs the runs of a sweep. Two lists that are combined need one length. A turned vector needs an angle of its own run. A signal is drawn over another one of the same samples.",
         "report speeds { figure map = waterfall(runup[1].force) }",
         "report speeds { figure map = waterfall(runup[*].force) }";
     REPORT_NUMBER = "E0804", "a number of a report lies outside of its range",

@@ -8,6 +8,7 @@ use super::{Elaborator, Eval};
 use crate::codes;
 use crate::functions::{BuiltIn, Kind};
 use crate::ir::{Graph, Node, Op};
+use crate::typed::types::Type;
 use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
@@ -373,7 +374,11 @@ impl<'a> Elaborator<'a, '_> {
                 let list = self.numbers_of(values)?;
                 let mut rest = list.into_iter();
                 let Some(mut sum) = rest.next() else {
-                    return Err(self.nothing(name, span));
+                    // the type of the list states the dimension
+                    return Ok(match self.type_at(span)? {
+                        Type::Int => Value::Int(0),
+                        _ => Value::Scalar(self.bench.constant(0.0)),
+                    });
                 };
                 for x in rest {
                     sum = self.bench.add(sum, x);
@@ -425,11 +430,11 @@ impl<'a> Elaborator<'a, '_> {
         ))
     }
 
-    /// Reports `sum`, `min` or `max` of an empty list, which has no dimension.
+    /// Reports `min` or `max` of an empty list.
     fn nothing(&mut self, name: &str, span: Span) -> super::Reported {
         self.report(
             Diagnostic::error(codes::EMPTY_LIST, format!("`{name}` of an empty list"))
-                .at(span, "an empty list has no value and no dimension")
+                .at(span, "an empty list has no smallest and no largest number")
                 .with_help(format!(
                     "state its value for an empty list: `if length(list) > 0 then {name}(list) else 0 mm`, with the intended unit"
                 )),

@@ -5,6 +5,7 @@
 
 use super::body::index_text;
 use super::pending::{Pending, StartTarget};
+use super::repeat::does_not_exist;
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
@@ -13,6 +14,7 @@ use crate::typed::types::Type;
 use crate::words::START_VALUES;
 use eng_grammar::ast::{self, ExprKind, IndexArgument, ItemKind, Statement};
 use eng_grammar::{Diagnostic, Span};
+use std::rc::Rc;
 
 /// A number that a use changes.
 #[derive(Clone, Debug)]
@@ -158,10 +160,26 @@ impl<'a> Elaborator<'a, '_> {
         });
     }
 
+    /// The absent item that a path leads into.
+    fn absent_around(&self, path: &str) -> Option<(&'a ast::Declaration, Rc<str>)> {
+        let around = |absent: &str| {
+            path.strip_prefix(absent)
+                .is_some_and(|inner| inner.starts_with('.'))
+        };
+        let mut absent = self.draft.absent.iter();
+        absent.find(|(_, path)| around(path)).cloned()
+    }
+
     /// Reports changes that reach no number.
     pub fn lost_changes(&mut self) {
         let lost = std::mem::take(&mut self.draft.changes).into_iter();
         for change in lost.filter(|change| !change.used) {
+            if let Some((declaration, path)) = self.absent_around(&change.path) {
+                let label = "this changes a number of it";
+                let message = does_not_exist(declaration, &path, change.at, label);
+                self.report(message.with_help("leave the change out, or let the condition hold"));
+                continue;
+            }
             let known: Vec<&str> = (self.draft.parameters.iter())
                 .map(|parameter| parameter.origin.path.as_str())
                 .collect();

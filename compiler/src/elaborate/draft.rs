@@ -18,6 +18,7 @@ use eng_system::system::{
 };
 use eng_system::table::Table;
 use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
 
 /// Bodies, elements and values of a model in the order of the text. Elements do not share classes yet.
 #[derive(Default)]
@@ -63,6 +64,10 @@ pub(crate) struct Draft<'a> {
     pub named: HashMap<(usize, String), Location>,
     /// Numbers that uses of parts change, by their paths.
     pub changes: Vec<Change<'a>>,
+    /// Indices of repeated items, by path without index.
+    pub repeated: BTreeMap<String, Vec<Vec<usize>>>,
+    /// Items whose condition does not hold, with their paths.
+    pub absent: Vec<(&'a ast::Declaration, Rc<str>)>,
     pub gravity: Option<[Node; 3]>,
     pub cycle: Option<CycleDraft<'a>>,
     /// A cycle has an error, which was reported.

@@ -436,6 +436,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             accepted: std::mem::take(&mut self.draft.accepted),
             followed: Vec::new(),
             stated: std::mem::take(&mut self.draft.stated),
+            repeated: std::mem::take(&mut self.draft.repeated),
         };
         self.lints_of_turn(&mut system, &mut program)?;
         self.follow_inputs(&mut system, &mut program, &bodies)?;

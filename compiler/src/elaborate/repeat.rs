@@ -43,25 +43,23 @@ impl<'a> Elaborator<'a, '_> {
                 && !e.known_truth(condition, inner)?
             {
                 // the error about a path to it shows the condition
-                if !position.is_empty() {
-                    let path = e.path_in(scope, &declaration.name.text, position);
-                    made.push((position.to_vec(), Value::Absent(declaration, path)));
-                }
+                let path = e.path_in(scope, &declaration.name.text, position);
+                e.draft.absent.push((declaration, path.clone()));
+                made.push((position.to_vec(), Value::Absent(declaration, path)));
                 return Ok(());
             }
             made.push((position.to_vec(), make(e, inner, position)?));
             Ok(())
         })?;
         if !declaration.index.is_empty() {
+            let path = self.path(scope, &declaration.name.text);
+            let indices = made.iter().map(|(position, _)| position.clone());
+            self.draft.repeated.insert(path, indices.collect());
             return Ok(Value::Family(made));
         }
-        Ok(match made.pop() {
-            Some((_, only)) => only,
-            None => {
-                let path = self.path_in(scope, &declaration.name.text, &[]);
-                Value::Absent(declaration, path)
-            }
-        })
+        // without an index there is one combination
+        let only = made.pop().map(|(_, only)| only);
+        self.checked(only, declaration.name.span, "an item without an instance")
     }
 
     /// The path of an item of a scope: `arm[2].ring`.
@@ -87,11 +85,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The error for the use of a part, with its path, that does not exist.
     pub fn absent(&mut self, declaration: &ast::Declaration, path: &str, place: Span) -> Reported {
-        let mut message = Diagnostic::error(codes::ABSENT, format!("`{path}` does not exist"))
-            .at(place, "used here");
-        if let Some(condition) = &declaration.condition {
-            message = message.also(condition.span, "this does not hold");
-        }
+        let message = does_not_exist(declaration, path, place, "used here");
         self.report(message.with_help(match self.context.in_start {
             true => "a `start` has no condition: put the part and its start into a component, and give the part of this component the condition",
             false => "give the part that uses it the same condition; an output takes an index over a range that may be empty: `output x[k in 1..count] = …`",
@@ -136,5 +130,20 @@ impl<'a> Elaborator<'a, '_> {
             result?;
         }
         Ok(())
+    }
+}
+
+/// The error about an item whose condition does not hold, at the place that names it.
+pub(super) fn does_not_exist(
+    declaration: &ast::Declaration,
+    path: &str,
+    place: Span,
+    label: &str,
+) -> Diagnostic {
+    let title = format!("`{path}` does not exist");
+    let message = Diagnostic::error(codes::ABSENT, title).at(place, label);
+    match &declaration.condition {
+        Some(condition) => message.also(condition.span, "this does not hold"),
+        None => message,
     }
 }

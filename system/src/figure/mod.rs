@@ -92,6 +92,11 @@ pub trait Kind {
     fn analyses(&self) -> Vec<&str> {
         Vec::new()
     }
+
+    /// Signals that it draws one over the other, so that whole runs must have the same samples.
+    fn paired(&self) -> Vec<(&Expression, &Expression)> {
+        Vec::new()
+    }
 }
 
 /// A figure of one kind, with its signals and numbers. It dereferences to its [`Kind`].

@@ -57,4 +57,13 @@ impl Kind for Xy {
         all.extend(&self.x);
         all
     }
+
+    fn paired(&self) -> Vec<(&Expression, &Expression)> {
+        // the last cycles of two runs may agree
+        if self.cycles.is_some() {
+            return Vec::new();
+        }
+        let y = self.y.iter().map(|member| &member.expression);
+        self.x.iter().zip(y).collect()
+    }
 }

@@ -12,6 +12,7 @@ use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Expr, ExprKind, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
+use eng_system::analysis::Extent;
 use eng_system::expression::{Expression, Function, Member};
 use eng_system::figure::{
     self, Argument, Figure, FigureRow, Given, Journals, Signals, Takes, Unplanned, Value, Vector,
@@ -90,7 +91,10 @@ impl<'a> Reporter<'a, '_> {
             given.state(argument.name, value);
         }
         match (row.plan)(&given) {
-            Ok(figure) => Some(figure),
+            Ok(figure) => {
+                self.of_like_samples(&figure, expr.span)?;
+                Some(figure)
+            }
             Err(unplanned) => {
                 let place = |name: &str| bound.option(name).unwrap_or(expr);
                 match unplanned {
@@ -107,6 +111,38 @@ impl<'a> Reporter<'a, '_> {
                 }
                 None
             }
+        }
+    }
+
+    /// Refuses signals over signals of a run with another number of samples, as far as the analyses state it.
+    fn of_like_samples(&mut self, figure: &Figure, place: Span) -> Option<()> {
+        for (x, y) in figure.picture.paired() {
+            let (Some((a, of_a)), Some((b, of_b))) = (self.samples(x), self.samples(y)) else {
+                continue;
+            };
+            // rounding may decide about the last sample
+            if (of_a - of_b).abs() < 2.0 {
+                continue;
+            }
+            let title = format!("{a} and {b} have different samples");
+            self.diagnose(
+                Diagnostic::error(codes::REPORT_RUNS, title)
+                    .at(place, format!("{of_a:.0} of {a} against {of_b:.0} of {b}"))
+                    .with_help("`resample(a, like: b)` gives one at the other's samples"),
+            );
+            return None;
+        }
+        Some(())
+    }
+
+    /// The run whose samples a signal has, and their number as the analysis states it.
+    fn samples<'e>(&self, signal: &'e Expression) -> Option<(&'e str, f64)> {
+        let run = run_of(signal)?;
+        let (sample, duration) = self.models.plan(run)?.analysis.kind.sampling()?;
+        match (sample, duration?) {
+            (Extent::Time(part), Extent::Time(whole))
+            | (Extent::Angle(part), Extent::Angle(whole)) => Some((run, whole / part)),
+            _ => None,
         }
     }
 
@@ -566,6 +602,16 @@ pub(super) fn no_vector(place: &Found<'_>, span: Span) -> Diagnostic {
         format!("`{}` is no vector", place.path),
     )
     .at(span, "it has no x and y")
+}
+
+/// The run that has all samples of a signal; `None` if the signal is a part of one, or unknown.
+fn run_of(signal: &Expression) -> Option<&str> {
+    match signal {
+        Expression::Channel { analysis, .. } => Some(analysis),
+        Expression::Map(_, of) | Expression::Decibel(_, of) => run_of(of),
+        Expression::Binary(_, left, right) => run_of(left).or_else(|| run_of(right)),
+        _ => None,
+    }
 }
 
 /// The number of runs.

@@ -362,6 +362,7 @@ impl Builder {
                 resolutions: vec![],
                 accepted: vec![],
                 stated: Default::default(),
+                repeated: Default::default(),
             },
             reduced: vec![],
             code: vec![],
