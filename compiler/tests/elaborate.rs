@@ -379,11 +379,11 @@ fn an_analysis_sets_the_numbers_of_records_and_vectors() {
             "const count = 3",
             "const count = 3
     param sizes: Sizes = Sizes(second: 60 mm)
-    param place: Vector<Length> = [1, 2, 3] mm",
+    param spot: Vector<Length> = [1, 2, 3] mm",
         )
         .replace(
             "assemble(Chain(count: n))",
-            "assemble(Chain(count: n, sizes: Sizes(70 mm, 60 mm), place: [4, 5, 6] mm))",
+            "assemble(Chain(count: n, sizes: Sizes(70 mm, 60 mm), spot: [4, 5, 6] mm))",
         );
     let host = Texts(vec![("chain.eng", text)]);
     let library = [("std.prelude", UNITS)];
@@ -397,9 +397,9 @@ fn an_analysis_sets_the_numbers_of_records_and_vectors() {
     let due = [
         ("sizes.first", 0.07),
         ("sizes.second", 0.06),
-        ("place.x", 0.004),
-        ("place.y", 0.005),
-        ("place.z", 0.006),
+        ("spot.x", 0.004),
+        ("spot.y", 0.005),
+        ("spot.z", 0.006),
     ];
     assert_eq!(set.len(), due.len());
     for ((path, value), (due_path, due)) in set.iter().zip(due) {
