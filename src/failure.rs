@@ -236,8 +236,8 @@ fn demanded(
 fn no_equilibrium(message: Diagnostic, carried: f64, turning: bool, films: bool) -> Diagnostic {
     let message = if carried > 0.0 {
         message.with_note(format!(
-            "from the assembled place the search carries {:.3} % of the load",
-            100.0 * carried
+            "from the assembled place the search finds {}",
+            balance_with(carried)
         ))
     } else {
         message
@@ -537,11 +537,21 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     Some(
         place(message, &obstacle.origin, "the obstacle")
             .with_note(format!(
-                "the search found an equilibrium with {:.3} % of the load; the run starts as assembled",
-                100.0 * obstacle.carried
+                "the search found {}; the run starts as assembled",
+                balance_with(obstacle.carried)
             ))
             .with_help("`start: assembled` takes this start without a warning"),
     )
+}
+
+/// The balance that a search found, by its part of the load. One with the whole load breaks a condition.
+fn balance_with(carried: f64) -> String {
+    match carried < 1.0 {
+        true => format!("an equilibrium with {:.3} % of the load", 100.0 * carried),
+        false => {
+            "an equilibrium with the whole load, in which a condition does not hold".to_owned()
+        }
+    }
 }
 
 /// An unstable balance: the smallest disturbance leads away from it.

@@ -367,6 +367,60 @@ fn a_record_takes_its_fields_in_order_and_an_analysis_hands_on_all() {
     assert_eq!(default_of(&made.expect("a system"), "step"), 0.07);
 }
 
+/// A parameter that is a record or a vector has a path for each number.
+#[test]
+fn an_analysis_sets_the_numbers_of_records_and_vectors() {
+    let text = MODEL
+        .replace(
+            "model Chain {",
+            "record Sizes {\n    let first: Length = 1 mm\n    let second: Length\n}\nmodel Chain {",
+        )
+        .replace(
+            "const count = 3",
+            "const count = 3
+    param sizes: Sizes = Sizes(second: 60 mm)
+    param spot: Vector<Length> = [1, 2, 3] mm",
+        )
+        .replace(
+            "assemble(Chain(count: n))",
+            "assemble(Chain(count: n, sizes: Sizes(70 mm, 60 mm), spot: [4, 5, 6] mm))",
+        );
+    let host = Texts(vec![("chain.eng", text)]);
+    let library = [("std.prelude", UNITS)];
+    let mut sources = SourceMap::new();
+    let mut diagnostics = Diagnostics::new();
+    let program = resolve("chain.eng", &host, &library, &mut sources, &mut diagnostics);
+    let typed = eng_compiler::check::check(program, &sources, &mut diagnostics);
+    let plans = analyses(&typed, &mut sources, &host, &mut diagnostics);
+    assert!(!diagnostics.has_errors(), "{diagnostics:?}");
+    let set = &plans.last().expect("an analysis").analysis.set;
+    let due = [
+        ("sizes.first", 0.07),
+        ("sizes.second", 0.06),
+        ("spot.x", 0.004),
+        ("spot.y", 0.005),
+        ("spot.z", 0.006),
+    ];
+    assert_eq!(set.len(), due.len());
+    for ((path, value), (due_path, due)) in set.iter().zip(due) {
+        assert_eq!(path, due_path);
+        assert!((value - due).abs() < 1e-15, "{path}: {value}");
+    }
+    let made = elaborate(
+        &typed,
+        &mut sources,
+        &host,
+        plans[0].model,
+        &plans[0].constants,
+        &mut diagnostics,
+    );
+    let made = made.expect("a system");
+    for (path, _) in due {
+        let mut parameters = made.system.parameters.iter();
+        assert!(parameters.any(|p| p.origin.path == path), "{path}");
+    }
+}
+
 /// A marker in the axes of another one of its body: place and axes follow, and a turn is about its own axis.
 #[test]
 fn markers_stand_in_the_axes_of_other_markers() {

@@ -407,12 +407,13 @@ fn matrices(
         let full = assemble(mesh, &request.rules)?;
         let differences = fe::form::warnings(mesh, request.rules.stiffness);
         report.warnings.extend(differences);
-        let shells = full.without_stiffness.len();
-        if shells > 0 {
-            report.warnings.push(format!(
-                "{shells} shell elements have mass but no stiffness here"
-            ));
-        }
+        let shells = match full.without_stiffness.len() {
+            0 => None,
+            1 => Some("1 shell element has".to_owned()),
+            count => Some(format!("{count} shell elements have")),
+        };
+        let warned = shells.map(|shells| format!("{shells} mass but no stiffness here"));
+        report.warnings.extend(warned);
         return Ok((full, Vec::new()));
     };
     let found = match from_matrices(mesh, &stiffness, &mass) {

@@ -145,6 +145,33 @@ fn the_reduced_matrix_is_the_congruence_also_with_frames_and_chains() {
     }
 }
 
+/// Rotations count by the mean distance of the nodes; a node without weight is none of them.
+#[test]
+fn a_node_without_weight_leads_nothing() {
+    let centre_of = |without_weight: bool| {
+        let (mut mesh, root, end) = bar_with_end();
+        let turning = add_node(&mut mesh, [0.4, 0.02, 0.03]);
+        let centre = add_node(&mut mesh, [0.45, 0.01, 0.02]);
+        mesh.ties.push(averaging(1, turning, &end));
+        let mut independent: Vec<(u32, f64, u8)> =
+            end.iter().map(|node| (*node, 1.0, 0b111)).collect();
+        independent.push((turning, 2.0, ALL));
+        if without_weight {
+            independent.push((root[0], 0.0, ALL));
+        }
+        mesh.ties.push(Tie::Averaging {
+            id: 2,
+            reference: centre,
+            reference_components: ALL,
+            independent,
+        });
+        let (structure, reduction) = reduced(&mesh, &[]);
+        let full = reduction.expand(1, &wild(reduction.size()));
+        full[structure.freedoms.of(centre)].to_vec()
+    };
+    assert_eq!(centre_of(true), centre_of(false));
+}
+
 #[test]
 fn a_force_on_an_averaging_centre_spreads_by_weight() {
     let (mut mesh, _, end) = bar_with_end();

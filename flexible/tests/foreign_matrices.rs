@@ -254,6 +254,23 @@ DMIG    K              1       2               1       1     -1.
     );
     assert_eq!((numbered.rows, numbered.columns), (1, 3));
     assert_eq!(numbered.entries, [(0, 1, 3.0)]);
+    let blank = problem(
+        b"DMIG,P,0,9,2,0\nDMIG,P,2,0,,7,1,3.\n".to_vec(),
+        "p.pch",
+        "P",
+    );
+    assert!(blank.problem.contains("NCOL is missing"), "{blank}");
+    assert_eq!(blank.place, Place::Line(1));
+    let few = problem(
+        b"DMIG,P,0,9,2,0,,,1\nDMIG,P,2,0,,7,1,3.\n".to_vec(),
+        "p.pch",
+        "P",
+    );
+    assert!(
+        few.problem
+            .contains("column 2 is beyond NCOL, which states 1"),
+        "{few}"
+    );
 }
 
 /// Lines `row column value` of a triangle or all.

@@ -221,6 +221,13 @@ fn undetermined(massless: &[Massless], repeated: &[RedundantGroup]) -> String {
     }
 }
 
+fn repeating(count: usize) -> String {
+    match count {
+        1 => "1 constraint equation repeats others".to_owned(),
+        _ => format!("{count} constraint equations repeat others"),
+    }
+}
+
 fn list_groups(groups: &[RedundantGroup]) -> String {
     groups
         .iter()
@@ -355,7 +362,7 @@ pub enum RuntimeError {
         chain: Option<Box<Chain>>,
     },
     /// Constraint equations repeat each other.
-    #[error("{} constraint equation(s) repeat others: {}", groups.len(), list_groups(groups))]
+    #[error("{}: {}", repeating(groups.len()), list_groups(groups))]
     Redundant {
         /// One group for each excess equation.
         groups: Vec<RedundantGroup>,

@@ -141,7 +141,7 @@ pub struct Obstacle {
     pub origin: Origin,
     /// Its effect.
     pub message: String,
-    /// Part of the load with a balance, 0…1.
+    /// Part of the load with a balance, 0…1. At 1 the balance breaks a condition.
     pub carried: f64,
 }
 
@@ -235,6 +235,11 @@ impl std::fmt::Display for StartReport {
                 }
                 Ok(())
             }
+            StartReport::NoBalance(o) if o.carried >= 1.0 => write!(
+                f,
+                "start: as assembled; in the quasi-static balance a condition does not hold: {}: {}",
+                o.origin.path, o.message
+            ),
             StartReport::NoBalance(o) => write!(
                 f,
                 "start: as assembled; no quasi-static balance with more than {:.3} % of the load: {}: {}",

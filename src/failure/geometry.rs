@@ -8,8 +8,9 @@ use eng_runtime::error::Chain;
 use eng_runtime::joint::Joint;
 use eng_runtime::start::hanging::Hanging;
 use eng_runtime::{NamedRow, RuntimeError};
+use eng_system::Dimension;
 use eng_system::significant::{fixed, short};
-use eng_system::system::{BodyRef, Location, Origin, Role, System};
+use eng_system::system::{BodyRef, Element, Location, Origin, Parameter, Role, System};
 
 /// The warning about bodies that nothing holds.
 pub(crate) fn hanging(found: &Hanging) -> Diagnostic {
@@ -70,10 +71,64 @@ pub(super) fn open_loop(
         message.also(span(*at), format!("{}: it must hold exactly", of.path))
     });
     let message = with_angle(message, chain, system).with_help(PLACING);
+    if let Some(drive) = drive_of(&starts, system) {
+        return with_drive(message, drive, rows, system);
+    }
     message.with_help(match starts.is_empty() {
         true => GUESSING,
         false => "each `start` must hold exactly: remove one that the loop decides, or replace it by a `guess`, where the search only begins",
     })
+}
+
+/// A drive of a body with a start: an element whose equations depend on time.
+fn drive_of<'a>(starts: &[(&Origin, Location)], system: &'a System) -> Option<&'a Element> {
+    let body = |marker: &u32| match system.markers.get(*marker as usize)?.body {
+        BodyRef::Body(body) => Some(body),
+        BodyRef::Ground => None,
+    };
+    let stated = |e: &&Element| starts.iter().any(|(of, _)| **of == e.origin);
+    let stated = system.elements.iter().filter(stated);
+    let started: Vec<u32> = stated
+        .flat_map(|e| e.markers.iter().filter_map(body))
+        .collect();
+    system.elements.iter().find(|e| {
+        let class = system.classes.get(e.class as usize);
+        e.role == Role::Dynamic
+            && class.is_some_and(|class| class.rows_over_time)
+            && e.markers
+                .iter()
+                .filter_map(body)
+                .any(|b| started.contains(&b))
+    })
+}
+
+/// Adds a drive that states the position at the start, too, and the remedy: its angles or lengths, or the start.
+fn with_drive(
+    message: Diagnostic,
+    drive: &Element,
+    rows: &[NamedRow],
+    system: &System,
+) -> Diagnostic {
+    let path = &drive.origin.path;
+    let message = match drive.origin.used_at {
+        Some(at) if rows.iter().all(|row| row.origin != drive.origin) => {
+            message.also(span(at), format!("{path}: it states the position, too"))
+        }
+        _ => message,
+    };
+    let own = |parameter: &Parameter| {
+        let name = (parameter.origin.path.strip_prefix(path.as_str()))?.strip_prefix('.')?;
+        let of_place = [Dimension::ANGLE, Dimension::LENGTH].contains(&parameter.dimension);
+        (of_place && !name.contains('.')).then(|| format!("`{name}:`"))
+    };
+    let names: Vec<String> = system.parameters.iter().filter_map(own).collect();
+    let change = match names.as_slice() {
+        [] => format!("change the motion of {path}"),
+        names => format!("state it as {} of {path}", names.join(" or ")),
+    };
+    message.with_help(format!(
+        "a drive states where its motion begins: leave the `start` out, and {change}"
+    ))
 }
 
 /// A loop that closes only on the wrong branch.

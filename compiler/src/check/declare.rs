@@ -21,6 +21,9 @@ const BUILT_IN_TYPES: [&str; 9] = [
     "Int", "Bool", "Text", "Vector", "Vector2", "Vector3", "Marker", "Body", "ModeSet",
 ];
 
+/// Most records inside of each other that are searched for structure.
+const MOST_LEVELS: usize = 8;
+
 /// The unit of an expression, if it is a literal.
 pub(super) fn written_unit(expr: &Expr) -> Option<String> {
     match &expr.kind {
@@ -544,7 +547,9 @@ impl<'p> Checker<'p> {
                 );
             }
         }
-        if binding.kind == BindingKind::Param && around != Some(Kind::Interface) && is_structure(ty)
+        if binding.kind == BindingKind::Param
+            && around != Some(Kind::Interface)
+            && let Some((field, of)) = self.structure_in(ty, MOST_LEVELS)
         {
             let found = self.describe(ty);
             let message = Diagnostic::error(
@@ -556,6 +561,13 @@ impl<'p> Checker<'p> {
             )
             .at(name.span, format!("a `param` that is {found}"));
             let message = self.const_instead(message, binding);
+            let message = match field.as_str() {
+                "" => message,
+                field => {
+                    let of = self.describe(&of);
+                    message.with_note(format!("`{}{field}` is {of}", name.text))
+                }
+            };
             let message = if *ty == Type::Int && binding.ty.is_none() {
                 message.with_note(format!(
                     "a number that may change is written `{}: 1 = …`",
@@ -565,6 +577,34 @@ impl<'p> Checker<'p> {
                 message
             };
             self.report(message);
+        }
+    }
+
+    /// The type in a type whose value decides the structure of a model, so that it cannot be a parameter of a run: the type
+    /// itself, that of the elements, or that of a field of a record with the path `.law` of the field.
+    fn structure_in(&mut self, ty: &Type, levels: usize) -> Option<(String, Type)> {
+        match ty {
+            Type::Int
+            | Type::Bool
+            | Type::Text
+            | Type::ModeSet
+            | Type::Choice(_)
+            | Type::Function(_)
+            | Type::Class(_)
+            | Type::ClassOf(_)
+            | Type::InstanceOf(_)
+            | Type::Bound(_) => Some((String::new(), ty.clone())),
+            Type::List { element, .. } => self.structure_in(element, levels),
+            Type::Instance(id) => {
+                let levels = levels.checked_sub(1)?;
+                self.declaration(*id).filter(|d| d.kind == Kind::Record)?;
+                let mut fields = self.slots_of(*id).into_iter();
+                fields.find_map(|field| {
+                    let (inner, ty) = self.structure_in(&field.ty, levels)?;
+                    Some((format!(".{}{inner}", field.name), ty))
+                })
+            }
+            _ => None,
         }
     }
 
@@ -744,22 +784,5 @@ fn collect(expr: &Expr, lengths: bool, names: &mut Vec<(String, Span)>) {
             }
         }
         ExprKind::Number { .. } | ExprKind::Text(_) | ExprKind::Bool(_) | ExprKind::Error => {}
-    }
-}
-
-/// Whether a value of a type decides the structure of a model, so that it cannot be a parameter of a run.
-fn is_structure(ty: &Type) -> bool {
-    match ty {
-        Type::Int
-        | Type::Bool
-        | Type::Text
-        | Type::ModeSet
-        | Type::Choice(_)
-        | Type::Function(_)
-        | Type::Class(_)
-        | Type::ClassOf(_)
-        | Type::Bound(_) => true,
-        Type::List { element, .. } => is_structure(element),
-        _ => false,
     }
 }

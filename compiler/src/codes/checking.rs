@@ -1,4 +1,4 @@
-//! Codes of checking: types and units of values.
+//! Codes of checking: types and units of values, and the lints of the text (`W055…`).
 
 eng_grammar::codes! {
     CHECKING:

@@ -314,6 +314,7 @@ impl<'a> Elaborator<'a, '_> {
                     self.structural_of(value, argument.value.span)?,
                 ));
             } else {
+                let value = self.declared(value, binding.ty.as_ref())?;
                 self.parameter_values(value, &name.text, argument.value.span, &mut set)?;
             }
         }
@@ -331,6 +332,17 @@ impl<'a> Elaborator<'a, '_> {
             Value::List(items) => {
                 for (i, item) in items.into_iter().enumerate() {
                     self.parameter_values(item, &format!("{path}[{}]", i + 1), span, set)?;
+                }
+            }
+            Value::Vector(parts) => {
+                for (axis, part) in ["x", "y", "z"].into_iter().zip(parts) {
+                    set.push((format!("{path}.{axis}"), self.structural(part, span)?));
+                }
+            }
+            Value::Record(id, scope) => {
+                for name in self.fields_of(id) {
+                    let value = self.entry(scope, &name, span)?;
+                    self.parameter_values(value, &format!("{path}.{name}"), span, set)?;
                 }
             }
             other => {

@@ -268,7 +268,7 @@ impl<'a> Elaborator<'a, '_> {
         } else {
             Role::StartPosition { exact }
         };
-        if role == (Role::StartPosition { exact: true }) {
+        if matches!(role, Role::StartPosition { .. }) {
             self.refuse_coinciding(target)?;
         }
         let path = format!("start of {}", self.sources.text(target.span));
@@ -276,8 +276,8 @@ impl<'a> Elaborator<'a, '_> {
         self.start_element(role, path, target.span, dimension, rows)
     }
 
-    /// Refuses the start of a position against `ground` as an argument: this marker is placed on the other marker of its element
-    /// after the assembly, so the stated position never holds.
+    /// Refuses the start or guess of a position against `ground` as an argument: this marker is placed on the other marker of its
+    /// element after the assembly, so a stated position never holds, and a guess has no effect.
     fn refuse_coinciding(&mut self, target: &ast::Expr) -> Eval<()> {
         let Some(element) = self.bench.element.as_ref() else {
             return Ok(());

@@ -9,7 +9,7 @@
 //!     translations                  rotations
 //! ```
 //!
-//! with L the mean distance of the nodes from the reference (MSC Nastran, Quick Reference Guide, RBE3:
+//! with L the mean distance of the nodes with weight from the reference (MSC Nastran, Quick Reference Guide, RBE3:
 //! rotations count by a length, so that weights are comparable). By duality a force at the reference spreads
 //! over the nodes by their weights, with forces that balance its moment. Motions that no node shows (the spin of
 //! nodes on a line) are left out of the fit.
@@ -63,11 +63,13 @@ pub(super) fn followers(
     }
     let origin = mesh.nodes[reference as usize].position;
     let arm = |node: u32| subtract(mesh.nodes[node as usize].position, origin);
-    let distance: f64 = independent.iter().map(|(node, ..)| norm(arm(*node))).sum();
-    let mean = distance / independent.len().max(1) as f64;
+    // a node without weight leads nothing
+    let leading = || independent.iter().filter(|(_, weight, _)| *weight > 0.0);
+    let distance: f64 = leading().map(|(node, ..)| norm(arm(*node))).sum();
+    let mean = distance / leading().count().max(1) as f64;
     let length = if mean > 0.0 { mean } else { 1.0 };
     let mut terms = Vec::new();
-    for &(node, weight, mask) in independent {
+    for &(node, weight, mask) in leading() {
         for component in (0..6u8).filter(|c| mask >> c & 1 == 1) {
             let Some(freedom) = freedoms.freedom(node, component) else {
                 continue;
@@ -78,21 +80,19 @@ pub(super) fn followers(
             } else {
                 ([0.0; 3], axis, length)
             };
-            if weight > 0.0 {
-                terms.push(Term {
-                    freedom: freedom as u32,
-                    line: [
-                        translation[0],
-                        translation[1],
-                        translation[2],
-                        rotation[0],
-                        rotation[1],
-                        rotation[2],
-                    ],
-                    weight,
-                    scale,
-                });
-            }
+            terms.push(Term {
+                freedom: freedom as u32,
+                line: [
+                    translation[0],
+                    translation[1],
+                    translation[2],
+                    rotation[0],
+                    rotation[1],
+                    rotation[2],
+                ],
+                weight,
+                scale,
+            });
         }
     }
     if terms.is_empty() {

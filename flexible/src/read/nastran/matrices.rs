@@ -16,6 +16,9 @@ use crate::read::matrix::{COMPLEX, ForeignFreedoms, ForeignMatrix, Held, chosen}
 /// A point and its freedom.
 type Freedom = (u64, u8);
 
+/// The form (IFO) of matrices whose columns are numbers instead of freedoms.
+const NUMBERED: u64 = 9;
+
 /// A matrix being read.
 struct Matrix {
     form: u64,
@@ -82,6 +85,12 @@ fn add(
             ));
         }
         let columns = card.optional_id(7, "NCOL")?;
+        if form == NUMBERED && columns.is_none() {
+            return Err(card.problem(
+                "NCOL is missing: the columns of this matrix are numbers",
+                "write the number of columns in the last field of the head",
+            ));
+        }
         if columns.is_some_and(|count| u32::try_from(count).is_err()) {
             return Err(card.problem("NCOL is too large", "check the last field of the head"));
         }
@@ -112,11 +121,8 @@ fn add(
     let count = matrix.columns.unwrap_or(0);
     if matrix.is_numbered() && !(1..=count).contains(&column.0) {
         return Err(card.problem(
-            &format!(
-                "column {} is beyond the {count} columns that NCOL states",
-                column.0
-            ),
-            "correct NCOL, the last field of the head; a blank field states no column",
+            &format!("column {} is beyond NCOL, which states {count}", column.0),
+            "correct NCOL, the last field of the head",
         ));
     }
     matrix.column_points.insert(column);
@@ -146,7 +152,7 @@ fn freedom(card: &Card, i: usize, point: &str, component: &str) -> Result<Freedo
 impl Matrix {
     /// Whether columns are numbers 1…NCOL instead of freedoms.
     fn is_numbered(&self) -> bool {
-        self.form == 9
+        self.form == NUMBERED
     }
 
     fn finish(&self, file: &str, name: &str) -> ForeignMatrix {

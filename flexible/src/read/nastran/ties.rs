@@ -257,7 +257,7 @@ fn averaging(card: &Card) -> Result<Kind, FileProblem> {
         if weight < 0.0 {
             return Err(card.problem(
                 &format!("the weight {weight} is negative"),
-                "give a weight above zero",
+                "give a positive weight, or zero for grid points without influence",
             ));
         }
         groups.push((ids, weight, parts));
