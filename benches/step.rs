@@ -1,7 +1,8 @@
 //! The parts of a step's time: rigid four- and twelve-cylinder engines, and the four-cylinder engine with a flexible
 //! crankshaft (28 modes) and a flexible block (20 modes).
 //!
-//! `cargo bench --bench step`. Each figure is the minimum and the median of several runs; the two factorisations alternate.
+//! `cargo bench --bench step`. Each figure is the minimum and the median of several runs; the two factorisations alternate. `-- laws`
+//! compares the laws of the main bearings alone.
 
 use eng::Sources;
 use eng_runtime::linear::{BlockLu, LinearSolver, Pattern, SparseLu};
@@ -17,6 +18,8 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// Step of the fixed-step figures (s).
 const STEP: f64 = 1e-5;
+/// A revolution of the engine (s).
+const REVOLUTION: f64 = 60.0 / 4000.0;
 
 fn clock(repeat: u32, work: &mut dyn FnMut()) -> f64 {
     let begin = Instant::now();
@@ -368,8 +371,57 @@ fn measure(name: &str, compiled: &Compiled) -> Outcome<()> {
     Ok(())
 }
 
+/// The law of five main bearings: time of a step in alternating runs, and how long the step keeps its matrix.
+fn laws() -> Outcome<()> {
+    println!("rigid, 4 cylinders, laws of the main bearings");
+    let with = |law: &str| compiled(text(4)?.replace("Impedance", law));
+    for (kind, step) in [
+        ("10 us", StepControl::Fixed(STEP)),
+        ("error control", StepControl::Tolerance(1.0)),
+    ] {
+        let run = |law: &str| -> Outcome<Simulation> {
+            let mut simulation = Simulation::new(&with(law)?, &[], options(step))?;
+            for _ in 0..200 {
+                simulation.step()?;
+            }
+            Ok(simulation)
+        };
+        let (mut formula, mut table) = (run("Impedance")?, run("Reynolds")?);
+        let (mut first, mut second) = (Ok(()), Ok(()));
+        compare(
+            [
+                &format!("step, {kind}, Impedance"),
+                &format!("step, {kind}, Reynolds"),
+            ],
+            20,
+            &mut || first = formula.step().map(drop),
+            &mut || second = table.step().map(drop),
+        );
+        first?;
+        second?;
+    }
+    for law in ["Impedance", "Reynolds", "Film"] {
+        let control = StepControl::Tolerance(1.0);
+        let mut simulation = Simulation::new(&with(law)?, &[], options(control))?;
+        while simulation.time() < REVOLUTION {
+            simulation.step()?;
+        }
+        let counts = simulation.statistics();
+        let steps = counts.steps as f64;
+        println!(
+            "  {law}: {:.2} iterations and {:.3} factorisations a step",
+            counts.iterations as f64 / steps,
+            counts.factorizations as f64 / steps
+        );
+    }
+    Ok(())
+}
+
 fn main() -> Outcome<()> {
     println!("  {:<44} {:>10} {:>10}", "us a time", "minimum", "median");
+    if std::env::args().any(|argument| argument == "laws") {
+        return laws();
+    }
     let four = compiled(text(4)?)?;
     measure("rigid, 4 cylinders", &four)?;
     measure("rigid, 12 cylinders", &compiled(text(12)?)?)?;
@@ -378,5 +430,5 @@ fn main() -> Outcome<()> {
     bend(&mut flexible, &rigid, "crank", 28, [350.0, 30_000.0], 0.05)?;
     bend(&mut flexible, &rigid, "block", 20, [600.0, 20_000.0], 0.2)?;
     measure("flexible crank and block, 28 + 20 modes", &flexible)?;
-    Ok(())
+    laws()
 }

@@ -39,48 +39,61 @@ fn a_step_of_the_engine_allocates_nothing() {
     );
 }
 
-/// Nor does the way of films to other threads and back.
+/// Nor does a step with films of every kind, nor their way to other threads and back.
 #[test]
 fn a_step_of_films_on_threads_allocates_nothing() {
-    let text = "use std.journals.{Film, hole}
-model Rotor {
+    let kinds = [
+        "",
+        ", cavitation: mass_conserving",
+        ", eye: Ring(waves: 6, thickness: 6 mm, width: 18 mm, modulus: 210 GPa)",
+        ", piezo: 15 GPa^-1, roughness: Roughness(sigma: 0.5 um, asperity: 0.001, modulus: 100 GPa, boundary_friction: 0.02)",
+    ];
+    for (kind, threads) in kinds.into_iter().zip([2, 1, 1, 1]) {
+        films_allocate_nothing(kind, threads);
+    }
+    films_allocate_nothing("", 1);
+}
+
+fn films_allocate_nothing(kind: &str, threads: usize) {
+    let text = format!(
+        "use std.journals.{{Film, Ring, Roughness, hole}}
+model Rotor {{
     gravity = [0, -9.81, 0] m/s^2
     marker seats[k in 1..2] = [0, 0, [-50, 50][k]] mm
-    body rotor {
+    body rotor {{
         mass = 20 kg
         inertia = [0.2, 0.2, 0.05] kg*m^2
         marker pins[k in 1..2] = [0, 0, [-50, 50][k]] mm
         start angular_velocity = [0, 0, 300] rad/s
-    }
+    }}
     journal main[k in 1..2] = Film(rotor.pins[k], seats[k], diameter: 40 mm, width: 18 mm, radial_clearance: 20 um,
-                                   viscosity: 10 mPa*s, around: 48, across: 9,
+                                   viscosity: 10 mPa*s, around: 48, across: 9{kind},
                                    openings: [hole(at: 90 deg, hole_diameter: 6 mm, diameter: 40 mm, pressure: 2 bar)])
-}
-";
-    let model = eng::check(&Sources::from_text("m.eng", text), "m.eng")
+}}
+"
+    );
+    let model = eng::check(&Sources::from_text("m.eng", &text), "m.eng")
         .into_program()
         .unwrap_or_else(|report| panic!("{report}"))
         .model("Rotor")
         .unwrap_or_else(|error| panic!("{error}"));
-    for threads in [1, 2] {
-        let threads = NonZeroUsize::new(threads).expect("not zero");
-        let simulation = model.clone().threads(threads).simulation();
-        let mut simulation = simulation
-            .fixed_step(2e-5)
-            .start()
-            .unwrap_or_else(|error| panic!("{error}"));
-        let mut channels = vec![0.0; model.channels().len()];
-        let mut advance = |steps: usize| {
-            for _ in 0..steps {
-                simulation.step().unwrap_or_else(|error| panic!("{error}"));
-                simulation
-                    .runtime()
-                    .evaluate_channels(&mut channels)
-                    .unwrap_or_else(|error| panic!("{error}"));
-            }
-        };
-        advance(100);
-        let counted = allocation_counter::measure(|| advance(100));
-        assert_eq!(counted.count_total, 0, "{threads} threads");
-    }
+    let threads = NonZeroUsize::new(threads).expect("not zero");
+    let simulation = model.clone().threads(threads).simulation();
+    let mut simulation = simulation
+        .fixed_step(2e-5)
+        .start()
+        .unwrap_or_else(|error| panic!("{error}"));
+    let mut channels = vec![0.0; model.channels().len()];
+    let mut advance = |steps: usize| {
+        for _ in 0..steps {
+            simulation.step().unwrap_or_else(|error| panic!("{error}"));
+            simulation
+                .runtime()
+                .evaluate_channels(&mut channels)
+                .unwrap_or_else(|error| panic!("{error}"));
+        }
+    };
+    advance(100);
+    let counted = allocation_counter::measure(|| advance(100));
+    assert_eq!(counted.count_total, 0, "{threads} threads{kind}");
 }

@@ -54,7 +54,7 @@ fn ring_without_end_flow() {
     let force = pair(exact, "force_per_width");
     let size = force[0].hypot(force[1]);
     let mut errors = Vec::new();
-    for cells in [180, 360, 720] {
+    for cells in [180, 360, 1440] {
         let [rupture, reformation, flux, fx, fy] = ring(exact, cells);
         let error = (fx - force[0]).hypot(fy - force[1]) / size;
         let flux = (flux / number(exact, "flux") - 1.0).abs();
@@ -65,8 +65,14 @@ fn ring_without_end_flow() {
         println!("{cells} cells: force {error:.1e}, flux {flux:.1e}");
         errors.push([error, flux]);
     }
-    assert!(errors[1][0] < 1e-3 && errors[2][0] < 3e-4, "{errors:?}");
-    assert!(errors[1][1] < 1e-3 && errors[2][1] < 3e-4, "{errors:?}");
+    // the cavity's edges jump from face to face, so the order is no exact 2
+    for [force, flux] in errors.iter().skip(1) {
+        assert!(*force < 1e-4 && *flux < 1e-4, "{errors:?}");
+    }
+    assert!(
+        (0..2).all(|k| errors[2][k] < errors[0][k] / 16.0),
+        "{errors:?}"
+    );
 }
 
 /// A strip between plates that move by `h(t) = 0.375 + 0.125 cos 4πt`, with flooded ends and z as its only
