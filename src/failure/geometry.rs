@@ -71,9 +71,10 @@ pub(super) fn open_loop(
         message.also(span(*at), format!("{}: it must hold exactly", of.path))
     });
     let message = with_angle(message, chain, system).with_help(PLACING);
-    if let Some(drive) = drive_of(&starts, system) {
-        return with_drive(message, drive, rows, system);
-    }
+    let message = match drive_of(&starts, system) {
+        Some(drive) => with_drive(message, drive, rows, system),
+        None => message,
+    };
     message.with_help(match starts.is_empty() {
         true => GUESSING,
         false => "each `start` must hold exactly: remove one that the loop decides, or replace it by a `guess`, where the search only begins",
@@ -123,11 +124,11 @@ fn with_drive(
     };
     let names: Vec<String> = system.parameters.iter().filter_map(own).collect();
     let change = match names.as_slice() {
-        [] => format!("change the motion of {path}"),
-        names => format!("state it as {} of {path}", names.join(" or ")),
+        [] => "change the motion of the drive".to_owned(),
+        names => format!("state it as {} of the drive", names.join(" or ")),
     };
     message.with_help(format!(
-        "a drive states where its motion begins: leave the `start` out, and {change}"
+        "the drive {path} states where its motion begins: leave the `start` of this freedom out, and {change}"
     ))
 }
 
