@@ -285,10 +285,13 @@ impl Lints {
         findings.extend(analysis.findings_of_start());
         let system = &analysis.model().compiled().system;
         let sifted = sift(findings, system);
+        // analyses before this one may have found the same with other numbers; within this one an indexed condition fails for
+        // several indices
+        let earlier = self.reported.len();
         for finding in sifted.reported {
             let known =
                 |other: &Finding| other.like(&finding) && other.origin.path == finding.origin.path;
-            if !self.reported.iter().any(known) {
+            if !self.reported[..earlier].iter().any(known) {
                 self.reported.push(finding);
             }
         }

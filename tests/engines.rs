@@ -462,7 +462,10 @@ fn strange_numbers_of_an_engine_are_told() {
             format!("{films} 75 mm,"),
             "mains of 20 mm and big ends of 75 mm on a throw do not fit",
         ),
-        ("piston_mass: 450 kg,".to_owned(), "445.2 g are usual"),
+        (
+            "piston_mass: 450 kg,".to_owned(),
+            "in a bore of 86 mm: 89.04 g to 2.226 kg are usual",
+        ),
         (
             "coupling_stiffness: 2e4 N*m/rad,".to_owned(),
             "only a `dynamometer` has a coupling",

@@ -275,7 +275,7 @@ fn trains_of_pulses_are_not_stepped_over() {
             1e-8,
         ),
         (
-            "if 5/s*time > 0.5 and 5/s*time < 0.50005 then 1e5 N else 0 N",
+            "if 5/(1 s)*time > 0.5 and 5/(1 s)*time < 0.50005 then 1e5 N else 0 N",
             1.0,
             1e-8,
         ),
