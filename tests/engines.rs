@@ -464,7 +464,7 @@ fn strange_numbers_of_an_engine_are_told() {
         ),
         (
             "piston_mass: 450 kg,".to_owned(),
-            "in a bore of 86 mm: 89.04 g to 2.226 kg are usual",
+            "in a bore of 86 mm: 89.05 g to 2226 g are usual",
         ),
         (
             "coupling_stiffness: 2e4 N*m/rad,".to_owned(),
