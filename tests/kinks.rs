@@ -280,7 +280,7 @@ fn trains_of_pulses_are_not_stepped_over() {
             1e-8,
         ),
         (
-            "if wrapped(3600 deg/s*time, period: 360 deg) > 179.9 deg then 100 N else 0 N",
+            "if wrapped(3600 deg/s*time, 360 deg) > 179.9 deg then 100 N else 0 N",
             20.0 * 0.1 / 360.0,
             1e-8,
         ),

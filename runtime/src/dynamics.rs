@@ -447,6 +447,20 @@ impl Dynamics {
         }
     }
 
+    /// The inputs of elements at a state, at whose motion the markers are placed.
+    pub fn inputs_at<'a>(&'a self, state: &'a State) -> Inputs<'a> {
+        Inputs {
+            time: state.time,
+            markers: &self.at.markers,
+            states: &state.states,
+            multipliers: &state.multipliers,
+            rotations: &state.rotations,
+            moving: self.signals.values(),
+            memory: Some(&self.memory),
+            surfaces: &self.at.surfaces,
+        }
+    }
+
     /// Constraint values, wrenches and rates at the gathered inputs.
     pub fn evaluate(&mut self, model: &Model) -> Result<(), RuntimeError> {
         self.evaluate_classes(model, |_| true)

@@ -1,7 +1,7 @@
 //! Kinks of loads, rates and constraints: places where a step must end.
 //!
 //! A stop, a backlash or a valve has a function g of the motion that changes its sign where the force bends:
-//! the compiler derives these functions ([`Function::Kinks`]). The error of a step is estimated at its end, so
+//! the compiler derives these functions ([`Function::Kinks`]). The error of a step is estimated from its ends, so
 //! a force that begins and ends within a step is invisible to it. Within a step g is Hermite's cubic through its
 //! values and rates at both ends. If the cubic is deeper than a limit on one side and then changes its sign, the
 //! step ends just before the first change, within the limit and on the side from which it comes. There the load
@@ -18,10 +18,12 @@
 //!
 //! A factor on the tolerances multiplies all but times. A factor above 1 does not multiply a stated length.
 //!
-//! A function counts in a step that uses it at the beginning or at the end: it is not used while an `if`
-//! selects a branch without it. For a function of time alone, the kink functions are the times since its changes of sign, which are
-//! searched ahead of the steps, so that no step passes two of them unseen. A function of a `wrapped` angle jumps by a whole period with this angle, and such a jump is no
-//! change of sign.
+//! A function counts in a step that uses it at the beginning or at the end: it does not count while an `if`
+//! selects a branch without it. A function of a `wrapped` angle jumps by a whole period with this angle, and such
+//! a jump is no change of sign.
+//!
+//! The changes of sign of a function of time alone are searched ahead of the steps, and its kink functions are
+//! the times since them. So no step passes two of them unseen.
 
 mod beside;
 mod clocks;
@@ -47,7 +49,8 @@ use std::ops::Range;
 /// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
 /// kink, so the load of this distance is an error.
 const BEFORE: f64 = 0.01;
-/// Distance up to which it is at the kink, and up to which rounding decides the side, in these distances.
+/// A state nearer to a kink than this number of these distances counts as at the kink. Nearer than the second one, rounding decides
+/// the side.
 const AT: f64 = 2.0;
 const BESIDE: f64 = 0.5;
 /// Share of the distance of two kinks of an element that limits both, and its least share of the limit. A jump of a load between
@@ -60,16 +63,17 @@ const MOMENT: f64 = 8.0 * f64::EPSILON;
 /// Share of a step within which a kink counts as being at its beginning. Otherwise a function that is zero there
 /// except for rounding would shorten the step to nothing.
 const BEGIN: f64 = 1e-6;
-/// Share of a limit that is a share itself, above which a sign is no rounding.
+/// Share of the limit of a function without a unit above which its sign is not due to rounding.
 const SIGN: f64 = 1e-6;
 /// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
-/// pressures have become equal, a body that sticks. To end every step there would gain nothing.
+/// pressures have become equal, a body that sticks. Ending every step there would gain nothing.
 const STAYS: f64 = 3.0;
-/// A passage counts as this number of steps without one, and the count from which on many steps have passed a kink: some fifteen of
-/// twenty, or thirty of ninety. An impact has more than four steps on each side.
+/// A step that passes a kink adds this number to the count of the kink. A step that does not pass it subtracts 1. An impact has more
+/// than four steps on each side.
 const PASSED: f64 = 4.0;
+/// The count at which a kink has been passed often: after some 15 of 20 steps, or 30 of 90.
 const OFTEN: f64 = 64.0;
-/// Share of the change of a function over a step that its rates do not explain, from which on a `wrapped` angle began anew.
+/// Share of the change of a function over a step that its rates do not explain. Above it, a `wrapped` angle has jumped by a period.
 const WRAPPED: f64 = 0.5;
 
 /// The limit of a kink function; see the table above.
@@ -289,14 +293,9 @@ impl Kinks {
             let common = &dynamics.batches()[group.batch];
             if let Some(own) = &mut group.own {
                 let from = Inputs {
-                    time: state.time,
-                    markers: dynamics.markers(),
-                    states: &state.states,
                     multipliers: &[],
-                    rotations: &state.rotations,
-                    moving: dynamics.moving(),
                     memory: None,
-                    surfaces: dynamics.surfaces(),
+                    ..dynamics.inputs_at(state)
                 };
                 elements::gather(model, own, &from);
                 add_accelerations(model, dynamics, state, own);
@@ -537,7 +536,7 @@ impl Kinks {
         before.or_else(behind)
     }
 
-    /// The time (s) after which a function is before its kink, if its rate goes on to change as over the last step;
+    /// The time (s) after which a function is before its kink, if its rate keeps changing as in the last step;
     /// `None` if it does not come there within h (s).
     ///
     /// The trials of a step do not decide this. An implicit step across a stiff stop ends at the stop, whatever its
@@ -701,7 +700,7 @@ impl Kinks {
             .copied()
     }
 
-    /// The least size of a function at a time (s) that is no rounding, so that its sign tells the side of its kink.
+    /// The least size of a function at a time (s) that is not due to rounding, so that its sign tells the side of its kink.
     pub fn side(&self, item: usize, time: f64, factor: f64) -> f64 {
         match self.items[item].limit {
             Limit::Share => SIGN * self.limit(item, time, factor),

@@ -174,16 +174,7 @@ impl Outputs {
             }
             self.accelerations[index] = x;
         }
-        let from = Inputs {
-            time: state.time,
-            markers: dynamics.markers(),
-            states: &state.states,
-            multipliers: &state.multipliers,
-            rotations: &state.rotations,
-            moving: dynamics.moving(),
-            memory: Some(dynamics.memory()),
-            surfaces: dynamics.surfaces(),
-        };
+        let from = dynamics.inputs_at(state);
         for batches in &mut self.levels {
             for batch in batches {
                 elements::gather(model, batch, &from);

@@ -276,14 +276,8 @@ fn forbidden(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeEr
     let mut dynamics = Dynamics::new(model);
     dynamics.place(model, state.time, &state.pose, &state.velocity);
     let from = Inputs {
-        time: state.time,
-        markers: dynamics.markers(),
-        states: &state.states,
-        multipliers: &state.multipliers,
-        rotations: &state.rotations,
-        moving: dynamics.moving(),
         memory: None,
-        surfaces: dynamics.surfaces(),
+        ..dynamics.inputs_at(state)
     };
     let mut found = None;
     watch.violations(

@@ -210,7 +210,14 @@ impl Checker<'_> {
             format!("`{}` has no parameter `{}`", called.name, name.text),
         )
         .at(name.span, "no parameter of this name");
+        let place = called.parameters.iter().position(|p| p.name == name.text);
         self.report(match near {
+            _ if place.is_some() => {
+                let number = place.map_or(0, |place| place + 1);
+                message.with_help(format!(
+                    "it is argument {number} and has no name: give its value alone"
+                ))
+            }
             Some(near) => message.meant(name.span, near),
             None if by_name.count() == 0 && !called.parameters.is_empty() => {
                 message.with_help("its arguments have no names")

@@ -40,7 +40,7 @@ const DOUBLINGS: usize = 30;
 pub(super) struct Change {
     /// Its time (s).
     pub time: f64,
-    /// The distance (s) at which the sign is no rounding on either side.
+    /// The distance (s) at which the sign on either side is not due to rounding.
     pub width: f64,
 }
 

@@ -261,23 +261,16 @@ impl Simulation {
 
     /// Updates turns, cycle, conditions and powers at the state of the dynamics.
     pub(super) fn observe_state(&mut self) -> Result<(), RuntimeError> {
-        let state = &mut self.integrator.current;
         self.work.fill(0.0);
-        let before = std::mem::take(&mut state.rotations);
-        self.completed.rotations.copy_from_slice(&before);
-        state.rotations = before;
+        let mut rotations = std::mem::take(&mut self.integrator.current.rotations);
+        self.completed.rotations.copy_from_slice(&rotations);
         let from = Inputs {
-            time: state.time,
-            markers: self.dynamics.markers(),
-            states: &state.states,
-            multipliers: &state.multipliers,
             rotations: &self.completed.rotations,
-            moving: self.dynamics.moving(),
-            memory: Some(self.dynamics.memory()),
-            surfaces: self.dynamics.surfaces(),
+            ..self.dynamics.inputs_at(&self.integrator.current)
         };
-        self.watch
-            .unwrap(&self.model, &from, &mut state.rotations)?;
+        let unwrapped = self.watch.unwrap(&self.model, &from, &mut rotations);
+        self.integrator.current.rotations = rotations;
+        unwrapped?;
         if let Some(cycle) = &mut self.cycle {
             cycle.evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
             self.cycle_now = Some(cycle.watched_values);
@@ -285,16 +278,7 @@ impl Simulation {
         self.check_inputs()?;
         let moment = self.moment();
         let state = &self.integrator.current;
-        let from = Inputs {
-            time: state.time,
-            markers: self.dynamics.markers(),
-            states: &state.states,
-            multipliers: &state.multipliers,
-            rotations: &state.rotations,
-            moving: self.dynamics.moving(),
-            memory: Some(self.dynamics.memory()),
-            surfaces: self.dynamics.surfaces(),
-        };
+        let from = self.dynamics.inputs_at(state);
         let (model, advised, warnings) = (&self.model, &mut self.advised, &mut self.warnings);
         let mut touch = None;
         self.watch.violations(

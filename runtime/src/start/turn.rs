@@ -423,14 +423,10 @@ impl<'a> Turning<'a> {
         self.dynamics
             .place(model, next.time, &next.pose, &next.velocity);
         let inputs = Inputs {
-            time: next.time,
-            markers: self.dynamics.markers(),
-            states: &next.states,
             multipliers: &[],
             rotations: &from.rotations,
-            moving: self.dynamics.moving(),
             memory: None,
-            surfaces: self.dynamics.surfaces(),
+            ..self.dynamics.inputs_at(&next)
         };
         let mut rotations = from.rotations.clone();
         self.watch.unwrap(model, &inputs, &mut rotations)?;

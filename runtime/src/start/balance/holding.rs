@@ -264,14 +264,8 @@ impl Balance<'_> {
         self.dynamics
             .place(self.model, state.time, &state.pose, &self.velocity);
         let from = Inputs {
-            time: state.time,
-            markers: self.dynamics.markers(),
-            states: &state.states,
-            multipliers: &state.multipliers,
-            rotations: &state.rotations,
-            moving: self.dynamics.moving(),
             memory: None,
-            surfaces: self.dynamics.surfaces(),
+            ..self.dynamics.inputs_at(state)
         };
         let mut rotations = state.rotations.clone();
         self.watch.unwrap(self.model, &from, &mut rotations)?;

@@ -161,18 +161,14 @@ pub(super) fn unwrap(
     state: &mut State,
 ) -> Result<(), RuntimeError> {
     dynamics.place(model, state.time, &state.pose, &state.velocity);
-    let references = state.rotations.clone();
+    let mut rotations = state.rotations.clone();
     let from = Inputs {
-        time: state.time,
-        markers: dynamics.markers(),
-        states: &state.states,
-        multipliers: &state.multipliers,
-        rotations: &references,
-        moving: dynamics.moving(),
         memory: None,
-        surfaces: dynamics.surfaces(),
+        ..dynamics.inputs_at(state)
     };
-    watch.unwrap(model, &from, &mut state.rotations)
+    watch.unwrap(model, &from, &mut rotations)?;
+    state.rotations = rotations;
+    Ok(())
 }
 
 /// The turn from one orientation to another, in the axes of the first (rad).
