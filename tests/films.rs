@@ -541,8 +541,12 @@ report maps {{
 
 /// The results of a run, and the maps of its report.
 fn maps(text: &str) -> (eng::Results, Vec<Result<FilmMap, String>>) {
-    let sources = Sources::from_text("m.eng", text);
-    let program = match eng::check(&sources, "m.eng").into_program() {
+    maps_of(&Sources::from_text("m.eng", text))
+}
+
+/// Results of the analysis `run` of the text `m.eng`, and the maps of its report.
+pub(crate) fn maps_of(sources: &Sources) -> (eng::Results, Vec<Result<FilmMap, String>>) {
+    let program = match eng::check(sources, "m.eng").into_program() {
         Ok(program) => program,
         Err(report) => panic!("{report}"),
     };
