@@ -131,7 +131,7 @@ fn heights(angle: f64) -> Vec<f64> {
 /// A line of nodes: edges of elements, and their middles.
 fn between(edges: &[f64], at: usize) -> f64 {
     let edge = edges[at / 2];
-    if at % 2 == 0 {
+    if at.is_multiple_of(2) {
         edge
     } else {
         0.5 * (edge + edges[at / 2 + 1])
