@@ -101,6 +101,24 @@ fn more_cells_come_nearer_to_the_table() {
     assert!(coarse / fine > 3.0, "{}", coarse / fine);
 }
 
+/// The step keeps its matrix nearly as long as with a closed formula: its derivatives hold between the cells' changes of sides, too.
+#[test]
+fn the_step_keeps_its_matrix() {
+    let counts = |law: &str| {
+        let text = rotor(&format!("{law}(rotor.mid, seat, {BEARING})"));
+        let run = Run::of(&text.replace("{Film, Reynolds}", &format!("{{{law}}}")));
+        let counts = run.0.summary.expect("a summary").statistics;
+        let a_step = |count: u64| count as f64 / counts.steps as f64;
+        let found = [a_step(counts.factorizations), a_step(counts.iterations)];
+        println!("{law}: {} steps, {found:.3?}", counts.steps);
+        found
+    };
+    let (formula, film) = (counts("Impedance"), counts("Film"));
+    for (formula, film) in formula.iter().zip(film) {
+        assert!(film < 2.0 * formula, "{formula} {film}");
+    }
+}
+
 /// In a steady orbit the power of the drive equals the heat.
 #[test]
 fn the_drive_gives_what_the_film_loses() {
@@ -523,8 +541,12 @@ report maps {{
 
 /// The results of a run, and the maps of its report.
 fn maps(text: &str) -> (eng::Results, Vec<Result<FilmMap, String>>) {
-    let sources = Sources::from_text("m.eng", text);
-    let program = match eng::check(&sources, "m.eng").into_program() {
+    maps_of(&Sources::from_text("m.eng", text))
+}
+
+/// Results of the analysis `run` of the text `m.eng`, and the maps of its report.
+pub(crate) fn maps_of(sources: &Sources) -> (eng::Results, Vec<Result<FilmMap, String>>) {
+    let program = match eng::check(sources, "m.eng").into_program() {
         Ok(program) => program,
         Err(report) => panic!("{report}"),
     };

@@ -11,6 +11,7 @@ mod command_failures;
 mod commands_in_process;
 mod convergence;
 mod demanded;
+mod diaphragm;
 mod documents;
 mod elastic_surfaces;
 mod engines;

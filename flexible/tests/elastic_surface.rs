@@ -270,7 +270,18 @@ fn surfaces_that_cannot_be_are_refused() {
     );
     let told = refused(mesh(), &request(bore(Spider::Averaging, WIDTH), 2, 3, 1));
     assert!(
-        told.contains("3 rows of nodes") && told.contains("`degree_across: 2`"),
+        told.contains("nodes 2.00 mm apart across") && told.contains("`degree_across: 2`"),
+        "{told}"
+    );
+    // five rows that lie close to one end are no better than three
+    let mut uneven = ring(12, 1, 2);
+    for node in &mut uneven.nodes {
+        let z = &mut node.position[2];
+        *z += 0.45 * (0.5 * WIDTH - z.abs());
+    }
+    let told = refused(uneven, &request(bore(Spider::Averaging, WIDTH), 2, 4, 1));
+    assert!(
+        told.contains("nodes 1.45 mm apart across") && told.contains("`degree_across: 2`"),
         "{told}"
     );
     let told = refused(

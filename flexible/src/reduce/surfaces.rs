@@ -184,7 +184,7 @@ pub(super) fn prepare(
                 "check centre, radius and width of the ring, or widen its tolerance",
             ));
         }
-        enough_nodes(mesh, &nodes, &bore, *surface, name)?;
+        enough_nodes(mesh, &nodes, &bore, &sums, *surface, name)?;
         Ok(Prepared {
             request: *surface,
             bore,
@@ -195,33 +195,29 @@ pub(super) fn prepare(
     prepared.collect()
 }
 
-/// Refuses shapes that the nodes cannot distinguish: each wave needs some nodes, and each degree across a row of them.
+/// Refuses shapes that the nodes cannot follow: a wave needs some nodes, and a degree across as many equal steps. The nodes of one face
+/// count, because in a mesh without rows those of many faces lie close to each other in angle or height.
 fn enough_nodes(
     mesh: &Mesh,
     nodes: &BTreeSet<u32>,
     bore: &Bore,
+    sums: &Sums,
     surface: SurfaceRequest,
     name: &str,
 ) -> Result<(), FlexibleError> {
-    let seen: Vec<(f64, f64)> = nodes
+    let mut angles: Vec<f64> = nodes
         .iter()
         .filter_map(|node| mesh.nodes.get(*node as usize))
-        .map(|node| bore.seen(node.position))
-        .map(|(angle, zeta, _)| (angle, zeta))
+        .map(|node| bore.seen(node.position).0)
         .collect();
-    let different = |mut values: Vec<f64>, least: f64| {
-        values.sort_by(f64::total_cmp);
-        values.dedup_by(|b, a| (*b - *a).abs() < least);
-        values
-    };
-    let angles = different(seen.iter().map(|(angle, _)| *angle).collect(), 1e-3);
+    angles.sort_by(f64::total_cmp);
     let turn = std::f64::consts::TAU;
     let last = angles.last().copied().unwrap_or(0.0);
     let around = angles.first().map_or(turn, |first| first + turn - last);
     let widest = angles
         .windows(2)
         .map(|pair| pair[1] - pair[0])
-        .fold(around, f64::max);
+        .fold(around.max(sums.steps[0]), f64::max);
     // rounding of positions does not count
     let most = turn / (NODES_A_WAVE * widest) * (1.0 + 1e-6);
     if f64::from(surface.shapes.around) > most {
@@ -238,17 +234,19 @@ fn enough_nodes(
             ),
         ));
     }
-    let rows = different(seen.iter().map(|(_, zeta)| *zeta).collect(), 1e-2).len();
-    if surface.shapes.across as usize >= rows {
+    // rows at equal distances are one more than steps
+    let most = 2.0 / sums.steps[1] * (1.0 + 1e-6);
+    if f64::from(surface.shapes.across) > most {
         return Err(refuse(
             surface.marker,
             format!(
-                "{name}: the mesh has {rows} rows of nodes across the ring: that is too coarse for degree {}",
+                "{name}: the mesh has nodes {:.2} mm apart across the ring: that is too coarse for degree {}",
+                0.5e3 * sums.steps[1] * bore.width,
                 surface.shapes.across
             ),
             &format!(
                 "state at most `degree_across: {}`, or refine the mesh",
-                rows.saturating_sub(1)
+                most as u32
             ),
         ));
     }
@@ -260,6 +258,8 @@ struct Sums {
     count: usize,
     /// m².
     area: f64,
+    /// Widest steps between neighbouring nodes of a face: in angle (rad) and in ζ.
+    steps: [f64; 2],
     /// ∫ ψ_i ψ_j dA, row by row.
     gram: Vec<f64>,
     /// ∫ ψ_j n N dA of each node, shape after shape.
@@ -271,6 +271,7 @@ impl Sums {
         Sums {
             count,
             area: 0.0,
+            steps: [0.0; 2],
             gram: vec![0.0; count * count],
             nodal: BTreeMap::new(),
         }
@@ -298,7 +299,8 @@ impl Sums {
                 *place = node.position;
             }
         }
-        let points = match kind.corner_count() {
+        let corners = kind.corner_count();
+        let points = match corners {
             3 => quadrature::triangle(POINTS),
             _ => quadrature::quadrilateral(POINTS),
         };
@@ -345,6 +347,25 @@ impl Sums {
                     }
                 }
             }
+        }
+        for (local, place) in places.iter().enumerate().take(corners) {
+            let middle = nodes
+                .get(corners + local)
+                .is_some_and(|node| *node != ABSENT);
+            self.add_side(bore, [*place, places[(local + 1) % corners]], middle);
+        }
+    }
+
+    /// The step between the nodes of a side of a face, with or without a node in its middle.
+    fn add_side(&mut self, bore: &Bore, ends: [[f64; 3]; 2], middle: bool) {
+        let [(angle, zeta, _), (other, up, _)] = ends.map(|end| bore.seen(end));
+        let (turn, parts) = (std::f64::consts::TAU, if middle { 2.0 } else { 1.0 });
+        let turned = (angle - other).abs();
+        for (step, size) in [turned.min(turn - turned), (zeta - up).abs()]
+            .into_iter()
+            .enumerate()
+        {
+            self.steps[step] = self.steps[step].max(size / parts);
         }
     }
 

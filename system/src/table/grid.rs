@@ -162,23 +162,50 @@ impl Grid {
             };
             places[k] = (interval * axis.stride, weights);
         }
-        self.sum(0, 0, &places)
+        self.sum(&places[..self.axes.len()]).unwrap_or(f64::NAN)
     }
 
-    /// The sum over the arguments from the `level`th on, with the coefficients from `start` on.
-    #[inline]
-    fn sum(&self, level: usize, start: usize, places: &[(usize, [f64; 4]); MOST_ARGUMENTS]) -> f64 {
-        let (offset, [a, b, c, d]) = places[level];
-        let from = start + offset;
-        if level + 1 == self.axes.len() {
-            return match self.coefficients.get(from..from + 4) {
-                Some([p, q, r, s]) => a * p + b * q + c * r + d * s,
-                _ => f64::NAN,
-            };
+    /// The sum over all arguments. Those before the last are summed first, so that each sum adds four neighbouring numbers to four.
+    fn sum(&self, places: &[(usize, [f64; 4])]) -> Option<f64> {
+        let start = places.iter().map(|(offset, _)| offset).sum();
+        let (last, others) = places.split_last()?;
+        let terms = match others {
+            [] => *self.four(start)?,
+            [first] => self.along(0, start, &first.1)?,
+            [first, second] => {
+                let mut sum = [0.0; 4];
+                for (k, weight) in second.1.iter().enumerate() {
+                    let from = start + k * self.axes[1].stride;
+                    add(&mut sum, *weight, &self.along(0, from, &first.1)?);
+                }
+                sum
+            }
+            _ => return None,
+        };
+        let [a, b, c, d] = last.1;
+        Some(a * terms[0] + b * terms[1] + c * terms[2] + d * terms[3])
+    }
+
+    /// Four neighbouring coefficients along the last argument.
+    fn four(&self, from: usize) -> Option<&[f64; 4]> {
+        self.coefficients.get(from..)?.first_chunk()
+    }
+
+    /// The sum along an argument of four neighbours along the last one, from a place on.
+    fn along(&self, argument: usize, from: usize, weights: &[f64; 4]) -> Option<[f64; 4]> {
+        let mut sum = [0.0; 4];
+        for (k, weight) in weights.iter().enumerate() {
+            let neighbours = self.four(from + k * self.axes[argument].stride)?;
+            add(&mut sum, *weight, neighbours);
         }
-        let stride = self.axes[level].stride;
-        let part = |k: usize| self.sum(level + 1, from + k * stride, places);
-        a * part(0) + b * part(1) + c * part(2) + d * part(3)
+        Some(sum)
+    }
+}
+
+/// Adds a multiple of four numbers to four others.
+fn add(sum: &mut [f64; 4], weight: f64, numbers: &[f64; 4]) {
+    for (sum, number) in sum.iter_mut().zip(numbers) {
+        *sum += weight * number;
     }
 }
 

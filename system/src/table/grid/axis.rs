@@ -3,13 +3,14 @@
 use super::{Argument, End, Ends};
 use crate::table::spline::{Closing, moments, periodic_moments, pieces};
 use crate::table::{CLOSURE, PAST_END};
+use std::array::from_fn;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {
     pub(super) name: String,
     /// Ends of the intervals; for a periodic argument the last is first + period.
     pub(super) knots: Vec<f64>,
-    /// The four B-splines of each interval, in powers of the distance from its start.
+    /// The four B-splines of each interval, in powers of the distance from its start: for each power, the factors of all four.
     basis: Vec<[[f64; 4]; 4]>,
     pub(super) ends: Ends,
     /// Distance of the coefficients of neighbouring B-splines.
@@ -176,21 +177,29 @@ impl Axis {
 
     /// The interval of an argument and its weights by the interval's polynomials.
     fn inside(&self, x: f64, order: u8) -> (usize, [f64; 4]) {
-        let interval = self
-            .knots
-            .partition_point(|p| *p <= x)
+        let interval = points_up_to(&self.knots, x)
             .saturating_sub(1)
             .min(self.basis.len() - 1);
         let t = x - self.knots[interval];
-        let weights = self.basis[interval].map(|[c0, c1, c2, c3]| match order {
-            0 => c0 + t * (c1 + t * (c2 + t * c3)),
-            1 => c1 + t * (2.0 * c2 + t * (3.0 * c3)),
-            2 => 2.0 * c2 + t * (6.0 * c3),
-            3 => 6.0 * c3,
-            _ => 0.0,
-        });
+        let [c0, c1, c2, c3] = &self.basis[interval];
+        let weights = match order {
+            0 => from_fn(|k| c0[k] + t * (c1[k] + t * (c2[k] + t * c3[k]))),
+            1 => from_fn(|k| c1[k] + t * (2.0 * c2[k] + t * (3.0 * c3[k]))),
+            2 => from_fn(|k| 2.0 * c2[k] + t * (6.0 * c3[k])),
+            3 => c3.map(|factor| 6.0 * factor),
+            _ => [0.0; 4],
+        };
         (interval, weights)
     }
+}
+
+/// Number of points that are not above x. Of few points a count without branches is faster than a search.
+fn points_up_to(points: &[f64], x: f64) -> usize {
+    const FEW: usize = 64;
+    if points.len() > FEW {
+        return points.partition_point(|p| *p <= x);
+    }
+    points.iter().map(|p| u64::from(*p <= x)).sum::<u64>() as usize
 }
 
 /// An argument mirrored at even and odd ends until it is inside or beyond an end without mirror, and whether the
@@ -238,7 +247,7 @@ fn knot(knots: &[f64], j: usize) -> f64 {
 }
 
 /// The four B-splines that are not zero on an interval, in powers of the distance from its start (the recurrence
-/// of Cox and de Boor, on polynomials).
+/// of Cox and de Boor, on polynomials): for each power, the factors of all four.
 fn basis(knots: &[f64], interval: usize) -> [[f64; 4]; 4] {
     let start = knots[interval];
     // distances of the knots around the interval from its start: 0 to 2 up to it, 3 to 5 from its end on
@@ -260,7 +269,7 @@ fn basis(knots: &[f64], interval: usize) -> [[f64; 4]; 4] {
         }
         functions = next;
     }
-    functions
+    from_fn(|power| functions.map(|function| function[power]))
 }
 
 /// Adds (factor₀ + factor₁ t)/divisor × polynomial, whose degree is below three.
