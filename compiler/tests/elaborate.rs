@@ -397,9 +397,9 @@ fn an_analysis_sets_the_numbers_of_records_and_vectors() {
     let due = [
         ("sizes.first", 0.07),
         ("sizes.second", 0.06),
-        ("spot.x", 0.004),
-        ("spot.y", 0.005),
-        ("spot.z", 0.006),
+        ("spot[1]", 0.004),
+        ("spot[2]", 0.005),
+        ("spot[3]", 0.006),
     ];
     assert_eq!(set.len(), due.len());
     for ((path, value), (due_path, due)) in set.iter().zip(due) {

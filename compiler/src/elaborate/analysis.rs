@@ -335,8 +335,8 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
             Value::Vector(parts) => {
-                for (axis, part) in ["x", "y", "z"].into_iter().zip(parts) {
-                    set.push((format!("{path}.{axis}"), self.structural(part, span)?));
+                for (i, part) in parts.into_iter().enumerate() {
+                    set.push((format!("{path}[{}]", i + 1), self.structural(part, span)?));
                 }
             }
             Value::Record(id, scope) => {

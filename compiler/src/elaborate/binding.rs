@@ -188,7 +188,7 @@ impl<'a> Elaborator<'a, '_> {
             Value::Vector(v) => {
                 let mut out = v;
                 for (i, s) in v.into_iter().enumerate() {
-                    let name = format!("{path}.{}", ["x", "y", "z"][i]);
+                    let name = format!("{path}[{}]", i + 1);
                     if let Value::Scalar(p) =
                         self.parameterise(Value::Scalar(s), &name, member(i))?
                     {
