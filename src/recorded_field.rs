@@ -26,7 +26,7 @@ use std::sync::Arc;
 pub struct RecordedField {
     /// The element: `main[3]`.
     pub path: String,
-    /// The begin of its columns: `main[3].reynolds`.
+    /// Prefix of its columns: `main[3].reynolds`.
     name: String,
     kernel: &'static Kernel,
     openings: u32,

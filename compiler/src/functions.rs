@@ -292,7 +292,7 @@ static ABOUT: [(&str, &str, &str); 50] = [
     (
         "wrapped",
         "wrapped(angle, period, from: -180 deg)",
-        "the angle less whole periods, in [from, from + period). It jumps at the ends, so a force that depends on it must vanish there",
+        "the angle less whole periods, in [from, from + period). It jumps at the ends: a force that does not vanish there jumps",
     ),
     ("min", "min(a, b, …), min(list)", "the least of numbers"),
     ("max", "max(a, b, …), max(list)", "the largest of numbers"),

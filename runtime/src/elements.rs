@@ -63,7 +63,7 @@ struct Moving {
     slot: usize,
 }
 
-/// Least number of cells of a field that is worth the way to another thread. A film of so many takes about 40 us.
+/// Least number of cells of a field for which another thread saves time. A film with so many cells takes about 40 µs.
 const LARGE: usize = 400;
 
 /// Share of a field with one-sided derivatives above which its linearised equations are refused. The cells on the line where a
@@ -315,8 +315,8 @@ impl Batch {
         Ok(())
     }
 
-    /// Works on all fields that wait for it. If several have no numbers, the error is of the first. The others are complete all the
-    /// same: so their next solutions begin from the same cavities, and have the same bits, for any number of threads.
+    /// Solves all fields that wait. If several have no solution, the error is that of the first. The others are solved to the
+    /// end. So their next solutions begin from the same cavities, and have the same bits, for any number of threads.
     fn work(&mut self, model: &Model, time: f64, wanted: Wanted) -> Result<(), RuntimeError> {
         let mut worst: Option<(usize, Trouble)> = None;
         let mut failed = |at: usize, done: Result<(), Trouble>| {

@@ -343,7 +343,7 @@ impl<'p> Checker<'p> {
                     None => Err(Misfit::Dimension),
                 }
             }
-            // A choice between classes or records has the type of their youngest common interface.
+            // A choice between classes or records has the type of their most specific common interface.
             (Type::Class(c) | Type::ClassOf(c), Type::Class(d) | Type::ClassOf(d)) if c != d => {
                 match self.common_interface(*c, *d) {
                     Some(interface) => return Type::ClassOf(interface),
@@ -384,7 +384,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The youngest interface that two definitions fill.
+    /// The most specific common interface of two definitions.
     fn common_interface(&self, a: DefinitionId, b: DefinitionId) -> Option<DefinitionId> {
         let of_b = self.program.lineage(b);
         let is_interface = |id: &DefinitionId| {

@@ -33,10 +33,10 @@ use std::collections::BTreeMap;
 const OF_LOADS: u8 = 1;
 const OF_CONSTRAINTS: u8 = 2;
 
-/// An operation with a kink, and which of its arguments this is; zero for all but tables.
+/// An operation with a kink. For a table also the index of the argument, else zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct KinkPlace {
-    /// A comparison, a minimum, a maximum, an amount, an angle or a table's value.
+    /// A comparison, a minimum, a maximum, an absolute value, an angle or a table's value.
     pub node: Node,
     /// The argument of a table.
     pub argument: u8,
@@ -94,7 +94,7 @@ pub(crate) struct KinkFunction {
 pub(crate) fn functions_of(graph: &mut Graph, op: Op) -> Vec<KinkFunction> {
     let mut below = None;
     let value = match op {
-        // an equation holds at single moments, or where another kink begins: it changes no sign
+        // `==` holds at single moments only, so its difference changes no sign that matters
         Op::Less(a, b) | Op::LessEqual(a, b) => graph.subtract(b, a),
         Op::Minimum(a, b) | Op::Maximum(a, b) => graph.subtract(a, b),
         Op::Abs(a) => a,
@@ -165,8 +165,8 @@ impl Found {
         self.active.push(used);
     }
 
-    /// Joins a function to the same one of another operation: it is used where one of both is, and as smooth as one of both
-    /// needs. `false` if there is none.
+    /// Merges equal functions of two operations. The result counts where either counts, and has the stricter requirement.
+    /// `false` if no known function is equal.
     fn join(
         &mut self,
         graph: &mut Graph,

@@ -259,7 +259,7 @@ mod tests {
             };
             cycles_of(&mut of_states(&[1.0]), 10, state)
         };
-        // the noise stands at one sample, so its factor says nothing
+        // by the noise the cycles differ at one sample, so its factor says nothing
         assert!(with(0.0).repeats(0.3), "{:?}", with(0.0));
         let drifts = with(0.14);
         assert!(drifts.beyond <= 1.0, "{drifts:?}");

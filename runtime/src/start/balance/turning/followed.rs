@@ -91,7 +91,7 @@ struct Follower {
     behind: VecDeque<Vec<f64>>,
 }
 
-/// The begin of a step, and the loads of the efforts.
+/// The beginning of a step, and the loads of the efforts.
 struct Step<'a> {
     here: &'a State,
     pulled: &'a DVector<f64>,

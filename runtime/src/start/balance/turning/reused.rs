@@ -9,7 +9,7 @@
 
 use eng_system::secants::Secants;
 
-/// Contraction above which the matrix is made anew, within a step or at the begin of the next. With films on cells a new one takes
+/// Contraction above which the matrix is made anew, within a step or at the beginning of the next. With films on cells a new one takes
 /// about as long as two evaluations; without them a larger limit gains little.
 const SLOW: f64 = 0.3;
 /// Least contraction that is expected.
