@@ -296,7 +296,7 @@ fn profile(numbers: &FieldNumbers<'_>) -> Vec<Profile> {
     all.into_iter().filter(|part| depth(part) != 0.0).collect()
 }
 
-/// Numbers of a field's memory behind those of its film: the volume of oil (m³).
+/// Numbers of a field's memory after those of its film: the volume of oil (m³).
 const VOLUME: usize = 1;
 
 /// A film as a field.

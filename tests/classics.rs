@@ -319,7 +319,7 @@ fn statistics(load: &[f64]) -> [f64; 4] {
     ]
 }
 
-/// Push of a stop at a depth and its rate: stiffness, damping, depth of its begin.
+/// Push of a stop at a depth and its rate: stiffness, damping, depth of its beginning.
 fn stop(depth: f64, rate: f64, law: [f64; 3]) -> f64 {
     let depth = depth.max(0.0);
     depth * (law[0] + law[1] * rate / (depth * depth + law[2] * law[2]).sqrt()).max(0.0)

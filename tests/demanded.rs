@@ -422,7 +422,7 @@ fn a_start_at_a_corner_goes_both_ways() {
     }
 }
 
-/// Where the demanded acceleration jumps at the start, the first sample has the force behind it, as all others have: 2 kg · 20 m/s².
+/// Where the demanded acceleration jumps at the start, the first sample has the force after it, as all others have: 2 kg · 20 m/s².
 #[test]
 fn the_first_sample_is_behind_a_kink() {
     for way in [

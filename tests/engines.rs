@@ -206,7 +206,7 @@ fn a_single_idles_one_turn_and_no_order_that_does_not_fit_passes() {
             four,
             "[1, 2, 3, 4]",
             "",
-            "cylinder 4, number 4 of it, would fire 720 deg behind the first",
+            "cylinder 4, number 4 of it, would fire 720 deg after the first",
         ),
         (
             four,
@@ -482,7 +482,7 @@ fn strange_numbers_of_an_engine_are_told() {
             gas("-1 kJ", "-18 deg"),
             "a heat of -1 kJ: heat into the gas is positive",
         ),
-        (gas("1 kJ", "160 deg"), "0 % 90 deg behind it"),
+        (gas("1 kJ", "160 deg"), "0 % 90 deg after it"),
     ] {
         let text = engine(
             "inline(throws: [0, 180, 180, 0] deg)",
@@ -807,7 +807,7 @@ fn the_library_makes_the_engine_written_by_hand() {
         pairs.push((format!("gas[{k}].thrust"), of("gas.thrust")));
         pairs.push((format!("liner[{k}].travel"), of("liner.travel")));
     }
-    // the motion, and the forces at the begin and in all
+    // the motion, and the forces at the beginning and in all
     let (mut motion, mut first, mut all) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (a, b) in pairs {
         let (x, y) = (column(&hand, &a), column(&library, &b));
@@ -892,7 +892,7 @@ analysis run = transient(Test(), duration: 4 rev, sample: 0.25 deg)
         }
         let taken = -of_turn("unit.brake_torque") * 300.0 * TAU / 60.0;
         close("drive", taken, given, 2e-3);
-        // the highest pressure of the second cylinder is behind that of the first by the angle of their dead centres
+        // the highest pressure of the second cylinder follows that of the first by the angle of their dead centres
         let angle = column(&results, "cycle.angle");
         let opened = |k: usize| {
             let pressure = column(
@@ -989,7 +989,7 @@ fn the_engines_of_the_examples_balance_their_power() {
         println!("{name}: gas {gas:.0} W, films {heat:.0} W, brake {brake:.0} W");
         assert!(heat > 0.02 * gas);
         close(name, brake, gas - heat, 2e-3);
-        // each big end carries most just behind its own firing dead centre
+        // each big end carries most just after its own firing dead centre
         let angle = column(&results, "cycle.angle");
         let peak = |path: &str| {
             let values = column(&results, path);

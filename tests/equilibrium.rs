@@ -227,7 +227,7 @@ fn torque(angle: f64) -> f64 {
 }
 
 /// The torque that holds the crank at an angle, by the virtual work of the piston's force: held by a drive at rest,
-/// by one that turns and is at the angle at its time, and by `at` alone, before the angle of the start and behind it.
+/// by one that turns and is at the angle at its time, and by `at` alone, before the angle of the start and after it.
 #[test]
 fn a_crank_is_held_against_its_piston() {
     let analyses = "analysis here[a in [0, 20, 60, 190, 350] deg] = static(Single(wanted: a))";

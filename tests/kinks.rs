@@ -522,7 +522,7 @@ fn kinks_of_a_class_are_those_of_its_loads() {
     );
 }
 
-/// A simulation that is resumed just before and just behind a kink gives the bits of one that is not interrupted.
+/// A simulation that is resumed just before and just after a kink gives the bits of one that is not interrupted.
 #[test]
 fn a_checkpoint_beside_a_kink_keeps_the_bits() {
     let pulse = program(

@@ -108,7 +108,7 @@ fn a_heat_burns_by_wiebes_share() {
     assert_eq!(value("share[1]"), 0.0);
     close("share", value("share[2]"), share(0.3), 1e-12);
     close("share", value("share[3]"), share(0.6), 1e-12);
-    // the rate goes on behind the nominal end
+    // the rate goes on after the nominal end
     close("share", value("share[4]"), share(1.0), 1e-12);
     close("share", value("share[5]"), share(1.02), 1e-12);
     close("share", value("share[6]"), share(1.4), 1e-12);

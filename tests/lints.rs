@@ -358,7 +358,7 @@ analysis run = transient(Crank(), duration: 1 rev, sample: 5 deg)
     )
 }
 
-/// The numbers of a message behind a word.
+/// The numbers of a message after a word.
 fn numbers_behind(said: &str, word: &str) -> Vec<f64> {
     let at = said
         .find(word)

@@ -258,7 +258,7 @@ impl Elastic {
     }
 
     /// Solves the film and its surface, and writes the outputs. `step` and `memory` are those of
-    /// [`Film::solve`], with the amplitudes and their rates behind the content.
+    /// [`Film::solve`], with the amplitudes and their rates after the content.
     ///
     /// # Errors
     /// As [`Film::solve`], or if the surface finds no balance with the film.

@@ -355,7 +355,7 @@ impl Film {
         numbers.extend(full.map(|full| f64::from(u8::from(*full))));
     }
 
-    /// Lets the next search begin at a cavity ([`Film::cavity`]), and returns the numbers behind it. Where there are too few, the search
+    /// Lets the next search begin at a cavity ([`Film::cavity`]), and returns the numbers after it. Where there are too few, the search
     /// begins as it would without them.
     pub fn begin_at<'n>(&self, work: &mut Work, numbers: &'n [f64]) -> &'n [f64] {
         let full = &mut work.levels[0].full;

@@ -33,7 +33,7 @@ pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> Fil
 pub struct UnitWords {
     /// The names of all units that were read.
     pub known: BTreeSet<String>,
-    /// The words among the factors behind numbers that were no known units.
+    /// The words among the factors after numbers that were no known units.
     pub unknown: BTreeSet<String>,
 }
 

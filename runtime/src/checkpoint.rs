@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
     pub fn new(bytes: &'a [u8], fingerprint: u64) -> Result<Reader<'a>, RuntimeError> {
         if bytes.len() < 28 || &bytes[..8] != MAGIC {
             return Err(refuse(
-                "these bytes are no checkpoint, or only the begin of one",
+                "these bytes are no checkpoint, or only the beginning of one",
             ));
         }
         let mut version = [0; 4];

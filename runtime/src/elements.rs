@@ -386,7 +386,7 @@ impl Batch {
         }
     }
 
-    /// Lets the next searches begin at such numbers, and returns those behind them.
+    /// Lets the next searches begin at such numbers, and returns those after them.
     pub fn begin_at<'n>(&mut self, mut numbers: &'n [f64]) -> &'n [f64] {
         for field in self.fields.iter_mut().flatten() {
             numbers = field.solver.begin_at(numbers);
@@ -721,7 +721,7 @@ pub fn differentiate(
     Ok(())
 }
 
-/// Calls [`Function::Tangent`] with the seeds that `scratch` has behind its tape, at the inputs of a pair, and with changes
+/// Calls [`Function::Tangent`] with the seeds that `scratch` has after its tape, at the inputs of a pair, and with changes
 /// of the motion of all surfaces. Writes the derivatives to `scratch.outputs`.
 pub fn differentiate_along(
     model: &Model,

@@ -638,7 +638,7 @@ pub enum RuntimeError {
     OutsideStep {
         /// The requested time (s).
         time: f64,
-        /// Begin of the last step (s).
+        /// Beginning of the last step (s).
         from: f64,
         /// End of the last step (s).
         to: f64,

@@ -396,8 +396,8 @@ pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// Count of numbers that the field keeps from one moment to the next, such as the oil in the cells of a
     /// film.
     fn memory(&self) -> usize;
-    /// Count of shapes of an elastic surface that a body moves. Their amplitudes, then their rates, are drives behind those
-    /// of the kernel's row, and their forces are answers behind the others.
+    /// Count of shapes of an elastic surface that a body moves. Their amplitudes, then their rates, are drives after those
+    /// of the kernel's row, and their forces are answers after the others.
     fn shapes(&self) -> usize;
     /// Whether the pin may leave the circle of its clearance, because a surface yields or asperities carry.
     fn yields(&self) -> bool;
@@ -446,7 +446,7 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     fn read(&mut self, readings: &mut [f64], slopes: bool);
     /// Appends numbers of the last solution from which the search for a solution nearby begins well, such as the cavity of a film.
     fn found(&self, _numbers: &mut Vec<f64>) {}
-    /// Begins the next search at such numbers, and returns those behind its own.
+    /// Begins the next search at such numbers, and returns those after its own.
     fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
         numbers
     }

@@ -141,7 +141,7 @@ impl<'p> Checker<'p> {
         );
     }
 
-    /// The type of a list or parenthesis with a unit behind it. The numbers inside must be plain.
+    /// The type of a list or parenthesis with a unit after it. The numbers inside must be plain.
     fn scaled(&mut self, scope: &Scope<'p>, ty: Type, unit: &UnitExpr, inside: Span) -> Type {
         let Some(quantity) = self.quantity_of(scope, unit) else {
             return Type::Error;

@@ -286,7 +286,7 @@ impl<'a> Elaborator<'a, '_> {
         let module = self.scope(scope).module;
         match self.program.lookup(module, called) {
             Some(found) => found == record,
-            // a record behind the path of its module
+            // a record after the path of its module
             None => match self.program.item(record).map(|item| &item.kind) {
                 Some(ast::ItemKind::Declaration(own)) => own.name.text == *called,
                 _ => false,

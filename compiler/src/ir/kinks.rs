@@ -314,7 +314,7 @@ fn jumps_with_turns(graph: &Graph, value: Node, turns: &[Node]) -> bool {
     turns.any(|turn| parts[turn.0 as usize] && matches!(graph.op(*turn), Op::Select(..)))
 }
 
-/// The functions with their rates, and those of constants behind them.
+/// The functions with their rates, and those of constants after them.
 fn with_rates(
     graph: &mut Graph,
     layout: &InputLayout,

@@ -297,7 +297,7 @@ fn fortran(value: f64, width: usize, digits: usize) -> String {
     )
 }
 
-/// An OP4 as text with 16 digits behind the point, three values a line.
+/// An OP4 as text with 16 digits after the point, three values a line.
 pub fn op4_text(matrices: &[Dense], layout: Layout, single: bool) -> String {
     let words = if single { 1 } else { 2 };
     let mut text = String::new();
@@ -515,7 +515,7 @@ impl Op2 {
                     data.extend(self.0.real(shape(mode, *node, freedom), true));
                 }
             }
-            // a scalar point behind them
+            // a scalar point after them
             data.extend(self.0.integers(&[10 * 9999 + 1, 2, 0, 0, 0, 0, 0, 0]));
             records.push(data);
         }

@@ -15,12 +15,12 @@ use nalgebra::{DMatrix, DVector};
 /// Relative to the model's speed, a row that is left by more contradicts others.
 const CONTRADICTION: f64 = 1e-8;
 
-/// Distance behind the start at which a constraint is on the side to which the motion goes, as a share of the time in which the
+/// Distance after the start at which a constraint is on the side to which the motion goes, as a share of the time in which the
 /// motion covers its own size; the share of it for a second look, and the least part of a rate that remains there if it jumps.
 const BEHIND: f64 = 1e-12;
 const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
-/// Rate of a constraint behind the start that is a jump, as a share of the model's speed.
+/// Rate of a constraint after the start that is a jump, as a share of the model's speed.
 const JUMP: f64 = 1e-6;
 /// Most searches of the side to which the motion goes.
 const SIDES: usize = 4;
@@ -43,7 +43,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     Ok(())
 }
 
-/// A start just behind a corner, along velocities at which a constraint demands other velocities there. `None` if none does.
+/// A start just after a corner, along velocities at which a constraint demands other velocities there. `None` if none does.
 fn behind_corner(
     model: &Model,
     start: &State,

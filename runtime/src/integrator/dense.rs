@@ -6,7 +6,7 @@ use crate::rotation::{V3, inverse_tangent};
 use crate::state::{State, move_pose};
 
 impl Integrator {
-    /// The state at a fraction 0…1 of the last step: cubic in positions (rotations in the increment from the step's begin) and
+    /// The state at a fraction 0…1 of the last step: cubic in positions (rotations in the increment from the step's beginning) and
     /// in velocities, from values and rates at both ends. Not projected.
     pub fn interpolate(&self, model: &Model, fraction: f64, work: &mut [f64], out: &mut State) {
         let (from, to) = (&self.previous, &self.current);

@@ -125,7 +125,7 @@ impl Simulation {
         }
     }
 
-    /// Refuses a motion that is held at a kink where a load or a rate jumps, because it has no solution behind the jump. Many of the last
+    /// Refuses a motion that is held at a kink where a load or a rate jumps, because it has no solution after the jump. Many of the last
     /// steps have passed the kink to and fro, and on both sides the motion comes towards it.
     pub(super) fn refuse_held(&mut self) -> Result<(), RuntimeError> {
         let Some(kink) = self.kinks.often() else {
