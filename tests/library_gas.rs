@@ -159,7 +159,8 @@ fn swept() -> f64 {
     std::f64::consts::PI / 4.0 * 0.06 * 0.06 * 0.08
 }
 
-/// Volumetric efficiency `1 + c − c π^(1/κ)` and work `κ/(κ − 1) p V (π^((κ − 1)/κ) − 1)` of the ideal cycle; light plates give nearly the same.
+/// Volumetric efficiency `1 + c − c π^(1/κ)` and work `κ/(κ − 1) p V (π^((κ − 1)/κ) − 1)` of the ideal cycle;
+/// light plates give nearly the same.
 #[test]
 fn compressors_have_the_efficiency_and_work_of_the_ideal_cycle() {
     let efficiency = 1.05 - 0.05 * 5.0_f64.powf(1.0 / 1.4);

@@ -193,7 +193,8 @@ fn a_lash_adjuster_leaks_down_at_a_constant_rate() {
     );
 }
 
-/// The row of masses between fixed ends has the frequencies `n/π √(k/m) sin(j π/2n)`; the first is near the surge `√(k/m)/2`.
+/// The row of masses between fixed ends has the frequencies `n/π √(k/m) sin(j π/2n)`; the first is near the
+/// surge `√(k/m)/2`.
 #[test]
 fn a_valve_spring_surges() {
     let text = "use std.valvetrain.ValveSpring

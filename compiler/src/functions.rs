@@ -1,9 +1,9 @@
 //! The functions of the language: one table for the checker, elaboration and reports.
 //!
-//! An elementary function of one number needs its row here, its row in `system/src/elementary.rs`, and its derivative in
-//! `ir/differentiate.rs`. A function of another kind also has its type in
-//! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here,
-//! a variant of `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/operation.rs`.
+//! An elementary function of one number needs its row here, its row in `system/src/elementary.rs`, and its
+//! derivative in `ir/differentiate.rs`. A function of another kind also has its type in `check/builtin.rs`
+//! and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here, a variant of
+//! `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/operation.rs`.
 
 use eng_system::elementary::Elementary;
 use eng_system::expression::{Function, Operator, Reduction};

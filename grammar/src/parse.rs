@@ -37,8 +37,9 @@ pub struct UnitWords {
     pub unknown: BTreeSet<String>,
 }
 
-/// Reads a file like [`parse`]. A word that is no unit ends the unit before it: `2e6 N/m*depth` is 2e6 N/m times `depth`.
-/// The units that the file defines are added to the known ones first, and words that are not units are noted.
+/// Reads a file like [`parse`]. A word that is no unit ends the unit before it: `2e6 N/m*depth` is 2e6 N/m
+/// times `depth`. The units that the file defines are added to the known ones first, and words that are not
+/// units are noted.
 pub fn parse_with_units(
     text: &str,
     source: SourceId,

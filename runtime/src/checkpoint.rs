@@ -1,7 +1,7 @@
 //! Checkpoints: bytes in little-endian order with a header and a check sum.
 //!
-//! Header: `ENGCHECK`, the version of the format, a fingerprint of the model and its parameters. The FNV-1a sum of all these
-//! bytes is at the end.
+//! Header: `ENGCHECK`, the version of the format, a fingerprint of the model and its parameters. The FNV-1a
+//! sum of all these bytes is at the end.
 
 use crate::error::RuntimeError;
 use crate::model::Model;

@@ -75,8 +75,8 @@ impl LaneField {
         &self.answers[self.own.answers..]
     }
 
-    /// The change of the answers from `first` on with changes of the drives of the element, and of the amplitudes of the
-    /// surface and their rates (empty for none).
+    /// The change of the answers from `first` on with changes of the drives of the element, and of the
+    /// amplitudes of the surface and their rates (empty for none).
     pub fn changes<'a>(
         &'a self,
         first: usize,

@@ -1,8 +1,8 @@
 //! Elastic surfaces: the parts of flexible bodies that fields press on.
 //!
-//! A surface has K shapes. The modes of its body move them by `b = Ψ a` and `ḃ = Ψ ȧ`, which are drives of the field after
-//! those that the element computes. The generalised forces f of the shapes are answers after the others, and `Ψᵀ f` acts on
-//! the modes ([`eng_system::reduced::ReducedSurface`]).
+//! A surface has K shapes. The modes of its body move them by `b = Ψ a` and `ḃ = Ψ ȧ`, which are drives of
+//! the field after those that the element computes. The generalised forces f of the shapes are answers after
+//! the others, and `Ψᵀ f` acts on the modes ([`eng_system::reduced::ReducedSurface`]).
 
 use eng_system::dense::{add_scaled, add_transposed, dot};
 

@@ -1,5 +1,5 @@
-//! Codes of elaboration: instances, numbers, files. They are about values; those of checking are about types. The lint of
-//! tables (`W0760`) is here, too, because elaboration finds it.
+//! Codes of elaboration: instances, numbers, files. They are about values; those of checking are about types.
+//! The lint of tables (`W0760`) is here, too, because elaboration finds it.
 
 eng_grammar::codes! {
     ELABORATING:

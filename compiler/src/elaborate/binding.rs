@@ -212,7 +212,8 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// A record whose numbers are parameters below a path. A default of the record follows the parameters that it reads.
+    /// A record whose numbers are parameters below a path. A default of the record follows the parameters
+    /// that it reads.
     fn record_of(
         &mut self,
         id: DefinitionId,

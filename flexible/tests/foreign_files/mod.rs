@@ -65,7 +65,8 @@ pub struct Dense {
 }
 
 impl Dense {
-    /// Symmetric, positive diagonal, about a third of the entries, the fourth row and column empty; values that fill a double.
+    /// Symmetric, positive diagonal, about a third of the entries, the fourth row and column empty; values
+    /// that fill a double.
     pub fn symmetric(name: &'static str, size: usize) -> Self {
         let mut columns = vec![vec![0.0; size]; size];
         let mut state = 12345_u64;

@@ -8,8 +8,8 @@ use crate::state::State;
 
 /// Most trials of a step that a kink may shorten.
 const MOST_CUTS: usize = 14;
-/// Most trials that end where the cubic over the one before says, at a kink that is no length or angle, and the share of the way
-/// to it for the trials after that.
+/// Most trials that end where the cubic over the one before says, at a kink that is no length or angle, and
+/// the share of the way to it for the trials after that.
 const SECANTS: usize = 4;
 const SHORT: f64 = 0.9;
 /// Shortest trial that ends at a kink (s). A kink nearer than this is at the beginning of the step.
@@ -34,9 +34,10 @@ const JUMP: f64 = 1e-9;
 const VELOCITY: f64 = 1e-4;
 /// Rounding of the increment of a step, of the model's length. Over a step it is one of the velocity.
 const ROUNDING: f64 = 1e-14;
-/// Share of the step that the error allows after a kink, and largest growth of the step there. After a kink a force may grow
-/// as t^(3/2), as Hertz' contact does. The first step h then has an error of the velocity of the order h^(5/2), which the
-/// error of positions does not show, and a long flight after the contact multiplies it by its duration.
+/// Share of the step that the error allows after a kink, and largest growth of the step there. After a kink a
+/// force may grow as t^(3/2), as Hertz' contact does. The first step h then has an error of the velocity of
+/// the order h^(5/2), which the error of positions does not show, and a long flight after the contact
+/// multiplies it by its duration.
 const FIRST: (f64, f64) = (0.2, 4.0);
 
 impl Simulation {
@@ -54,8 +55,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Keeps a kink within a fixed step h (s) that ends at a moment, if its weight, in units of its limit, is larger than that of the
-    /// one before.
+    /// Keeps a kink within a fixed step h (s) that ends at a moment, if its weight, in units of its limit, is
+    /// larger than that of the one before.
     pub(super) fn keep_overlooked(
         &mut self,
         passed: &Crossing,
@@ -70,14 +71,16 @@ impl Simulation {
 
     /// The length (s) of the next trial and the kink at its end, if a trial of a step h passes a kink.
     ///
-    /// The first shorter trial ends where the cubic over the trial says. The part of the trial after the kink has another
-    /// force, which bends the cubic: after a stiff stop it says nothing. So the second one ends where the motion before the
-    /// kink leads, if that is earlier, and each further one is shorter by a larger share. A trial without solution may come
-    /// from a stiff stop after a kink, so it is repeated up to the kink that lies ahead.
+    /// The first shorter trial ends where the cubic over the trial says. The part of the trial after the kink
+    /// has another force, which bends the cubic: after a stiff stop it says nothing. So the second one ends
+    /// where the motion before the kink leads, if that is earlier, and each further one is shorter by a
+    /// larger share. A trial without solution may come from a stiff stop after a kink, so it is repeated up
+    /// to the kink that lies ahead.
     ///
-    /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a pulse in time, a thin
-    /// sheet. So such a trial is first repeated up to the middle, where its end shows the load. A trial that ends at a moment,
-    /// except for rounding, is repeated up to just before it, because loads may jump there.
+    /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a
+    /// pulse in time, a thin sheet. So such a trial is first repeated up to the middle, where its end shows
+    /// the load. A trial that ends at a moment, except for rounding, is repeated up to just before it,
+    /// because loads may jump there.
     pub(super) fn kink_within(
         &mut self,
         h: f64,
@@ -157,9 +160,10 @@ impl Simulation {
 
     /// Starts the motion again after a kink of the motion at which accelerations jump.
     ///
-    /// The step before ends just before this kink. The motion continues across it with the accelerations before it, which
-    /// takes about the time of a quarter of the limit. If it turns back there, as a sticking body does, or if the
-    /// accelerations change by less than half of `jump` (their change at some distance from the kink), nothing is done.
+    /// The step before ends just before this kink. The motion continues across it with the accelerations
+    /// before it, which takes about the time of a quarter of the limit. If it turns back there, as a sticking
+    /// body does, or if the accelerations change by less than half of `jump` (their change at some distance
+    /// from the kink), nothing is done.
     fn after_jump_of_motion(
         &mut self,
         kink: usize,
@@ -197,8 +201,8 @@ impl Simulation {
 
     /// Starts the motion again after a moment at which a load or the rate of a state jumps.
     ///
-    /// The step before ends just before this moment, most often by some roundings of the time. The motion continues up to both
-    /// sides of it with the accelerations before it.
+    /// The step before ends just before this moment, most often by some roundings of the time. The motion
+    /// continues up to both sides of it with the accelerations before it.
     fn after_jump_in_time(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
         let moment = self.moment();
         let time = self.integrator.current.time;
@@ -269,9 +273,10 @@ impl Simulation {
 
     /// The error of the velocities of the last trial of h (s), in units of its limit.
     ///
-    /// The error of the positions does not show a short pulse between two kinks: within a microsecond nothing moves. But the error of
-    /// the velocity remains, and over a step as long as that before the pulse it becomes one of positions. The scheme
-    /// integrates accelerations like a trapezoid: the error of a step is a twelfth of `h³` times their second rate.
+    /// The error of the positions does not show a short pulse between two kinks: within a microsecond nothing
+    /// moves. But the error of the velocity remains, and over a step as long as that before the pulse it
+    /// becomes one of positions. The scheme integrates accelerations like a trapezoid: the error of a step is
+    /// a twelfth of `h³` times their second rate.
     fn velocity_error(&self, h: f64, factor: f64) -> f64 {
         let (begin, end) = (&self.integrator.current, self.integrator.trial_state());
         let scales = self.model.velocity_scales();

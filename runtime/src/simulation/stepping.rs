@@ -130,8 +130,8 @@ impl Simulation {
             &ends[1].multipliers,
         );
         let state_jerk = rate(&start.rates, &ends[0].rates, &ends[1].rates);
-        // The evaluations ahead left other values in the work space. At the start again, the jerk gives its part along the
-        // normals of the constraints.
+        // The evaluations ahead left other values in the work space. At the start again, the jerk gives its
+        // part along the normals of the constraints.
         self.system.accelerations(
             &self.model,
             &mut self.dynamics,
