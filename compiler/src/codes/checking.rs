@@ -119,7 +119,7 @@ eng_grammar::codes! {
         "flexible crank { mesh = file(\"crank.bdf\") }",
         "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
     NOT_BUILT = "E0391", "this form is reserved for a later version",
-        "The language has no meaning for this form yet. A constant often serves in its place.",
+        "The language has no meaning for this form yet.",
         "default bearing { width = 20 mm }",
         "const bearing_width = 20 mm";
     ACCEPT_UNKNOWN = "W0550", "an `accept` names a lint that does not exist",
