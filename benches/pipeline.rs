@@ -1,5 +1,5 @@
-//! Times of every stage on the four-cylinder examples, the rigid one and the paper's flexible one: text to callable code, residual,
-//! Jacobian, factorisation, step, whole run.
+//! Times of every stage on the four-cylinder examples, the rigid one and the paper's flexible one: text to
+//! callable code, residual, Jacobian, factorisation, step, whole run.
 //!
 //! `cargo bench --bench pipeline`. Each result is the minimum and the median of several runs in this process. A run
 //! also shows its real-time factor: its own time over the time in the model.

@@ -129,7 +129,8 @@ const BORES: [f64; 4] = [7.5, 21.5, 35.5, 49.5];
 const WALLS: [u32; 5] = [0, 14, 28, 42, 55];
 const CRANKCASE: u32 = 14;
 
-/// Cells of the bulky block; radius and places of its bores, height of its crankcase, middles of the bearing walls there.
+/// Cells of the bulky block; radius and places of its bores, height of its crankcase, middles of the bearing
+/// walls there.
 const BULKY: [u32; 3] = [50, 16, 22];
 const BULKY_BORE: f64 = 4.0;
 const BULKY_BORES: [f64; 4] = [6.25, 18.75, 31.25, 43.75];
@@ -162,7 +163,8 @@ fn is_solid([x, y, z]: [u32; 3]) -> bool {
     outside || deck || liner || (z < CRANKCASE && WALLS.contains(&x))
 }
 
-/// The cubes of a block that are there, each six tetrahedra about its diagonal (H. W. Kuhn, 1960: they fit from cube to cube).
+/// The cubes of a block that are there, each six tetrahedra about its diagonal (H. W. Kuhn, 1960: they fit
+/// from cube to cube).
 fn cubes(cells: [u32; 3], is_there: impl Fn([u32; 3]) -> bool) -> Mesh {
     let mut corners: BTreeMap<[u32; 3], u32> = BTreeMap::new();
     let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();

@@ -1,8 +1,8 @@
 //! The parts of a step's time: rigid four- and twelve-cylinder engines, and the four-cylinder engine with a flexible
 //! crankshaft (28 modes) and a flexible block (20 modes).
 //!
-//! `cargo bench --bench step`. Each figure is the minimum and the median of several runs; the two factorisations alternate. `-- laws`
-//! compares the laws of the main bearings alone.
+//! `cargo bench --bench step`. Each figure is the minimum and the median of several runs; the two
+//! factorisations alternate. `-- laws` compares the laws of the main bearings alone.
 
 use eng::Sources;
 use eng_runtime::linear::{BlockLu, LinearSolver, Pattern, SparseLu};
@@ -112,8 +112,8 @@ fn compiled(text: String) -> Outcome<Compiled> {
     Ok(simulation.runtime().model().compiled.clone())
 }
 
-/// Smooth shapes along the crankshaft's axis on points of mass at the markers and at an outer ring, without rigid content (mean axes),
-/// orthonormal in mass; frequencies spread evenly in ratio.
+/// Smooth shapes along the crankshaft's axis on points of mass at the markers and at an outer ring, without
+/// rigid content (mean axes), orthonormal in mass; frequencies spread evenly in ratio.
 fn reduced(
     places: &[Vector3<f64>],
     mass: f64,

@@ -1,8 +1,9 @@
-//! Processor time that a user waits for: whole runs of both four-cylinder examples by phase, thirteen speeds of the rigid one until
-//! their cycles repeat, the check and the steps of chains of up to two hundred bodies, and both examples with five films on cells.
+//! Processor time that a user waits for: whole runs of both four-cylinder examples by phase, thirteen speeds
+//! of the rigid one until their cycles repeat, the check and the steps of chains of up to two hundred bodies,
+//! and both examples with five films on cells.
 //!
-//! `cargo bench --bench waiting`. Each figure is the least of some runs in one thread. The films take minutes: `-- films` runs them
-//! alone, one run each.
+//! `cargo bench --bench waiting`. Each figure is the least of some runs in one thread. The films take
+//! minutes: `-- films` runs them alone, one run each.
 
 use eng::timings::Timings;
 use eng::{Program, Sources};
@@ -42,8 +43,8 @@ fn main() -> Outcome<()> {
     films()
 }
 
-/// 720° at 4000 rpm with five films on 72 × 13 cells: the rigid engine, and the flexible one with rigid bores and with 51 elastic
-/// shapes in each.
+/// 720° at 4000 rpm with five films on 72 × 13 cells: the rigid engine, and the flexible one with rigid bores
+/// and with 51 elastic shapes in each.
 fn films() -> Outcome<()> {
     let inline = folder("inline4");
     let text = std::fs::read_to_string(inline.join("inline4.eng"))?.replace("Impedance", "Film")

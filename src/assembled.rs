@@ -271,8 +271,8 @@ struct Lints {
 }
 
 impl Lints {
-    /// Collects the findings of an analysis. Returns its dry turn if a lint made one, and the time of this turn. Another
-    /// stage reports unusable parameters.
+    /// Collects the findings of an analysis. Returns its dry turn if a lint made one, and the time of this
+    /// turn. Another stage reports unusable parameters.
     fn collect(&mut self, analysis: &Analysis) -> (Option<Result<Turned, RuntimeError>>, Duration) {
         let Ok(Findings {
             list: mut findings,
@@ -285,8 +285,8 @@ impl Lints {
         findings.extend(analysis.findings_of_start());
         let system = &analysis.model().compiled().system;
         let sifted = sift(findings, system);
-        // analyses before this one may have found the same with other numbers; within this one an indexed condition fails for
-        // several indices
+        // analyses before this one may have found the same with other numbers; within this one an indexed
+        // condition fails for several indices
         let earlier = self.reported.len();
         for finding in sifted.reported {
             let known =

@@ -90,7 +90,7 @@ eng_grammar::codes! {
         "`linear` with `over:` searches for a motion that repeats after this time or angle, up to whole turns. The message names the body with the largest deviation. Check the period (a four-stroke cycle has two turns), loads that depend on time, and bodies that drift or turn freely at speeds of their own. If the state is too far from a motion that repeats, the help proposes a nearer start: with the quasi-static start or with `after:`.",
         "analysis modes = linear(Engine(), after: 3 rev, over: 1 rev)",
         "analysis modes = linear(Engine(), after: 3 rev, over: 2 rev)";
-    NO_PERIOD = "E0742", "there is no period of that kind",
+    NO_PERIOD = "E0742", "`over` is an angle, and nothing turns",
         "`over:` is an angle, but the model has no cycle and no body turns. Give the period as a time.",
         "analysis modes = linear(Column(), over: 1 rev)",
         "analysis modes = linear(Column(), over: 20 ms)";
@@ -172,7 +172,7 @@ eng_grammar::codes! {
         "A joint puts a point on a line, far from the other marker, and the point does not move along the line: the rod and the piston belong to different cylinders. The limit is twice the smaller radius of gyration of the two bodies, and for a piston under gas also a fifth of the bore. Or a slide whose position only its guide decides begins at the model's origin, 10 mm or more from the other marker: state its position. If this is intended, write `accept apart` in the element.",
         "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[5 - i].pin)",
         "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[i].pin)";
-    SWAPPED = "W0756", "a shell turns on a pin that does not",
+    SWAPPED = "W0756", "a shell turns much faster than its pin",
         "At the start the shell turns at more than twice the speed of the pin. The film's frame, its angles and its tables are those of the shell: pin and shell are probably swapped. If this is intended, as for a rotating bush, write `accept swapped` in the journal.",
         "journal main = Short(pin: block.main, shell: crank.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main = Short(pin: crank.main, shell: block.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)";

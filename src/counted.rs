@@ -1,4 +1,4 @@
-//! Counts with their nouns.
+//! Numbers with a noun in the singular or the plural.
 
 /// `1 body`, `2 bodies`.
 pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {

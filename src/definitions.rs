@@ -87,8 +87,9 @@ fn by_name<'a>(modules: &[(&'a str, &'a File)], path: &str) -> Option<&'a Item> 
     }
 }
 
-/// The items on a path in a model, each with the path up to it: `rear` and `rear.pin` of `part rear if tandem = Axle()`. The text alone
-/// decides, so items that a condition leaves out are among them.
+/// The items on a path in a model, each with the path up to it: `rear` and `rear.pin` of
+/// `part rear if tandem = Axle()`. The text alone decides, so items that a condition leaves out are among
+/// them.
 fn along<'a>(modules: &[(&'a str, &'a File)], path: &str) -> Option<Vec<(String, &'a Item)>> {
     let items = modules.iter().flat_map(|(_, file)| file.items.iter());
     let mut models = items.filter(|item| is_model(item));

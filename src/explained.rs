@@ -23,8 +23,8 @@ const MOST: usize = 12;
 impl Program {
     /// A text about the element, body, marker, output or parameter with this path, for each model of the file
     /// that has it: its class with the text, its markers, parameters, equations and outputs. The numbers are
-    /// those of the defaults, and rigid bodies replace flexible ones. Other paths are names of the text or of the library: a
-    /// model, a class, an analysis, a constant, a unit.
+    /// those of the defaults, and rigid bodies replace flexible ones. Other paths are names of the text or of
+    /// the library: a model, a class, an analysis, a constant, a unit.
     ///
     /// # Errors
     /// A path or an index that no model has; a model with a mistake.
@@ -151,8 +151,8 @@ fn index_of(text: &str) -> Option<Vec<usize>> {
     text.split(',').map(|n| n.trim().parse().ok()).collect()
 }
 
-/// The error for a path with an index that the models do not make. Paths of the models tell the indices of parameters and
-/// outputs.
+/// The error for a path with an index that the models do not make. Paths of the models tell the indices of
+/// parameters and outputs.
 fn index_outside(path: &str, repeated: &Repeated, known: &[String]) -> Option<Error> {
     for (end, _) in path.match_indices(']') {
         let part = path.get(..=end)?;
@@ -326,7 +326,8 @@ impl Explained<'_> {
         Some(text)
     }
 
-    /// A part, or several items of one name: the bodies, elements and markers of this path, and the outputs of the part.
+    /// A part, or several items of one name: the bodies, elements and markers of this path, and the outputs
+    /// of the part.
     fn group(&self, path: &str) -> Option<String> {
         let texts = self.program.texts();
         let rest = |other: &str| {

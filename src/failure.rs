@@ -40,7 +40,7 @@ pub(crate) fn damped(damped: &Damped, analysis: &Origin) -> Diagnostic {
         None => message,
     };
     message
-        .with_note("the amplitude of this vibration and the forces of the stiffness behind it are wrong; motions that are slow beside the steps are right")
+        .with_note("the amplitude of this vibration and the forces of its stiffness are wrong; motions with periods of many steps are right")
         .with_help("take a smaller `step` or `tolerance`, give that stiffness damping, or begin where its forces are in balance: `start: quasi_static`")
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn overlooked(kink: &Overlooked, analysis: &Origin) -> Diagnostic {
     };
     let note = match &kink.jump {
         Some(jump) => format!(
-            "the demanded acceleration jumps by {}: over the step, a motion that follows it errs by up to {}, and the force is that of neither side",
+            "the demanded acceleration jumps by {}: positions in this step are wrong by up to {}, and the force lies between those of both sides",
             jump.size.gap("/s²"),
             jump.error.gap("")
         ),
@@ -171,7 +171,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
                 None => message,
             };
             message.with_help(match why {
-                NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and the loads that depend on time; with `after:`, a longer `after:` or a finer tolerance the search begins nearer to the steady motion",
+                NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and the loads that depend on time. A longer `after:` or a finer `tolerance` begins the search nearer to the steady motion",
                 NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let the ringing of the start die out with `after:`; a shorter `step` follows faster swings",
             })
         }

@@ -15,7 +15,8 @@ use std::sync::Arc;
 /// without a field continue at the same eccentricity ratio.
 const FLOOR: f64 = 1e-3;
 
-/// Share of its radius by which a film may differ from the surface that it presses on: a thin shell may lie between them.
+/// Share of its radius by which a film may differ from the surface that it presses on: a thin shell may lie
+/// between them.
 const SAME_RADIUS: f64 = 0.15;
 
 /// Fewest cells that a wave of an elastic surface must have.
@@ -157,8 +158,8 @@ fn fits_surface(numbers: &FieldNumbers<'_>, surface: &ReducedSurface) -> Result<
     Ok(())
 }
 
-/// Refuses numbers of rough surfaces and of thinning oil that have no effect, because the number that begins the effect is
-/// missing.
+/// Refuses numbers of rough surfaces and of thinning oil that have no effect, because the number that begins
+/// the effect is missing.
 fn nothing_ignored(numbers: &FieldNumbers<'_>) -> Result<(), FieldError> {
     let number = |name: &str| numbers.number(name);
     let rough = ["asperity", "asperity_modulus", "boundary_friction"];
@@ -296,7 +297,7 @@ fn profile(numbers: &FieldNumbers<'_>) -> Vec<Profile> {
     all.into_iter().filter(|part| depth(part) != 0.0).collect()
 }
 
-/// Numbers of a field's memory behind those of its film: the volume of oil (m³).
+/// Numbers of a field's memory after those of its film: the volume of oil (m³).
 const VOLUME: usize = 1;
 
 /// A film as a field.

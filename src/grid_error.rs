@@ -3,8 +3,8 @@
 //! The error of a film is of second order in the cells, so twice as many leave a quarter of it. The difference of both
 //! times 4/3 is the error of the coarser one (Richardson, Phil. Trans. A 210 (1911) 307).
 //!
-//! A film with memory has no such error here: the finer one would continue from the memory of the coarser one, and a single
-//! step does not show the difference of two films that were always apart.
+//! A film with memory has no such error here: the finer one would continue from the memory of the coarser
+//! one, and a single step does not show the difference of two films that were always apart.
 
 use crate::machine::Machine;
 use crate::recorded_field::{RecordedField, Twice};
@@ -30,8 +30,8 @@ pub(crate) struct GridError {
     pub load: f64,
     /// Largest error of the highest pressure over the largest one of the moments.
     pub pressure: f64,
-    /// At the moment of the least film: that film (m), and by how much it would be thinner (m) if it carried the same load
-    /// at the same rates without the error. `None` without a stiffness.
+    /// At the moment of the least film: that film (m), and by how much it would be thinner (m) if it carried
+    /// the same load at the same rates without the error. `None` without a stiffness.
     pub film: Option<[f64; 2]>,
 }
 
@@ -65,7 +65,8 @@ impl GridError {
     }
 }
 
-/// The errors of all films of a run, from its motion. A film with memory, or one that no finer grid solves, is left out.
+/// The errors of all films of a run, from its motion. A film with memory, or one that no finer grid solves,
+/// is left out.
 pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError> {
     let count = motion.samples();
     let moments: Vec<usize> = match count {

@@ -1,4 +1,5 @@
-//! The matrices of small motions under inputs, `ξ̇ = A ξ + B u`, `y = C ξ + D u`, as a JSON file beside the modes of a `linear` analysis.
+//! The matrices of small motions under inputs, `ξ̇ = A ξ + B u`, `y = C ξ + D u`, as a JSON file beside the
+//! modes of a `linear` analysis.
 //!
 //! ```text
 //! { "model": "Driveline", "analysis": "small", "linearised": "at 0 s", "coefficients": "constant",

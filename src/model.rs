@@ -115,8 +115,8 @@ impl Model {
         &self.reductions
     }
 
-    /// Lets so many threads solve the films on cells of a simulation side by side. It changes no bit of a result. Without this there is
-    /// one thread.
+    /// Lets so many threads solve the films on cells of a simulation side by side. It changes no bit of a
+    /// result. Without this there is one thread.
     #[must_use]
     pub fn threads(mut self, threads: NonZeroUsize) -> Model {
         self.compiled.threads = threads;

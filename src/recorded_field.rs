@@ -26,7 +26,7 @@ use std::sync::Arc;
 pub struct RecordedField {
     /// The element: `main[3]`.
     pub path: String,
-    /// The begin of its columns: `main[3].reynolds`.
+    /// Prefix of its columns: `main[3].reynolds`.
     name: String,
     kernel: &'static Kernel,
     openings: u32,
@@ -190,7 +190,8 @@ impl RecordedField {
         Ok(true)
     }
 
-    /// The quantities of the field in its cells at all moments of a motion; `None` if the motion does not have its numbers.
+    /// The quantities of the field in its cells at all moments of a motion; `None` if the motion does not
+    /// have its numbers.
     ///
     /// # Errors
     /// Those of the kernel.
@@ -258,8 +259,8 @@ impl Twice {
 }
 
 impl RecordedField {
-    /// The field at moments of a motion, on its own cells and on twice as many in both directions. Moments that the finer
-    /// grid does not solve are left out.
+    /// The field at moments of a motion, on its own cells and on twice as many in both directions. Moments
+    /// that the finer grid does not solve are left out.
     ///
     /// # Errors
     /// If there is no finer grid.

@@ -252,8 +252,9 @@ impl Simulation {
             .map_err(|cause| run_error(&self.model, cause))
     }
 
-    /// The matrices of small motions about the current state under `inputs`: `ξ̇ = A ξ + B u`, `y = C ξ + D u`, in SI. Coefficients
-    /// that change along the motion are an error, unless they are held at the moment (`frozen`).
+    /// The matrices of small motions about the current state under `inputs`: `ξ̇ = A ξ + B u`,
+    /// `y = C ξ + D u`, in SI. Coefficients that change along the motion are an error, unless they are held
+    /// at the moment (`frozen`).
     ///
     /// # Errors
     /// Handles of another model; states that `linear` refuses; an input that the analysis drives, or whose effect has a

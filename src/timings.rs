@@ -6,7 +6,8 @@
 use crate::counted::counted;
 use std::time::Duration;
 
-/// Processor time of the phases of an analysis in the thread that runs it. Threads that solve its films beside this one do not count.
+/// Processor time of the phases of an analysis in the thread that runs it. Threads that solve its films
+/// beside this one do not count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Timings {
     /// From the bound model to the first state in motion.

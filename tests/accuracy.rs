@@ -199,7 +199,8 @@ fn tolerances_below_rounding_are_refused_and_the_least_is_kept() {
     }
 }
 
-/// A kilogram on an undamped spring, a micrometre from its place: ten times the tolerance of positions, which is 1e-7 m here.
+/// A kilogram on an undamped spring, a micrometre from its place: ten times the tolerance of positions, which
+/// is 1e-7 m here.
 fn on_a_spring(stiffness: f64, travel: f64) -> Model {
     let text = format!(
         "
@@ -264,7 +265,8 @@ fn a_vibration_that_the_steps_damp_is_told() {
     assert!(told >= 9, "{told} of 26");
 }
 
-/// A drive turns a wheel at a constant speed from any angle. It does no work, and rounding of the angle does not shorten the steps.
+/// A drive turns a wheel at a constant speed from any angle. It does no work, and rounding of the angle does
+/// not shorten the steps.
 #[test]
 fn a_steady_drive_does_no_work_wherever_it_begins() {
     for angle in [0.0, 10.0, 63.0, 200.0, 350.0] {

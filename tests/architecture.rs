@@ -142,7 +142,7 @@ fn tokens(text: &str) -> Vec<String> {
     found
 }
 
-/// The names after `head::` with the place behind them; of `head::{a::b, c}` both `a` and `c`.
+/// The names after `head::` with the place after them; of `head::{a::b, c}` both `a` and `c`.
 fn heads(tokens: &[String], at: usize) -> Vec<String> {
     match tokens.get(at).map(String::as_str) {
         Some("{") => {

@@ -1,5 +1,5 @@
-//! Classical machines whose motion textbooks give: torsion of a crank train with its damper, pendulum absorber, dual-mass flywheel, mounts;
-//! and two machines that rattle, whose statistics are compared.
+//! Classical machines whose motion textbooks give: torsion of a crank train with its damper, pendulum
+//! absorber, dual-mass flywheel, mounts; and two machines that rattle, whose statistics are compared.
 
 use crate::library_run::{Complex, close, column, integrate, largest, over, plus, run, times};
 use eng::Sources;
@@ -58,8 +58,8 @@ fn six_by_hand(speed: f64, order: f64, torque: f64) -> DVector<C> {
     inner.lu().solve(&load).expect("a damped train")
 }
 
-/// The steady torsion of the train: orders 1.5 and 3 at the nose and in the rubber against the linear equations in complex numbers,
-/// below, in and above the first resonance.
+/// The steady torsion of the train: orders 1.5 and 3 at the nose and in the rubber against the linear
+/// equations in complex numbers, below, in and above the first resonance.
 #[test]
 fn a_crank_train_twists_as_its_linear_equations_say() {
     let mut highest = [0.0_f64; 4];
@@ -88,9 +88,10 @@ fn a_crank_train_twists_as_its_linear_equations_say() {
     assert!(highest[1] > 2.0 * highest[0] && highest[1] > 2.0 * highest[2]);
 }
 
-/// Two pendulums of length l at the radius R on a carrier of the inertia J are, for a torque of the order n, a flywheel of the inertia
-/// `m (R + l)²/(1 − n² l/R)` (J. P. Den Hartog, Mechanical Vibrations (1956), 5.6): infinite at `l = R/n²`, where the carrier stands still
-/// in its frame, positive for shorter pendulums, negative for longer ones. Each run begins in the steady motion.
+/// Two pendulums of length l at the radius R on a carrier of the inertia J are, for a torque of the order n,
+/// a flywheel of the inertia `m (R + l)²/(1 − n² l/R)` (J. P. Den Hartog, Mechanical Vibrations (1956), 5.6):
+/// infinite at `l = R/n²`, where the carrier stands still in its frame, positive for shorter pendulums,
+/// negative for longer ones. Each run begins in the steady motion.
 #[test]
 fn a_pendulum_absorber_detunes_as_den_hartog_says() {
     let (mass, radius, inertia, speed, order, torque) = (0.6, 0.08, 30.2e-3, 200.0, 2.0, 1.0);
@@ -170,8 +171,9 @@ fn swing(results: &Results, path: &str) -> Vec<f64> {
     pairs.map(|(value, t)| value - rate * t).collect()
 }
 
-/// A dual-mass flywheel on its first stage: both discs follow the equations of two masses, and the secondary side swings by
-/// `1/|1 − J₂ ω²/k|` of the primary one: a quarter at 2.24 times its resonance, as much at 1.41 times, twice at 0.71 times.
+/// A dual-mass flywheel on its first stage: both discs follow the equations of two masses, and the secondary
+/// side swings by `1/|1 − J₂ ω²/k|` of the primary one: a quarter at 2.24 times its resonance, as much at
+/// 1.41 times, twice at 0.71 times.
 #[test]
 fn a_dual_mass_flywheel_isolates_above_its_resonance() {
     let (first, second, omega, torque, mean) = (0.11, 0.075, 200.0, 30.0, 100.0);
@@ -229,7 +231,8 @@ model Flywheel {
     }
 }
 
-/// The share of a shaking force that a mount passes to its floor is `|K/(K − m ω²)|` with the complex stiffness K of the mount.
+/// The share of a shaking force that a mount passes to its floor is `|K/(K − m ω²)|` with the complex
+/// stiffness K of the mount.
 #[test]
 fn mounts_pass_on_what_their_complex_stiffness_says() {
     let elastomer = |s: Complex| {
@@ -306,8 +309,8 @@ fn mounts_pass_on_what_their_complex_stiffness_says() {
     }
 }
 
-/// The figures reported for a motion that never repeats: the share of the time in contact, the number of contacts, the mean load and its
-/// root mean square.
+/// The figures reported for a motion that never repeats: the share of the time in contact, the number of
+/// contacts, the mean load and its root mean square.
 fn statistics(load: &[f64]) -> [f64; 4] {
     let count = load.len() as f64;
     let begun = load.windows(2).filter(|w| w[0] == 0.0 && w[1] != 0.0);
@@ -319,7 +322,7 @@ fn statistics(load: &[f64]) -> [f64; 4] {
     ]
 }
 
-/// Push of a stop at a depth and its rate: stiffness, damping, depth of its begin.
+/// Push of a stop at a depth and its rate: stiffness, damping, depth of its beginning.
 fn stop(depth: f64, rate: f64, law: [f64; 3]) -> f64 {
     let depth = depth.max(0.0);
     depth * (law[0] + law[1] * rate / (depth * depth + law[2] * law[2]).sqrt()).max(0.0)
@@ -331,8 +334,8 @@ fn compared(found: [f64; 4], due: [f64; 4], tolerances: [f64; 4]) {
     }
 }
 
-/// Gears that rattle for half a second, some 570 contacts: their path is chaotic, and two runs of the other integrator with starts 1e-9 rad
-/// apart differ by 1.5 % in the number of contacts.
+/// Gears that rattle for half a second, some 570 contacts: their path is chaotic, and two runs of the other
+/// integrator with starts 1e-9 rad apart differ by 1.5 % in the number of contacts.
 #[test]
 fn gears_rattle_with_the_statistics_of_another_integrator() {
     let text = "use std.drivelines.*
@@ -383,9 +386,9 @@ fn gears_rattle_with_the_statistics_of_another_integrator() {
     );
 }
 
-/// A piston that slaps between the walls of its bore under a side force of two frequencies. The first time it crosses the clearance in free
-/// flight: `x = F/m ((1 + 0.4/2.5) t/ω − sin(ωt)/ω² − 0.4 sin(2.5ωt)/(2.5ω)²)`. Over half a second its statistics are those of another
-/// integrator.
+/// A piston that slaps between the walls of its bore under a side force of two frequencies. The first time it
+/// crosses the clearance in free flight: `x = F/m ((1 + 0.4/2.5) t/ω − sin(ωt)/ω² − 0.4 sin(2.5ωt)/(2.5ω)²)`.
+/// Over half a second its statistics are those of another integrator.
 #[test]
 fn a_piston_slaps_as_its_free_flight_and_another_integrator_say() {
     let text = "use std.contacts.EndStop

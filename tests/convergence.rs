@@ -133,7 +133,8 @@ fn a_spectral_radius_of_one_is_refused_with_constraints() {
     assert!(error.to_string().contains("below 1"), "{error}");
 }
 
-/// A V-twin, motored: its crank and overhung flywheel float on two films, whose damping answers a micron a second with newtons.
+/// A V-twin, motored: its crank and overhung flywheel float on two films, whose damping answers a micron a
+/// second with newtons.
 const VTWIN: &str = "
 use std.joints.{Revolute, PointOnLine, PointOnPlane, Translational, Fixed}
 use std.drives.ConstantSpeed
@@ -271,7 +272,8 @@ fn small_accelerations_and_reactions_are_right_at_the_default_tolerance() {
     }
 }
 
-/// A blow of 4 N s within 0.4 ms, after a tenth of a second in which nothing moves: no step is longer than the distance of samples.
+/// A blow of 4 N s within 0.4 ms, after a tenth of a second in which nothing moves: no step is longer than
+/// the distance of samples.
 #[test]
 fn a_load_shorter_than_free_steps_is_seen() {
     const STRUCK: &str = "

@@ -1,5 +1,6 @@
-//! Motions that constraints demand, with corners: where the demanded acceleration jumps, the motion starts again; where the
-//! demanded velocity or position jumps, the run is refused by name. All motions are compared with closed forms.
+//! Motions that constraints demand, with corners: where the demanded acceleration jumps, the motion starts
+//! again; where the demanded velocity or position jumps, the run is refused by name. All motions are compared
+//! with closed forms.
 
 use eng::{Outcome, Program, Sources};
 
@@ -58,8 +59,8 @@ fn column<'a>(outcome: &'a Outcome, path: &str) -> &'a [f64] {
     &outcome.results.column(path).expect("a column").values
 }
 
-/// The demanded acceleration jumps at 0.1 s from `before` to 20 m/s². The drive's force is that of both blocks, the free one
-/// swings about the way that lags by a/ω², and the works close the energy.
+/// The demanded acceleration jumps at 0.1 s from `before` to 20 m/s². The drive's force is that of both
+/// blocks, the free one swings about the way that lags by a/ω², and the works close the energy.
 #[test]
 fn a_demanded_acceleration_may_jump() {
     let pace = 1000.0_f64.sqrt();
@@ -154,8 +155,8 @@ fn guided(lift: &str, more: &str, settings: &str) -> String {
     )
 }
 
-/// A flat guide becomes a parabola at 50 mm: the demanded acceleration of the second block jumps there from 0 to 2 m/s² κ.
-/// Energy gives the speed, and its integral the place.
+/// A flat guide becomes a parabola at 50 mm: the demanded acceleration of the second block jumps there from 0
+/// to 2 m/s² κ. Energy gives the speed, and its integral the place.
 #[test]
 fn a_guide_may_change_its_curvature() {
     let (curvature, corner) = (10.0_f64, 0.05);
@@ -184,8 +185,8 @@ fn a_guide_may_change_its_curvature() {
     }
 }
 
-/// A demanded velocity or position that jumps ends the run, with the element, the size of the jump and the expression. This does
-/// not depend on the distance of samples, and fixed steps find it, too.
+/// A demanded velocity or position that jumps ends the run, with the element, the size of the jump and the
+/// expression. This does not depend on the distance of samples, and fixed steps find it, too.
 #[test]
 fn a_demanded_velocity_must_not_jump() {
     let tables = "table ramp(t: Time) -> Length = points([0, 50, 100] ms, [0, 50, 100] mm, extrapolation: hold)
@@ -290,8 +291,9 @@ fn a_demanded_velocity_must_not_jump() {
     }
 }
 
-/// Corners that change no demanded velocity are none: both ends of `step`, a table with level ends, a `wrapped` angle in a function that
-/// repeats with it, a corner that no step reaches, one in a branch that is not selected, and one at which the motion rests.
+/// Corners that change no demanded velocity are none: both ends of `step`, a table with level ends, a
+/// `wrapped` angle in a function that repeats with it, a corner that no step reaches, one in a branch that is
+/// not selected, and one at which the motion rests.
 #[test]
 fn smooth_corners_are_passed() {
     let tables = "use std.math.step
@@ -335,7 +337,8 @@ fn smooth_corners_are_passed() {
     }
 }
 
-/// Functions that touch zero without a slope demand no jump, whatever the distance of samples and however the steps end there.
+/// Functions that touch zero without a slope demand no jump, whatever the distance of samples and however the
+/// steps end there.
 #[test]
 fn functions_that_touch_zero_demand_no_jump() {
     for (way, end) in [
@@ -360,8 +363,8 @@ fn functions_that_touch_zero_demand_no_jump() {
     }
 }
 
-/// A way along the points of a `monotone` table: its acceleration jumps at each point. Steps end there, at any distance of samples, and
-/// a table over several periods has points in each of them.
+/// A way along the points of a `monotone` table: its acceleration jumps at each point. Steps end there, at
+/// any distance of samples, and a table over several periods has points in each of them.
 #[test]
 fn points_of_monotone_tables_end_steps() {
     let tables = "table rise(t: Time) -> Length = points([0, 20, 50, 70, 110, 130, 200] ms, [0, 1, 12, 15, 70, 78, 80] mm, interpolation: monotone)
@@ -392,8 +395,8 @@ fn points_of_monotone_tables_end_steps() {
     }
 }
 
-/// A start at a corner belongs to the side to which the motion goes: along `|x|` the second block rises at the same speed whether
-/// the first one goes to the right or to the left.
+/// A start at a corner belongs to the side to which the motion goes: along `|x|` the second block rises at
+/// the same speed whether the first one goes to the right or to the left.
 #[test]
 fn a_start_at_a_corner_goes_both_ways() {
     for (speed, lift) in [
@@ -422,7 +425,8 @@ fn a_start_at_a_corner_goes_both_ways() {
     }
 }
 
-/// Where the demanded acceleration jumps at the start, the first sample has the force behind it, as all others have: 2 kg · 20 m/s².
+/// Where the demanded acceleration jumps at the start, the first sample has the force after it, as all others
+/// have: 2 kg · 20 m/s².
 #[test]
 fn the_first_sample_is_behind_a_kink() {
     for way in [
@@ -440,8 +444,9 @@ fn the_first_sample_is_behind_a_kink() {
     }
 }
 
-/// A run warns of a fixed step over a jump of the demanded acceleration, if the error of this step is larger than the tolerance of
-/// positions. It does not warn of a step over a smooth corner, or of a step that is short enough.
+/// A run warns of a fixed step over a jump of the demanded acceleration, if the error of this step is larger
+/// than the tolerance of positions. It does not warn of a step over a smooth corner, or of a step that is
+/// short enough.
 #[test]
 fn fixed_steps_over_corners_are_told() {
     for (way, step, told) in [

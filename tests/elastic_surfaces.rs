@@ -33,8 +33,8 @@ impl LastTurn {
     }
 }
 
-/// Modes move the bore, and what they lack follows the pressure at once. Under a steady load both parts together are the same for
-/// any number of modes.
+/// Modes move the bore, and what they lack follows the pressure at once. Under a steady load both parts
+/// together are the same for any number of modes.
 #[test]
 fn the_film_does_not_depend_on_the_modes() {
     let with = |modes: &str| {
@@ -70,8 +70,8 @@ fn an_elastic_bore_takes_no_energy() {
     assert!((given / lost - 1.0).abs() < 5e-3, "{given} {lost}");
 }
 
-/// Compliance of a ring in plane stress under a pressure of k waves on its inner wall (m/N), by Michell's stress function: see
-/// `flexible/tests/elastic_surface.rs`.
+/// Compliance of a ring in plane stress under a pressure of k waves on its inner wall (m/N), by Michell's
+/// stress function: see `flexible/tests/elastic_surface.rs`.
 fn exact(k: u32) -> f64 {
     let (a, b, width, young, nu) = (27e-3, 40e-3, 24e-3, 2.1e10, 0.3);
     if k == 0 {
@@ -116,8 +116,8 @@ fn exact(k: u32) -> f64 {
     a * moved * (1.0 + nu) / young / (std::f64::consts::PI * a * width)
 }
 
-/// A free ring whose bore a joint holds by its mean motion: at the place of the pin that the run finds, a film on a ring with the
-/// exact compliance has the same pressure, gap and force.
+/// A free ring whose bore a joint holds by its mean motion: at the place of the pin that the run finds, a
+/// film on a ring with the exact compliance has the same pressure, gap and force.
 #[test]
 fn a_free_ring_is_the_exact_one() {
     let model = MODEL

@@ -1,5 +1,5 @@
-//! Engines of `std.engine`: firing angles of known engines, forces of slider-cranks by Newton's and Euler's equations, residual
-//! forces of a row of four, and the hand-written engine of the examples.
+//! Engines of `std.engine`: firing angles of known engines, forces of slider-cranks by Newton's and Euler's
+//! equations, residual forces of a row of four, and the hand-written engine of the examples.
 
 use crate::library_run::{close, column, largest, refusal, run};
 use eng::Sources;
@@ -206,7 +206,7 @@ fn a_single_idles_one_turn_and_no_order_that_does_not_fit_passes() {
             four,
             "[1, 2, 3, 4]",
             "",
-            "cylinder 4, number 4 of it, would fire 720 deg behind the first",
+            "cylinder 4, number 4 of it, would fire 720 deg after the first",
         ),
         (
             four,
@@ -281,8 +281,8 @@ fn a_single_idles_one_turn_and_no_order_that_does_not_fit_passes() {
     );
 }
 
-/// Layouts whose banks stand upright, lean and lie, with films in all bearings: the assembly finds each without a guess, and the engine
-/// stands where its text says.
+/// Layouts whose banks stand upright, lean and lie, with films in all bearings: the assembly finds each
+/// without a guess, and the engine stands where its text says.
 #[test]
 fn engines_with_films_in_the_big_ends_assemble_by_themselves() {
     let films = "big_ends: film, pin_width: 20 mm, pin_clearance: diametral(50 um),";
@@ -482,7 +482,7 @@ fn strange_numbers_of_an_engine_are_told() {
             gas("-1 kJ", "-18 deg"),
             "a heat of -1 kJ: heat into the gas is positive",
         ),
-        (gas("1 kJ", "160 deg"), "0 % 90 deg behind it"),
+        (gas("1 kJ", "160 deg"), "0 % 90 deg after it"),
     ] {
         let text = engine(
             "inline(throws: [0, 180, 180, 0] deg)",
@@ -499,8 +499,8 @@ fn strange_numbers_of_an_engine_are_told() {
 const FIRED: &str = "big_ends: film, pin_width: 20 mm, pin_clearance: diametral(50 um),
     gas: ClosedCycle(stroke: 86 mm, compression_ratio: 10, heat: 1.2 kJ, burnt: wiebe(begin: -18 deg, duration: 50 deg)),";
 
-/// The nominal end of the burning is a sample. The rate there is Wiebe's in each cylinder, on whichever side rounding puts it, so that the
-/// motion repeats.
+/// The nominal end of the burning is a sample. The rate there is Wiebe's in each cylinder, on whichever side
+/// rounding puts it, so that the motion repeats.
 #[test]
 fn a_burning_that_ends_on_a_sample_repeats() {
     let text = engine("inline(throws: [0, 240, 120] deg)", "[1, 3, 2]", FIRED).replace(
@@ -579,8 +579,9 @@ const SLIDER: Slider = Slider {
 };
 
 impl Slider {
-    /// Force (N) along and across the cylinder on the rod's big end, and along on all parts from outside but the gas, at a crank angle
-    /// and a speed (rad, rad/s), for a gas force (N) towards the crank. Gravity acts towards the crank.
+    /// Force (N) along and across the cylinder on the rod's big end, and along on all parts from outside but
+    /// the gas, at a crank angle and a speed (rad, rad/s), for a gas force (N) towards the crank. Gravity
+    /// acts towards the crank.
     ///
     /// Newton's and Euler's equations of rod and piston, with the wrist's side force from the moment about the big end.
     fn big_end(&self, angle: f64, speed: f64, gas: f64) -> [f64; 2] {
@@ -675,7 +676,8 @@ fn the_second_order_of_a_row_of_four_is_the_exact_series() {
     }
 }
 
-/// A crank with throws that balance nothing, about its first main: mass, centre and moments of the sections against those of their mesh.
+/// A crank with throws that balance nothing, about its first main: mass, centre and moments of the sections
+/// against those of their mesh.
 #[test]
 fn a_plain_crank_has_the_mass_of_its_mesh() {
     let text = format!(
@@ -753,10 +755,10 @@ analysis run = assemble(Both())
     }
 }
 
-/// The row of four with hinges, written by hand and as an `Engine` of the same numbers: equations, masses and geometry are the same; only the
-/// pistons have other moments, and they never turn. The motion agrees to rounding. Forces of films follow from velocities, and differ by
-/// the ends of the solver's iterations: another inertia of the pistons changes those of the text written by hand as much (1.5e-4 of the
-/// swing).
+/// The row of four with hinges, written by hand and as an `Engine` of the same numbers: equations, masses and
+/// geometry are the same; only the pistons have other moments, and they never turn. The motion agrees to
+/// rounding. Forces of films follow from velocities, and differ by the ends of the solver's iterations:
+/// another inertia of the pistons changes those of the text written by hand as much (1.5e-4 of the swing).
 #[test]
 fn the_library_makes_the_engine_written_by_hand() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
@@ -807,7 +809,7 @@ fn the_library_makes_the_engine_written_by_hand() {
         pairs.push((format!("gas[{k}].thrust"), of("gas.thrust")));
         pairs.push((format!("liner[{k}].travel"), of("liner.travel")));
     }
-    // the motion, and the forces at the begin and in all
+    // the motion, and the forces at the beginning and in all
     let (mut motion, mut first, mut all) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (a, b) in pairs {
         let (x, y) = (column(&hand, &a), column(&library, &b));
@@ -840,9 +842,10 @@ fn the_library_makes_the_engine_written_by_hand() {
     assert!(all < 1e-3, "{all}");
 }
 
-/// Two compressors of one bore and stroke, pistons in turn or opposed, as engines whose cycle is a turn and which have no firing order. Each
-/// cylinder's gas belongs to its own dead centre and takes the work of the ideal cycle,
-/// `κ/(κ − 1) p₁ V (1 + c − c π^(1/κ)) (π^((κ − 1)/κ) − 1)`; the drive gives it and the heat of the films.
+/// Two compressors of one bore and stroke, pistons in turn or opposed, as engines whose cycle is a turn and
+/// which have no firing order. Each cylinder's gas belongs to its own dead centre and takes the work of the
+/// ideal cycle, `κ/(κ − 1) p₁ V (1 + c − c π^(1/κ)) (π^((κ − 1)/κ) − 1)`; the drive gives it and the heat of
+/// the films.
 #[test]
 fn a_compressor_is_an_engine_without_an_order() {
     let swept = std::f64::consts::PI / 4.0 * 0.06 * 0.06 * 0.08;
@@ -892,7 +895,7 @@ analysis run = transient(Test(), duration: 4 rev, sample: 0.25 deg)
         }
         let taken = -of_turn("unit.brake_torque") * 300.0 * TAU / 60.0;
         close("drive", taken, given, 2e-3);
-        // the highest pressure of the second cylinder is behind that of the first by the angle of their dead centres
+        // the highest pressure of the second cylinder follows that of the first by the angle of their dead centres
         let angle = column(&results, "cycle.angle");
         let opened = |k: usize| {
             let pressure = column(
@@ -913,8 +916,9 @@ analysis run = transient(Test(), duration: 4 rev, sample: 0.25 deg)
     }
 }
 
-/// The example: its gas repeats, the drive gives what gas and films take, and a gram of air takes a few percent more than that of the ideal
-/// cycle, `κ/(κ − 1) R T (π^((κ − 1)/κ) − 1)`, by the losses of the reeds.
+/// The example: its gas repeats, the drive gives what gas and films take, and a gram of air takes a few
+/// percent more than that of the ideal cycle, `κ/(κ − 1) R T (π^((κ − 1)/κ) − 1)`, by the losses of the
+/// reeds.
 #[test]
 fn the_compressor_of_the_examples_takes_a_little_more_than_the_ideal_work() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/compressor");
@@ -957,7 +961,8 @@ fn the_compressor_of_the_examples_takes_a_little_more_than_the_ideal_work() {
     close("drive", taken, given, 2e-3);
 }
 
-/// The examples: what the gas gives, less the heat of all films, is the brake's power. The films of the V6 agree with the firing order.
+/// The examples: what the gas gives, less the heat of all films, is the brake's power. The films of the V6
+/// agree with the firing order.
 #[test]
 fn the_engines_of_the_examples_balance_their_power() {
     for (name, cylinders, mains, speed) in [("concept", 4, 5, 4000.0), ("v6", 6, 4, 5500.0)] {
@@ -989,7 +994,7 @@ fn the_engines_of_the_examples_balance_their_power() {
         println!("{name}: gas {gas:.0} W, films {heat:.0} W, brake {brake:.0} W");
         assert!(heat > 0.02 * gas);
         close(name, brake, gas - heat, 2e-3);
-        // each big end carries most just behind its own firing dead centre
+        // each big end carries most just after its own firing dead centre
         let angle = column(&results, "cycle.angle");
         let peak = |path: &str| {
             let values = column(&results, path);

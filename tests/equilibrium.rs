@@ -1,4 +1,5 @@
-//! `static` analyses: equilibria against closed forms and against the motion that has settled; models without one are refused.
+//! `static` analyses: equilibria against closed forms and against the motion that has settled; models without
+//! one are refused.
 
 use eng::{Failed, Outcome, Program, Sources, StartReport};
 use eng_runtime::start::Equilibrium;
@@ -151,7 +152,8 @@ fn slender_beam() -> String {
     deck + "ENDDATA\n"
 }
 
-/// A cantilever bends by q L⁴/(8EI) under its own weight and by F L³/(3EI) under a force at its tip; the wall carries both.
+/// A cantilever bends by q L⁴/(8EI) under its own weight and by F L³/(3EI) under a force at its tip; the wall
+/// carries both.
 #[test]
 fn a_cantilever_bends_under_its_weight() {
     let text = "use std.joints.Fixed
@@ -227,7 +229,7 @@ fn torque(angle: f64) -> f64 {
 }
 
 /// The torque that holds the crank at an angle, by the virtual work of the piston's force: held by a drive at rest,
-/// by one that turns and is at the angle at its time, and by `at` alone, before the angle of the start and behind it.
+/// by one that turns and is at the angle at its time, and by `at` alone, before the angle of the start and after it.
 #[test]
 fn a_crank_is_held_against_its_piston() {
     let analyses = "analysis here[a in [0, 20, 60, 190, 350] deg] = static(Single(wanted: a))";

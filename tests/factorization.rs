@@ -109,8 +109,8 @@ fn a_slider_crank_over_a_turn() {
     check("slider_crank", "SliderCrank", 1e-4, 40, 10);
 }
 
-/// A part whose markers all lie within a micron is measured by its inertia: a slider with a little offset of its centre of mass falls
-/// as any other, and its guide carries the moment of the offset.
+/// A part whose markers all lie within a micron is measured by its inertia: a slider with a little offset of
+/// its centre of mass falls as any other, and its guide carries the moment of the offset.
 #[test]
 fn a_tiny_offset_is_no_measure_of_a_model() {
     for offset in ["0", "1e-9", "2e-8", "4e-7", "1e-5", "1e-3", "0.1"] {

@@ -1,4 +1,5 @@
-//! Films that are solved on cells, against the table of solved films, the kernel itself and the power that a drive needs.
+//! Films that are solved on cells, against the table of solved films, the kernel itself and the power that a
+//! drive needs.
 
 use arrow_array::{Array, FixedSizeListArray, Float32Array};
 use eng::Sources;
@@ -61,8 +62,9 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// A solver gives the derivatives of those answers that the motion follows, and of no other: loads read force, moment and torque, and
-/// the temperature of a film its loss and its side flow, too. `step_jacobian` has their numbers.
+/// A solver gives the derivatives of those answers that the motion follows, and of no other: loads read
+/// force, moment and torque, and the temperature of a film its loss and its side flow, too. `step_jacobian`
+/// has their numbers.
 #[test]
 fn derivatives_are_of_answers_that_the_motion_reads() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/good");
@@ -211,7 +213,8 @@ fn seen_with(supply: &[f64], time: f64) -> Vec<f64> {
 /// The point at which the pin's axis pierces the middle of the shell (m).
 const PIERCES: [f64; 2] = [0.012e-3 - 3e-3 * 4e-4, -0.005e-3 + 3e-3 * 2e-4];
 
-/// Force, moment and torque are those of the kernel at the place, rates and spin that the shell sees; the weld of the pin holds them.
+/// Force, moment and torque are those of the kernel at the place, rates and spin that the shell sees; the
+/// weld of the pin holds them.
 #[test]
 fn a_turning_shell_sees_the_kernels_loads() {
     let film = film_of_turning(Cavitation::Reynolds);
@@ -434,7 +437,8 @@ fn asperities_carry_and_brake() {
     assert!((load / (600.0 * 9.81) - 1.0).abs() < 1e-3, "{load}");
 }
 
-/// In an eye so thin that its pin passes the circle of the clearance, a quasi-static start finds the load of a rigid eye.
+/// In an eye so thin that its pin passes the circle of the clearance, a quasi-static start finds the load of
+/// a rigid eye.
 #[test]
 fn a_start_passes_the_circle_of_the_clearance() {
     let text = include_str!("../examples/big_end/big_end.eng");
@@ -576,8 +580,8 @@ pub(crate) fn maps_of(sources: &Sources) -> (eng::Results, Vec<Result<FilmMap, S
     (outcome.results, maps)
 }
 
-/// The map of a film is solved again from the numbers that the motion keeps. Its pressure carries the recorded force, and its largest
-/// and least cells are next to the recorded extremes.
+/// The map of a film is solved again from the numbers that the motion keeps. Its pressure carries the
+/// recorded force, and its largest and least cells are next to the recorded extremes.
 #[test]
 fn a_map_carries_the_recorded_force() {
     let transient = "transient(Rotor(), duration: 3 rev, sample: 10 deg)";
@@ -673,8 +677,8 @@ fn force_of(panel: &FilmPanel) -> [f64; 2] {
     force
 }
 
-/// The stated error of the cells is that against the table of `Reynolds`, which comes from extrapolated solutions: of the steady film the
-/// load is fixed, so the pin is too near to the middle by it.
+/// The stated error of the cells is that against the table of `Reynolds`, which comes from extrapolated
+/// solutions: of the steady film the load is fixed, so the pin is too near to the middle by it.
 #[test]
 fn the_error_of_the_cells_is_told() {
     let sources = |law: &str| {
@@ -724,7 +728,8 @@ fn the_error_of_the_cells_is_told() {
     assert!(table.facts.iter().all(|fact| !fact.starts_with("cells")));
 }
 
-/// The file of the cells has a list of all cells at each moment, and its pressure is highest where the run has its highest.
+/// The file of the cells has a list of all cells at each moment, and its pressure is highest where the run
+/// has its highest.
 #[test]
 fn a_file_has_the_cells_of_all_moments() {
     let text = mapped(

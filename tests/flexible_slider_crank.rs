@@ -1,5 +1,6 @@
-//! The slider-crank with an elastic connecting rod of the literature: the rod as a beam of finite elements in the multibody model,
-//! against the published equations, whose integration here is held to the published figures.
+//! The slider-crank with an elastic connecting rod of the literature: the rod as a beam of finite elements in
+//! the multibody model, against the published equations, whose integration here is held to the published
+//! figures.
 
 use eng::{Program, Results, Sources};
 use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
@@ -61,13 +62,13 @@ struct Place {
     q: Vector4<f64>,
 }
 
-/// Mass of the quadratic element along the rod, middle, middle with end, end, of the rod's mass: `∫ N_i N_j dx/L`; and as the published equations
-/// have it, without the division by 15.
+/// Mass of the quadratic element along the rod, middle, middle with end, end, of the rod's mass:
+/// `∫ N_i N_j dx/L`; and as the published equations have it, without the division by 15.
 const CONSISTENT: [f64; 3] = [8.0 / 15.0, 1.0 / 15.0, 2.0 / 15.0];
 const PUBLISHED: [f64; 3] = [8.0, 1.0, 2.0];
 
-/// Simeon's equations: the rod's deflection by two sines, its stretch by a quadratic element (middle and end), seen from the line through
-/// crank pin and slider.
+/// Simeon's equations: the rod's deflection by two sines, its stretch by a quadratic element (middle and
+/// end), seen from the line through crank pin and slider.
 struct Simeon {
     m: Mechanism,
     /// The strain energy is `EA/2 ∫ (u' + ½ w'²)² dx`. The published equations have its product of stretch and slope
@@ -417,8 +418,8 @@ fn compare(found: &[Place], wanted: &[Place], get: impl Fn(&Place) -> f64) -> (f
     })
 }
 
-/// Some turns from rest against the published equations with the element's own mass along the rod, without and with the stiffening by
-/// the rod's force, which changes the bending by a tenth.
+/// Some turns from rest against the published equations with the element's own mass along the rod, without
+/// and with the stiffening by the rod's force, which changes the bending by a tenth.
 #[test]
 fn an_elastic_rod_moves_as_the_published_equations_say() {
     let m = Mechanism::new(&reference());

@@ -183,9 +183,10 @@ fn unit_frequency() -> f64 {
     (YOUNG / DENSITY / 12.0).sqrt() * SIDE
 }
 
-/// A straight cantilever without hub radius, clamped by a joint, that turns λ times the unit frequency: out of the plane of rotation it rings
-/// at μ, in it at √(μ² − λ²). μ of the first mode: A. D. Wright, C. E. Smith, R. W. Thresher, J. L. C. Wang, J. Appl. Mech. 49 (1982) 197.
-/// Without the joint's force in the stiffness the beam would not stiffen.
+/// A straight cantilever without hub radius, clamped by a joint, that turns λ times the unit frequency: out
+/// of the plane of rotation it rings at μ, in it at √(μ² − λ²). μ of the first mode: A. D. Wright, C. E.
+/// Smith, R. W. Thresher, J. L. C. Wang, J. Appl. Mech. 49 (1982) 197. Without the joint's force in the
+/// stiffness the beam would not stiffen.
 #[test]
 fn a_clamped_beam_stiffens_with_its_spin() {
     let unit = unit_frequency();
@@ -213,8 +214,9 @@ fn a_clamped_beam_stiffens_with_its_spin() {
     }
 }
 
-/// The tip of a cantilever that is bent by a force H and pressed by P: it moves `H L³/(3EI) · 3 (tan u − u)/u³` across, u = L√(P/EI)
-/// (S. Timoshenko, J. Gere, Theory of Elastic Stability, 1961, chapter 1), and without P the bend pulls it back by 3δ²/(5L).
+/// The tip of a cantilever that is bent by a force H and pressed by P: it moves
+/// `H L³/(3EI) · 3 (tan u − u)/u³` across, u = L√(P/EI) (S. Timoshenko, J. Gere, Theory of Elastic Stability,
+/// 1961, chapter 1), and without P the bend pulls it back by 3δ²/(5L).
 #[test]
 fn a_pressed_cantilever_bends_more_and_a_bent_one_is_shorter() {
     let settled = |press: f64, push: f64| {

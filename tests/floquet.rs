@@ -193,8 +193,9 @@ const SHAFT: &str = "
     analysis damped[s in [100, 149.985, 150.015, 200] rad/s] = linear(
         Rotor(speed: s, first: 20000 N/m, second: 20000 N/m, inner: 2 N*s/m, outer: 1 N*s/m), over: 1 rev)";
 
-/// A shaft of unequal bending stiffness (90 and 110 rad/s) in rigid bearings without damping: unstable exactly between its two
-/// critical speeds, with the growth of `(λ² + ω_u² − Ω²)(λ² + ω_v² − Ω²) + 4Ω²λ² = 0`.
+/// A shaft of unequal bending stiffness (90 and 110 rad/s) in rigid bearings without damping: unstable
+/// exactly between its two critical speeds, with the growth of
+/// `(λ² + ω_u² − Ω²)(λ² + ω_v² − Ω²) + 4Ω²λ² = 0`.
 #[test]
 fn an_unequal_shaft_is_unstable_between_its_critical_speeds() {
     let program = program(SHAFT);
@@ -424,8 +425,8 @@ fn decay(values: &[f64], h: f64) -> Complex<f64> {
     Complex::new(0.5 * p.ln() / h, (0.5 * s / p.sqrt()).acos() / h)
 }
 
-/// A square bar in two short bearings, which bends in axes that turn with it. `push` is a bump of a force at both ends, across the load.
-/// `brake` holds both ends until 5 ms.
+/// A square bar in two short bearings, which bends in axes that turn with it. `push` is a bump of a force at
+/// both ends, across the load. `brake` holds both ends until 5 ms.
 const FLEXIBLE: &str = "
     use std.joints.PointOnPlane
     use std.drives.PrescribedRotation
@@ -522,8 +523,8 @@ fn a_flexible_rotor_on_two_bearings() {
 fn whirl(program: &Program, analysis: &str, from: usize, h: f64) -> Complex<f64> {
     let results = outcome(program, analysis).results;
     let y = &results.column("middle").expect("a column").values;
-    // Differences know nothing of where it comes to rest, sums over about a period of the bending nothing of its ring; neither changes
-    // an exponent.
+    // Differences know nothing of where it comes to rest, sums over about a period of the bending nothing of
+    // its ring; neither changes an exponent.
     let mut swing: Vec<f64> = y[from..].windows(2).map(|w| w[1] - w[0]).collect();
     for count in [4, 3, 3, 4] {
         swing = swing.windows(count).map(|w| w.iter().sum()).collect();

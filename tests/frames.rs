@@ -1,5 +1,5 @@
-//! Vectors that elements put out: in any expression they are vectors in space. Checked with the recorded components and the
-//! recorded axes of the frames, by matrix arithmetic of its own, and with closed forms.
+//! Vectors that elements put out: in any expression they are vectors in space. Checked with the recorded
+//! components and the recorded axes of the frames, by matrix arithmetic of its own, and with closed forms.
 
 use eng::{Program, Results, Sources};
 use std::f64::consts::TAU;
@@ -76,7 +76,8 @@ fn near(found: Triple, due: Triple, size: f64, what: &str) {
     assert!(off <= 1e-12 * size, "{what}: {found:?} for {due:?}");
 }
 
-/// Forces and torques of every class between a tilted, turning carrier and bodies of their own; of classes of the text, too.
+/// Forces and torques of every class between a tilted, turning carrier and bodies of their own; of classes of
+/// the text, too.
 const MACHINE: &str = "
 use std.joints.*
 use std.drives.*
@@ -369,8 +370,8 @@ fn every_vector_of_an_element_is_one_in_space() {
     }
 }
 
-/// A bob hangs on the rim of a disc that turns at 1 rev/s about z: its hinge carries m (a - g) with a = -w^2 r, in space. The
-/// disc's axes have turned by a quarter at 250 ms.
+/// A bob hangs on the rim of a disc that turns at 1 rev/s about z: its hinge carries m (a - g) with a = -w^2
+/// r, in space. The disc's axes have turned by a quarter at 250 ms.
 const HANGING: &str = "
 use std.joints.Revolute
 use std.drives.PrescribedRotation

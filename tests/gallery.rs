@@ -1,4 +1,5 @@
-//! The examples: each has a README with a picture and is in the gallery, and the numbers of the READMEs are those of the reports.
+//! The examples: each has a README with a picture and is in the gallery, and the numbers of the READMEs are
+//! those of the reports.
 
 use eng::post::{Run, evaluate};
 use eng::{Machine, Quantity, Results, Sources};

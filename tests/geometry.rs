@@ -150,7 +150,8 @@ fn a_dry_turn_finds_where_a_crank_locks() {
     assert_eq!(turned(&long), None);
 }
 
-/// The angles of two wheels count their own turns: a shaft at twice the speed does not lock where it has made half a turn.
+/// The angles of two wheels count their own turns: a shaft at twice the speed does not lock where it has made
+/// half a turn.
 #[test]
 fn a_dry_turn_follows_a_gear() {
     let text = "use std.joints.Revolute

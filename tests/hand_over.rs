@@ -1,5 +1,5 @@
-//! Reduced bodies as files for other codes: read back, and compared with the body and with a closed form. `.ci/bodies.py` reads
-//! the same files with other programs.
+//! Reduced bodies as files for other codes: read back, and compared with the body and with a closed form.
+//! `.ci/bodies.py` reads the same files with other programs.
 
 use eng::{BodyFile, BodyFormat, Program, Reduction, Sources};
 use eng_flexible::Files;
@@ -112,7 +112,8 @@ fn a_free_body_keeps_its_frequencies_in_every_format() {
     }
 }
 
-/// Cantilever under a force at its tip, as the whole mesh yields and as a beam: `F L³/(3 E I)` and shear `F L/(k G A)`, with k by Cowper (J. Appl. Mech. 33 (1966) 335).
+/// Cantilever under a force at its tip, as the whole mesh yields and as a beam: `F L³/(3 E I)` and shear
+/// `F L/(k G A)`, with k by Cowper (J. Appl. Mech. 33 (1966) 335).
 #[test]
 fn a_held_body_bends_as_a_cantilever() {
     let bar = bar("support = foot; modes = static(at: tip, freedoms: [x, y, z]) + normal(2)");

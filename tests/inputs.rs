@@ -1,5 +1,5 @@
-//! Inputs: numbers that a program or a function of time sets while a model runs. The motions are compared with closed forms of
-//! an oscillator whose force is a polynomial of third order between two points.
+//! Inputs: numbers that a program or a function of time sets while a model runs. The motions are compared
+//! with closed forms of an oscillator whose force is a polynomial of third order between two points.
 
 use eng::{Error, Model, Point, Program, Quantity, Simulation, Sources};
 
@@ -363,8 +363,8 @@ fn rated(interpolation: &str) -> String {
     )
 }
 
-/// The rate of an input is that of its line or cubic: a force of half a second times the rate moves the oscillator as the
-/// closed form says. At a point of `cubic` it is the stated rate.
+/// The rate of an input is that of its line or cubic: a force of half a second times the rate moves the
+/// oscillator as the closed form says. At a point of `cubic` it is the stated rate.
 #[test]
 fn a_rate_moves_an_oscillator_as_the_closed_form_says() {
     for interpolation in ["linear", "cubic"] {
@@ -450,10 +450,11 @@ fn the_rate_of_a_driven_input_is_the_derivative_of_its_function() {
     assert!(rates.iter().all(|rate| *rate == 0.0), "{rates:?}");
 }
 
-/// A force that acts while an input passes a narrow band: 1 kN at its middle, 10 mN to both sides. `Gate` measures its way through the
-/// band with the motion, `Shutter` with the input alone, and `Switch` has a constant force in the band. An input that rises by 20 N/s
-/// needs 1 ms for the band, so the impulse of the first two is 0.5 N s, and that of the third one 1 N s. No step under error control
-/// would be shorter than 10 ms there.
+/// A force that acts while an input passes a narrow band: 1 kN at its middle, 10 mN to both sides. `Gate`
+/// measures its way through the band with the motion, `Shutter` with the input alone, and `Switch` has a
+/// constant force in the band. An input that rises by 20 N/s needs 1 ms for the band, so the impulse of the
+/// first two is 0.5 N s, and that of the third one 1 N s. No step under error control would be shorter than
+/// 10 ms there.
 const BAND: &str = "
 force Gate(a: Marker, load: Force) {
     let beside = load - 7.3 N + (1e-9 N/m)*dot(a.origin, ground.x)
@@ -492,8 +493,8 @@ analysis curved = transient(Free(load: bent), duration: 1 s, sample: 0.5 s)
 analysis pulsed = transient(Free(wave: pulse), duration: 1 s, sample: 0.5 s)
 ";
 
-/// Steps end where a load bends because an input moves, whether a program or a function of time moves it, and whether the motion plays
-/// a part there or not. Without this the force is missed wholly, or found to 1e-3.
+/// Steps end where a load bends because an input moves, whether a program or a function of time moves it, and
+/// whether the motion plays a part there or not. Without this the force is missed wholly, or found to 1e-3.
 #[test]
 fn steps_end_at_kinks_of_inputs() {
     let program = program(BAND);

@@ -194,7 +194,8 @@ analysis r = transient(Bench(), duration: 0.1 rev, sample: 6 deg)
     }
 }
 
-/// A law whose depth is an argument, and the same law that computes it: the rate of the argument is exact through the call.
+/// A law whose depth is an argument, and the same law that computes it: the rate of the argument is exact
+/// through the call.
 #[test]
 fn a_class_differentiates_its_argument() {
     let text = |parameters: &str, own: &str, argument: &str| {
@@ -241,7 +242,8 @@ analysis swing = transient(Swing(), duration: 0.5 s, sample: 5 ms)"
     }
 }
 
-/// Numbers of a record that a class gets are parameters of the element, defaults that follow others included; words and counts are not.
+/// Numbers of a record that a class gets are parameters of the element, defaults that follow others included;
+/// words and counts are not.
 #[test]
 fn records_of_a_class_are_parameters() {
     let text = "use std.joints.Revolute

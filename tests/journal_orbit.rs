@@ -62,8 +62,9 @@ impl Case {
         text
     }
 
-    /// Orbit e/c of a pin without mass over the third cycle, every 5°. `mobility(x, y)` gives the velocity `v_s` along and across the
-    /// load for e/c along and across it, in units of `|F| c²/(μ R B³)`; `ė = v_s + ½ ω × e`. Classical Runge–Kutta steps of half a degree.
+    /// Orbit e/c of a pin without mass over the third cycle, every 5°. `mobility(x, y)` gives the velocity
+    /// `v_s` along and across the load for e/c along and across it, in units of `|F| c²/(μ R B³)`;
+    /// `ė = v_s + ½ ω × e`. Classical Runge–Kutta steps of half a degree.
     fn orbit(&self, mobility: impl Fn(f64, f64) -> [f64; 2]) -> Vec<[f64; 2]> {
         let unit = self.clearance.powi(2) / (self.viscosity * self.radius * self.width.powi(3));
         let rate = |e: [f64; 2], angle: f64| {
@@ -106,8 +107,8 @@ fn booker(x: f64, y: f64) -> [f64; 2] {
     ]
 }
 
-/// Ocvirk's film itself: the direction of `v_s` in which the pressure of the squeezed half, `∝ −ḣ/h³`, has its force along the load,
-/// by bisection; integrals by Simpson's rule.
+/// Ocvirk's film itself: the direction of `v_s` in which the pressure of the squeezed half, `∝ −ḣ/h³`, has
+/// its force along the load, by bisection; integrals by Simpson's rule.
 fn film(x: f64, y: f64) -> [f64; 2] {
     let force = |direction: f64| {
         const PARTS: i32 = 400;
@@ -221,8 +222,8 @@ impl Run {
     }
 }
 
-/// The solved film of finite width, B/D 0.4: thinner than Ocvirk's by a fifth. The table of `Reynolds` has an infinitely fine grid, the
-/// cells of `Film` come nearer with the square of their size.
+/// The solved film of finite width, B/D 0.4: thinner than Ocvirk's by a fifth. The table of `Reynolds` has an
+/// infinitely fine grid, the cells of `Film` come nearer with the square of their size.
 #[test]
 fn a_film_of_finite_width_is_thinner() {
     let reference: Value =

@@ -1,5 +1,5 @@
-//! Stops, backlash and valves: steps under error control end where a load bends, at any distance of samples. The motions are
-//! compared with those of another integrator, which locates the same places as events.
+//! Stops, backlash and valves: steps under error control end where a load bends, at any distance of samples.
+//! The motions are compared with those of another integrator, which locates the same places as events.
 
 use eng::{Model, Program, Simulation, Sources};
 use serde_json::Value;
@@ -63,8 +63,8 @@ fn error(text: &str, analysis: &str, column: &str) -> (f64, u64) {
     (worst / (most - least), steps)
 }
 
-/// Errors are within 0.1 % of the swing at the default tolerance, with close and with distant samples, and with samples at both
-/// ends alone: the samples must not decide which contacts a step finds.
+/// Errors are within 0.1 % of the swing at the default tolerance, with close and with distant samples, and
+/// with samples at both ends alone: the samples must not decide which contacts a step finds.
 #[test]
 fn contacts_move_as_another_integrator_says() {
     for (analysis, column, samples) in [
@@ -86,8 +86,9 @@ fn contacts_move_as_another_integrator_says() {
     }
 }
 
-/// The steps of an impact follow the tolerance, and its error does: a ball that touches a plate four times for 0.3 ms, with flights of
-/// up to 0.28 s that multiply each error of its speed. At thirty times the tolerance half of the steps are left.
+/// The steps of an impact follow the tolerance, and its error does: a ball that touches a plate four times
+/// for 0.3 ms, with flights of up to 0.28 s that multiply each error of its speed. At thirty times the
+/// tolerance half of the steps are left.
 #[test]
 fn steps_of_an_impact_follow_the_tolerance() {
     for (tolerance, most, limit) in [("1", 1200, 1e-4), ("30", 560, 5e-4)] {
@@ -129,8 +130,9 @@ fn a_thin_sheet_is_not_stepped_over() {
     }
 }
 
-/// A load that acts between two kinks alone and is zero at both: a pulse in time, a slab of force, by `if` and by `max`. Each gives the
-/// block an impulse of 1 N s or an energy of 1 J. No step may go from one kink to the other without a look between them.
+/// A load that acts between two kinks alone and is zero at both: a pulse in time, a slab of force, by `if`
+/// and by `max`. Each gives the block an impulse of 1 N s or an energy of 1 J. No step may go from one kink
+/// to the other without a look between them.
 #[test]
 fn a_load_between_two_kinks_is_not_stepped_over() {
     let slab = 3.0_f64.sqrt();
@@ -221,8 +223,9 @@ fn a_load_between_two_kinks_is_not_stepped_over() {
     }
 }
 
-/// Trains of pulses by a condition on a function of time that is not linear, with samples far apart: nothing between two pulses
-/// shortens the steps. The impulses are closed forms: of a sinusoid above a level, the angle from asin(level) to 180° less it.
+/// Trains of pulses by a condition on a function of time that is not linear, with samples far apart: nothing
+/// between two pulses shortens the steps. The impulses are closed forms: of a sinusoid above a level, the
+/// angle from asin(level) to 180° less it.
 #[test]
 fn trains_of_pulses_are_not_stepped_over() {
     let pi = std::f64::consts::PI;
@@ -303,7 +306,8 @@ fn trains_of_pulses_are_not_stepped_over() {
     }
 }
 
-/// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law states no `resolve`.
+/// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law
+/// states no `resolve`.
 fn pushed(push: &str, start: [f64; 2], settings: &str) -> eng::Outcome {
     pushed_with("", push, start, settings)
 }
@@ -383,8 +387,9 @@ fn a_stiff_stop_is_met_at_any_distance_of_samples() {
     }
 }
 
-/// Loads that jump: at a moment at which a step ends, while another load acts; at a place of the motion, through which it
-/// passes; at a speed, which is known to a share of its size. The end of each motion is known, at any distance of samples.
+/// Loads that jump: at a moment at which a step ends, while another load acts; at a place of the motion,
+/// through which it passes; at a speed, which is known to a share of its size. The end of each motion is
+/// known, at any distance of samples.
 #[test]
 fn motions_start_again_behind_jumps() {
     let thin = (1.0_f64 - 2.0 * 40.0 * 1e-3).sqrt();
@@ -454,8 +459,8 @@ fn motions_start_again_behind_jumps() {
     }
 }
 
-/// The kink functions of a class are those of its loads: each condition, `min`, `max`, `abs` and held end of a table that depends on the
-/// motion, with its text and dimension, and no other.
+/// The kink functions of a class are those of its loads: each condition, `min`, `max`, `abs` and held end of
+/// a table that depends on the motion, with its text and dimension, and no other.
 #[test]
 fn kinks_of_a_class_are_those_of_its_loads() {
     let text = "
@@ -522,7 +527,7 @@ fn kinks_of_a_class_are_those_of_its_loads() {
     );
 }
 
-/// A simulation that is resumed just before and just behind a kink gives the bits of one that is not interrupted.
+/// A simulation that is resumed just before and just after a kink gives the bits of one that is not interrupted.
 #[test]
 fn a_checkpoint_beside_a_kink_keeps_the_bits() {
     let pulse = program(
@@ -574,7 +579,8 @@ fn checkpoints_keep_the_bits(model: &Model) {
     assert!(whole.statistics().kinks > 0);
 }
 
-/// A kink in a branch that is not selected ends no step. The same kink in a selected branch does, and `min` and `max` use both arguments.
+/// A kink in a branch that is not selected ends no step. The same kink in a selected branch does, and `min`
+/// and `max` use both arguments.
 #[test]
 fn kinks_of_branches_that_are_not_selected_end_no_steps() {
     let spring = "- 1000 N/m*way";
@@ -601,8 +607,9 @@ fn kinks_of_branches_that_are_not_selected_end_no_steps() {
     }
 }
 
-/// A law of a `wrapped` angle: a bump of 120° in each turn. Its ends end steps, and the place where the angle begins anew does not, also if a
-/// sample lies there. The impulse of a turn is `100 N · 16/15 · (60/360)/(50 Hz)`.
+/// A law of a `wrapped` angle: a bump of 120° in each turn. Its ends end steps, and the place where the angle
+/// begins anew does not, also if a sample lies there. The impulse of a turn is
+/// `100 N · 16/15 · (60/360)/(50 Hz)`.
 #[test]
 fn wrapped_angles_have_no_kink_where_they_begin_anew() {
     let due = 5.0 * 100.0 * 16.0 / 15.0 / 6.0 / 50.0;
@@ -694,8 +701,8 @@ fn loads_of_tables_and_angles_end_steps() {
     }
 }
 
-/// One zero that a law writes in two ways, except for rounding, is one kink: the motion and its steps are those of the law that
-/// writes it once: stops without and with a preload, in two steps, and with a loss.
+/// One zero that a law writes in two ways, except for rounding, is one kink: the motion and its steps are
+/// those of the law that writes it once: stops without and with a preload, in two steps, and with a loss.
 #[test]
 fn one_zero_written_in_two_ways_is_one_kink() {
     let settings = "duration: 0.9 s, sample: 6.3 ms";
@@ -742,9 +749,9 @@ fn one_zero_written_in_two_ways_is_one_kink() {
     }
 }
 
-/// A load that jumps at the cut of an angle ends no step there; the error control keeps the accuracy. A disc of 10 g m² under a
-/// torque that is linear in the wrapped angle passes the cut nine times, once, and swings below it. Angles after 1 s by DOP853 with
-/// a tolerance of 1e-12, which begins anew at each cut.
+/// A load that jumps at the cut of an angle ends no step there; the error control keeps the accuracy. A disc
+/// of 10 g m² under a torque that is linear in the wrapped angle passes the cut nine times, once, and swings
+/// below it. Angles after 1 s by DOP853 with a tolerance of 1e-12, which begins anew at each cut.
 #[test]
 fn loads_may_jump_at_the_cut_of_an_angle() {
     for (torque, speed, due) in [

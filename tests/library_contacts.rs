@@ -215,8 +215,9 @@ fn a_block_slows_down_by_its_kinetic_friction() {
     close("heat", heat, 0.5 * (0.25 - 0.14 * 0.14), 1e-6);
 }
 
-/// Stick-slip of a block on bristles, against another integrator; the largest pull is the static friction. The moment of a break-away
-/// depends exponentially on the creep before it: at the default tolerance the last slip is 2 ms late, 1.1 % of the travel.
+/// Stick-slip of a block on bristles, against another integrator; the largest pull is the static friction.
+/// The moment of a break-away depends exponentially on the creep before it: at the default tolerance the last
+/// slip is 2 ms late, 1.1 % of the travel.
 #[test]
 fn bristles_stick_and_slip_as_another_integrator_says() {
     let text = block(

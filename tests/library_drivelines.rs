@@ -85,8 +85,8 @@ fn rubber_rings_at_the_complex_root() {
     close("loss", last(&results, "lost"), due.1, 1e-12);
 }
 
-/// A ring of 2 g m² in the silicone of a housing that vibrates by ±1 deg at 150 Hz: the mean heat is `ω Im K |φ|²/2`, and it is largest
-/// near the damping J ω.
+/// A ring of 2 g m² in the silicone of a housing that vibrates by ±1 deg at 150 Hz: the mean heat is
+/// `ω Im K |φ|²/2`, and it is largest near the damping J ω.
 #[test]
 fn the_heat_of_a_viscous_damper_is_largest_at_its_optimum() {
     let omega = 2.0 * PI * 150.0;
@@ -203,7 +203,8 @@ fn a_clutch_turns_the_slip_to_heat() {
     close("heat", heat, 0.5 * inertia * 1e4, 1e-5);
 }
 
-/// A disc that winds up a freewheel returns with its speed after half a period, then turns freely; braked and driven, it engages again.
+/// A disc that winds up a freewheel returns with its speed after half a period, then turns freely; braked and
+/// driven, it engages again.
 #[test]
 fn a_freewheel_holds_in_one_sense() {
     let law = "OneWay(disc.hub, frame, stiffness: 2 kN*m/rad, lag: 0.1 deg)";
@@ -226,7 +227,8 @@ fn a_freewheel_holds_in_one_sense() {
     close("speed", last(&results, "bearing.speed"), -10.0, 1e-5);
     let held = torque.iter().filter(|t| **t > 0.0).count() as f64 * 2e-6;
     close("time", held, PI * (2e-3_f64 / 2000.0).sqrt(), 2e-3);
-    // free turning backwards against 0.2 N m; at rest after 0.1 s, it is caught within the lag and swings about the balance
+    // free turning backwards against 0.2 N m; at rest after 0.1 s, it is caught within the lag and swings
+    // about the balance
     let load = "force load = ExternalTorque(disc.hub, load: [0, 0, 0.2] N*m)";
     let results = run(
         &disc(
@@ -412,7 +414,8 @@ fn gears_rattle_as_another_integrator_says() {
     assert!(worst < 1e-3 * swing, "{worst} of {swing}");
 }
 
-/// A belt of two spans over 50 and 80 mm: bearings carry both tensions along the tangents; a torque divides the tensions.
+/// A belt of two spans over 50 and 80 mm: bearings carry both tensions along the tangents; a torque divides
+/// the tensions.
 #[test]
 fn a_belt_pulls_along_its_tangents() {
     let text = "use std.drivelines.*

@@ -108,7 +108,7 @@ fn a_heat_burns_by_wiebes_share() {
     assert_eq!(value("share[1]"), 0.0);
     close("share", value("share[2]"), share(0.3), 1e-12);
     close("share", value("share[3]"), share(0.6), 1e-12);
-    // the rate goes on behind the nominal end
+    // the rate goes on after the nominal end
     close("share", value("share[4]"), share(1.0), 1e-12);
     close("share", value("share[5]"), share(1.02), 1e-12);
     close("share", value("share[6]"), share(1.4), 1e-12);
@@ -159,7 +159,8 @@ fn swept() -> f64 {
     std::f64::consts::PI / 4.0 * 0.06 * 0.06 * 0.08
 }
 
-/// Volumetric efficiency `1 + c − c π^(1/κ)` and work `κ/(κ − 1) p V (π^((κ − 1)/κ) − 1)` of the ideal cycle; light plates give nearly the same.
+/// Volumetric efficiency `1 + c − c π^(1/κ)` and work `κ/(κ − 1) p V (π^((κ − 1)/κ) − 1)` of the ideal cycle;
+/// light plates give nearly the same.
 #[test]
 fn compressors_have_the_efficiency_and_work_of_the_ideal_cycle() {
     let efficiency = 1.05 - 0.05 * 5.0_f64.powf(1.0 / 1.4);

@@ -58,7 +58,8 @@ fn a_rubber_mount_rings_and_sags() {
     rings(text, 50.0, &stiffness, &[12.5]);
 }
 
-/// Both oscillations of a mass on a hydraulic mount: the roots of `m s² + k + c s + A² s (I s + R)/(1 + s C (I s + R))`.
+/// Both oscillations of a mass on a hydraulic mount: the roots of
+/// `m s² + k + c s + A² s (I s + R)/(1 + s C (I s + R))`.
 #[test]
 fn a_hydraulic_mount_has_two_oscillations() {
     let text = "use std.mounts.HydraulicMount

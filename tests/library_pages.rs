@@ -1,4 +1,5 @@
-//! `docs/library.md` has the comments of the library's texts: every law with its parameters, equation, source, sign and check.
+//! `docs/library.md` has the comments of the library's texts: every law with its parameters, equation,
+//! source, sign and check.
 
 use std::fmt::Write as _;
 use std::path::Path;

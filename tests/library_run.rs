@@ -63,8 +63,8 @@ pub fn close(what: &str, found: f64, due: f64, tolerance: f64) {
     assert!(miss <= tolerance, "{what}: {found} for {due}, {miss:.1e}");
 }
 
-/// The solution of y' = f(t, y) after `steps` steps of h, by the fifth-order formula of Dormand and Prince (J. Comput. Appl. Math. 6
-/// (1980) 19).
+/// The solution of y' = f(t, y) after `steps` steps of h, by the fifth-order formula of Dormand and Prince
+/// (J. Comput. Appl. Math. 6 (1980) 19).
 pub fn integrate<const N: usize>(
     f: &dyn Fn(f64, &[f64; N]) -> [f64; N],
     mut y: [f64; N],

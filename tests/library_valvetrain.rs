@@ -83,7 +83,7 @@ fn tappet(speed: &str, drive: &str) -> String {
     )
 }
 
-/// At 6000 rpm of the cam the tappet leaves it behind the nose and falls back: its path against another integrator.
+/// At 6000 rpm of the cam the tappet leaves it past the nose and falls back: its path against another integrator.
 #[test]
 fn a_tappet_leaves_its_cam_as_another_integrator_says() {
     let text = tappet(
@@ -156,7 +156,7 @@ fn a_cam_gives_its_energy_to_the_tappet() {
     assert!(most - least < 1e-3 * change, "{least} {most}");
 }
 
-/// Under a constant load the element sinks with `F/A π d h³/(12 μ l)/A`, behind the first compression `F V/(B A²)`.
+/// Under a constant load the element sinks with `F/A π d h³/(12 μ l)/A`, after the first compression `F V/(B A²)`.
 #[test]
 fn a_lash_adjuster_leaks_down_at_a_constant_rate() {
     let text = "use std.valvetrain.HydraulicLashAdjuster
@@ -193,7 +193,8 @@ fn a_lash_adjuster_leaks_down_at_a_constant_rate() {
     );
 }
 
-/// The row of masses between fixed ends has the frequencies `n/π √(k/m) sin(j π/2n)`; the first is near the surge `√(k/m)/2`.
+/// The row of masses between fixed ends has the frequencies `n/π √(k/m) sin(j π/2n)`; the first is near the
+/// surge `√(k/m)/2`.
 #[test]
 fn a_valve_spring_surges() {
     let text = "use std.valvetrain.ValveSpring

@@ -252,8 +252,8 @@ fn a_body_turning_about_a_pin_is_not_held() {
     );
 }
 
-/// A slider driven to and fro by a free crank, in the middle of its motion: `λ² = −K` with the closed form of its one freedom in
-/// the coordinate `x = √m δθ`, `K = (ṁ/2m)² + (½ m′ θ̈ + V″)/m`.
+/// A slider driven to and fro by a free crank, in the middle of its motion: `λ² = −K` with the closed form of
+/// its one freedom in the coordinate `x = √m δθ`, `K = (ṁ/2m)² + (½ m′ θ̈ + V″)/m`.
 #[test]
 fn a_crank_of_varying_inertia() {
     let text = "
@@ -292,7 +292,8 @@ fn a_crank_of_varying_inertia() {
     near(circular(&found)[0], stiffness.sqrt(), 1e-9);
 }
 
-/// Whirl of a disc on an elastic support of its axis over its speed: `J_t ω² − J_p Ω ω − k = 0`, forwards and backwards.
+/// Whirl of a disc on an elastic support of its axis over its speed: `J_t ω² − J_p Ω ω − k = 0`, forwards and
+/// backwards.
 #[test]
 fn a_gyroscopic_rotor_over_speed() {
     let text = "
@@ -508,7 +509,8 @@ fn journal_rotor(threshold: f64) -> JournalRotor {
     }
 }
 
-/// A rigid rotor on a short bearing: eigenvalues with the published coefficients (x along the load, y on in the sense of rotation).
+/// A rigid rotor on a short bearing: eigenvalues with the published coefficients (x along the load, y on in
+/// the sense of rotation).
 #[test]
 fn a_rotor_on_a_short_bearing_has_the_published_stiffness_and_damping() {
     for threshold in [0.3, 0.9] {
@@ -602,7 +604,8 @@ fn a_rotor_swings_back_as_its_mode_says() {
     near(re, slow.value.re, 2e-3);
 }
 
-/// A spring behind a damper (Maxwell's element), whose force is a state: `λ² + k/c λ + k/m = 0`, and a zero of the place.
+/// A spring behind a damper (Maxwell's element), whose force is a state: `λ² + k/c λ + k/m = 0`, and a zero
+/// of the place.
 #[test]
 fn a_state_of_an_element() {
     let text = "
@@ -661,9 +664,10 @@ fn a_spinning_bar_in_its_own_axes() {
     let turning = circular(&modes(&program, "modes", &[("spin", "600 rad/s")]));
     let (side, length) = (0.02_f64, 0.2_f64);
     let inertia = 2.0 * side * side / (side * side + length * length);
-    // The second bending answers a tilt rate w with a = −C Ω w/ω₂², C = ∂J_xz/∂a. Its axes turn with the bar; the frozen ones do not,
-    // and leave of the moment d/dt(Ω C a) in ground axes the part −i C²Ω³/ω₂² w: J_p Ω appears less by C²Ω³/ω₂². In mean axes
-    // C = 2 side²/12 Δφ/L for a shape φ of mean square 1 (slender: Δφ = 4 from end to end), J_p = side²/6, both over the mass.
+    // The second bending answers a tilt rate w with a = −C Ω w/ω₂², C = ∂J_xz/∂a. Its axes turn with the bar;
+    // the frozen ones do not, and leave of the moment d/dt(Ω C a) in ground axes the part −i C²Ω³/ω₂² w: J_p
+    // Ω appears less by C²Ω³/ω₂². In mean axes C = 2 side²/12 Δφ/L for a shape φ of mean square 1 (slender:
+    // Δφ = 4 from end to end), J_p = side²/6, both over the mass.
     let slope = 2.0 * side * side / 12.0 * 4.0 / length;
     let frozen = slope * slope / (side * side / 6.0) * (600.0 / still[2]).powi(2);
     println!(
@@ -671,8 +675,8 @@ fn a_spinning_bar_in_its_own_axes() {
         1.0 - turning[0] / (600.0 * inertia)
     );
     near(turning[0], 600.0 * inertia * (1.0 - frozen), 1e-6);
-    // rotary inertia of the sections, r = I/A · ∫φ′²/∫φ² = side²/12 · 49.48/L² (first free bending of a slender beam, R. D. Blevins,
-    // 1979): from the ground the whirls are at ω₀ ± Ω r/(1 + r)
+    // rotary inertia of the sections, r = I/A · ∫φ′²/∫φ² = side²/12 · 49.48/L² (first free bending of a
+    // slender beam, R. D. Blevins, 1979): from the ground the whirls are at ω₀ ± Ω r/(1 + r)
     let rotary = side * side / 12.0 * 49.48 / (length * length);
     let due = 600.0 * (1.0 - rotary / (1.0 + rotary));
     for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {

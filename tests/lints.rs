@@ -42,7 +42,8 @@ impl Drop for Text {
     }
 }
 
-/// A text with a lint of a class on its parameters, one on its motion, one of a function, one on constants and one of the language.
+/// A text with a lint of a class on its parameters, one on its motion, one of a function, one on constants
+/// and one of the language.
 fn text(class: &str, function: &str, part: &str, body: &str, model: &str) -> String {
     format!(
         "use std.joints.Revolute
@@ -300,8 +301,8 @@ analysis run = transient(Shaft(), duration: 1 ms)
     }
 }
 
-/// A slider-crank of throw 40 mm and rod 130 mm at 100 rad/s, whose piston's distance is an output. `lints` stand in the model, `part` in
-/// the component around it, `class` in a force.
+/// A slider-crank of throw 40 mm and rod 130 mm at 100 rad/s, whose piston's distance is an output. `lints`
+/// stand in the model, `part` in the component around it, `class` in a force.
 fn crank_with(class: &str, part: &str, lints: &str) -> String {
     format!(
         "use std.joints.{{Revolute, PointOnLine, Translational}}
@@ -358,7 +359,7 @@ analysis run = transient(Crank(), duration: 1 rev, sample: 5 deg)
     )
 }
 
-/// The numbers of a message behind a word.
+/// The numbers of a message after a word.
 fn numbers_behind(said: &str, word: &str) -> Vec<f64> {
     let at = said
         .find(word)

@@ -93,8 +93,8 @@ fn the_squeezing_mechanism_moves_as_published() {
     converges(&model, 0.03, 7_500, &due, 5e-6);
 }
 
-/// Places, a velocity and an acceleration after 3 s, in which the right wheel bounces two dozen times; the loads of axle and guide are
-/// the multipliers times the gradients of the published constraints.
+/// Places, a velocity and an acceleration after 3 s, in which the right wheel bounces two dozen times; the
+/// loads of axle and guide are the multipliers times the gradients of the published constraints.
 #[test]
 fn the_car_axis_moves_as_published() {
     let reference = reference(include_str!("reference/car_axis.json"));

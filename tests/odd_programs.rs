@@ -1,5 +1,5 @@
-//! Good models with random damage. Each is a program that assembles, or has a message with a place in its text. None ends in a
-//! panic. `fuzz/` looks for such texts without end.
+//! Good models with random damage. Each is a program that assembles, or has a message with a place in its
+//! text. None ends in a panic. `fuzz/` looks for such texts without end.
 
 use eng::{Error, Report, Sources, check};
 use proptest::prelude::*;

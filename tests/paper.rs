@@ -149,7 +149,8 @@ fn table_1_reduced_against_whole_finite_element_model() {
     }
 }
 
-/// Error of each journal (of the length of the displacement), and the largest displacement of all, at a share of the load.
+/// Error of each journal (of the length of the displacement), and the largest displacement of all, at a share
+/// of the load.
 fn at_rest(program: &Program, case: &str, share: f64) -> ([f64; 5], f64) {
     let plan = program.analysis(case).expect("an analysis");
     let parameter = plan.model().parameter("share").expect("a parameter");

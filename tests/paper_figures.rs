@@ -1,5 +1,5 @@
-//! The statements of the paper's figures, as numbers of the example's runs with the paper's own film law. docs/paper.md shows the
-//! figures.
+//! The statements of the paper's figures, as numbers of the example's runs with the paper's own film law.
+//! docs/paper.md shows the figures.
 
 use eng::{Outcome, Program, Results, Sources, StartReport};
 use std::path::Path;
@@ -166,7 +166,8 @@ fn figure_4_journal_5_differs_from_1_by_the_flywheel() {
     assert!(without < 0.05, "{without}");
 }
 
-/// Figures 5 and 6: the second and then the fourth order lead the acceleration of the block at journal 5, the first and second the force.
+/// Figures 5 and 6: the second and then the fourth order lead the acceleration of the block at journal 5, the
+/// first and second the force.
 #[test]
 fn figures_5_and_6_orders_at_journal_5() {
     let strongest = |path: &str| {

@@ -1,10 +1,11 @@
-//! The step that the paper's authors announce: films solved on cells, in bores of the block that yield. docs/paper.md has the results of
-//! whole cycles; here the first degrees of the fired engine show the cause.
+//! The step that the paper's authors announce: films solved on cells, in bores of the block that yield.
+//! docs/paper.md has the results of whole cycles; here the first degrees of the fired engine show the cause.
 
 use eng::{Results, Sources};
 use std::path::Path;
 
-/// The engine on coarse films, fired, with and without the shapes of its bores. The block has few modes, which saves time.
+/// The engine on coarse films, fired, with and without the shapes of its bores. The block has few modes,
+/// which saves time.
 const ANALYSES: &str = "
 journal Coarse = Film(around: 36, across: 8)
 analysis rigid_bores = transient(
@@ -60,8 +61,9 @@ fn apart([a, b]: &[Results; 2], channel: &str) -> f64 {
     })
 }
 
-/// With a thousandth of the compliance, shapes of the bores change about a thousandth of the least film: they act by the stiffness
-/// of the mesh alone. (Forces are no measure here: a stiff block without mass rings from its assembled start.)
+/// With a thousandth of the compliance, shapes of the bores change about a thousandth of the least film: they
+/// act by the stiffness of the mesh alone. (Forces are no measure here: a stiff block without mass rings from
+/// its assembled start.)
 #[test]
 fn bores_yield_by_the_stiffness_of_the_block() {
     // kg and ms for tonne and s: the numbers of the same file then mean a thousand times the modulus of elasticity

@@ -4,8 +4,9 @@ use eng::{Program, Sources};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// A disc that counts cycles of 0.1 s, and beside it a block of 1 kg on a spring: `x = x₀ exp(−c t/2m) cos …`, so that a cycle takes its deviation to
-/// `exp(−0.05 s/kg c)` of itself, and its power, which is quadratic, to the square of that.
+/// A disc that counts cycles of 0.1 s, and beside it a block of 1 kg on a spring:
+/// `x = x₀ exp(−c t/2m) cos …`, so that a cycle takes its deviation to `exp(−0.05 s/kg c)` of itself, and its
+/// power, which is quadratic, to the square of that.
 fn oscillator(damping: &str, output: &str, analysis: &str) -> String {
     format!(
         "

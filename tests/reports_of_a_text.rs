@@ -1,4 +1,5 @@
-//! `report` blocks through the whole chain: from a text whose signals are known in closed form to values, figures, files and pages.
+//! `report` blocks through the whole chain: from a text whose signals are known in closed form to values,
+//! figures, files and pages.
 
 use eng::post::{EvaluatedReport, Outcome, PostError, Run, evaluate};
 use eng::{Machine, Program, Results, Sources};
@@ -1096,7 +1097,8 @@ fn a_report_without_an_analysis_is_not_left_out() {
     assert!(told.lines().any(row), "{told}");
 }
 
-/// The block of the reference is a report of the four-cylinder engine, and the examples' own blocks are checked with them.
+/// The block of the reference is a report of the four-cylinder engine, and the examples' own blocks are
+/// checked with them.
 #[test]
 fn the_examples_and_the_reference_report() {
     let document = include_str!("../docs/language.md");
@@ -1516,7 +1518,8 @@ fn members_of_a_list_have_short_names() {
     }
 }
 
-/// The channels of an equilibrium are numbers where a number is due: in a value, a condition, and beside samples of a run.
+/// The channels of an equilibrium are numbers where a number is due: in a value, a condition, and beside
+/// samples of a run.
 #[test]
 fn a_state_is_a_number() {
     let model = "

@@ -393,7 +393,8 @@ fn help_tells_where_results_go_and_the_exit_codes() {
     }
 }
 
-/// The phases of a check. The turn without forces is one of them, and the lints of a turn do not make it longer than the check.
+/// The phases of a check. The turn without forces is one of them, and the lints of a turn do not make it
+/// longer than the check.
 #[test]
 fn timings_of_a_check_tell_every_phase() {
     let lines = TURNED

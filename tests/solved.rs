@@ -25,8 +25,8 @@ fn column<'a>(results: &'a Results, path: &str) -> &'a [f64] {
 }
 
 /// Kepler's equation E − e sin E = M at a mean anomaly M that grows evenly: E' = n/(1 − e cos E) and
-/// E'' = −e sin E E'²/(1 − e cos E). Two circles x² + y² = R², (x − d)² + y² = r² cross at x = (d² + R² − r²)/(2 d). A body has
-/// the mass of a zero of parameters alone.
+/// E'' = −e sin E E'²/(1 − e cos E). Two circles x² + y² = R², (x − d)² + y² = r² cross at x = (d² + R² −
+/// r²)/(2 d). A body has the mass of a zero of parameters alone.
 #[test]
 fn values_and_rates_are_those_of_closed_forms() {
     let text = "use std.joints.Revolute
@@ -80,8 +80,9 @@ fn values_and_rates_are_those_of_closed_forms() {
     }
 }
 
-/// A roller on an eccentric disc, with the contact point from `solve`, moves as one on a rod between both centres: the two are
-/// one mechanism. This needs value, rate, second rate and the derivatives of the constraint.
+/// A roller on an eccentric disc, with the contact point from `solve`, moves as one on a rod between both
+/// centres: the two are one mechanism. This needs value, rate, second rate and the derivatives of the
+/// constraint.
 #[test]
 fn a_roller_on_a_curve_moves_as_on_a_rod() {
     let text = "use std.joints.{Revolute, Translational, Distance}

@@ -94,8 +94,9 @@ fn converges(coarse: &eng::Reduction, fine: &eng::Reduction, within: f64) {
     }
 }
 
-/// A crank with split pins, whose links overlap both pins: a stack against a finer one. The corners between journals and webs
-/// have no fillets, so frequencies fall slowly as elements become smaller. The bound was set after the result.
+/// A crank with split pins, whose links overlap both pins: a stack against a finer one. The corners between
+/// journals and webs have no fillets, so frequencies fall slowly as elements become smaller. The bound was
+/// set after the result.
 #[test]
 fn a_crank_with_split_pins_converges() {
     let (coarse, fine) = (reduced(split(13.0)), reduced(split(9.0)));

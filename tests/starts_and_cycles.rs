@@ -786,9 +786,9 @@ fn changes_of_a_part_are_those_of_its_text() {
     assert_eq!(heavy.column("mass").expect("a channel").values[0], 3.0);
 }
 
-/// A crank beside its axis of rotation, which only films hold, starts as assembled about the axis of its shells. About its
-/// centre of mass its energy would be less, and the films would have to carry a thousand kilonewtons. A chain beside it changes nothing,
-/// although so many rows are solved in another way.
+/// A crank beside its axis of rotation, which only films hold, starts as assembled about the axis of its
+/// shells. About its centre of mass its energy would be less, and the films would have to carry a thousand
+/// kilonewtons. A chain beside it changes nothing, although so many rows are solved in another way.
 #[test]
 fn films_keep_the_axis_of_an_assembled_start() {
     let text = "use std.journals.Impedance

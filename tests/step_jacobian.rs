@@ -267,7 +267,8 @@ fn plain_differences_err_both_ways() {
 /// changes sides. So each entry needs an increment that changes no cell. The remaining error is rounding.
 #[test]
 fn the_matrix_of_films_on_cells_is_exact() {
-    // the films of the second have a temperature; the third has a bore that yields, by the modes of its body and beside them
+    // the films of the second have a temperature; the third has a bore that yields, by the modes of its body
+    // and beside them
     for (model, steps) in [
         ("tests/good/films", 10),
         ("tests/good/films", 60),

@@ -1,8 +1,10 @@
-//! The heat balance of a solved film: closed forms, the power of the drive, a film of the balanced viscosity, and finer cells.
+//! The heat balance of a solved film: closed forms, the power of the drive, a film of the balanced viscosity,
+//! and finer cells.
 
 use eng::Sources;
 
-/// A shaft that turns at 3000 rpm about a line beside the axis of its bush, so that flow and loss are constant if the viscosity is.
+/// A shaft that turns at 3000 rpm about a line beside the axis of its bush, so that flow and loss are
+/// constant if the viscosity is.
 fn bush(law: &str, duration: &str) -> String {
     format!(
         "use std.journals.{{Film, ThermalFilm, axial_groove}}
@@ -64,8 +66,8 @@ fn conveyed(side_flow: f64) -> [f64; 2] {
     [with_oil, with_oil + 3.0]
 }
 
-/// Oil of constant viscosity has a constant loss P and side flow Q, so the temperature approaches its limit exponentially, with the
-/// time constant of the heat that the film keeps over the heat that leaves it.
+/// Oil of constant viscosity has a constant loss P and side flow Q, so the temperature approaches its limit
+/// exponentially, with the time constant of the heat that the film keeps over the heat that leaves it.
 #[test]
 fn constant_oil_warms_exponentially() {
     let law = format!(
@@ -100,8 +102,8 @@ fn constant_oil_warms_exponentially() {
     assert!(worst < 4e-3, "{worst}");
 }
 
-/// In balance the film is that of an oil with the viscosity of its temperature, the heats add up to the power of the drive, and the
-/// temperature is that of the balance of DIN 31652-1 with walls.
+/// In balance the film is that of an oil with the viscosity of its temperature, the heats add up to the power
+/// of the drive, and the temperature is that of the balance of DIN 31652-1 with walls.
 #[test]
 fn a_warm_film_is_in_balance() {
     let cells = "around: 36, across: 8";
@@ -156,7 +158,8 @@ fn a_warm_film_is_in_balance() {
     assert!((given / loss - 1.0).abs() < 1e-9, "{given} {loss}");
 }
 
-/// The temperature of the balance converges: nearly with the second order, but the flow at the corners of the groove with the first.
+/// The temperature of the balance converges: nearly with the second order, but the flow at the corners of the
+/// groove with the first.
 #[test]
 fn finer_cells_change_the_temperature_less() {
     let temperature = |around: u32, across: u32| {

@@ -240,7 +240,8 @@ fn ocvirk(load: f64, speed: f64) -> (f64, f64) {
     (low, (PI * (1.0 - low * low).sqrt()).atan2(4.0 * low))
 }
 
-/// A rotor in two films under its weight: pins on Ocvirk's locus, the shaft bent as at rest, and both stay so for 10 ms.
+/// A rotor in two films under its weight: pins on Ocvirk's locus, the shaft bent as at rest, and both stay so
+/// for 10 ms.
 #[test]
 fn a_shaft_in_films_sags_as_at_rest() {
     let rigid = "joint one = PointOnLine(shaft.left, left)
@@ -429,8 +430,8 @@ fn counted(program: &Program, threads: NonZeroUsize) -> (eng_runtime::Simulation
     (begun.expect("a start"), counts)
 }
 
-/// Films of 432 cells are solved by as many threads as there are, up to one a film, and the number changes no bit: of the start, of the
-/// steps, or of the outputs. Smaller films are not worth it.
+/// Films of 432 cells are solved by as many threads as there are, up to one a film, and the number changes no
+/// bit: of the start, of the steps, or of the outputs. Smaller films are not worth it.
 #[test]
 fn threads_share_films_and_change_no_bit() {
     let speed = 0.5 * CRITICAL;
@@ -469,8 +470,9 @@ fn threads_share_films_and_change_no_bit() {
     assert_eq!(of(&films_on_cells(), 2).0, 1);
 }
 
-/// The motion of an unbalance in films on cells repeats from the start, too: after a turn, and as after many turns. Its search
-/// takes over matrices and cavities from step to step and from period to period, so that it has few solutions.
+/// The motion of an unbalance in films on cells repeats from the start, too: after a turn, and as after many
+/// turns. Its search takes over matrices and cavities from step to step and from period to period, so that it
+/// has few solutions.
 #[test]
 fn a_start_in_films_on_cells_is_short() {
     let (speed, turn) = (0.5 * CRITICAL, 4.0 * std::f64::consts::PI / CRITICAL);

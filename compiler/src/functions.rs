@@ -1,9 +1,9 @@
 //! The functions of the language: one table for the checker, elaboration and reports.
 //!
-//! An elementary function of one number needs its row here, its row in `system/src/elementary.rs`, and its derivative in
-//! `ir/differentiate.rs`. A function of another kind also has its type in
-//! `check/builtin.rs` and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here,
-//! a variant of `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/operation.rs`.
+//! An elementary function of one number needs its row here, its row in `system/src/elementary.rs`, and its
+//! derivative in `ir/differentiate.rs`. A function of another kind also has its type in `check/builtin.rs`
+//! and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here, a variant of
+//! `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/operation.rs`.
 
 use eng_system::elementary::Elementary;
 use eng_system::expression::{Function, Operator, Reduction};
@@ -292,7 +292,7 @@ static ABOUT: [(&str, &str, &str); 50] = [
     (
         "wrapped",
         "wrapped(angle, period, from: -180 deg)",
-        "the angle less whole periods, in [from, from + period). It jumps at the ends, so a force that depends on it must vanish there",
+        "the angle less whole periods, in [from, from + period). It jumps at the ends: a force that does not vanish there jumps",
     ),
     ("min", "min(a, b, …), min(list)", "the least of numbers"),
     ("max", "max(a, b, …), max(list)", "the largest of numbers"),

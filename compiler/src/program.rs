@@ -167,10 +167,10 @@ impl Program {
     /// itself.
     pub fn lineage(&self, id: DefinitionId) -> Vec<DefinitionId> {
         let mut found = vec![id];
-        let mut youngest = id;
+        let mut most_specific = id;
         // an interface extends one that extends none, so a class has two interfaces at most
         for _ in 0..2 {
-            let Some(interface) = self.interface_of(youngest) else {
+            let Some(interface) = self.interface_of(most_specific) else {
                 break;
             };
             // interfaces that extend each other in a circle are reported by the checker
@@ -178,7 +178,7 @@ impl Program {
                 break;
             }
             found.insert(0, interface);
-            youngest = interface;
+            most_specific = interface;
         }
         found
     }

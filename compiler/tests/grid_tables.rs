@@ -136,7 +136,8 @@ fn own(y: Length) -> 1 = y^2/1 m^2
     param never: Length = period(cubic)
     param place = 1.5*index_of([3, 1, 2] mm, 2 mm)";
     let found = parameters(text, asked, &[]);
-    // the periodic spline through sin at quarter turns: slope m at 0 with 4 m = 6/(pi/2), and moment -3 (2/pi)^2 at 90 deg
+    // the periodic spline through sin at quarter turns: slope m at 0 with 4 m = 6/(pi/2), and moment -3
+    // (2/pi)^2 at 90 deg
     let quarter = core::f64::consts::FRAC_PI_2;
     for (name, exact) in [
         ("first", 24e3),

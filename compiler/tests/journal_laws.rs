@@ -564,8 +564,8 @@ impl Random {
     }
 }
 
-/// Action and reaction, angular momentum of the pair, and heat that is never negative, in random motion; also for iterates
-/// beyond the clearance.
+/// Action and reaction, angular momentum of the pair, and heat that is never negative, in random motion; also
+/// for iterates beyond the clearance.
 #[test]
 fn the_pair_balances_and_only_takes_energy() {
     let mut random = Random(7);

@@ -1,4 +1,5 @@
-//! Every class and record of the library: it resolves, elaborates without a message, and its numbers are the published ones.
+//! Every class and record of the library: it resolves, elaborates without a message, and its numbers are the
+//! published ones.
 
 use eng_compiler::elaborate::{Elaborated, analyses, elaborate};
 use eng_compiler::library::LIBRARY;

@@ -209,8 +209,8 @@ fn surfaces() {
     }
 }
 
-/// Steps of a loaded orbit in a bore of 51 shapes, five solutions each as in Newton's iterations: from an error of a thousandth
-/// of the clearance down to 2e-9 of it.
+/// Steps of a loaded orbit in a bore of 51 shapes, five solutions each as in Newton's iterations: from an
+/// error of a thousandth of the clearance down to 2e-9 of it.
 fn elastic_orbit() {
     let (width, clearance, speed, step): (f64, f64, f64, f64) = (20e-3, 27e-6, 419.0, 2.2e-5);
     let mut source = FilmSource::plain(58e-3, width, clearance, Cavitation::Reynolds, [72, 13]);

@@ -21,8 +21,8 @@ macro_rules! with_width {
 }
 pub(crate) use with_width;
 
-/// Adds `factor*other` to a row of equal length, pair by pair: so the compiler takes registers of two numbers, also where it
-/// unrolls the loop.
+/// Adds `factor*other` to a row of equal length, pair by pair: so the compiler takes registers of two
+/// numbers, also where it unrolls the loop.
 #[inline(always)]
 pub(crate) fn add(row: &mut [f64], factor: f64, other: &[f64]) {
     let (pairs, last) = row.as_chunks_mut::<2>();

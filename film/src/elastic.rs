@@ -1,9 +1,10 @@
 //! Elastic surfaces: a film whose surface yields to its pressure.
 //!
 //! The radial deflection is a sum of the film's shapes. Their amplitudes are those of the moving body that carries the
-//! surface, a, which are inputs, and a part that follows the generalised forces of the pressure at once, `β = C f` with a
-//! compliance C, which is symmetric and positive semi-definite. Within a step of length Δ the rates of the second part are
-//! `(β − β_n)/Δ`, with β_n at its beginning; a steady film has no rates. Newton's method solves
+//! surface, a, which are inputs, and a part that follows the generalised forces of the pressure at once,
+//! `β = C f` with a compliance C, which is symmetric and positive semi-definite. Within a step of length Δ
+//! the rates of the second part are `(β − β_n)/Δ`, with β_n at its beginning; a steady film has no rates.
+//! Newton's method solves
 //!
 //! ```text
 //! g(β) = β − C f(a + β, ȧ + β̇) = 0        G = I − C J        J = ∂f/∂b + (1/Δ) ∂f/∂ḃ
@@ -22,16 +23,17 @@ use eng_system::dense::{add_scaled, dot};
 
 /// Most rounds of Newton's method.
 const ROUNDS: usize = 200;
-/// Largest change of an amplitude that ends the rounds, as a share of the clearance. The outputs follow this last change by
-/// their slopes, so its square and the age of the slopes alone are left: at most 0.3 of it ([`CONTRACTION`]), or 1e-8 of the forces
-/// where the film is thinnest. With 1e-11 a step of the orbit in `benches/film.rs` takes 25 solutions of the film in place of 22.
+/// Largest change of an amplitude that ends the rounds, as a share of the clearance. The outputs follow this
+/// last change by their slopes, so its square and the age of the slopes alone are left: at most 0.3 of it
+/// ([`CONTRACTION`]), or 1e-8 of the forces where the film is thinnest. With 1e-11 a step of the orbit in
+/// `benches/film.rs` takes 25 solutions of the film in place of 22.
 const GOAL: f64 = 1e-9;
 /// Ratio of two changes above which a round was slow, and the number of slow rounds after which G is computed
 /// again.
 const CONTRACTION: f64 = 0.3;
 const SLOW_ROUNDS: usize = 2;
-/// Rounds after which the search uses no secants and computes G again after each slow round. If many cells change between film
-/// and cavity, secants of earlier rounds are not valid.
+/// Rounds after which the search uses no secants and computes G again after each slow round. If many cells
+/// change between film and cavity, secants of earlier rounds are not valid.
 const QUICK_ROUNDS: usize = 16;
 /// Largest change of an amplitude in a round, as a share of the limit in `Elastic::reach`: a larger one could close
 /// the gap.
@@ -99,8 +101,8 @@ impl Elastic {
         Self::of(film, compliance, false)
     }
 
-    /// A film on a surface that a moving body carries: amplitudes and their rates follow the openings among the inputs, and
-    /// the forces of the shapes follow the torque among the outputs.
+    /// A film on a surface that a moving body carries: amplitudes and their rates follow the openings among
+    /// the inputs, and the forces of the shapes follow the torque among the outputs.
     ///
     /// # Errors
     /// As [`Elastic::new`].
@@ -148,9 +150,9 @@ impl Elastic {
     /// C_0 = R/(2π E A)        C_k = R³/(π E I (k² − 1)²), k ≥ 2
     /// ```
     ///
-    /// The pressure acts as the line load `q = ∫ p dz`, whose wave k deflects an inextensible ring by `q_k R⁴/(E I (k² −
-    /// 1)²)` (Timoshenko & Gere, Theory of Elastic Stability, 1961, section 7.1). The wave k = 1 moves the ring as a whole,
-    /// which is the motion of the shell.
+    /// The pressure acts as the line load `q = ∫ p dz`, whose wave k deflects an inextensible ring by
+    /// `q_k R⁴/(E I (k² − 1)²)` (Timoshenko & Gere, Theory of Elastic Stability, 1961, section 7.1). The wave
+    /// k = 1 moves the ring as a whole, which is the motion of the shell.
     #[must_use]
     pub fn ring(film: &Film, radius: f64, modulus: f64, area: f64, inertia: f64) -> Vec<f64> {
         let shapes = &film.source().shapes;
@@ -180,8 +182,8 @@ impl Elastic {
         self.film.source().shapes.len()
     }
 
-    /// Number of inputs: those of the film. Without a body that carries the surface there are no amplitudes and rates among
-    /// them.
+    /// Number of inputs: those of the film. Without a body that carries the surface there are no amplitudes
+    /// and rates among them.
     #[must_use]
     pub fn inputs(&self) -> usize {
         match self.carried {
@@ -225,9 +227,10 @@ impl Elastic {
         self.work_for(&ALL)
     }
 
-    /// Memory for solutions of which [`Elastic::tangent`] gives the derivatives of these outputs and of the forces: of other
-    /// outputs before the forces of the shapes they are zero. The values of all outputs remain. (Those of an elastic surface follow
-    /// the last change of the surface by these derivatives, so the others miss a change of 1e-9 of the clearance.)
+    /// Memory for solutions of which [`Elastic::tangent`] gives the derivatives of these outputs and of the
+    /// forces: of other outputs before the forces of the shapes they are zero. The values of all outputs
+    /// remain. (Those of an elastic surface follow the last change of the surface by these derivatives, so
+    /// the others miss a change of 1e-9 of the clearance.)
     #[must_use]
     pub fn work_for(&self, wanted: &[bool; SHAPE_FORCE]) -> ElasticWork {
         let count = self.shapes();
@@ -258,7 +261,7 @@ impl Elastic {
     }
 
     /// Solves the film and its surface, and writes the outputs. `step` and `memory` are those of
-    /// [`Film::solve`], with the amplitudes and their rates behind the content.
+    /// [`Film::solve`], with the amplitudes and their rates after the content.
     ///
     /// # Errors
     /// As [`Film::solve`], or if the surface finds no balance with the film.
@@ -301,7 +304,8 @@ impl Elastic {
         found
     }
 
-    /// Searches the amplitudes that are in balance with the film. They have followed the inputs by the length of the last move.
+    /// Searches the amplitudes that are in balance with the film. They have followed the inputs by the length
+    /// of the last move.
     fn search(
         &self,
         content: &[f64],
@@ -357,9 +361,10 @@ impl Elastic {
         Err(FilmError::NoSurface { rounds: ROUNDS })
     }
 
-    /// The amplitudes at which the search begins, and whether they belong to the step and the inputs of the last solution. In a
-    /// new step they move on at the rates of the one before, and all else is forgotten: so a run that continues from a
-    /// checkpoint has the same bits. For another length of the step the rates of the last solution remain.
+    /// The amplitudes at which the search begins, and whether they belong to the step and the inputs of the
+    /// last solution. In a new step they move on at the rates of the one before, and all else is forgotten:
+    /// so a run that continues from a checkpoint has the same bits. For another length of the step the rates
+    /// of the last solution remain.
     fn begin(&self, work: &mut ElasticWork, step: Option<f64>, memory: &[f64]) -> bool {
         let earlier = std::mem::replace(&mut work.step, step);
         let Some(step) = step else {
@@ -386,8 +391,8 @@ impl Elastic {
         false
     }
 
-    /// Takes new inputs, and lets the amplitudes follow them by the kept slopes, but no further than the search may go. Returns
-    /// the length of their change (m).
+    /// Takes new inputs, and lets the amplitudes follow them by the kept slopes, but no further than the
+    /// search may go. Returns the length of their change (m).
     fn follow(&self, inputs: &[f64], work: &mut ElasticWork) -> f64 {
         let own = self.inputs();
         let count = self.shapes();
@@ -430,9 +435,9 @@ impl Elastic {
         add_scaled(&mut work.amplitudes, 1.0, &work.change);
     }
 
-    /// The largest change of an amplitude in a round (m): a share of the clearance, and within a step the same share of the way of
-    /// surfaces with these velocities if it is shorter. A larger change needs rates far above those of the surfaces, and the next
-    /// iterate would be useless.
+    /// The largest change of an amplitude in a round (m): a share of the clearance, and within a step the
+    /// same share of the way of surfaces with these velocities if it is shorter. A larger change needs rates
+    /// far above those of the surfaces, and the next iterate would be useless.
     fn reach(&self, work: &ElasticWork) -> f64 {
         let source = self.film.source();
         let x = &work.given;
@@ -444,8 +449,8 @@ impl Elastic {
         LONGEST * source.clearance.min(way)
     }
 
-    /// Newton's change of the amplitudes at the last evaluation. Returns its length without secants (m), which measures the
-    /// residual. After a move it makes a pair of the secants.
+    /// Newton's change of the amplitudes at the last evaluation. Returns its length without secants (m),
+    /// which measures the residual. After a move it makes a pair of the secants.
     fn change(&self, work: &mut ElasticWork, paired: bool) -> Result<f64, FilmError> {
         let kept = work.feedback.is_made();
         self.factor(work)?;
@@ -519,8 +524,8 @@ impl Elastic {
         }
     }
 
-    /// Derivatives of the outputs by the inputs at the last solution, output by output; of outputs that the memory leaves out
-    /// ([`Elastic::work_for`]) they are zero.
+    /// Derivatives of the outputs by the inputs at the last solution, output by output; of outputs that the
+    /// memory leaves out ([`Elastic::work_for`]) they are zero.
     ///
     /// # Errors
     /// If the surface is unstable there.
@@ -559,16 +564,17 @@ impl Elastic {
         Ok(())
     }
 
-    /// Stiffness and damping for slow motions of the pin about the last solution: minus the slopes of the force by e and by ė
-    /// (xx, xy, yx, yy each), where the surface follows at once. With `b = B_e e + B_v ė` to the first order of the motion,
+    /// Stiffness and damping for slow motions of the pin about the last solution: minus the slopes of the
+    /// force by e and by ė (xx, xy, yx, yy each), where the surface follows at once. With `b = B_e e + B_v ė`
+    /// to the first order of the motion,
     ///
     /// ```text
     /// B_e = G⁻¹ C ∂f/∂e      B_v = G⁻¹ C (∂f/∂ė + ∂f/∂ḃ B_e)      G = I − C ∂f/∂b
     /// −K = ∂F/∂e + ∂F/∂b B_e      −D = ∂F/∂ė + ∂F/∂b B_v + ∂F/∂ḃ B_e
     /// ```
     ///
-    /// so they do not depend on the length of a step. A body that carries the surface is taken as at rest. The content of a
-    /// film with memory follows within its last step.
+    /// so they do not depend on the length of a step. A body that carries the surface is taken as at rest.
+    /// The content of a film with memory follows within its last step.
     ///
     /// # Errors
     /// If the surface is unstable there.

@@ -80,7 +80,8 @@ impl Feedback {
         (self.made, self.by_step) = (true, f64::NAN);
     }
 
-    /// Factors G for the inverse length of a step, 0 for a film without a step; `false` if G is singular. Factors of this step stay.
+    /// Factors G for the inverse length of a step, 0 for a film without a step; `false` if G is singular.
+    /// Factors of this step stay.
     pub fn factor(&mut self, by_step: f64) -> bool {
         if self.by_step == by_step {
             return true;
@@ -144,8 +145,8 @@ fn rows(matrix: &mut [f64], length: usize) -> impl Iterator<Item = &mut [f64]> {
     matrix.chunks_exact_mut(length.max(1))
 }
 
-/// Replaces a square matrix, row by row, by its factors L U, and writes the row that was exchanged with each column's; `false` if it
-/// is singular. (Gauß, with the largest pivot of the column.)
+/// Replaces a square matrix, row by row, by its factors L U, and writes the row that was exchanged with each
+/// column's; `false` if it is singular. (Gauß, with the largest pivot of the column.)
 fn eliminate(matrix: &mut [f64], exchanged: &mut [usize]) -> bool {
     let count = exchanged.len();
     for column in 0..count {

@@ -355,8 +355,8 @@ impl Film {
         numbers.extend(full.map(|full| f64::from(u8::from(*full))));
     }
 
-    /// Lets the next search begin at a cavity ([`Film::cavity`]), and returns the numbers behind it. Where there are too few, the search
-    /// begins as it would without them.
+    /// Lets the next search begin at a cavity ([`Film::cavity`]), and returns the numbers after it. Where
+    /// there are too few, the search begins as it would without them.
     pub fn begin_at<'n>(&self, work: &mut Work, numbers: &'n [f64]) -> &'n [f64] {
         let full = &mut work.levels[0].full;
         let Some((own, others)) = numbers.split_at_checked(full.len()) else {
@@ -457,7 +457,8 @@ impl Film {
         if self.source.half_width && x[TILT..TILT_RATE + 2] != [0.0; 4] {
             return Err(FilmError::TiltOfHalf);
         }
-        // an opening of the shell at the pressure of the cavity is full of oil as well; one of the pin has nothing to push it
+        // an opening of the shell at the pressure of the cavity is full of oil as well; one of the pin has
+        // nothing to push it
         let holds = |(opening, pressure): (&Opening, &f64)| match (opening.feed, opening.on) {
             (Feed::Pressure, Part::Shell) => true,
             (Feed::Pressure, Part::Pin) => *pressure > 0.0,

@@ -60,7 +60,8 @@ pub struct Summary {
     pub rounds: usize,
 }
 
-/// Share of a pressure, or of the clearance, below which two extremes are equal, so that rounding does not choose their place.
+/// Share of a pressure, or of the clearance, below which two extremes are equal, so that rounding does not
+/// choose their place.
 const TIE: f64 = 1e-9;
 
 /// A field over the cells.
@@ -368,9 +369,9 @@ impl Film {
         (highest, at)
     }
 
-    /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is closest. The place
-    /// of an aligned pin between plain surfaces is at mid width.
-    /// For plain surfaces both are exact.
+    /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is
+    /// closest. The place of an aligned pin between plain surfaces is at mid width. For plain surfaces both
+    /// are exact.
     fn thinnest(&self, state: &LevelWork, x: &[f64]) -> (f64, Place) {
         let grid = &self.levels[0].grid;
         let half = self.source.width / 2.0;

@@ -216,7 +216,8 @@ pub struct FilmSource {
     pub pin_profile: Vec<Profile>,
     /// Radial deflections that are inputs; positive opens the gap.
     pub shapes: Vec<Shape>,
-    /// Width of the surface that the shapes belong to, m: their ζ is −1 and 1 at its ends, in the middle of which is z = 0.
+    /// Width of the surface that the shapes belong to, m: their ζ is −1 and 1 at its ends, in the middle of
+    /// which is z = 0.
     pub shape_width: f64,
     /// Gap f (m) below which the equation of smooth surfaces has `f²/(2f − h)` instead of the gap h, which stays
     /// positive for every h. Only solutions with a gap above the floor have a meaning. With 0, surfaces that touch

@@ -294,9 +294,9 @@ fn continued(gap: f64, floor: f64) -> (f64, f64) {
     (floor * share, share * share)
 }
 
-/// `F_{5/2}(u) = (2π)^{−1/2} ∫_u^∞ (s − u)^{5/2} e^{−s²/2} ds` (Greenwood & Tripp 1971), by quintics through exact values,
-/// slopes and second slopes of its logarithm. The popular fit `4.4086e-5 (4 − u)^6.804` is 9 to 11 % too low at u = 0 and
-/// 2, and zero above 4.
+/// `F_{5/2}(u) = (2π)^{−1/2} ∫_u^∞ (s − u)^{5/2} e^{−s²/2} ds` (Greenwood & Tripp 1971), by quintics through
+/// exact values, slopes and second slopes of its logarithm. The popular fit `4.4086e-5 (4 − u)^6.804` is 9 to
+/// 11 % too low at u = 0 and 2, and zero above 4.
 #[derive(Clone, Debug)]
 struct Contact {
     nodes: Vec<[f64; 3]>,

@@ -52,7 +52,8 @@ impl<const N: usize> Group<N> {
         }
     }
 
-    /// Derivatives of the outputs by the flow that the pressure drives through a face, apart from those by the pressures.
+    /// Derivatives of the outputs by the flow that the pressure drives through a face, apart from those by
+    /// the pressures.
     fn by_flow(&self, p_drop: f64, outward: f64) -> [f64; N] {
         let mut lanes = self.loss.map(|loss| p_drop * loss);
         add(&mut lanes, outward, &self.side_flow);
@@ -71,9 +72,9 @@ impl Film {
         self.tangent_of(&ALL, work, dy_dx);
     }
 
-    /// The rows of [`Film::tangent`] of the forces of all shapes and of those outputs before them that `wanted` names; the others
-    /// are zero. A row does not depend on the set, to the last bit. The time grows with the number of rows: five of a film without
-    /// shapes take three quarters of the time of all seven.
+    /// The rows of [`Film::tangent`] of the forces of all shapes and of those outputs before them that
+    /// `wanted` names; the others are zero. A row does not depend on the set, to the last bit. The time grows
+    /// with the number of rows: five of a film without shapes take three quarters of the time of all seven.
     pub fn tangent_of(&self, wanted: &[bool; SHAPE_FORCE], work: &mut Work, dy_dx: &mut [f64]) {
         dy_dx.fill(0.0);
         // a half has no moments

@@ -1,17 +1,18 @@
 //! Openings of the pin, which turn over the cells of the shell.
 //!
-//! An opening of the pin covers a share x of the largest width m that it can have in common with a column of cells. With
-//! `s = m x² (3 − 2x)`, m as a share of the column, each cell of the rows that the opening reaches has a link to the oil of the
-//! opening, and its faces come closer to it:
+//! An opening of the pin covers a share x of the largest width m that it can have in common with a column of
+//! cells. With `s = m x² (3 − 2x)`, m as a share of the column, each cell of the rows that the opening
+//! reaches has a link to the oil of the opening, and its faces come closer to it:
 //!
 //! ```text
 //! conductance of the link       k s/(1 − s + δ)        k = h³/12μ times the sum of both aspect ratios of the cell, twice
 //! distance of a side from its face          (1 − s) times that of a cell without opening
 //! ```
 //!
-//! So an uncovered cell has its usual equation, and a covered one the pressure of the opening, except for a part δ. Where the
-//! edges lie on lines of the grid, the equations are those of an opening of the shell. In between they change with the turn
-//! with continuous slopes. An error of the place of an edge, half a cell at most, is left.
+//! So an uncovered cell has its usual equation, and a covered one the pressure of the opening, except for a
+//! part δ. Where the edges lie on lines of the grid, the equations are those of an opening of the shell. In
+//! between they change with the turn with continuous slopes. An error of the place of an edge, half a cell at
+//! most, is left.
 //!
 //! An opening of the shell takes precedence over one of the pin: its cells have no such link.
 
@@ -42,8 +43,8 @@ fn shared(start: f64, length: f64, width: f64) -> [f64; 2] {
 }
 
 impl Film {
-    /// Shares of the cells that openings of the pin cover, with their slopes by the turn, and the factors that these shares
-    /// make of the weights of links. Does nothing for a film without such openings.
+    /// Shares of the cells that openings of the pin cover, with their slopes by the turn, and the factors
+    /// that these shares make of the weights of links. Does nothing for a film without such openings.
     pub(crate) fn set_turning(&self, level: &Level, state: &mut LevelWork, x: &[f64]) {
         let grid = &level.grid;
         if grid.feedings.is_empty() {

@@ -1,7 +1,8 @@
 //! The values of the shapes of an elastic surface at the cells of a film.
 //!
-//! A shape is a wave around times a polynomial across. So a sum over all shapes is taken at each angle over the waves, and at
-//! each place of this angle over the degrees: the cost of a place does not depend on the number of waves.
+//! A shape is a wave around times a polynomial across. So a sum over all shapes is taken at each angle over
+//! the waves, and at each place of this angle over the degrees: the cost of a place does not depend on the
+//! number of waves.
 
 use crate::block::add_lanes as add;
 use eng_system::surface::SurfaceShape;

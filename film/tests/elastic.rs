@@ -115,9 +115,9 @@ fn ring_under_load() {
     }
 }
 
-/// A shell that yields at each place by the pressure there (Winkler), as a sum of waves and even polynomials: place, least gap,
-/// highest pressure, flow. The gap is least at the ends, where there is no pressure. The polynomials need some cells each: with degree 14 on
-/// 16 cells of the half the gap there is 2 % off.
+/// A shell that yields at each place by the pressure there (Winkler), as a sum of waves and even polynomials:
+/// place, least gap, highest pressure, flow. The gap is least at the ends, where there is no pressure. The
+/// polynomials need some cells each: with degree 14 on 16 cells of the half the gap there is 2 % off.
 #[test]
 fn winkler_shell_under_load() {
     let all = reference();
@@ -220,8 +220,8 @@ fn tangent_of_a_yielding_surface() {
     }
 }
 
-/// Memory that leaves out the derivatives of some outputs changes neither values nor the derivatives of others by more than the last
-/// change of a surface.
+/// Memory that leaves out the derivatives of some outputs changes neither values nor the derivatives of
+/// others by more than the last change of a surface.
 #[test]
 fn some_derivatives_are_those_of_all() {
     let all = reference();
@@ -260,8 +260,9 @@ fn some_derivatives_are_those_of_all() {
     }
 }
 
-/// However short a step is, the search finds the surface, from its place at the beginning of the step. In a short step a small
-/// change of an amplitude is a fast one, and Newton's way from the surface at rest would leave the film behind.
+/// However short a step is, the search finds the surface, from its place at the beginning of the step. In a
+/// short step a small change of an amplitude is a fast one, and Newton's way from the surface at rest would
+/// leave the film behind.
 #[test]
 fn short_steps_find_their_place() {
     let mut source = FilmSource::plain(24e-3, 22e-3, 25e-6, Cavitation::Reynolds, [36, 5]);
@@ -344,7 +345,8 @@ fn a_surface_may_be_wider_than_its_film() {
     }
 }
 
-/// Stiffness and damping for slow motions are those of differences of films whose surface follows, and depend on no step.
+/// Stiffness and damping for slow motions are those of differences of films whose surface follows, and depend
+/// on no step.
 #[test]
 fn slow_motions_see_the_surface_follow() {
     let all = reference();
@@ -434,8 +436,8 @@ fn a_stiff_surface_is_the_rigid_one() {
     assert!((ratio - 2.0).abs() < 1e-2, "{ratio}");
 }
 
-/// The stated ring: an opposite pair of loads on a thin ring moves its ends by (π/4 − 2/π) P R³/(E I) (Timoshenko, Strength of
-/// Materials II, 1956, art. 13), here as the sum of its waves.
+/// The stated ring: an opposite pair of loads on a thin ring moves its ends by (π/4 − 2/π) P R³/(E I)
+/// (Timoshenko, Strength of Materials II, 1956, art. 13), here as the sum of its waves.
 #[test]
 fn a_ring_bends_as_in_the_book() {
     let mut source = FilmSource::plain(0.05, 0.02, 5e-5, Cavitation::Reynolds, [24, 4]);

@@ -40,8 +40,8 @@ fn pressure(film: &Film, work: &Work, angle: f64, across: f64) -> f64 {
         + east * ((1.0 - up) * p(1, 0) + up * p(1, 1))
 }
 
-/// The steady film of Pfeil's demonstration on this number of cells: its force (N), and its pressures (Pa) at angles beside mid
-/// width.
+/// The steady film of Pfeil's demonstration on this number of cells: its force (N), and its pressures (Pa) at
+/// angles beside mid width.
 fn pfeil(case: &Value, cells: [usize; 2]) -> ([f64; 2], Vec<f64>) {
     let input = &case["input"];
     let get = |name: &str| number(input, name);
@@ -76,9 +76,10 @@ fn pfeil(case: &Value, cells: [usize; 2]) -> ([f64; 2], Vec<f64>) {
     ([solved.outputs[0], solved.outputs[1]], around.collect())
 }
 
-/// A bearing with a short groove and mass conservation, steady: pressure around and force of a finite-volume program, and of a
-/// semi-analytical one, both on 100 places around. These hold the
-/// pressure of the groove at places up to 0.3 degrees inside of its edges. The film of the second begins later, so its force is 2 % smaller.
+/// A bearing with a short groove and mass conservation, steady: pressure around and force of a finite-volume
+/// program, and of a semi-analytical one, both on 100 places around. These hold the pressure of the groove at
+/// places up to 0.3 degrees inside of its edges. The film of the second begins later, so its force is 2 %
+/// smaller.
 #[test]
 fn groove_of_pfeil() {
     let case = &cases()["pfeil"];
@@ -131,8 +132,8 @@ fn under_load(film: &Film, x: &mut [f64], load: f64, work: &mut Work) {
     panic!("no place under the load");
 }
 
-/// A bearing with two grooves over its whole width and Barus' oil under a load at 10 000 rpm: pressure around at mid width. The
-/// published shell is elastic, but hardly yields at this speed.
+/// A bearing with two grooves over its whole width and Barus' oil under a load at 10 000 rpm: pressure around
+/// at mid width. The published shell is elastic, but hardly yields at this speed.
 #[test]
 fn two_grooves_of_comsol() {
     let case = &cases()["comsol"];

@@ -482,8 +482,9 @@ fn data_out_of_range_are_refused() {
     );
 }
 
-/// In a centred film at rest all cells are at the edge of the cavity. Each motion of the pin ruptures the half that it leaves, so the
-/// force resists with the other half, and the derivative on a full film is twice as large. A loaded film has a place for its cavity.
+/// In a centred film at rest all cells are at the edge of the cavity. Each motion of the pin ruptures the
+/// half that it leaves, so the force resists with the other half, and the derivative on a full film is twice
+/// as large. A loaded film has a place for its cavity.
 #[test]
 fn a_film_without_pressure_has_no_derivative() {
     let film = |eccentricity: [f64; 2], rate: f64| {

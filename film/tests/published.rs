@@ -1,5 +1,5 @@
-//! Published tables of plain bearings: Butenschön 1976 in rotation and squeezed, Raimondi & Boyd 1958 in rotation. Both put a line
-//! p = 0 at the widest gap.
+//! Published tables of plain bearings: Butenschön 1976 in rotation and squeezed, Raimondi & Boyd 1958 in
+//! rotation. Both put a line p = 0 at the widest gap.
 
 use eng_film::{Cavitation, Feed, Film, FilmSource, Inputs, Lines, Opening, Part};
 use serde_json::Value;
@@ -17,7 +17,8 @@ struct Motion {
 #[derive(Clone, Copy)]
 enum Cells {
     Equal([usize; 2]),
-    /// Dense at the thinnest place and at the end, over the length √(2 (1 − ε)) R on which the gap doubles; half of those around.
+    /// Dense at the thinnest place and at the end, over the length √(2 (1 − ε)) R on which the gap doubles;
+    /// half of those around.
     Graded([usize; 2]),
 }
 
@@ -152,7 +153,8 @@ fn butenschoen_rotation() {
                 (attitude - angle).abs(),
                 (flow / conveyed - 1.0).abs(),
             ];
-            // three angles are off by 0.09 degrees, their neighbours by 0.03 at most; and this load is too small by another solver, too
+            // three angles are off by 0.09 degrees, their neighbours by 0.03 at most; and this load is too
+            // small by another solver, too
             let misprint = slenderness == 0.25 && [0.2, 0.3, 0.97].contains(&ratio);
             let small = slenderness == 1.0 && ratio == 0.99;
             let limits = [
@@ -178,7 +180,8 @@ fn butenschoen_rotation() {
     );
 }
 
-/// Load and flow out of the ends of a pin that moves towards its wall (positive ratios) or leaves it, ratios to 0.99, eight widths.
+/// Load and flow out of the ends of a pin that moves towards its wall (positive ratios) or leaves it, ratios
+/// to 0.99, eight widths.
 #[test]
 fn butenschoen_squeeze() {
     let all = table(include_str!("reference/bearing_butenschoen1976.json"));
@@ -218,7 +221,8 @@ fn butenschoen_squeeze() {
                 ((load - due).abs() - LAST) / due,
                 (flow / conveyed - 1.0).abs(),
             ];
-            // flows of wide bearings are too small by another solver, too: by 0.8 % at B/D 1/2 and ratio 0.9, 1.8 % at 1 and 0.8
+            // flows of wide bearings are too small by another solver, too: by 0.8 % at B/D 1/2 and ratio 0.9,
+            // 1.8 % at 1 and 0.8
             let limits = [
                 if ratio > 0.98 { 8e-3 } else { 5e-3 },
                 if slenderness > 0.4 { 0.025 } else { 4e-3 },

@@ -192,8 +192,8 @@ fn short(ratio: f64, cells: [usize; 2]) -> [f64; 2] {
     [0, 1].map(|axis| film.outputs[axis] / width.powi(3) / exact[axis] - 1.0)
 }
 
-/// The same without end flow: Sommerfeld, Z. Math. Phys. 50 (1904) 97, is (0, 12 π ε/((2 + ε²) √(1 − ε²))) a width. The supply is so
-/// high that nothing is cut.
+/// The same without end flow: Sommerfeld, Z. Math. Phys. 50 (1904) 97, is (0, 12 π ε/((2 + ε²) √(1 − ε²))) a
+/// width. The supply is so high that nothing is cut.
 fn long(ratio: f64, cells: usize) -> [f64; 2] {
     let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [cells, 1]);
     source.ends = Ends::Sealed;
@@ -216,8 +216,9 @@ fn long(ratio: f64, cells: usize) -> [f64; 2] {
     [0, 1].map(|axis| (film.outputs[axis] - [0.0, exact][axis]) / exact)
 }
 
-/// Closed forms. Of the short bearing: the errors on 288 × 48 cells, their order, and the rest after extrapolation. A parabola
-/// across n cells has an error of 2/n², so on 144 × 24 cells the short bearing is 3.5e-3 off.
+/// Closed forms. Of the short bearing: the errors on 288 × 48 cells, their order, and the rest after
+/// extrapolation. A parabola across n cells has an error of 2/n², so on 144 × 24 cells the short bearing is
+/// 3.5e-3 off.
 #[test]
 fn limits_of_ocvirk_and_sommerfeld() {
     for (ratio, limit) in [(0.3, 1e-3), (0.6, 1e-3), (0.9, 2e-3)] {

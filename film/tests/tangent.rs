@@ -342,7 +342,8 @@ fn half_width_has_the_tangent_of_the_whole() {
     }
 }
 
-/// A search that begins at the cavity of its own solution has nothing to search; one that begins at any other finds the same.
+/// A search that begins at the cavity of its own solution has nothing to search; one that begins at any other
+/// finds the same.
 #[test]
 fn a_search_begins_at_a_stated_cavity() {
     let film = Film::new(everything(Cavitation::Reynolds)).expect("a film");
@@ -369,7 +370,8 @@ fn a_search_begins_at_a_stated_cavity() {
     assert!(film.begin_at(&mut work, &cavity[..3]).is_empty());
 }
 
-/// Rows of some outputs have the bits of all rows, and the rest is zero: whatever the number of adjoints that are solved together.
+/// Rows of some outputs have the bits of all rows, and the rest is zero: whatever the number of adjoints that
+/// are solved together.
 #[test]
 fn rows_of_some_outputs_are_those_of_all() {
     for rule in [Cavitation::Reynolds, Cavitation::MassConserving] {

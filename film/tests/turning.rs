@@ -1,4 +1,5 @@
-//! Openings of the pin, which turn over the cells: against openings of the shell, seen from the pin, and by the balance of oil.
+//! Openings of the pin, which turn over the cells: against openings of the shell, seen from the pin, and by
+//! the balance of oil.
 
 use eng_film::{Cavitation, Feed, Film, FilmSource, Inputs, Opening, Part, Summary, inputs};
 use std::f64::consts::TAU;
@@ -121,8 +122,8 @@ fn seen_from_pin<'a>(x: &Inputs<'a>) -> Inputs<'a> {
     }
 }
 
-/// Largest difference between a film whose pin has the openings and the same film seen from this pin, where the openings
-/// rest: force, moment, torque, loss and side flow, over their sizes.
+/// Largest difference between a film whose pin has the openings and the same film seen from this pin, where
+/// the openings rest: force, moment, torque, loss and side flow, over their sizes.
 fn unlike(rule: Cavitation, cells: [usize; 2], turn: f64) -> f64 {
     let pin = of_pin(rule, cells);
     let resting = Film::new(source(rule, openings(Part::Shell, 0.0), cells)).expect("a film");

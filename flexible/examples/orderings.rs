@@ -1,6 +1,7 @@
-//! Fill, operations and times of the orders of elimination, on three-dimensional grids of cubes with three freedoms a node
-//! (each node coupled with its 26 neighbours): `cargo run --release -p eng-flexible --example orderings -- 20 30 40`; a number
-//! with an `f` after it is a grid of one freedom a node coupled with 6 neighbours (finite differences).
+//! Fill, operations and times of the orders of elimination, on three-dimensional grids of cubes with three
+//! freedoms a node (each node coupled with its 26 neighbours):
+//! `cargo run --release -p eng-flexible --example orderings -- 20 30 40`; a number with an `f` after it is a
+//! grid of one freedom a node coupled with 6 neighbours (finite differences).
 
 use eng_flexible::FlexibleError;
 use eng_flexible::solve::{Analysis, Definiteness, Factorization, Method, Ordering};

@@ -50,7 +50,7 @@ pub enum Variant {
     /// The shape alone: `C3D8`, `CTETRA`. The code decides its meaning.
     #[default]
     Plain,
-    /// The letters behind the number of nodes in Abaqus and CalculiX, such as `R` of `C3D20R`, with a bit for
+    /// The letters after the number of nodes in Abaqus and CalculiX, such as `R` of `C3D20R`, with a bit for
     /// each of [`VARIANT_LETTERS`].
     Letters(u8),
     /// `IN` and `ISOP` of Nastran's `PSOLID`, if stated.

@@ -2,8 +2,9 @@
 //!
 //! The coordinates are `q = [r, φ, a]`: the small displacement r of the frame's origin (m), the small rotation φ of the
 //! frame (rad), and the amplitudes a of the modes. Forces on them are a force, a torque about the frame's origin, and
-//! generalised forces of the modes. The equations are `M q̈ + D q̇ + K q = Lᵀ f`, and the markers move by `u = L q`. With
-//! the mass m, the first moment s and the inertia I of the rest, and the invariants of `eng_system::reduced`:
+//! generalised forces of the modes. The equations are `M q̈ + D q̇ + K q = Lᵀ f`, and the markers move by
+//! `u = L q`. With the mass m, the first moment s and the inertia I of the rest, and the invariants of
+//! `eng_system::reduced`:
 //!
 //! ```text
 //!     │ m 1     −s×   Rtᵀ M Φ │        │ 0  0  0    │        │ 1  −p×  T │   translation of a marker at p

@@ -63,8 +63,8 @@ impl Surface {
     }
 }
 
-/// The faces that belong to one element only, as element and place among its faces, ascending. Elements with missing nodes
-/// are left out.
+/// The faces that belong to one element only, as element and place among its faces, ascending. Elements with
+/// missing nodes are left out.
 pub(crate) fn outer_faces(mesh: &Mesh) -> Vec<(u32, usize)> {
     // for each face, by its corners: number of occurrences, and the first element and face
     let mut seen: BTreeMap<Vec<u32>, (u32, u32, usize)> = BTreeMap::new();

@@ -1,4 +1,5 @@
-//! Elastic surfaces of bores against the exact solution of a ring in plane stress, and against each other with different modes.
+//! Elastic surfaces of bores against the exact solution of a ring in plane stress, and against each other
+//! with different modes.
 
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest, Selection, Spider};
@@ -52,7 +53,8 @@ fn ring(around: usize, wall: usize, along: usize) -> Mesh {
         for j in (0..2 * wall).step_by(2) {
             for i in (0..2 * around).step_by(2) {
                 element += 1;
-                // corners below, corners above, middles below, above, between; the radius, then the angle, then the axis
+                // corners below, corners above, middles below, above, between; the radius, then the angle,
+                // then the axis
                 let corners = [(0, 0), (0, 2), (2, 2), (2, 0)];
                 let middles = [(0, 1), (1, 2), (2, 1), (1, 0)];
                 let level = |places: [(usize, usize); 4], up: usize| {
@@ -141,8 +143,8 @@ fn all(body: &Reduced) -> Vec<f64> {
 
 /// Compliance of a ring in plane stress under a pressure of k waves on its inner wall, for a width of 1 m (m²/N).
 ///
-/// Michell's stress function has four terms of k waves, whose stresses and displacements are those of J. R. Barber, Elasticity, 3rd
-/// ed. (2010), tables 8.1 and 9.1; k = 0 is Lamé's solution, and of k = 1 the
+/// Michell's stress function has four terms of k waves, whose stresses and displacements are those of J. R.
+/// Barber, Elasticity, 3rd ed. (2010), tables 8.1 and 9.1; k = 0 is Lamé's solution, and of k = 1 the
 /// self-balanced part is left.
 fn exact(k: u32) -> f64 {
     let (a, b, nu) = (INNER, OUTER, POISSON);
@@ -153,8 +155,8 @@ fn exact(k: u32) -> f64 {
     let kappa = (3.0 - nu) / (1.0 + nu);
     let shear = YOUNG / (2.0 * (1.0 + nu));
     if k == 1 {
-        // the marker takes the resultant of `q cos` back as a uniform traction, so half of q is left in each direction: the terms r³
-        // and 1/r; the amplitude is relative to the mean motion of the wall
+        // the marker takes the resultant of `q cos` back as a uniform traction, so half of q is left in each
+        // direction: the terms r³ and 1/r; the amplitude is relative to the mean motion of the wall
         let factor = -0.25 / (a - b.powi(4) / a.powi(3));
         let moved = factor * (kappa * a * a + b.powi(4) / (a * a)) / (2.0 * shear);
         return moved / (std::f64::consts::PI * a);

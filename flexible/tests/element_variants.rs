@@ -361,8 +361,8 @@ fn integration_of_psolid_is_read() {
     );
 }
 
-/// CalculiX 2.20 gives the free beam of 1 m with `CIRC`, 0.02 its first bending at 92.73569 Hz: 0.02 m is the diameter. It expands beams
-/// into solids, which here are beams.
+/// CalculiX 2.20 gives the free beam of 1 m with `CIRC`, 0.02 its first bending at 92.73569 Hz: 0.02 m is the
+/// diameter. It expands beams into solids, which here are beams.
 #[test]
 fn sections_of_calculix_are_read_as_it_reads_them() {
     let deck = |section: &str| {

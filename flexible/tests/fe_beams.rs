@@ -215,8 +215,8 @@ fn rigid_motions_of_beams_with_offsets_cost_nothing_and_have_their_mass() {
     assert!(agrees(found, trace, 1e-12), "{found} {trace}");
 }
 
-/// A free square steel bar, 20 mm × 20 mm × 0.5 m: exact roots of Timoshenko's frequency equation with Cowper's shear factor
-/// 10 (1 + ν)/(12 + 11 ν), and of the free rod.
+/// A free square steel bar, 20 mm × 20 mm × 0.5 m: exact roots of Timoshenko's frequency equation with
+/// Cowper's shear factor 10 (1 + ν)/(12 + 11 ν), and of the free rod.
 #[test]
 fn a_free_beam_has_timoshenko_frequencies() {
     let side: f64 = 0.02;

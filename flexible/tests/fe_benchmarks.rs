@@ -8,7 +8,8 @@ use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::mesh::{ElementKind, Mesh, Support};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
 
-/// Consistent nodal forces of a pressure on the faces of 20-node hexahedra at ζ = 1 that lie in a plane z = const, downwards.
+/// Consistent nodal forces of a pressure on the faces of 20-node hexahedra at ζ = 1 that lie in a plane z =
+/// const, downwards.
 fn pressure(
     mesh: &Mesh,
     top: f64,
@@ -44,8 +45,8 @@ fn pressure(
     force
 }
 
-/// NAFEMS LE10 (The Standard NAFEMS Benchmarks, 1990): thick elliptic plate under pressure; target σ_yy = −5.38 MPa at the
-/// inner ellipse's end on the loaded face.
+/// NAFEMS LE10 (The Standard NAFEMS Benchmarks, 1990): thick elliptic plate under pressure; target
+/// σ_yy = −5.38 MPa at the inner ellipse's end on the loaded face.
 #[test]
 fn nafems_le10_thick_plate() {
     let thickness = 0.6;

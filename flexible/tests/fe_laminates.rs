@@ -180,7 +180,8 @@ fn a_pulled_strip_of_two_layers_bends() {
     }
 }
 
-/// [0/60/−60] is isotropic in its plane: A₁₁ = t (3 Q₁₁ + 3 Q₂₂ + 2 Q₁₂ + 4 Q₆₆)/8, A₁₂ = t (Q₁₁ + Q₂₂ + 6 Q₁₂ − 4 Q₆₆)/8.
+/// [0/60/−60] is isotropic in its plane: A₁₁ = t (3 Q₁₁ + 3 Q₂₂ + 2 Q₁₂ + 4 Q₆₆)/8, A₁₂ = t (Q₁₁ + Q₂₂ + 6
+/// Q₁₂ − 4 Q₆₆)/8.
 #[test]
 fn layers_of_three_directions_stretch_alike_in_all() {
     let t = 0.003;

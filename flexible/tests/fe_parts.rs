@@ -1,4 +1,5 @@
-//! Whole parts: mass, frequencies and flexibility against matrices of CalculiX 2.20 and independent sparse solutions of them.
+//! Whole parts: mass, frequencies and flexibility against matrices of CalculiX 2.20 and independent sparse
+//! solutions of them.
 
 use crate::fe_meshes::*;
 use eng_flexible::fe::mass::rigid_motions;

@@ -139,7 +139,7 @@ fn problems_of_op4_say_what_and_where() {
             .advice
             .contains("name one")
     );
-    // cut inside the last record, and behind a whole one
+    // cut inside the last record, and after a whole one
     let cut = problem(file[..file.len() - 6].to_vec(), "a.op4", "MAA");
     assert!(cut.problem.contains("ends inside a record"), "{cut}");
     let cut = problem(file[..file.len() - 28].to_vec(), "a.op4", "MAA");
@@ -215,7 +215,7 @@ fn dmig_has_freedoms_and_one_triangle() {
             .iter()
             .map(|j| kept.iter().map(|i| k.columns[*j][*i]).collect::<Vec<_>>())
             .collect::<Vec<_>>();
-        // nine digits behind the point
+        // nine digits after the point
         assert!(difference(&Dense::read(&found), &columns) < 6e-10);
         let symmetric = found.to_symmetric(MatrixKind::Stiffness);
         assert_eq!(symmetric.map(|matrix| matrix.size()), Ok(12));

@@ -252,8 +252,9 @@ fn a_pressed_column_buckles_under_eulers_load() {
     assert!(agrees(found, euler, 1e-3), "{found} {euler}");
 }
 
-/// A column under its own weight buckles at q L³/EI = 7.8373 (A. G. Greenhill, Proc. Camb. Phil. Soc. 4, 1881); loads of angular
-/// acceleration and of two spins along an offset beam are those of an acceleration along it.
+/// A column under its own weight buckles at q L³/EI = 7.8373 (A. G. Greenhill, Proc. Camb. Phil. Soc. 4,
+/// 1881); loads of angular acceleration and of two spins along an offset beam are those of an acceleration
+/// along it.
 #[test]
 fn a_column_buckles_under_its_own_weight() {
     let (length, away, [y, z]) = (0.6, 0.25, RECTANGLE);
@@ -436,7 +437,8 @@ fn overhung(radius: f64, thickness: f64, length: f64, section: Section) -> Mesh 
 }
 
 /// Whirl of a rigid disc at the end of a massless shaft, from ground: `m ü + k11 u + k12 φ = 0`,
-/// `I_d φ̈ − i I_p Ω φ̇ + k12 u + k22 φ = 0` with u = y + i z, φ = the slope of the same plane; seen in the turning frame: less Ω.
+/// `I_d φ̈ − i I_p Ω φ̇ + k12 u + k22 φ = 0` with u = y + i z, φ = the slope of the same plane; seen in the
+/// turning frame: less Ω.
 fn jeffcott(
     mass: f64,
     [polar, diametral]: [f64; 2],

@@ -189,7 +189,8 @@ fn normal_modes_of_a_free_box_are_its_elastic_ones() {
     check_orthonormal(&k, &m, &set);
 }
 
-/// Constraint and fixed-interface modes: frequencies of the free box from above, converging; the interface's own span exact.
+/// Constraint and fixed-interface modes: frequencies of the free box from above, converging; the interface's
+/// own span exact.
 #[test]
 fn craig_bampton_sets_converge_from_above() {
     let (k, m) = systems::elastic_box(ELEMENTS);
@@ -367,7 +368,8 @@ fn restricted(matrix: &SymmetricMatrix, rows: &[Load]) -> SymmetricMatrix {
     SymmetricMatrix::from_triplets(kept.len(), &entries).unwrap()
 }
 
-/// Mean motions of faces and a node, held together: constraint modes by their definition, fixed modes against a dense solution.
+/// Mean motions of faces and a node, held together: constraint modes by their definition, fixed modes against
+/// a dense solution.
 #[test]
 fn mean_motions_are_held_like_freedoms() {
     let (k, m) = systems::elastic_box(ELEMENTS);

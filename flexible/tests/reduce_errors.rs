@@ -406,7 +406,7 @@ fn damaged_files() {
         "OP2 cut in a record",
         read(whole[..whole.len() / 2 + 1].to_vec()),
     );
-    // behind the record that holds the middle
+    // after the record that holds the middle
     let mut end = 0;
     while end < whole.len() / 2 {
         let length = u32::from_le_bytes(whole[end..end + 4].try_into().unwrap());

@@ -170,7 +170,7 @@ fn exponent(value: f64, digits: usize) -> String {
     format!("{value:.digits$e}")
 }
 
-/// Lines `row column value` with this number of digits behind the point.
+/// Lines `row column value` with this number of digits after the point.
 fn lines(matrix: &Dense, digits: usize, upper: bool) -> String {
     let mut text = String::new();
     for (column, values) in matrix.columns.iter().enumerate() {

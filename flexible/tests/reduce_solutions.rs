@@ -1,5 +1,5 @@
-//! The crankshaft and the engine block against independent solutions of the same finite-element matrices: supported frequencies, flexibility
-//! at the journals, Craig–Bampton matrices and frequencies.
+//! The crankshaft and the engine block against independent solutions of the same finite-element matrices:
+//! supported frequencies, flexibility at the journals, Craig–Bampton matrices and frequencies.
 
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};

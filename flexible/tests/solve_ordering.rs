@@ -106,8 +106,8 @@ fn freedoms_of_a_node_stay_together() {
     }
 }
 
-/// Finite differences on 40³ nodes: nested dissection 14.5 million entries, minimum degree 20.6; on 20³ nodes of cubes with
-/// three freedoms 14.7 and 18.1 million.
+/// Finite differences on 40³ nodes: nested dissection 14.5 million entries, minimum degree 20.6; on 20³ nodes
+/// of cubes with three freedoms 14.7 and 18.1 million.
 #[test]
 fn dissection_has_less_fill_than_minimum_degree_on_bulky_grids() {
     for (matrix, share) in [

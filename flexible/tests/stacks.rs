@@ -117,7 +117,8 @@ fn timoshenko(half: f64, radius: f64, count: usize) -> Vec<f64> {
     found
 }
 
-/// A steel cylinder of 40 mm by 400 mm: closed forms of mass, inertia, torsion and stretch, and beam theory for bending.
+/// A steel cylinder of 40 mm by 400 mm: closed forms of mass, inertia, torsion and stretch, and beam theory
+/// for bending.
 #[test]
 fn a_plain_cylinder() {
     let (radius, long) = (0.02, 0.4);
@@ -172,8 +173,8 @@ impl Hertz for Vec<f64> {
     }
 }
 
-/// Three cylinders of two diameters: closed forms of mass and inertia; the theory of torsion by sections leaves out that
-/// the thick parts are not twisted near their corners.
+/// Three cylinders of two diameters: closed forms of mass and inertia; the theory of torsion by sections
+/// leaves out that the thick parts are not twisted near their corners.
 #[test]
 fn a_stepped_cylinder() {
     let (thin, thick) = (0.02, 0.03);

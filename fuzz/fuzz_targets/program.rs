@@ -1,5 +1,5 @@
-//! Any text is a program or has an error. A program assembles or has a message. A line `%%` ends the program; the data file
-//! `data` follows it, so that tables and meshes are reached too.
+//! Any text is a program or has an error. A program assembles or has a message. A line `%%` ends the program;
+//! the data file `data` follows it, so that tables and meshes are reached too.
 #![no_main]
 
 use eng::{Sources, check};

@@ -43,9 +43,9 @@ pub(crate) struct Builder<'t, 'd> {
     pub place_of_items: diagnose::Place,
     /// Whether a word is a unit. Without it every word after a number counts as one.
     pub is_unit: Option<&'d dyn Fn(&str) -> bool>,
-    /// The words among the factors behind numbers that are no units.
+    /// The words among the factors after numbers that are no units.
     pub unknown_units: BTreeSet<String>,
-    /// The factors behind the unit of the value that was built last.
+    /// The factors after the unit of the value that was built last.
     factors: Vec<expressions::Part<'t>>,
 }
 

@@ -68,7 +68,7 @@ pub fn format(text: &str, source: SourceId) -> Result<String, FormatError> {
 #[derive(Debug, PartialEq, Eq)]
 struct Shape {
     pieces: Vec<String>,
-    /// Rules with their first token and the one behind their last.
+    /// Rules with their first token and the one after their last.
     tree: Vec<(Rule, usize, usize)>,
 }
 
@@ -94,7 +94,7 @@ fn formed(text: &str) -> Option<(Shape, String)> {
     Some((shape, formed))
 }
 
-/// The tokens that begin inside of `start..end`: the first one, and the one behind the last.
+/// The tokens that begin inside of `start..end`: the first one, and the one after the last.
 fn range(tokens: &[Token], start: usize, end: usize) -> (usize, usize) {
     let index = |place: usize| tokens.partition_point(|token| token.start < place);
     (index(start), index(end))

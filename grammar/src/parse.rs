@@ -33,12 +33,13 @@ pub fn parse(text: &str, source: SourceId, diagnostics: &mut Diagnostics) -> Fil
 pub struct UnitWords {
     /// The names of all units that were read.
     pub known: BTreeSet<String>,
-    /// The words among the factors behind numbers that were no known units.
+    /// The words among the factors after numbers that were no known units.
     pub unknown: BTreeSet<String>,
 }
 
-/// Reads a file like [`parse`]. A word that is no unit ends the unit before it: `2e6 N/m*depth` is 2e6 N/m times `depth`.
-/// The units that the file defines are added to the known ones first, and words that are not units are noted.
+/// Reads a file like [`parse`]. A word that is no unit ends the unit before it: `2e6 N/m*depth` is 2e6 N/m
+/// times `depth`. The units that the file defines are added to the known ones first, and words that are not
+/// units are noted.
 pub fn parse_with_units(
     text: &str,
     source: SourceId,

@@ -84,7 +84,7 @@ fn a_word_that_is_no_unit_ends_the_unit() {
     };
     let places = [left.span, op_span, right.span].map(|span| (span.start, span.end));
     assert_eq!(places, [(0, 4), (4, 5), (5, 12)]);
-    // the limit of depth counts the factors behind units
+    // the limit of depth counts the factors after units
     let long = format!("2 N{}", "*a".repeat(300));
     let mut diagnostics = Diagnostics::new();
     let is_unit = |word: &str| word == "N";

@@ -1,7 +1,7 @@
 //! Text and bytes inside of XML and HTML.
 
-/// A text as content or attribute of XML and HTML. Control characters, which XML 1.0 allows not even as references, become
-/// spaces.
+/// A text as content or attribute of XML and HTML. Control characters, which XML 1.0 allows not even as
+/// references, become spaces.
 pub(crate) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {

@@ -214,7 +214,8 @@ proptest! {
     fn parseval(values in proptest::collection::vec(-100.0f64..100.0, 2..600)) {
         let found = spectrum(timed(&values, 1e-3), options(Window::Rectangular)).unwrap();
         let expected = rms(&values).unwrap();
-        // the lines at 0 and, of an even number of samples, at the Nyquist frequency stand for one wave, all others for two
+        // the lines at 0 and, of an even number of samples, at the Nyquist frequency stand for one wave, all
+        // others for two
         let last = values.len() / 2;
         let alone = |k: usize| k == 0 || 2 * k == values.len();
         let square = |(k, a): (usize, &f64)| if alone(k) { a * a } else { a * a / 2.0 };

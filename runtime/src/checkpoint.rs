@@ -1,7 +1,7 @@
 //! Checkpoints: bytes in little-endian order with a header and a check sum.
 //!
-//! Header: `ENGCHECK`, the version of the format, a fingerprint of the model and its parameters. The FNV-1a sum of all these
-//! bytes is at the end.
+//! Header: `ENGCHECK`, the version of the format, a fingerprint of the model and its parameters. The FNV-1a
+//! sum of all these bytes is at the end.
 
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
     pub fn new(bytes: &'a [u8], fingerprint: u64) -> Result<Reader<'a>, RuntimeError> {
         if bytes.len() < 28 || &bytes[..8] != MAGIC {
             return Err(refuse(
-                "these bytes are no checkpoint, or only the begin of one",
+                "these bytes are no checkpoint, or only the beginning of one",
             ));
         }
         let mut version = [0; 4];

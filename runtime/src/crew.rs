@@ -1,8 +1,8 @@
 //! Threads that solve the fields of one evaluation side by side.
 //!
-//! A film on cells takes as long as all other work of a step, and the films of one evaluation do not depend on each other. Each task
-//! owns the fields of one element, with their solvers, and comes back with them. So a solution has the same bits whatever thread
-//! makes it, and whatever the number of threads.
+//! A film on cells takes as long as all other work of a step, and the films of one evaluation do not depend
+//! on each other. Each task owns the fields of one element, with their solvers, and comes back with them. So
+//! a solution has the same bits whatever thread makes it, and whatever the number of threads.
 
 use crate::field::Task;
 use std::num::NonZeroUsize;
@@ -97,8 +97,8 @@ impl Crew {
         }
     }
 
-    /// Works on tasks. They come back in any order; one whose solution panics does not. While the crew works for another caller, this
-    /// caller's thread does all.
+    /// Works on tasks. They come back in any order; one whose solution panics does not. While the crew works
+    /// for another caller, this caller's thread does all.
     pub(crate) fn work(&self, tasks: &mut Vec<Task>) {
         let Ok(mut threads) = self.threads.try_lock() else {
             tasks.iter_mut().for_each(Task::work);

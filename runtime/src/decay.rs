@@ -48,7 +48,7 @@ pub struct Mode {
     /// Turn from one cycle to the next (rad, 0…π).
     pub turn: f64,
     /// Share of the last difference, squared, that does not follow from the earlier ones: about 0 for decays,
-    /// about 1 for noise, and 1 if the difference stands at so few samples that any earlier ones fit it.
+    /// about 1 for noise, and 1 if the cycles differ at so few samples that any earlier differences fit.
     pub unpredicted: f64,
 }
 

@@ -253,7 +253,8 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Replaces numbers by those of the last solutions of all fields from which searches for solutions nearby begin well.
+    /// Replaces numbers by those of the last solutions of all fields from which searches for solutions nearby
+    /// begin well.
     pub fn found(&self, numbers: &mut Vec<f64>) {
         numbers.clear();
         for batch in &self.batches {

@@ -63,11 +63,11 @@ struct Moving {
     slot: usize,
 }
 
-/// Least number of cells of a field that is worth the way to another thread. A film of so many takes about 40 us.
+/// Least number of cells of a field for which another thread saves time. A film with so many cells takes about 40 µs.
 const LARGE: usize = 400;
 
-/// Share of a field with one-sided derivatives above which its linearised equations are refused. The cells on the line where a
-/// pressure ends are a smaller share.
+/// Share of a field with one-sided derivatives above which its linearised equations are refused. The cells on
+/// the line where a pressure ends are a smaller share.
 const ONE_SIDED: f64 = 0.2;
 
 /// The known part of the solution of fields at the gathered state.
@@ -315,8 +315,9 @@ impl Batch {
         Ok(())
     }
 
-    /// Works on all fields that wait for it. If several have no numbers, the error is of the first. The others are complete all the
-    /// same: so their next solutions begin from the same cavities, and have the same bits, for any number of threads.
+    /// Solves all fields that wait. If several have no solution, the error is that of the first. The others
+    /// are solved to the end. So their next solutions begin from the same cavities, and have the same bits,
+    /// for any number of threads.
     fn work(&mut self, model: &Model, time: f64, wanted: Wanted) -> Result<(), RuntimeError> {
         let mut worst: Option<(usize, Trouble)> = None;
         let mut failed = |at: usize, done: Result<(), Trouble>| {
@@ -369,8 +370,8 @@ impl Batch {
         Err(error)
     }
 
-    /// Appends for each field of a lane the numbers of its last solution: its drives, the time since the beginning of the
-    /// step (s; zero in balance), and its memory at that beginning.
+    /// Appends for each field of a lane the numbers of its last solution: its drives, the time since the
+    /// beginning of the step (s; zero in balance), and its memory at that beginning.
     pub fn solved_with(&self, pair: usize, lane: usize, numbers: &mut Vec<f64>) {
         for field in self.fields.get(2 * pair + lane).into_iter().flatten() {
             numbers.extend_from_slice(&field.drives);
@@ -386,7 +387,7 @@ impl Batch {
         }
     }
 
-    /// Lets the next searches begin at such numbers, and returns those behind them.
+    /// Lets the next searches begin at such numbers, and returns those after them.
     pub fn begin_at<'n>(&mut self, mut numbers: &'n [f64]) -> &'n [f64] {
         for field in self.fields.iter_mut().flatten() {
             numbers = field.solver.begin_at(numbers);
@@ -403,7 +404,8 @@ impl Batch {
             .map(|(element, _)| *element)
     }
 
-    /// Writes the memory of the fields at their last solution to its places, and reads the numbers that conditions compare.
+    /// Writes the memory of the fields at their last solution to its places, and reads the numbers that
+    /// conditions compare.
     pub fn keep_memory(&mut self, model: &Model, numbers: &mut [f64]) {
         let read = model.compiled.system.classes[self.class].conditions_read_fields;
         for field in self.fields.iter_mut().flatten() {
@@ -452,8 +454,8 @@ impl Batch {
         })
     }
 
-    /// The change of each answer of a lane with changes of the drives, and of the motion of all surfaces (empty for none):
-    /// `put(answer, change)`.
+    /// The change of each answer of a lane with changes of the drives, and of the motion of all surfaces
+    /// (empty for none): `put(answer, change)`.
     fn answers_along(
         &self,
         model: &Model,
@@ -471,8 +473,8 @@ impl Batch {
         }
     }
 
-    /// Writes the changes of the forces of shapes along the derivatives in `scratch.outputs`, and along the motion of the
-    /// surfaces, to their places.
+    /// Writes the changes of the forces of shapes along the derivatives in `scratch.outputs`, and along the
+    /// motion of the surfaces, to their places.
     pub fn shape_forces_along(
         &self,
         model: &Model,
@@ -721,8 +723,8 @@ pub fn differentiate(
     Ok(())
 }
 
-/// Calls [`Function::Tangent`] with the seeds that `scratch` has behind its tape, at the inputs of a pair, and with changes
-/// of the motion of all surfaces. Writes the derivatives to `scratch.outputs`.
+/// Calls [`Function::Tangent`] with the seeds that `scratch` has after its tape, at the inputs of a pair, and
+/// with changes of the motion of all surfaces. Writes the derivatives to `scratch.outputs`.
 pub fn differentiate_along(
     model: &Model,
     batch: &mut Batch,

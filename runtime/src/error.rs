@@ -122,7 +122,7 @@ fn standing(moment: &Moment, angle: f64) -> String {
         "the cycle does not turn: it is at rest at the start, and nothing accelerates it".to_owned()
     } else {
         format!(
-            "the cycle angle has not gone beyond {:.3}° until {moment}",
+            "the cycle angle reached at most {:.3}° by {moment}",
             angle.to_degrees()
         )
     }
@@ -307,7 +307,7 @@ pub enum RuntimeError {
         message: String,
     },
     /// Positions cannot satisfy every constraint.
-    #[error("the assembly stays open by {}", gaps(rows, ""))]
+    #[error("the assembly does not close: {} remain", gaps(rows, ""))]
     OpenLoop {
         /// The rows that stay open, the widest first.
         rows: Vec<NamedRow>,
@@ -638,7 +638,7 @@ pub enum RuntimeError {
     OutsideStep {
         /// The requested time (s).
         time: f64,
-        /// Begin of the last step (s).
+        /// Beginning of the last step (s).
         from: f64,
         /// End of the last step (s).
         to: f64,

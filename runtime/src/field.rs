@@ -50,7 +50,7 @@ pub(crate) struct LaneField {
     pub slopes: Vec<f64>,
     /// First of the numbers that it remembers.
     pub memory: usize,
-    /// These numbers at the begin of the step, and the time since then (s); without a time it is in balance.
+    /// These numbers at the beginning of the step, and the time since then (s); without a time it is in balance.
     pub before: Vec<f64>,
     pub since: Option<f64>,
     /// Whether a task has to work on it.
@@ -75,8 +75,8 @@ impl LaneField {
         &self.answers[self.own.answers..]
     }
 
-    /// The change of the answers from `first` on with changes of the drives of the element, and of the amplitudes of the
-    /// surface and their rates (empty for none).
+    /// The change of the answers from `first` on with changes of the drives of the element, and of the
+    /// amplitudes of the surface and their rates (empty for none).
     pub fn changes<'a>(
         &'a self,
         first: usize,

@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Pattern {
     /// Rows and columns.
     pub size: usize,
-    /// Begin of each column, and the end.
+    /// Beginning of each column, and the end.
     pub columns: Vec<usize>,
     /// Row of each entry.
     pub rows: Vec<usize>,

@@ -308,7 +308,8 @@ impl Watch {
     }
 
     /// Reports each condition of `which` that is not positive, with a function for the values of all entries
-    /// of its class's conditions. NaN counts as a failure. Fields that `solved` has at the same numbers are not solved again.
+    /// of its class's conditions. NaN counts as a failure. Fields that `solved` has at the same numbers are
+    /// not solved again.
     pub fn violations(
         &mut self,
         model: &Model,

@@ -127,8 +127,8 @@ pub fn tangent(theta: &V3) -> M3 {
     M3::identity() - t * c1 + t * t * c2
 }
 
-/// `∂(T(θ) w)/∂θ` for frozen w, of the other trivialisation `T(θ) = tangent(−θ) = I + b θ~ + c θ~θ~`, `d exp(θ~) = (T dθ)~ exp(θ~)`:
-/// with `b = (1 − cos φ)/φ²`, `c = (φ − sin φ)/φ³`, `s = φ² = θ·θ` it is
+/// `∂(T(θ) w)/∂θ` for frozen w, of the other trivialisation `T(θ) = tangent(−θ) = I + b θ~ + c θ~θ~`,
+/// `d exp(θ~) = (T dθ)~ exp(θ~)`: with `b = (1 − cos φ)/φ²`, `c = (φ − sin φ)/φ³`, `s = φ² = θ·θ` it is
 /// `−b w~ + 2 b_s (θ×w) θᵀ − c ((θ×w)~ + θ~w~) + 2 c_s (θ×(θ×w)) θᵀ`.
 pub fn tangent_along(theta: &V3, w: &V3) -> M3 {
     let s = theta.norm_squared();

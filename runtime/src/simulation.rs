@@ -161,7 +161,7 @@ pub struct Simulation {
     kinks: Kinks,
     /// The kink at which the last step ended.
     at_kink: Option<usize>,
-    /// The change of accelerations (of the model's size, 1/s²) behind this kink, if they jump there; otherwise 0.
+    /// The change of accelerations (of the model's size, 1/s²) after this kink, if they jump there; otherwise 0.
     jump_at_kink: f64,
     /// The step (s) before a kink, until steps are as long again; otherwise zero.
     before_kink: f64,
@@ -503,7 +503,7 @@ impl Simulation {
         filled: bool,
     ) -> Result<(), RuntimeError> {
         self.room(unknowns.len())?;
-        // samples of the last step still need the memory at its begin
+        // samples of the last step still need the memory at its beginning
         let kept = self.dynamics.memory().clone();
         self.dynamics.memory_mut().begin_step();
         self.integrator.predict(&self.model, step, true);

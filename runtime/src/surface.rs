@@ -1,8 +1,8 @@
 //! Elastic surfaces: the parts of flexible bodies that fields press on.
 //!
-//! A surface has K shapes. The modes of its body move them by `b = Ψ a` and `ḃ = Ψ ȧ`, which are drives of the field behind
-//! those that the element computes. The generalised forces f of the shapes are answers behind the others, and `Ψᵀ f` acts on
-//! the modes ([`eng_system::reduced::ReducedSurface`]).
+//! A surface has K shapes. The modes of its body move them by `b = Ψ a` and `ḃ = Ψ ȧ`, which are drives of
+//! the field after those that the element computes. The generalised forces f of the shapes are answers after
+//! the others, and `Ψᵀ f` acts on the modes ([`eng_system::reduced::ReducedSurface`]).
 
 use eng_system::dense::{add_scaled, add_transposed, dot};
 
@@ -32,7 +32,7 @@ pub struct SurfaceModel {
 }
 
 impl SurfaceModel {
-    /// The places of its amplitudes, and of their rates behind them, among those of all surfaces.
+    /// The places of its amplitudes, and of their rates after them, among those of all surfaces.
     pub fn motion(&self) -> std::ops::Range<usize> {
         2 * self.first..2 * (self.first + self.shapes)
     }

@@ -292,8 +292,8 @@ mod tests {
         assert!(dependencies(&DMatrix::identity(3, 4)).is_empty());
     }
 
-    /// A chain of bodies, each held at its neighbour by five rows. One is a sum of others, another holds nothing: the rows
-    /// named are those of the whole matrix.
+    /// A chain of bodies, each held at its neighbour by five rows. One is a sum of others, another holds
+    /// nothing: the rows named are those of the whole matrix.
     #[test]
     fn of_many_rows_the_same_ones_repeat() {
         let mut numbers = Numbers::new(11);

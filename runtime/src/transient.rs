@@ -37,9 +37,9 @@ pub struct Sample<'a> {
     pub velocity: &'a [f64],
     /// States of elements (SI).
     pub states: &'a [f64],
-    /// For each element with fields and outputs, in the order of the system, and for each of its fields: the drives (SI),
-    /// the time since the beginning of the step (s; zero for a field in balance), and the memory at that beginning. A
-    /// solver of the field's kernel gives the field at the sample with them.
+    /// For each element with fields and outputs, in the order of the system, and for each of its fields: the
+    /// drives (SI), the time since the beginning of the step (s; zero for a field in balance), and the memory
+    /// at that beginning. A solver of the field's kernel gives the field at the sample with them.
     pub fields: &'a [f64],
 }
 

@@ -458,8 +458,8 @@ impl Analysis {
         })
     }
 
-    /// The note on a condition that fails at the start because the assembly could not bring parts of its element together,
-    /// such as a pin and its shell in a loop that does not close.
+    /// The note on a condition that fails at the start because the assembly could not bring parts of its
+    /// element together, such as a pin and its shell in a loop that does not close.
     fn apart(&self, cause: &RuntimeError) -> Option<String> {
         let RuntimeError::Require { origin, moment, .. } = cause else {
             return None;

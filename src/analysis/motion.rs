@@ -193,8 +193,8 @@ fn name_of(analysis: &Analysis) -> String {
     format!("{}{SUFFIX}", analysis.name())
 }
 
-/// The columns without values: time, the cycle's angle, the columns of each body in the order of a pose, and those of the
-/// fields.
+/// The columns without values: time, the cycle's angle, the columns of each body in the order of a pose, and
+/// those of the fields.
 fn columns_of(analysis: &Analysis) -> Result<Results, Error> {
     let compiled = analysis.model().compiled();
     let mut header = Results::new(name_of(analysis), analysis.model().name());

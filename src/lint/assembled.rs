@@ -17,8 +17,8 @@ use eng_system::system::{Origin, Role};
 const STANDS: f64 = 1e-3;
 /// The pin counts as the part that does not turn if its speed is below this share of the shell's.
 const SLOWER: f64 = 0.5;
-/// Share of the cycle's speed below which a shell swings with a rod and does not turn with a shaft. A rod that is twice as long as its
-/// throw reaches it at a dead centre, and most rods are longer.
+/// Share of the cycle's speed below which a shell swings with a rod and does not turn with a shaft. A rod
+/// that is twice as long as its throw reaches it at a dead centre, and most rods are longer.
 const SWINGS: f64 = 0.5;
 /// Offset along a line, in radii of gyration, from which on two bodies are beside each other. For a piston
 /// under gas the offset counts in bores: rods that share a pin are an eighth of a bore to its sides, and a

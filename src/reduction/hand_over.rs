@@ -224,7 +224,7 @@ impl Reduction {
     }
 }
 
-/// A name that Abaqus takes without quotes: letters, digits and underscores, with a letter at its begin.
+/// A name that Abaqus takes without quotes: it has letters, digits and underscores, and begins with a letter.
 fn legal_name(stem: &str) -> String {
     let legal = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let name = stem.chars().map(legal).collect::<String>();

@@ -4,8 +4,8 @@ use super::{Entry, ReportError};
 use crate::results::write_cells;
 use std::path::{Path, PathBuf};
 
-/// Writes pressure, gap and content in the cells of an entry's films over its motion, and returns the path of the file; `None`
-/// without such films or without their numbers.
+/// Writes pressure, gap and content in the cells of an entry's films over its motion, and returns the path of
+/// the file; `None` without such films or without their numbers.
 ///
 /// # Errors
 /// Films that cannot be solved as in the run; a failure of the operating system.

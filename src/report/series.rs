@@ -148,7 +148,7 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
 
 /// The file of a film at a time.
 struct FilmFile {
-    /// Its name behind that of the analysis.
+    /// Its name after that of the analysis.
     name: String,
     time: f64,
     part: usize,

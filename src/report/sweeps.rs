@@ -92,8 +92,8 @@ fn shown(points: &Results) -> Table {
     }
 }
 
-/// The summaries of elements and the extremes of outputs over the variable of the sweep, with captions. A sweep of several
-/// variables, or of one that is no number, has none.
+/// The summaries of elements and the extremes of outputs over the variable of the sweep, with captions. A
+/// sweep of several variables, or of one that is no number, has none.
 fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<(Wanted, String)> {
     let Some([variable]) = family.first().map(|o| o.point.as_slice()) else {
         return Vec::new();

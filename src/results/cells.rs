@@ -78,8 +78,8 @@ pub(super) fn refusal(schema: &Schema) -> Option<String> {
     ))
 }
 
-/// Writes `ANALYSIS.fields.parquet` into a folder, with the time and the cycle's angle of each moment and the metadata of the
-/// run, and returns its path.
+/// Writes `ANALYSIS.fields.parquet` into a folder, with the time and the cycle's angle of each moment and the
+/// metadata of the run, and returns its path.
 pub(crate) fn write_cells(
     folder: &Path,
     motion: &Results,

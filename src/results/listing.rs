@@ -67,8 +67,8 @@ impl Column {
     }
 }
 
-/// The result files at a path: the file, or those of the folder in the order of their names. Files of cells have no channels, so
-/// they are left out.
+/// The result files at a path: the file, or those of the folder in the order of their names. Files of cells
+/// have no channels, so they are left out.
 pub fn listed(path: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     let refused = |source| ResultsError::File {
         path: path.to_owned(),

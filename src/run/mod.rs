@@ -55,10 +55,10 @@ pub enum Event {
 /// Least time between two [`Event::Progress`] of an analysis among several.
 const BETWEEN: Duration = Duration::from_millis(20);
 
-/// Runs several analyses, up to `threads` at a time. If there are fewer analyses than threads, each has an equal share of the threads
-/// for its films on cells. `on_event` gets events, of progress at most fifty a second, with the index of its analysis in
-/// `analyses`. The results equal those of [`run`] to the last bit, for any number of threads. `patient`: see
-/// [`run`].
+/// Runs several analyses, up to `threads` at a time. If there are fewer analyses than threads, each has an
+/// equal share of the threads for its films on cells. `on_event` gets events, of progress at most fifty a
+/// second, with the index of its analysis in `analyses`. The results equal those of [`run`] to the last bit,
+/// for any number of threads. `patient`: see [`run`].
 pub fn run_many(
     analyses: &[Analysis],
     patient: bool,

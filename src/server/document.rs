@@ -19,7 +19,7 @@ impl Document {
         }
     }
 
-    /// The byte at a position; the end of the line or of the text if the position is behind it.
+    /// The byte at a position; the end of the line or of the text if the position is after it.
     pub fn byte(&self, position: &Value) -> usize {
         let number = |name: &str| {
             let found = position[name].as_u64().unwrap_or(0);
@@ -132,7 +132,7 @@ mod tests {
             assert_eq!(super::position(&document.text, byte), position);
             assert_eq!(document.byte(&position), byte, "{position}");
         }
-        // in the middle of a character, behind a line, behind the text
+        // in the middle of a character, after a line, after the text
         assert_eq!(document.byte(&json!({ "line": 0, "character": 2 })), 1);
         assert_eq!(document.byte(&json!({ "line": 0, "character": 99 })), 7);
         assert_eq!(document.byte(&json!({ "line": 9, "character": 0 })), 10);

@@ -367,7 +367,7 @@ impl<'l> Index<'l> {
         found
     }
 
-    /// The definitions behind the dot of a definition.
+    /// The definitions after the dot of a definition.
     pub fn members<'i>(&'i self, found: Found<'i>) -> Vec<Found<'i>> {
         let class = |name: &str| match self.look_up(found.module, name) {
             Some(Found {

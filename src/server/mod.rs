@@ -1,10 +1,11 @@
 //! A language server: messages while typing, hover, definitions, completion, symbols, forms.
 //!
-//! It speaks the Language Server Protocol (3.17) with full texts and places in UTF-16. A text is checked when its author
-//! pauses, with the unsaved texts of all open files. When it is opened or saved, its models are assembled, too, as
-//! `eng check` does. Checks have threads of their own, so that answers do not wait for them; findings about an earlier
-//! text are dropped. Questions about a text that does not parse are answered from the parts that do. A panic in a check or
-//! an answer does not end the server. It becomes the message of an internal error.
+//! It speaks the Language Server Protocol (3.17) with full texts and places in UTF-16. A text is checked when
+//! its author pauses, with the unsaved texts of all open files. When it is opened or saved, its models are
+//! assembled, too, as `eng check` does. Checks have threads of their own, so that answers do not wait for
+//! them; findings about an earlier text are dropped. Questions about a text that does not parse are answered
+//! from the parts that do. A panic in a check or an answer does not end the server. It becomes the message of
+//! an internal error.
 //!
 //! Requests and answers are plain JSON: the server uses some twenty of the thousand types of the protocol.
 

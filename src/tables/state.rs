@@ -7,7 +7,8 @@ use eng_system::significant::short;
 /// Values that are printed: more are in the file.
 const MOST_VALUES: usize = 24;
 
-/// The columns that a reader looks for: the model's outputs first, then the channels of its elements; without time and energies.
+/// The columns that a reader looks for: the model's outputs first, then the channels of its elements; without
+/// time and energies.
 pub(crate) fn columns(results: &Results) -> Vec<&Column> {
     let shown = |column: &&Column| column.path != TIME && !column.path.starts_with("energy.");
     let (own, others): (Vec<&Column>, Vec<&Column>) = results

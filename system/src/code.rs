@@ -101,8 +101,8 @@ pub trait BindCode: Send + Sync + std::fmt::Debug {
 
     /// Computes again the values that change with the inputs. `overrides` are those of [`BindCode::bind`], with the
     /// present values of the inputs that a program sets, and `rates` are the rates of these inputs (1/s), one for each
-    /// parameter. Inputs that the text drives have their values and rates at `time` (s). Writes one value for each slot of
-    /// [`System::moving`](crate::system::System::moving). A value that does not exist is NaN.
+    /// parameter. Inputs that the text drives have their values and rates at `time` (s). Writes one value for
+    /// each slot of [`System::moving`](crate::system::System::moving). A value that does not exist is NaN.
     fn renew(
         &self,
         _nodes: &mut [Pair],

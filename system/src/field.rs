@@ -390,14 +390,16 @@ impl FieldGrid {
 
 /// The equations of one field. It holds no state.
 pub trait FieldKernel: Send + Sync + fmt::Debug {
-    /// A solver with memory of its own. `differentiated` states for each answer of the kernel's row whether its derivatives are read
-    /// ([`ElementClass::differentiated`](crate::system::ElementClass::differentiated)); of answers beyond its end they are.
+    /// A solver with memory of its own. `differentiated` states for each answer of the kernel's row whether
+    /// its derivatives are read
+    /// ([`ElementClass::differentiated`](crate::system::ElementClass::differentiated)); of answers beyond its
+    /// end they are.
     fn solver(&self, differentiated: &[bool]) -> Box<dyn FieldSolver>;
     /// Count of numbers that the field keeps from one moment to the next, such as the oil in the cells of a
     /// film.
     fn memory(&self) -> usize;
-    /// Count of shapes of an elastic surface that a body moves. Their amplitudes, then their rates, are drives behind those
-    /// of the kernel's row, and their forces are answers behind the others.
+    /// Count of shapes of an elastic surface that a body moves. Their amplitudes, then their rates, are
+    /// drives after those of the kernel's row, and their forces are answers after the others.
     fn shapes(&self) -> usize;
     /// Whether the pin may leave the circle of its clearance, because a surface yields or asperities carry.
     fn yields(&self) -> bool;
@@ -435,8 +437,8 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     ) -> Result<(), FieldError>;
     /// Writes the memory at the last solution.
     fn accept(&self, memory: &mut [f64]);
-    /// Share of the field at the last solution where its derivatives differ on both sides, such as a film without pressure,
-    /// whose cavity is undecided.
+    /// Share of the field at the last solution where its derivatives differ on both sides, such as a film
+    /// without pressure, whose cavity is undecided.
     fn undecided(&self) -> f64;
     /// Derivatives of the answers by the drives at the last solution, answer by answer; not finite where there
     /// are none. Those of answers whose derivatives nothing reads may be zero.
@@ -444,9 +446,10 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// Readings of the last solution. Without `slopes` those that need derivatives of the answers may keep older
     /// numbers.
     fn read(&mut self, readings: &mut [f64], slopes: bool);
-    /// Appends numbers of the last solution from which the search for a solution nearby begins well, such as the cavity of a film.
+    /// Appends numbers of the last solution from which the search for a solution nearby begins well, such as
+    /// the cavity of a film.
     fn found(&self, _numbers: &mut Vec<f64>) {}
-    /// Begins the next search at such numbers, and returns those behind its own.
+    /// Begins the next search at such numbers, and returns those after its own.
     fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
         numbers
     }

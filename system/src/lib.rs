@@ -1,7 +1,7 @@
 //! The contract between Eng's compiler and its runtime.
 //!
-//! The crate holds the types that pass from one to the other, and the small products and secants that the solvers of motions and
-//! of films share. It has no syntax, no files and no solver.
+//! The crate holds the types that pass from one to the other, and the small products and secants that the
+//! solvers of motions and of films share. It has no syntax, no files and no solver.
 
 #![forbid(unsafe_code)]
 // Tests may call the standard library's functions, to compare with them.

@@ -114,8 +114,8 @@ pub struct ReducedBody {
 /// The elastic surface of a marker: its radial deflection relative to the marker's own rigid motion, in K shapes.
 ///
 /// The amplitudes b (m, positive away from the axis) and the generalised forces `f_j = ∫ p ψ_j dA` (N) of a pressure p
-/// belong together: their product is work. A load that the modes of the body see deflects the surface by `Ψ a`; the rest of
-/// the static deflection follows the force at once:
+/// belong together: their product is work. A load that the modes of the body see deflects the surface by
+/// `Ψ a`; the rest of the static deflection follows the force at once:
 ///
 /// ```text
 /// b = Ψ a + C f        modal force Ψᵀ f        C = Ψ_static − Ψ k⁻¹ Ψᵀ

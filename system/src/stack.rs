@@ -4,7 +4,8 @@
 
 /// Sections stacked along an axis, each as a prism.
 ///
-/// The plane of the sections has the coordinates (x, y) if they are stacked along z, (y, z) along x, and (z, x) along y.
+/// The plane of the sections has the coordinates (x, y) if they are stacked along z, (y, z) along x, and (z,
+/// x) along y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stack {
     /// The axis along which the sections are stacked: 0, 1, 2 for x, y, z.

@@ -206,8 +206,8 @@ impl Condition {
 pub struct TableKink {
     /// The argument.
     pub argument: u8,
-    /// The highest derivative along the argument that must be continuous. For the value of a table in a load it is the first, in a
-    /// constraint the second; for a derivative of the table it is higher by its order.
+    /// The highest derivative along the argument that must be continuous. For the value of a table in a load
+    /// it is the first, in a constraint the second; for a derivative of the table it is higher by its order.
     pub smooth: u8,
 }
 
@@ -272,8 +272,8 @@ pub struct ElementClass {
     pub rows_over_time: bool,
     /// Whether its conditions depend on fields.
     pub conditions_read_fields: bool,
-    /// Whether its loads, the rates of its states or the drives of its fields depend on each answer of its fields, so that the
-    /// derivatives of this answer are needed. Outputs alone need its value.
+    /// Whether its loads, the rates of its states or the drives of its fields depend on each answer of its
+    /// fields, so that the derivatives of this answer are needed. Outputs alone need its value.
     pub differentiated: Vec<bool>,
     /// Length of the tape between `linearize` and `tangent`.
     pub tape: u32,

@@ -1,5 +1,5 @@
-//! Finds the parameter of each argument of a call. Calls are of functions, classes, words of flexible bodies and functions
-//! of the language.
+//! Finds the parameter of each argument of a call. Calls are of functions, classes, words of flexible bodies
+//! and functions of the language.
 
 use super::Checker;
 use crate::codes;

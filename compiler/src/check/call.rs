@@ -61,7 +61,7 @@ impl<'p> Checker<'p> {
         callee: &Expr,
         arguments: &[Argument],
     ) -> Type {
-        // the function is due as the value of this call, not in its arguments
+        // the context expects a function as the value of this call, not in its arguments
         let function_due = std::mem::replace(&mut self.function_due, false);
         if let ExprKind::Name(name) = &callee.kind {
             let found = self.find(scope, name).is_some();

@@ -580,8 +580,9 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The type in a type whose value decides the structure of a model, so that it cannot be a parameter of a run: the type
-    /// itself, that of the elements, or that of a field of a record with the path `.law` of the field.
+    /// The type in a type whose value decides the structure of a model, so that it cannot be a parameter of a
+    /// run: the type itself, that of the elements, or that of a field of a record with the path `.law` of the
+    /// field.
     fn structure_in(&mut self, ty: &Type, levels: usize) -> Option<(String, Type)> {
         match ty {
             Type::Int

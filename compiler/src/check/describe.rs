@@ -227,7 +227,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Elements of a list: `numbers`, `Force`, `classes of the interface …`. Names of dimensions and records have no plural.
+    /// Elements of a list: `numbers`, `Force`, `classes of the interface …`. Names of dimensions and records
+    /// have no plural.
     fn describe_several(&self, element: &Type) -> String {
         let each = |one: &str, many: &str| {
             let noun = self.describe(element);

@@ -141,7 +141,7 @@ impl<'p> Checker<'p> {
         );
     }
 
-    /// The type of a list or parenthesis with a unit behind it. The numbers inside must be plain.
+    /// The type of a list or parenthesis with a unit after it. The numbers inside must be plain.
     fn scaled(&mut self, scope: &Scope<'p>, ty: Type, unit: &UnitExpr, inside: Span) -> Type {
         let Some(quantity) = self.quantity_of(scope, unit) else {
             return Type::Error;
@@ -343,7 +343,7 @@ impl<'p> Checker<'p> {
                     None => Err(Misfit::Dimension),
                 }
             }
-            // A choice between classes or records has the type of their youngest common interface.
+            // A choice between classes or records has the type of their most specific common interface.
             (Type::Class(c) | Type::ClassOf(c), Type::Class(d) | Type::ClassOf(d)) if c != d => {
                 match self.common_interface(*c, *d) {
                     Some(interface) => return Type::ClassOf(interface),
@@ -384,7 +384,7 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The youngest interface that two definitions fill.
+    /// The most specific common interface of two definitions.
     fn common_interface(&self, a: DefinitionId, b: DefinitionId) -> Option<DefinitionId> {
         let of_b = self.program.lineage(b);
         let is_interface = |id: &DefinitionId| {

@@ -121,7 +121,7 @@ impl Abstract<'_> {
 #[derive(Clone)]
 struct Place<'p> {
     scope: Scope<'p>,
-    /// The class that gives the items for which the surrounding interface asks.
+    /// The class that provides the items which the surrounding interface requires.
     class: Option<DefinitionId>,
     locals: Vec<(String, Abstract<'p>)>,
 }

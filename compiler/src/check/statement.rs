@@ -47,7 +47,7 @@ impl<'p> Checker<'p> {
                 let length_type = Type::Scalar(Quantity::hard(Dimension::LENGTH));
                 self.expect(scope, length, &length_type, &due);
             }
-            // a change belongs behind `with`, where `changes` checks it
+            // a change belongs after `with`, where `changes` checks it
             Statement::Change { .. } => {}
             Statement::Place { moving, on, height } => {
                 let due = Due::new("the value after `place`");

@@ -350,8 +350,8 @@ impl<'p> Checker<'p> {
         self.expect(scope, value, &period, &Due::new("the period of this table"));
     }
 
-    /// Refuses an option that is given twice, and an extrapolation of a periodic table, which has values everywhere. A table of
-    /// several arguments states its continuations in another form.
+    /// Refuses an option that is given twice, and an extrapolation of a periodic table, which has values
+    /// everywhere. A table of several arguments states its continuations in another form.
     fn clash(&mut self, seen: &[&Name], name: &Name, of_curve: bool) {
         if let Some(first) = seen.iter().find(|n| n.text == name.text) {
             self.report(

@@ -60,7 +60,7 @@ impl<'p> Checker<'p> {
         self.program.unit(unit).ok()
     }
 
-    /// Reports a word behind a unit that is neither a unit nor a value: `5 N*m/secnd`.
+    /// Reports a word after a unit that is neither a unit nor a value: `5 N*m/secnd`.
     pub(super) fn neither_unit_nor_value(
         &mut self,
         scope: &Scope<'p>,
@@ -94,8 +94,8 @@ impl<'p> Checker<'p> {
         true
     }
 
-    /// Reports units behind values, where the text is a value, too: `3 N*depth/mm`. One message stands for all units of a product, and
-    /// its remedy moves all of them, because remedies of single ones would overlap.
+    /// Reports units after values, where the text is a value, too: `3 N*depth/mm`. One message stands for all
+    /// units of a product, and its remedy moves all of them, because remedies of single ones would overlap.
     pub(super) fn units_behind_values(
         &mut self,
         scope: &Scope<'p>,

@@ -35,7 +35,7 @@ eng_grammar::codes! {
         "degC counts from the melting point of ice; in a product or a power only the size of a degree counts, and its unit is K.",
         "param conductivity: ThermalConductivity = 40 W/m/degC",
         "param conductivity: ThermalConductivity = 40 W/m/K";
-    WRONG_TYPE = "E0309", "a thing of another type is expected",
+    WRONG_TYPE = "E0309", "a value has the wrong type",
         "A body is given for a marker, a list for a number, or a text for a quantity. The message names both types.",
         "joint pin = Revolute(rod, crank)",
         "joint pin = Revolute(rod.big_end, crank.pin)";
@@ -63,11 +63,11 @@ eng_grammar::codes! {
         "After `if`, `require`, `advise` and `branch` follows a comparison.",
         "branch dot(a.z, b.z)",
         "branch dot(a.z, b.z) > 0";
-    INDEX = "E0317", "an index is missing, too much or not a whole number",
+    INDEX = "E0317", "an index is missing, superfluous or not a whole number",
         "An item that is declared with an index is used with one. `[*]` means all of them.",
         "body rod[i in 1..4] { mass = 1 kg }\noutput height = rod.mass",
         "body rod[i in 1..4] { mass = 1 kg }\noutput height = rod[1].mass";
-    OPERATOR = "E0318", "an operator does not apply to these things",
+    OPERATOR = "E0318", "an operator does not apply to these operands",
         "Vectors are multiplied by `dot` and `cross`, markers not at all, texts are only compared.",
         "let square = v*v",
         "let square = dot(v, v)";
@@ -114,12 +114,12 @@ eng_grammar::codes! {
         "A choice has two words or more, and each once. A value of a choice must not have the name of one of its words: where the choice is expected, this name means the word.",
         "choice End = timing_end | timing_end",
         "choice End = timing_end | driving_end";
-    FLEXIBLE = "E0390", "a flexible body is described by something that is not known",
+    FLEXIBLE = "E0390", "an unknown word describes a flexible body",
         "A mesh, a matrix, a mode set and a damping have words of their own. The message lists the words that are possible at this place.",
         "flexible crank { mesh = file(\"crank.bdf\") }",
         "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
-    NOT_BUILT = "E0391", "a part of the language is not built yet",
-        "The form is reserved for a later version.",
+    NOT_BUILT = "E0391", "this form is reserved for a later version",
+        "The language has no meaning for this form yet.",
         "default bearing { width = 20 mm }",
         "const bearing_width = 20 mm";
     ACCEPT_UNKNOWN = "W0550", "an `accept` names a lint that does not exist",

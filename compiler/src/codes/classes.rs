@@ -3,7 +3,7 @@
 eng_grammar::codes! {
     CLASSES:
 
-    NOT_CALLABLE = "E0401", "a thing that is no function or class is called",
+    NOT_CALLABLE = "E0401", "the called name is neither a function nor a class",
         "Parentheses follow functions, tables and classes. An element of a list takes brackets.",
         "let first = sizes(1)",
         "let first = sizes[1]";
@@ -76,7 +76,7 @@ eng_grammar::codes! {
         "marker pin = 43 mm",
         "marker pin = [43, 0, 0] mm";
     START = "E0419", "this cannot be set at the start",
-        "At the start, positions and velocities can be set: of a body inside it, of anything that moves in the model.",
+        "A body's block sets its position and velocity. The model sets any moving quantity.",
         "start crank = 30 deg",
         "start rotation(crank.main, ground) = 30 deg";
     NO_FILM = "E0421", "a class of journals does not fill the interface of films",

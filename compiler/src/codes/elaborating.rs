@@ -1,5 +1,5 @@
-//! Codes of elaboration: instances, numbers, files. They are about values; those of checking are about types. The lint of
-//! tables (`W0760`) is here, too, because elaboration finds it.
+//! Codes of elaboration: instances, numbers, files. They are about values; those of checking are about types.
+//! The lint of tables (`W0760`) is here, too, because elaboration finds it.
 
 eng_grammar::codes! {
     ELABORATING:
@@ -55,7 +55,7 @@ eng_grammar::codes! {
         "The class or model has a condition that the constants of this model do not fulfil. The author of the condition wrote the text of the message.",
         "require cylinders > 4 else \"this crank is for more than four cylinders\"",
         "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
-    MESSAGE_FORM = "E0514", "a message shows something else than numbers and texts",
+    MESSAGE_FORM = "E0514", "a message shows something other than a number or a text",
         "The braces contain an expression whose value is a number or a text. A message of a report takes only names: give other expressions a name with `let`.",
         "require gap > 1 mm else \"the gap at {marker} is too small\"",
         "require gap > 1 mm else \"the gap is {abs(gap) as um}\"";

@@ -212,7 +212,8 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// A record whose numbers are parameters below a path. A default of the record follows the parameters that it reads.
+    /// A record whose numbers are parameters below a path. A default of the record follows the parameters
+    /// that it reads.
     fn record_of(
         &mut self,
         id: DefinitionId,
@@ -286,7 +287,7 @@ impl<'a> Elaborator<'a, '_> {
         let module = self.scope(scope).module;
         match self.program.lookup(module, called) {
             Some(found) => found == record,
-            // a record behind the path of its module
+            // a record after the path of its module
             None => match self.program.item(record).map(|item| &item.kind) {
                 Some(ast::ItemKind::Declaration(own)) => own.name.text == *called,
                 _ => false,

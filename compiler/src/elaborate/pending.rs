@@ -276,8 +276,9 @@ impl<'a> Elaborator<'a, '_> {
         self.start_element(role, path, target.span, dimension, rows)
     }
 
-    /// Refuses the start or guess of a position against `ground` as an argument: this marker is placed on the other marker of its
-    /// element after the assembly, so a stated position never holds, and a guess has no effect.
+    /// Refuses the start or guess of a position against `ground` as an argument: this marker is placed on the
+    /// other marker of its element after the assembly, so a stated position never holds, and a guess has no
+    /// effect.
     fn refuse_coinciding(&mut self, target: &ast::Expr) -> Eval<()> {
         let Some(element) = self.bench.element.as_ref() else {
             return Ok(());

@@ -1,9 +1,10 @@
 //! Rates of values that change with inputs.
 //!
-//! The rate of an expression of parameters is one more expression of the bind graph: the derivative of the expression, with the
-//! rates of the inputs as further inputs of the graph. An element that needs the rate gets it as a constant, so element code and
-//! layouts contain no inputs. The rate of a parameter is the rate of its default unless its value is stated: a stated value
-//! is constant. The default of an input that an analysis drives is a function of time, whose derivative is exact.
+//! The rate of an expression of parameters is one more expression of the bind graph: the derivative of the
+//! expression, with the rates of the inputs as further inputs of the graph. An element that needs the rate
+//! gets it as a constant, so element code and layouts contain no inputs. The rate of a parameter is the rate
+//! of its default unless its value is stated: a stated value is constant. The default of an input that an
+//! analysis drives is a function of time, whose derivative is exact.
 
 use super::scalar::{FIXED, PROVISIONAL, RATE, Scalar, Stage, TIME};
 use super::{Elaborator, Eval};
@@ -39,7 +40,8 @@ impl Elaborator<'_, '_> {
         rates.first().copied()
     }
 
-    /// The input of the bind graph that is the rate of a parameter; `None` if the parameter is constant between two points.
+    /// The input of the bind graph that is the rate of a parameter; `None` if the parameter is constant
+    /// between two points.
     fn rate_of_parameter(&mut self, parameter: u32) -> Option<Node> {
         if parameter >= FIXED {
             return None;
@@ -69,8 +71,8 @@ impl Elaborator<'_, '_> {
         Some(self.bench.bind.graph.input(RATE + parameter))
     }
 
-    /// The rates of the constants that nodes of the present element depend on: inputs of constants, and the bind nodes of the
-    /// rates.
+    /// The rates of the constants that nodes of the present element depend on: inputs of constants, and the
+    /// bind nodes of the rates.
     fn followed_constants(&mut self, nodes: &[Node]) -> Vec<(u32, Node)> {
         let Some(element) = &self.bench.element else {
             return Vec::new();
@@ -94,7 +96,8 @@ impl Elaborator<'_, '_> {
             .collect()
     }
 
-    /// The rates of the constants that nodes of the present element depend on, by the constant's input, as nodes of the element.
+    /// The rates of the constants that nodes of the present element depend on, by the constant's input, as
+    /// nodes of the element.
     pub(super) fn rates_of_constants(&mut self, nodes: &[Node]) -> BTreeMap<u32, Node> {
         let found = self.followed_constants(nodes).into_iter();
         found
@@ -102,8 +105,8 @@ impl Elaborator<'_, '_> {
             .collect()
     }
 
-    /// The constants that the present element's loads and rates depend on and that follow inputs, with the constants of their
-    /// rates: indices of constants. Then the kinks of these constants, with their texts.
+    /// The constants that the present element's loads and rates depend on and that follow inputs, with the
+    /// constants of their rates: indices of constants. Then the kinks of these constants, with their texts.
     pub(super) fn changing_constants(&mut self) -> Changing {
         let Some(element) = &self.bench.element else {
             return Default::default();
@@ -150,8 +153,8 @@ impl Elaborator<'_, '_> {
         }
     }
 
-    /// The kinks of nodes of the bind graph that follow inputs, as constants of the present element. An input that an analysis
-    /// drives also has those of its function of time.
+    /// The kinks of nodes of the bind graph that follow inputs, as constants of the present element. An input
+    /// that an analysis drives also has those of its function of time.
     fn kinks_of_constants(&mut self, nodes: Vec<Node>) -> Vec<(BoundKink, Kink)> {
         let mut found = Vec::new();
         let mut known = BTreeSet::new();
@@ -204,8 +207,8 @@ impl Elaborator<'_, '_> {
         }
     }
 
-    /// Refuses the rate of an input that is held between two points. Marks the others, because a jump of their rates is one
-    /// of the loads.
+    /// Refuses the rate of an input that is held between two points. Marks the others, because a jump of
+    /// their rates is one of the loads.
     pub(super) fn rates_known(&mut self, values: &[Scalar], span: Span) -> Eval<()> {
         for index in self.inputs_in(values) {
             let Some(input) = self.draft.inputs.get_mut(index) else {

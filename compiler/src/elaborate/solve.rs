@@ -1,10 +1,10 @@
 //! `solve(f, estimate)`: the zero of a function near an estimate, inside of one element.
 //!
-//! The operations are steps of Newton's method with the exact Jacobian matrix J, one after the other: [`HELD`] steps from the
-//! estimate, then two more. The result of the first steps is *held*: it has no derivative. With x₀ held and near the zero, the
-//! error δ of x₀ becomes O(δ²) in x₁ = x₀ − J⁻¹f(x₀) and O(δ⁴) in x₂, as functions of everything that f depends on. So the
-//! first three derivatives of x₂ are those of the implicit function f(x) = 0, and the derivatives of a class cost two steps,
-//! not all of them.
+//! The operations are steps of Newton's method with the exact Jacobian matrix J, one after the other:
+//! [`HELD`] steps from the estimate, then two more. The result of the first steps is *held*: it has no
+//! derivative. With x₀ held and near the zero, the error δ of x₀ becomes O(δ²) in x₁ = x₀ − J⁻¹f(x₀) and
+//! O(δ⁴) in x₂, as functions of everything that f depends on. So the first three derivatives of x₂ are those
+//! of the implicit function f(x) = 0, and the derivatives of a class cost two steps, not all of them.
 //!
 //! A class cannot iterate until something converges, because its code has no loops. The correction of the step after
 //! the held ones shows whether the search has ended; a condition of the element watches it.
@@ -33,8 +33,8 @@ const MOST: usize = 3;
 const ENDED: f64 = 1e-6;
 /// The same in SI units, for a zero at zero.
 const SMALL: f64 = 1e-12;
-/// Share of the sum of its products' magnitudes below which a determinant is rounding. The equations then do not determine
-/// the unknowns, and the correction is meaningless.
+/// Share of the sum of its products' magnitudes below which a determinant is rounding. The equations then do
+/// not determine the unknowns, and the correction is meaningless.
 const SINGULAR: f64 = 1e-13;
 
 /// A function of the unknowns with its Jacobian matrix, as nodes of one graph.

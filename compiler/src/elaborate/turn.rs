@@ -202,7 +202,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// The followed quantities of the present element, as outputs behind its own.
+    /// The followed quantities of the present element, as outputs after its own.
     pub(super) fn followed_outputs(
         &mut self,
         followed: &[(Node, u32)],

@@ -111,7 +111,7 @@ impl<'a> Elaborator<'a, '_> {
             )
             .at(
                 place,
-                "not understood here, though it was found to be right",
+                "the checker accepted this, and elaboration cannot evaluate it",
             )
             .with_help("please report this together with the model"),
         )

@@ -132,7 +132,7 @@ pub(crate) struct TableValue {
     pub handle: Node,
 }
 
-/// The members of a family that are there: those whose condition holds.
+/// The existing members of a family: those whose condition holds.
 pub(crate) fn present<'a>(
     members: Vec<(Vec<usize>, Value<'a>)>,
 ) -> impl Iterator<Item = (Vec<usize>, Value<'a>)> {

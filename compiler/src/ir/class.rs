@@ -39,8 +39,8 @@ pub struct ClassBody {
     pub turns: Vec<Node>,
     /// `wrapped` angles, and functions that are zero where they begin anew.
     pub wraps: Vec<(Node, Node)>,
-    /// Constants that change with inputs between two points of time, and the constants that are their rates. Constraints
-    /// read none of them.
+    /// Constants that change with inputs between two points of time, and the constants that are their rates.
+    /// Constraints read none of them.
     pub changing: Vec<(u32, u32)>,
     /// Kinks of these constants.
     pub bound_kinks: Vec<BoundKink>,

@@ -373,8 +373,8 @@ pub(crate) enum Accelerations {
 }
 
 /// Rates along the motion: time runs at 1, x at ẋ, R at R ω~ (ω in marker axes), velocities at the
-/// acceleration inputs, states at `rates` or else at their rate inputs, constants at `changing` by their inputs. Rotation
-/// references, other constants and multipliers are constant.
+/// acceleration inputs, states at `rates` or else at their rate inputs, constants at `changing` by their
+/// inputs. Rotation references, other constants and multipliers are constant.
 pub fn time_derivative(
     graph: &mut Graph,
     layout: &InputLayout,

@@ -1,20 +1,22 @@
 //! The kink functions of a class: where its loads, the rates of its states and its constraints are not smooth.
 //!
 //! A value has a kink where a comparison changes, where the arguments of `min` or `max` are equal, where the
-//! argument of `abs` is zero, at points of a table, in constraints at the cut of `atan2`, and where `acos(cos(x))` or `asin(sin(x))` turns back.
-//! Each of these is a function of the motion that changes its sign at the kink. The functions come from the graph of loads and
-//! constraints. So a kink counts in the text of the class, of a function that it calls, and of a library. A function of constants
-//! alone never changes and does not count. A constant that follows an input between two points of time changes.
+//! argument of `abs` is zero, at points of a table, in constraints at the cut of `atan2`, and where
+//! `acos(cos(x))` or `asin(sin(x))` turns back. Each of these is a function of the motion that changes its
+//! sign at the kink. The functions come from the graph of loads and constraints. So a kink counts in the text
+//! of the class, of a function that it calls, and of a library. A function of constants alone never changes
+//! and does not count. A constant that follows an input between two points of time changes.
 //!
-//! The points of a table that are kinks depend on its numbers, so the runtime finds them. The function is the argument, and
-//! [`TableKink`] says how smooth it must be there.
+//! The points of a table that are kinks depend on its numbers, so the runtime finds them. The function is the
+//! argument, and [`TableKink`] says how smooth it must be there.
 //!
 //! A kink in a branch that is not selected changes nothing. So each function has a number that is 1 while the value
-//! of its operation is used, and 0 while each `if` on the way selects another branch. `min` and `max` use both arguments, because
-//! their own kink depends on both.
+//! of its operation is used, and 0 while each `if` on the way selects another branch. `min` and `max` use
+//! both arguments, because their own kink depends on both.
 //!
-//! An operation on parameters alone is no part of this graph, because the class reads its value as a constant. If such a
-//! value follows an input, the element has the kink function and its rate as two more constants ([`BoundKink`]).
+//! An operation on parameters alone is no part of this graph, because the class reads its value as a
+//! constant. If such a value follows an input, the element has the kink function and its rate as two more
+//! constants ([`BoundKink`]).
 
 use super::differentiate::{
     Accelerations, DifferentiateError, Place, inputs_of, known_in_outputs_only,
@@ -28,15 +30,15 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Course, TableKink};
 use std::collections::BTreeMap;
 
-/// The highest derivative that must be continuous: that of a load, which bends otherwise, and that of a constraint, whose
-/// acceleration jumps otherwise.
+/// The highest derivative that must be continuous: that of a load, which bends otherwise, and that of a
+/// constraint, whose acceleration jumps otherwise.
 const OF_LOADS: u8 = 1;
 const OF_CONSTRAINTS: u8 = 2;
 
-/// An operation with a kink, and which of its arguments this is; zero for all but tables.
+/// An operation with a kink. For a table also the index of the argument, else zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct KinkPlace {
-    /// A comparison, a minimum, a maximum, an amount, an angle or a table's value.
+    /// A comparison, a minimum, a maximum, an absolute value, an angle or a table's value.
     pub node: Node,
     /// The argument of a table.
     pub argument: u8,
@@ -94,7 +96,7 @@ pub(crate) struct KinkFunction {
 pub(crate) fn functions_of(graph: &mut Graph, op: Op) -> Vec<KinkFunction> {
     let mut below = None;
     let value = match op {
-        // an equation holds at single moments, or where another kink begins: it changes no sign
+        // `==` holds at single moments only, so its difference changes no sign that matters
         Op::Less(a, b) | Op::LessEqual(a, b) => graph.subtract(b, a),
         Op::Minimum(a, b) | Op::Maximum(a, b) => graph.subtract(a, b),
         Op::Abs(a) => a,
@@ -133,7 +135,8 @@ pub(crate) fn functions_of(graph: &mut Graph, op: Op) -> Vec<KinkFunction> {
     }]
 }
 
-/// The operation whose text names a kink: for a derivative of a table it is the look-up of the value, if the text has one.
+/// The operation whose text names a kink: for a derivative of a table it is the look-up of the value, if the
+/// text has one.
 fn named(graph: &Graph, node: Node) -> Node {
     match graph.op(node) {
         Op::Table(handle, arguments, orders) => {
@@ -165,8 +168,8 @@ impl Found {
         self.active.push(used);
     }
 
-    /// Joins a function to the same one of another operation: it is used where one of both is, and as smooth as one of both
-    /// needs. `false` if there is none.
+    /// Merges equal functions of two operations. The result counts where either counts, and has the stricter
+    /// requirement. `false` if no known function is equal.
     fn join(
         &mut self,
         graph: &mut Graph,
@@ -189,8 +192,9 @@ impl Found {
     }
 }
 
-/// Finds the kink functions that constraints, loads and rates depend on, and adds their rates to the graph. The rate of a
-/// state is that of the class; `changing` gives the rates of constants that follow inputs, by their inputs.
+/// Finds the kink functions that constraints, loads and rates depend on, and adds their rates to the graph.
+/// The rate of a state is that of the class; `changing` gives the rates of constants that follow inputs, by
+/// their inputs.
 pub(crate) fn find(
     graph: &mut Graph,
     layout: &InputLayout,
@@ -307,14 +311,15 @@ fn over_time(
     })
 }
 
-/// Whether a function jumps where a `wrapped` angle begins anew: it depends on a count of turns, which is a sum of chosen constants.
+/// Whether a function jumps where a `wrapped` angle begins anew: it depends on a count of turns, which is a
+/// sum of chosen constants.
 fn jumps_with_turns(graph: &Graph, value: Node, turns: &[Node]) -> bool {
     let parts = dependencies(graph, &[value]);
     let mut turns = turns.iter();
     turns.any(|turn| parts[turn.0 as usize] && matches!(graph.op(*turn), Op::Select(..)))
 }
 
-/// The functions with their rates, and those of constants behind them.
+/// The functions with their rates, and those of constants after them.
 fn with_rates(
     graph: &mut Graph,
     layout: &InputLayout,

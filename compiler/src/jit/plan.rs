@@ -309,7 +309,7 @@ impl Planner {
         self.resident.insert(node);
     }
 
-    /// Frees a register. `leaving` values leave theirs without help.
+    /// Frees a register. `leaving` registers become free anyway: the next operation is the last use of their values.
     fn make_room(&mut self, pinned: &[Node], leaving: usize) {
         while self.resident.len() >= REGISTERS + leaving {
             let farthest = self
@@ -328,7 +328,7 @@ impl Planner {
         }
     }
 
-    /// Gives a value that is still needed a home.
+    /// Stores a value that is still needed in memory.
     fn keep(&mut self, node: Node) {
         let index = node.0 as usize;
         if self.homes[index].is_none() && !self.uses[index].is_empty() {
@@ -341,7 +341,7 @@ impl Planner {
         }
     }
 
-    /// Pairs of the room, one behind the other.
+    /// Consecutive pairs of the stack memory.
     fn reserve(&mut self, count: u32) -> u32 {
         let run = |first: &u32| (0..count).all(|k| self.free.contains(&(first + k)));
         let first = match self.free.iter().copied().find(|first| run(first)) {

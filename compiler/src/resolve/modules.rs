@@ -76,7 +76,7 @@ struct Loader<'a> {
     library_units: UnitWords,
 }
 
-/// Reads all modules. A word behind a unit belongs to the unit if it is a unit itself, also one of a module that is read
+/// Reads all modules. A word after a unit belongs to the unit if it is a unit itself, also one of a module that is read
 /// later. In this rare case all modules are read once more.
 pub(super) fn load(
     root: &str,

@@ -1,4 +1,5 @@
-//! Numbers of 106 bits as sums of two (T. J. Dekker, Numer. Math. 18 (1971) 224; Hida, Li & Bailey, ARITH-15 (2001) 155).
+//! Numbers of 106 bits as sums of two (T. J. Dekker, Numer. Math. 18 (1971) 224; Hida, Li & Bailey, ARITH-15
+//! (2001) 155).
 //!
 //! Differences of functions in these numbers keep enough digits: with an increment of 1e-9 a derivative has some
 //! twenty. Elementary functions are good to about 1e-30 for arguments below 1e3.

@@ -88,16 +88,16 @@ fn operate(op: Op, values: &[Double], inputs: &[Double], tables: &[Table]) -> Do
     }
 }
 
-/// Points through which the cubic around an argument is taken: the grid does not move with the argument's last digits, so that
-/// the rounding of the four values does not enter a difference.
+/// Points through which the cubic around an argument is taken: the grid does not move with the argument's
+/// last digits, so that the rounding of the four values does not enter a difference.
 fn grid(x: f64) -> [f64; 4] {
     const SPACING: f64 = 1.0 / 1024.0;
     let start = (x / SPACING).round() * SPACING;
     [-1.0, 0.0, 1.0, 2.0].map(|k| start + k * SPACING)
 }
 
-/// A table's value by the cubic through four of its own values along each argument (Lagrange); derivatives are taken by the table
-/// itself. `fixed` holds the points of the first arguments.
+/// A table's value by the cubic through four of its own values along each argument (Lagrange); derivatives
+/// are taken by the table itself. `fixed` holds the points of the first arguments.
 fn cubic(table: &Table, x: &[Double], orders: &[u8], fixed: &mut Vec<f64>) -> Double {
     let Some(here) = x.get(fixed.len()) else {
         return Double::from(table.evaluate(fixed, orders));
@@ -128,8 +128,8 @@ pub fn evaluate(function: &Function, inputs: &[Double], tables: &[Table]) -> Vec
         .collect()
 }
 
-/// The smallest relative distance to a kink or a jump: of compared numbers over their size, of an angle to the cut of its branch,
-/// of an arcus to the end of its domain. Zero where a table's points are near.
+/// The smallest relative distance to a kink or a jump: of compared numbers over their size, of an angle to
+/// the cut of its branch, of an arcus to the end of its domain. Zero where a table's points are near.
 pub fn nearest_kink(function: &Function, inputs: &[Double], tables: &[Table]) -> f64 {
     let needed = dependencies(&function.graph, &function.outputs);
     let values = values(function, inputs, tables);

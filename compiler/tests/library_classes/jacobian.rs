@@ -1,4 +1,5 @@
-//! `Linearize` and `Tangent` against differences of `Residual`, taken in numbers of twice the precision; reactions against G.
+//! `Linearize` and `Tangent` against differences of `Residual`, taken in numbers of twice the precision;
+//! reactions against G.
 
 use super::evaluate::evaluate;
 use super::instance::Instance;
@@ -166,7 +167,8 @@ fn a_wrong_entry_is_seen() {
     assert!(seen > 300, "{seen}");
 }
 
-/// The wrenches are the loads less Gᵀλ: linear in λ, with the tangent's G; also a reaction does the work of Φ by differences.
+/// The wrenches are the loads less Gᵀλ: linear in λ, with the tangent's G; also a reaction does the work of Φ
+/// by differences.
 #[test]
 fn reactions_are_the_gradient_of_the_constraints() {
     for instance in Instance::all() {

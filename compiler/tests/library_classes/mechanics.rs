@@ -374,8 +374,9 @@ fn springs_give_back_what_is_not_turned_to_heat() {
     );
 }
 
-/// An element that states its heat and its stored energy accounts for its power: that of its wrenches is minus the heat, minus the rate
-/// of the energy. The heat is never negative, apart from that of laws whose bristles may give back more than they hold.
+/// An element that states its heat and its stored energy accounts for its power: that of its wrenches is
+/// minus the heat, minus the rate of the energy. The heat is never negative, apart from that of laws whose
+/// bristles may give back more than they hold.
 #[test]
 fn heat_and_stored_energy_account_for_the_power() {
     let mut classes = Vec::new();

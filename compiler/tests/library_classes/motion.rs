@@ -7,8 +7,8 @@ use super::states::{curvature, doubles, slope};
 use crate::support::{Random, call};
 use eng_system::code::Function;
 
-/// s. The markers turn with up to 150 rad/s: the motion's next terms are (ωt)² = 2e-16 of the first, extrapolated away, and
-/// a second difference keeps 1e-31/1e-20 of Φ, in units of ω² below 1e-14.
+/// s. The markers turn with up to 150 rad/s: the motion's next terms are (ωt)² = 2e-16 of the first,
+/// extrapolated away, and a second difference keeps 1e-31/1e-20 of Φ, in units of ω² below 1e-14.
 const INTERVAL: f64 = 1e-10;
 /// Allowed deviation, as a share of the sum of magnitudes of the terms; the values of the generated
 /// code have their own rounding.

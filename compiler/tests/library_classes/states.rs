@@ -251,8 +251,9 @@ impl Instance {
         s
     }
 
-    /// Poses and time after t (s) of a motion that has the state's twists at t = 0 and constant accelerations of the markers: ẍ,
-    /// and a rotation vector ω t + ω̇ t²/2 in marker axes, whose second rate at t = 0 is ω̇. States move with their rates.
+    /// Poses and time after t (s) of a motion that has the state's twists at t = 0 and constant accelerations
+    /// of the markers: ẍ, and a rotation vector ω t + ω̇ t²/2 in marker axes, whose second rate at t = 0 is
+    /// ω̇. States move with their rates.
     pub fn after(
         &self,
         state: &[Double],

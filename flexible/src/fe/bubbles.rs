@@ -12,7 +12,7 @@
 
 use crate::element::Shape;
 
-/// Puts the functions and their slopes in the reference coordinates (–) behind those of `nodes` nodes.
+/// Puts the functions and their slopes in the reference coordinates (–) after those of `nodes` nodes.
 pub(super) fn put(shape: &mut Shape, nodes: usize, at: [f64; 3]) {
     for (axis, x) in at.into_iter().enumerate() {
         shape.values[nodes + axis] = 1.0 - x * x;

@@ -48,7 +48,7 @@ pub(super) type Correction =
 pub(super) struct Inner {
     /// Number of functions; each has three amplitudes.
     pub(super) count: u32,
-    /// Writes them behind the functions of the given number of nodes, at a point of the reference domain.
+    /// Writes them after the functions of the given number of nodes, at a point of the reference domain.
     /// They are zero at the nodes, where the element's own functions are one.
     pub(super) put: fn(&mut Shape, usize, [f64; 3]),
 }
@@ -70,7 +70,7 @@ impl Form {
         self.inner().map_or(0, |inner| inner.count)
     }
 
-    /// The functions of an element at a point of its reference domain, inner ones behind those of its nodes.
+    /// The functions of an element at a point of its reference domain, inner ones after those of its nodes.
     pub(super) fn shape(self, kind: ElementKind, at: [f64; 3]) -> Shape {
         let mut shape = Shape::at(kind, at);
         if let Some(inner) = self.inner() {

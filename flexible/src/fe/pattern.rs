@@ -129,7 +129,7 @@ impl Pattern {
 #[derive(Clone, Copy)]
 pub(super) struct Pair {
     /// Number of freedoms of the first node's neighbours before the second node. The rows of the second node
-    /// start at this distance behind those of the first.
+    /// start at this distance after those of the first.
     pub(super) before: usize,
     /// Index of the pair's entry in the node matrix.
     pub(super) entry: usize,

@@ -1,11 +1,12 @@
 //! Elastic surfaces: the radial deflection of a round bore relative to its marker, in shapes, and its compliance.
 //!
 //! With the shapes ψ_j of the surface, the shape functions N of its faces and the direction n away from the axis, the
-//! amplitudes of a nodal displacement u are its least-squares fit `b = G⁻¹ ∫ ψ n·N u dA` with the Gram matrix `G_ij = ∫ ψ_i
-//! ψ_j dA`. The nodal loads `L = (G⁻¹ ∫ ψ n·N dA)ᵀ` of unit generalised forces are dual to them: `b = Lᵀ u`, and `Lᵀ` of a
-//! pressure's nodal loads is its generalised force `∫ p ψ dA` where the pressure lies in the shapes' span. The marker takes
-//! the resultant of each load back through its tie, so loads are in balance, amplitudes are relative to the marker's rigid
-//! motion, and the marker's wrench and these forces together are the pressure on the bore.
+//! amplitudes of a nodal displacement u are its least-squares fit `b = G⁻¹ ∫ ψ n·N u dA` with the Gram matrix
+//! `G_ij = ∫ ψ_i ψ_j dA`. The nodal loads `L = (G⁻¹ ∫ ψ n·N dA)ᵀ` of unit generalised forces are dual to
+//! them: `b = Lᵀ u`, and `Lᵀ` of a pressure's nodal loads is its generalised force `∫ p ψ dA` where the
+//! pressure lies in the shapes' span. The marker takes the resultant of each load back through its tie, so
+//! loads are in balance, amplitudes are relative to the marker's rigid motion, and the marker's wrench and
+//! these forces together are the pressure on the bore.
 //!
 //! Lengths are metres, forces newtons; vectors are over the free freedoms.
 
@@ -153,8 +154,8 @@ impl Bore {
 /// The loads of all surfaces of a request.
 ///
 /// # Errors
-/// Markers that are no ring with an averaging tie about their z axis; surfaces that the faces of the mesh do not cover, or
-/// whose nodes are too few for the shapes.
+/// Markers that are no ring with an averaging tie about their z axis; surfaces that the faces of the mesh do
+/// not cover, or whose nodes are too few for the shapes.
 pub(super) fn prepare(
     mesh: &Mesh,
     request: &Request,

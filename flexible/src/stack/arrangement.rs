@@ -130,8 +130,8 @@ impl Division {
         result
     }
 
-    /// Halves those of some edges that are not too short. Whether there were any. `chosen` has an entry for each edge of
-    /// the arrangement.
+    /// Halves those of some edges that are not too short. Whether there were any. `chosen` has an entry for
+    /// each edge of the arrangement.
     pub fn halve(&mut self, chosen: &[bool]) -> bool {
         let mut any = false;
         let mut chosen = chosen.iter();

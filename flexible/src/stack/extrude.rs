@@ -8,8 +8,8 @@ use eng_system::stack::Stack;
 /// A node that is not made yet.
 const NONE: u32 = u32::MAX;
 
-/// Extrudes the triangles of each section. A node is at each point of the plane in the faces between layers, and at each
-/// corner in the middle of a layer.
+/// Extrudes the triangles of each section. A node is at each point of the plane in the faces between layers,
+/// and at each corner in the middle of a layer.
 pub(super) fn extrude(stack: &Stack, plane: &Plane, outline_of: &[usize]) -> Mesh {
     let mut mesh = Mesh::default();
     let axis = usize::from(stack.axis.min(2));

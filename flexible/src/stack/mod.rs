@@ -123,7 +123,7 @@ fn numbers(stack: &Stack) -> Result<(), StackError> {
         return wrong("the size".into(), "positive", stack.size, None);
     }
     if !stack.begin.is_finite() {
-        return wrong("the begin".into(), "finite", stack.begin, None);
+        return wrong("the beginning".into(), "finite", stack.begin, None);
     }
     for (index, section) in stack.sections.iter().enumerate() {
         if !(section.length > 0.0 && section.length.is_finite()) {

@@ -353,8 +353,8 @@ fn with_middles(
         triangles.push(nodes);
     }
     for (triangle, _) in triangles.iter().zip(used).filter(|(_, used)| **used) {
-        // straight edges have a positive Jacobian. A straight edge helps one neighbour, and may harm the other: both are
-        // looked at again.
+        // straight edges have a positive Jacobian. A straight edge helps one neighbour, and may harm the
+        // other: both are looked at again.
         while let Some(node) = bent_too_far(triangle, &points, &straight) {
             make_straight(node, &mut points, &mut straight, &mut straightened);
         }

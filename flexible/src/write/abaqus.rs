@@ -1,7 +1,8 @@
 //! Input of Abaqus: a reduced body as matrices of nodes (`*MATRIX INPUT`), and its markers as nodes that follow them.
 //!
-//! Each node has six freedoms. The first node after the markers carries the six coordinates of the frame, the next ones six
-//! amplitudes each. Linear equations join the freedoms of each marker to them (see [`crate::small_motion`]).
+//! Each node has six freedoms. The first node after the markers carries the six coordinates of the frame, the
+//! next ones six amplitudes each. Linear equations join the freedoms of each marker to them (see
+//! [`crate::small_motion`]).
 
 use super::NumberedBody;
 use crate::small_motion::Dense;

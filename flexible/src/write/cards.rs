@@ -1,8 +1,9 @@
-//! Bulk data of Nastran: a reduced body as scalar points with direct matrices, and its markers as grid points that follow them.
+//! Bulk data of Nastran: a reduced body as scalar points with direct matrices, and its markers as grid points
+//! that follow them.
 //!
-//! The six coordinates of the frame and the amplitudes of the modes are scalar points. `DMIG` cards give stiffness, mass and
-//! damping of them in double precision, with 10 to 13 digits. Multipoint constraints join the six freedoms of the grid point of
-//! each marker to the scalar points (see [`crate::small_motion`]).
+//! The six coordinates of the frame and the amplitudes of the modes are scalar points. `DMIG` cards give
+//! stiffness, mass and damping of them in double precision, with 10 to 13 digits. Multipoint constraints join
+//! the six freedoms of the grid point of each marker to the scalar points (see [`crate::small_motion`]).
 
 use super::NumberedBody;
 use super::number::field;

@@ -1,7 +1,7 @@
 //! Numbers in the fixed forms of Fortran.
 
-/// A number with so many digits after the point and the letter of its exponent: `-1.2345D+01`. An exponent has at least two
-/// digits. One of three digits takes the place of the letter, as Fortran writes it.
+/// A number with so many digits after the point and the letter of its exponent: `-1.2345D+01`. An exponent
+/// has at least two digits. One of three digits takes the place of the letter, as Fortran writes it.
 pub(super) fn fortran(value: f64, digits: usize, letter: char) -> String {
     let text = format!("{value:.digits$e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));

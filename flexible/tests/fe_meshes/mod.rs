@@ -135,8 +135,8 @@ pub fn add_beam(mesh: &mut Mesh, section: Section, axes: BeamAxes, nodes: [u32; 
     }
 }
 
-/// A grid of boxes cut into elements. `place` maps coordinates that count cells to metres; mid-side nodes are mapped too where
-/// `curved`, else half-way between their corners.
+/// A grid of boxes cut into elements. `place` maps coordinates that count cells to metres; mid-side nodes are
+/// mapped too where `curved`, else half-way between their corners.
 pub fn grid(
     kind: ElementKind,
     cells: [i32; 3],

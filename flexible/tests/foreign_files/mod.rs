@@ -65,7 +65,8 @@ pub struct Dense {
 }
 
 impl Dense {
-    /// Symmetric, positive diagonal, about a third of the entries, the fourth row and column empty; values that fill a double.
+    /// Symmetric, positive diagonal, about a third of the entries, the fourth row and column empty; values
+    /// that fill a double.
     pub fn symmetric(name: &'static str, size: usize) -> Self {
         let mut columns = vec![vec![0.0; size]; size];
         let mut state = 12345_u64;
@@ -297,7 +298,7 @@ fn fortran(value: f64, width: usize, digits: usize) -> String {
     )
 }
 
-/// An OP4 as text with 16 digits behind the point, three values a line.
+/// An OP4 as text with 16 digits after the point, three values a line.
 pub fn op4_text(matrices: &[Dense], layout: Layout, single: bool) -> String {
     let words = if single { 1 } else { 2 };
     let mut text = String::new();
@@ -515,7 +516,7 @@ impl Op2 {
                     data.extend(self.0.real(shape(mode, *node, freedom), true));
                 }
             }
-            // a scalar point behind them
+            // a scalar point after them
             data.extend(self.0.integers(&[10 * 9999 + 1, 2, 0, 0, 0, 0, 0, 0]));
             records.push(data);
         }

@@ -195,8 +195,8 @@ fn cube_element() -> ([[f64; 24]; 24], [[f64; 8]; 8]) {
     (stiffness, mass)
 }
 
-/// A random sparse symmetric matrix; `lift` is added to the diagonal in units of the row's absolute sum (above 1: positive
-/// definite).
+/// A random sparse symmetric matrix; `lift` is added to the diagonal in units of the row's absolute sum
+/// (above 1: positive definite).
 pub fn random_sparse(size: usize, a_row: usize, lift: f64, seed: u64) -> SymmetricMatrix {
     let mut numbers = Numbers::new(seed);
     let mut entries = Vec::new();

@@ -150,7 +150,7 @@ impl<'t> Builder<'t, '_> {
             }
             Some(Part::Read(first)) => {
                 let value = self.postfix(first, depth);
-                // the factors behind its unit are operands of this chain, so that their precedence is the usual one
+                // the factors after its unit are operands of this chain, so that their precedence is the usual one
                 for factor in self.factors.drain(..).rev() {
                     parts.push_front(factor);
                 }
@@ -310,7 +310,7 @@ impl<'t> Builder<'t, '_> {
         let span = self.place(&pair);
         self.factors.clear();
         let parts: Vec<_> = pair.into_inner().collect();
-        // the parts behind the first one: fields, calls, indices
+        // the parts after the first one: fields, calls, indices
         let depth = depth + parts.len().saturating_sub(1);
         if depth > MAX_DEPTH {
             self.too_deep(span);
@@ -361,7 +361,7 @@ impl<'t> Builder<'t, '_> {
             Rule::scaled_list | Rule::scaled_paren => self.scaled(pair, depth),
             _ => ExprKind::Error,
         };
-        // the factors behind its unit are no part of the value
+        // the factors after its unit are no part of the value
         let span = match self.factors.first() {
             Some(Part::Sign(_, sign)) => {
                 Span::new(span.source, span.start as usize, sign.start as usize)

@@ -48,7 +48,7 @@ impl<'t> Builder<'t, '_> {
         others.iter().position(no_unit).filter(|_| !no_unit(first))
     }
 
-    /// The number of operators that the factors behind the unit of a `postfix` make.
+    /// The number of operators that the factors after the unit of a `postfix` make.
     pub(super) fn operators_behind_unit(&self, postfix: &Pair<'t, Rule>) -> usize {
         let first = postfix.clone().into_inner().next();
         let after = first.and_then(|value| super::child(&value, Rule::unit_after));

@@ -19,7 +19,7 @@ struct Line {
     code: String,
     /// Characters of `code`.
     width: usize,
-    /// A comment behind the code, or below such a comment.
+    /// A comment after the code, or below such a comment.
     comment: Option<String>,
 }
 
@@ -133,7 +133,7 @@ fn ends(pieces: &[Piece<'_>], marks: &Marks<'_>) -> Vec<bool> {
             open.pop();
             if ends[opened + 1..=i].contains(&true) {
                 ends[i] = true;
-                // a comment behind the brace stays there
+                // a comment after the brace stays there
                 if pieces[opened + 1].kind != PieceKind::Comment {
                     ends[opened + 1] = true;
                 }
@@ -295,7 +295,7 @@ impl Layout<'_, '_> {
 
     /// The indent of the line that begins with this piece.
     fn indent(&self, start: usize) -> usize {
-        // a comment has the indent that the token behind it would have at the beginning of a line
+        // a comment has the indent that the token after it would have at the beginning of a line
         let token = self.pieces[start..]
             .iter()
             .find_map(|piece| match piece.kind {

@@ -195,7 +195,7 @@ impl<'t> Marks<'t> {
     }
 
     /// Blanks around the operators of one expression. `*`, `/`, `^` have none, and neither has `..` between plain
-    /// bounds. Behind a unit, blanks around `*`, `/`, `^` mean the end of the unit. There a product stays as written.
+    /// bounds. After a unit, blanks around `*`, `/`, `^` mean the end of the unit. There a product stays as written.
     fn operators(&mut self, pair: Pair<'_, Rule>, tokens: &[Token]) {
         let (_, end_of_all) = range(tokens, pair.as_span().start(), pair.as_span().end());
         let operators: Vec<usize> = pair

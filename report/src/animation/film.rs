@@ -168,7 +168,7 @@ mod tests {
     fn pressures_between_moments_lie_on_straight_lines() {
         let film = film();
         let at = |time| film.field(time, "MPa").values;
-        // the first moment holds before it, the last one behind it
+        // the first moment holds before it, the last one after it
         assert_eq!(at(0), [0.0, 4.0]);
         assert_eq!(at(3), [1.0, 6.0]);
         assert_eq!(at(4), [2.0, 8.0]);

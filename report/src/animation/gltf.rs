@@ -25,8 +25,9 @@ impl Animation {
     /// The bytes of a `.glb` file.
     ///
     /// Each body is a node below a node that turns the model's upward axis to y, the upward axis of glTF. The
-    /// `extras` of bodies name modes and fields. A film has a morph target for each of its moments. The `extras` of the scene hold scale, slowdown, crank
-    /// angles, and centre and radius of a ball around all bodies.
+    /// `extras` of bodies name modes and fields. A film has a morph target for each of its moments. The
+    /// `extras` of the scene hold scale, slowdown, crank angles, and centre and radius of a ball around all
+    /// bodies.
     ///
     /// # Errors
     /// Data that do not fit together, or more than 4 GiB of data.

@@ -1,4 +1,5 @@
-//! The viewer inside a page: the glTF file, a canvas, controls. Its script reads the same bytes as any other viewer would.
+//! The viewer inside a page: the glTF file, a canvas, controls. Its script reads the same bytes as any other
+//! viewer would.
 
 use super::packed::packed;
 use super::poster::VIEW;

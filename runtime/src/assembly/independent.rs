@@ -25,8 +25,8 @@ const NONE: f64 = 1e-7;
 const NO_PART: f64 = 1e-8;
 /// Most refinements. Each removes a factor of the rounding of the square.
 const REFINEMENTS: usize = 6;
-/// Distance of a row of unit length from others, below which it depends on them for a solution: as much as counts as zero among singular
-/// values.
+/// Distance of a row of unit length from others, below which it depends on them for a solution: as much as
+/// counts as zero among singular values.
 const DEPENDENT: f64 = 1e-9;
 /// Change of the rows, as a share of the right side, with which conjugate gradients end; and their rounds at least.
 const CHANGE: f64 = 1e-13;
@@ -174,9 +174,9 @@ impl Independent {
         out
     }
 
-    /// An orthonormal basis of the motions that the rows of the factor leave. The columns of the projector P on them are
-    /// taken in turn, the one with the longest rest first; the rests are orthogonal (Cholesky's decomposition of P with
-    /// pivots, which are clear because P is a projector).
+    /// An orthonormal basis of the motions that the rows of the factor leave. The columns of the projector P
+    /// on them are taken in turn, the one with the longest rest first; the rests are orthogonal (Cholesky's
+    /// decomposition of P with pivots, which are clear because P is a projector).
     pub fn basis(&self) -> DMatrix<f64> {
         let size = self.rows.ncols();
         let projected = |j: usize| {
@@ -234,7 +234,8 @@ impl Independent {
         })
     }
 
-    /// The smallest x with `A₁ x = b` for the rows of the factor, which have unit length, to rounding; `None` if it is not.
+    /// The smallest x with `A₁ x = b` for the rows of the factor, which have unit length, to rounding; `None`
+    /// if it is not.
     fn exact(&self, scaled: &DVector<f64>) -> Option<DVector<f64>> {
         let mut wanted = DVector::zeros(scaled.len());
         for row in &self.order {
@@ -263,11 +264,13 @@ impl Independent {
     }
 }
 
-/// The smallest solution x of `A x = b` in the least-squares sense, to rounding where all rows can hold. `None` if the rows are neither
-/// clearly independent of the others nor dependent on them; another method must decide then.
+/// The smallest solution x of `A x = b` in the least-squares sense, to rounding where all rows can hold.
+/// `None` if the rows are neither clearly independent of the others nor dependent on them; another method
+/// must decide then.
 ///
-/// Rows that depend on those of the factor, `A₂ = C A₁`, leave the smallest solution among `x = A₁ᵀ (A₁ A₁ᵀ)⁻¹ y`. The y of least
-/// squares follows by conjugate gradients (`least_squares`), which need no C.
+/// Rows that depend on those of the factor, `A₂ = C A₁`, leave the smallest solution among
+/// `x = A₁ᵀ (A₁ A₁ᵀ)⁻¹ y`. The y of least squares follows by conjugate gradients (`least_squares`), which
+/// need no C.
 pub fn solution(matrix: &Gradients, rhs: &DVector<f64>) -> Option<DVector<f64>> {
     let factor = Independent::of(matrix)?;
     if factor.unclear.is_empty() {
@@ -278,8 +281,9 @@ pub fn solution(matrix: &Gradients, rhs: &DVector<f64>) -> Option<DVector<f64>> 
     decided.then(|| least_squares(&factor, matrix, rhs))?
 }
 
-/// `x = A₁ᵀ (A₁ A₁ᵀ)⁻¹ y` of least `|A x − b|²`: conjugate gradients for y (M. R. Hestenes and E. Stiefel, J. Res. Nat. Bur. Stand. 49
-/// (1952) 409, in the form for least squares) from the solution that holds the rows of the factor. `None` if they do not end.
+/// `x = A₁ᵀ (A₁ A₁ᵀ)⁻¹ y` of least `|A x − b|²`: conjugate gradients for y (M. R. Hestenes and E. Stiefel, J.
+/// Res. Nat. Bur. Stand. 49 (1952) 409, in the form for least squares) from the solution that holds the rows
+/// of the factor. `None` if they do not end.
 fn least_squares(
     factor: &Independent,
     matrix: &Gradients,

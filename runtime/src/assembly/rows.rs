@@ -55,8 +55,8 @@ pub enum Relation {
     Parallel,
 }
 
-/// All rows that wishes have: the pin's position along the shell's x and y (m), the pin's axis along both, and the pin's
-/// height above that of the wish (m).
+/// All rows that wishes have: the pin's position along the shell's x and y (m), the pin's axis along both,
+/// and the pin's height above that of the wish (m).
 const WISH_ROWS: usize = 5;
 
 /// Share of the model's length up to which a wish of a class that resolves no length counts as fulfilled.

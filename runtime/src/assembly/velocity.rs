@@ -15,19 +15,20 @@ use nalgebra::{DMatrix, DVector};
 /// Relative to the model's speed, a row that is left by more contradicts others.
 const CONTRADICTION: f64 = 1e-8;
 
-/// Distance behind the start at which a constraint is on the side to which the motion goes, as a share of the time in which the
-/// motion covers its own size; the share of it for a second look, and the least part of a rate that remains there if it jumps.
+/// Distance after the start at which a constraint is on the side to which the motion goes, as a share of the
+/// time in which the motion covers its own size; the share of it for a second look, and the least part of a
+/// rate that remains there if it jumps.
 const BEHIND: f64 = 1e-12;
 const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
-/// Rate of a constraint behind the start that is a jump, as a share of the model's speed.
+/// Rate of a constraint after the start that is a jump, as a share of the model's speed.
 const JUMP: f64 = 1e-6;
 /// Most searches of the side to which the motion goes.
 const SIDES: usize = 4;
 
-/// Velocities of the start; see `admissible`. A constraint may have a corner at the start, such as `abs(angle)` at zero. Before
-/// its start a motion has no values, so the side to which it goes decides: the state moves there by `BEHIND`, a hundredth of the gap
-/// that counts as closed.
+/// Velocities of the start; see `admissible`. A constraint may have a corner at the start, such as
+/// `abs(angle)` at zero. Before its start a motion has no values, so the side to which it goes decides: the
+/// state moves there by `BEHIND`, a hundredth of the gap that counts as closed.
 pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     admissible(model, state)?;
     let start = state.clone();
@@ -43,7 +44,8 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     Ok(())
 }
 
-/// A start just behind a corner, along velocities at which a constraint demands other velocities there. `None` if none does.
+/// A start just after a corner, along velocities at which a constraint demands other velocities there. `None`
+/// if none does.
 fn behind_corner(
     model: &Model,
     start: &State,
@@ -84,8 +86,8 @@ fn behind_corner(
 }
 
 /// Velocities of smallest kinetic energy with `Φ̇ = 0` and the exact start rows. Guessed rows are fitted
-/// first; the exact ones then correct by the smallest change. Pins keep their places in their shells as far as all these
-/// rows allow.
+/// first; the exact ones then correct by the smallest change. Pins keep their places in their shells as far
+/// as all these rows allow.
 fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     state.velocity.fill(0.0);
     let system = &model.compiled.system;
@@ -174,8 +176,9 @@ fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
 /// Rate of a pin in its shell, as a share of the model's speed, that counts as rest.
 const RESTS: f64 = 1e-9;
 
-/// The change of least kinetic energy that takes the rates of pins in their shells away, without a change of other rows. Least
-/// energy alone would turn a crank that only films hold about its centre of mass, and its pins would leave their shells.
+/// The change of least kinetic energy that takes the rates of pins in their shells away, without a change of
+/// other rows. Least energy alone would turn a crank that only films hold about its centre of mass, and its
+/// pins would leave their shells.
 fn keep_pins(
     model: &Model,
     state: &State,
@@ -218,8 +221,8 @@ fn keep_pins(
     Ok(from_energy.of_vector(&x))
 }
 
-/// The parts of the rows of `free` along the rows of `kept`, which have unit length, come off. `None` if a number is not
-/// finite.
+/// The parts of the rows of `free` along the rows of `kept`, which have unit length, come off. `None` if a
+/// number is not finite.
 fn take_away(kept: &Gradients, free: &mut DMatrix<f64>) -> Option<()> {
     if kept.nrows() == 0 {
         return Some(());

@@ -1,7 +1,7 @@
 //! Elastic surfaces in the balance of their bodies: modal forces `Ψᵀ f`, and the blocks of the step's matrix.
 //!
-//! With the answers y of a field for its element, its drives x and the unknown u of the step, where `δb = Ψ δa` and `δḃ = w Ψ
-//! δa` with the weight w of velocities,
+//! With the answers y of a field for its element, its drives x and the unknown u of the step, where
+//! `δb = Ψ δa` and `δḃ = w Ψ δa` with the weight w of velocities,
 //!
 //! ```text
 //! δy = ∂y/∂x δx + S_y Ψ δa        S = ∂/∂b + w ∂/∂ḃ
@@ -61,7 +61,8 @@ impl Dynamics {
         }
     }
 
-    /// Writes the change of the surfaces' motion along a vector of body velocities: rates, and no change of the amplitudes.
+    /// Writes the change of the surfaces' motion along a vector of body velocities: rates, and no change of
+    /// the amplitudes.
     pub(super) fn rates_along(&mut self, model: &Model, along: &[f64]) {
         for surface in &model.surfaces {
             let motion = &mut self.work.surfaces[surface.motion()];

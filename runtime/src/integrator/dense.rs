@@ -6,8 +6,8 @@ use crate::rotation::{V3, inverse_tangent};
 use crate::state::{State, move_pose};
 
 impl Integrator {
-    /// The state at a fraction 0…1 of the last step: cubic in positions (rotations in the increment from the step's begin) and
-    /// in velocities, from values and rates at both ends. Not projected.
+    /// The state at a fraction 0…1 of the last step: cubic in positions (rotations in the increment from the
+    /// step's beginning) and in velocities, from values and rates at both ends. Not projected.
     pub fn interpolate(&self, model: &Model, fraction: f64, work: &mut [f64], out: &mut State) {
         let (from, to) = (&self.previous, &self.current);
         let h = to.time - from.time;

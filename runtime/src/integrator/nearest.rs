@@ -8,8 +8,8 @@ use crate::state::State;
 
 /// Corrections of a state between two steps.
 const CORRECTIONS: usize = 2;
-/// Length of a step, as a share of that of the kept matrix, below which its states need no correction. Such a step leads
-/// across a jump of loads, where the interpolated accelerations balance no load.
+/// Length of a step, as a share of that of the kept matrix, below which its states need no correction. Such a
+/// step leads across a jump of loads, where the interpolated accelerations balance no load.
 const ACROSS: f64 = 1e-3;
 
 impl Integrator {

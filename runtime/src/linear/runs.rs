@@ -13,7 +13,7 @@ struct Run {
 /// The runs of every column.
 #[derive(Clone, Debug, Default)]
 pub struct Runs {
-    /// Begin of each column in `runs`, and the end.
+    /// Beginning of each column in `runs`, and the end.
     columns: Vec<usize>,
     runs: Vec<Run>,
 }

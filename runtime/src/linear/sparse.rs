@@ -11,7 +11,8 @@ use faer::{Conj, MatMut, Par};
 
 /// Sparse LU of faer: columns ordered once (COLAMD), rows pivoted at each factorisation.
 ///
-/// Work space is kept. faer's numeric storage is kept as well: it grows with the first factorisations and is then reused.
+/// Work space is kept. faer's numeric storage is kept as well: it grows with the first factorisations and is
+/// then reused.
 pub struct SparseLu {
     size: usize,
     entries: usize,

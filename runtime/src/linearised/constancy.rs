@@ -179,8 +179,8 @@ impl<'a> Here<'a> {
             .map_or(f64::INFINITY, |modal| modal.change(there))
     }
 
-    /// The same for coefficients in the same position. There is no rounding of a turn, so a change in a soft
-    /// direction beside a stiff one counts too.
+    /// The same for coefficients in the same position. No body has turned, so no rounding of a rotation enters,
+    /// and a change in a soft direction beside a stiff one counts too.
     pub fn change_in_place(&self, model: &Model, there: &Equations) -> f64 {
         match self.modal() {
             Some(modal) => modal.change(there),

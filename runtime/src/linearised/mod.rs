@@ -195,7 +195,8 @@ impl LinearModes {
     }
 }
 
-/// The kind of the coefficients at a state, and a bound on the effect of their changes on each eigenvalue, as a share of its size.
+/// The kind of the coefficients at a state, and a bound on the effect of their changes on each eigenvalue, as
+/// a share of its size.
 ///
 /// # Errors
 /// When coefficients change and are not to be taken as `frozen`.

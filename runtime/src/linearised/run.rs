@@ -215,8 +215,9 @@ impl Simulation {
         })
     }
 
-    /// The matrices of small motions about the state of the last outputs, under `inputs` and with `channels` as outputs.
-    /// Coefficients that change along the motion are an error unless they are held at the moment (`frozen`).
+    /// The matrices of small motions about the state of the last outputs, under `inputs` and with `channels`
+    /// as outputs. Coefficients that change along the motion are an error unless they are held at the moment
+    /// (`frozen`).
     pub fn sampled_state_space(
         &mut self,
         inputs: &[usize],

@@ -3,10 +3,11 @@
 //! ξ = (x, ẋ, z) are the coordinates of [`Equations`]: x of the freedoms (in m√kg, because NᵀMN = 1), their rates, and
 //! states of elements. u and y are differences of inputs and channels from their values at the state (SI).
 //!
-//! A and C are those of [`linearise`](super::linearise): exact blocks of Newton's matrix, and differences of the outputs along each
-//! coordinate. An input changes constants of elements, so B and D come from differences of accelerations, rates and
-//! outputs over values of the input, `(8 (f(h) − f(−h)) − (f(2h) − f(−2h)))/12h`. `B_ẋ = NᵀM ∂v̇/∂u`, `B_z = ∂ż/∂u`. Nobody
-//! states the size of an input over which its effect is straight. So each number comes from the step h whose result changes
+//! A and C are those of [`linearise`](super::linearise): exact blocks of Newton's matrix, and differences of
+//! the outputs along each coordinate. An input changes constants of elements, so B and D come from
+//! differences of accelerations, rates and outputs over values of the input,
+//! `(8 (f(h) − f(−h)) − (f(2h) − f(−2h)))/12h`. `B_ẋ = NᵀM ∂v̇/∂u`, `B_z = ∂ż/∂u`. Nobody states the size of
+//! an input over which its effect is straight. So each number comes from the step h whose result changes
 //! least when the step becomes ten times smaller, plus the rounding ε|f|/h.
 
 use super::equations::Equations;
@@ -60,8 +61,8 @@ struct Answer {
     numbers: DVector<f64>,
 }
 
-/// The matrices about a state. `inputs` are indices into the inputs of the system, `channels` into its channels. The model
-/// has the present values of its inputs as parameters.
+/// The matrices about a state. `inputs` are indices into the inputs of the system, `channels` into its
+/// channels. The model has the present values of its inputs as parameters.
 ///
 /// # Errors
 /// Those of [`linearise`](super::linearise); an input whose effect has a kink at its value.

@@ -59,12 +59,12 @@ impl Slots<'_> {
 impl Model {
     /// Binds a parameter set and checks that system and code fit together.
     ///
-    /// The position tolerance is 1e-3 of the smallest length that a class resolves, or 1e-6 of the model's
-    /// length.
+    /// The position tolerance is 1e-3 of the smallest length that a class resolves, and at most 1e-6 of the
+    /// model's length. The error of one step may be a tenth of it.
     ///
     /// # Errors
-    /// Parameters that the bind graph refuses; bodies that cannot be; a system whose parts do not fit each
-    /// other.
+    /// Parameters that the bind graph refuses; physically impossible bodies; a system whose parts do not fit
+    /// each other.
     pub fn bind(compiled: &Compiled, overrides: &[Option<f64>]) -> Result<Model, RuntimeError> {
         let system = &compiled.system;
         if compiled.code.len() != system.classes.len() {
@@ -152,7 +152,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Adds a body behind those so far.
+    /// Adds a body after all others.
     fn add_body(&mut self, body: &Body, slots: &Slots) -> Result<(), RuntimeError> {
         let reduced = &self.compiled.reduced;
         let model = BodyModel {
@@ -176,7 +176,7 @@ impl Model {
         Ok(())
     }
 
-    /// A marker on a body that is there.
+    /// A marker on the ground or on a body that is already in the model.
     fn marker(&self, marker: &Marker, slots: &Slots) -> Result<MarkerModel, RuntimeError> {
         let Compiled {
             system, reduced, ..
@@ -225,7 +225,7 @@ impl Model {
         })
     }
 
-    /// Adds an element behind those so far.
+    /// Adds an element after all others.
     fn add_element(&mut self, element: &Element, slots: &Slots) -> Result<(), RuntimeError> {
         let path = &element.origin.path;
         let system = &self.compiled.system;
@@ -399,8 +399,8 @@ fn surface_of(compiled: &Compiled, marker: usize) -> Option<(usize, &ReducedSurf
 
 /// The position tolerance (m) of a model of this length (m).
 fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64, RuntimeError> {
-    // a class can require finer positions than the model's length gives, never coarser ones: it has
-    // nothing of the other classes in the model, and a length in a wrong unit would make all of them coarse
+    // a class can require finer positions than the model's length gives, never coarser ones: it does not know
+    // the other classes of the model, and a length in a wrong unit would make the positions of all coarse
     let mut tolerance = OF_LENGTH * length;
     for resolution in &system.resolutions {
         // the compiler adds a condition that each is positive
@@ -409,7 +409,7 @@ fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64
     Ok(tolerance)
 }
 
-/// Checks that channels and the cycle read outputs that are there.
+/// Checks that channels and the cycle read existing outputs.
 fn check_readers(system: &System, slots: &Slots) -> Result<(), RuntimeError> {
     let outputs = |element: u32| {
         let element = system.elements.get(element as usize)?;

@@ -32,15 +32,15 @@ pub struct Moved {
     /// Largest difference of positions and states, in units of the error that the tolerance of the steps
     /// leaves.
     pub beyond: f64,
-    /// The same difference from the cycle eight cycles before, once it exists. A motion that approaches its limit slowly is far
-    /// from that cycle, and noise of the steps is not.
+    /// The same difference from the cycle eight cycles before, once it exists. A motion that approaches its
+    /// limit slowly is far from that cycle, and noise of the steps is not.
     pub beyond_long: Option<f64>,
 }
 
 impl Moved {
-    /// Whether the motion repeats within the tolerance of its steps: now, and in its limit. If the last difference follows from the
-    /// earlier ones, their factor leads to the limit. Otherwise the factor is random, and the motion must also equal
-    /// that of an early cycle.
+    /// Whether the motion repeats within the tolerance of its steps: now, and in its limit. If the last
+    /// difference follows from the earlier ones, their factor leads to the limit. Otherwise the factor is
+    /// random, and the motion must also equal that of an early cycle.
     pub fn repeats(&self, noise: f64) -> bool {
         let Some(mode) = self.mode.filter(|_| self.beyond <= 1.0) else {
             return false;
@@ -146,8 +146,8 @@ impl Motion {
         }
     }
 
-    /// Largest difference of positions and states of two cycles, in units of the error that the tolerance leaves. The size of a
-    /// state is its largest value in both cycles, as in the control of steps.
+    /// Largest difference of positions and states of two cycles, in units of the error that the tolerance
+    /// leaves. The size of a state is its largest value in both cycles, as in the control of steps.
     fn beyond(&self, now: &Cycle, before: &Cycle) -> f64 {
         let pose_width = self.places.last().map_or(1, |p| p.pose + 7 + p.modes);
         let mut worst = 0.0_f64;
@@ -259,7 +259,7 @@ mod tests {
             };
             cycles_of(&mut of_states(&[1.0]), 10, state)
         };
-        // the noise stands at one sample, so its factor says nothing
+        // by the noise the cycles differ at one sample, so its factor says nothing
         assert!(with(0.0).repeats(0.3), "{:?}", with(0.0));
         let drifts = with(0.14);
         assert!(drifts.beyond <= 1.0, "{drifts:?}");

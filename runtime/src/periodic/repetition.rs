@@ -251,7 +251,8 @@ impl Comparison {
 /// known differences, or with differences of one direction, there is one mode. `None` if earlier differences
 /// are unknown or zero. Each difference has `width` numbers for each sample.
 ///
-/// Two unknowns fit a difference at one or two samples whatever it is. So one that stands at few samples counts as not predicted.
+/// Two unknowns fit any difference at one or two samples. So if the cycles differ at few samples, the
+/// difference counts as not predicted.
 pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Mode> {
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
     let (s00, s11) = (dot(d0, d0), dot(d1, d1));
@@ -299,8 +300,8 @@ pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Mode> {
     })
 }
 
-/// Number of samples over which a difference is spread, `(Σ e)²/Σ e²` with e the sum of squares of a sample: 1 if one sample
-/// differs, n if n samples differ alike. Infinite without differences.
+/// Number of samples over which a difference is spread, `(Σ e)²/Σ e²` with e the sum of squares of a sample:
+/// 1 if one sample differs, n if n samples differ alike. Infinite without differences.
 fn samples_of(difference: &[f64], width: usize) -> f64 {
     let squares = difference
         .chunks(width)

@@ -1,18 +1,18 @@
 //! A start at a kink: the motion begins on the side to which it goes.
 //!
-//! Before its start a motion has no values. So where a load or a demanded acceleration jumps at the first state, such as behind
-//! `if time > 0 s`, its value is that just behind the start. Outputs of the first state are those of a state just behind it, and
-//! the first step begins there if the kink is a moment.
+//! Before its start a motion has no values. So where a load or a demanded acceleration jumps at the first
+//! state, such as after `if time > 0 s`, its value is that just after the start. Outputs of the first state
+//! are those of a state just after it, and the first step begins there if the kink is a moment.
 
 use super::Simulation;
 use crate::error::RuntimeError;
 use crate::state::State;
 use eng_system::system::StepControl;
 
-/// Distance behind a kink of the motion, as a share of the time in which the motion covers its own size.
+/// Distance after a kink of the motion, as a share of the time in which the motion covers its own size.
 const BEHIND: f64 = 1e-12;
-/// Longest way to a kink, in the same measure. A slow motion reaches a kink that is a rounding away after a time in which its
-/// loads change by themselves, and its first state is no state of that time.
+/// Longest way to a kink, in the same measure. A slow motion reaches a kink that is a rounding away after a
+/// time in which its loads change by themselves, and its first state is no state of that time.
 const NEAR: f64 = 1e-9;
 /// Change of an acceleration or a rate at the kink that is a jump, as a share of the largest one.
 const JUMP: f64 = 1e-6;
@@ -30,7 +30,7 @@ impl Simulation {
         }
     }
 
-    /// The state just behind the start, if the motion begins at kinks and accelerations or rates of states jump there.
+    /// The state just after the start, if the motion begins at kinks and accelerations or rates of states jump there.
     pub(super) fn behind_start(&mut self) -> Result<Option<State>, RuntimeError> {
         if self.integrator.statistics.steps > 0 {
             return Ok(None);

@@ -1,33 +1,36 @@
 //! Kinks of constraints: a velocity that a constraint demands must not jump there.
 //!
-//! A constraint demands `Φ = 0` and `Φ̇ = 0`. A drive along `max(0 s, t − 1 s) · 1 m/s` demands another velocity behind its kink
-//! than before it. The change of velocities needs an impulse, whose distribution and loss of energy an impact law
-//! would have to state. Eng has no such laws. Steps across the kink would take a velocity between both, and lose or gain
-//! momentum and energy. So the run ends there. If only the demanded acceleration jumps, the motion starts again
-//! behind the kink.
+//! A constraint demands `Φ = 0` and `Φ̇ = 0`. A drive along `max(0 s, t − 1 s) · 1 m/s` demands another
+//! velocity after its kink than before it. The change of velocities needs an impulse, whose distribution and
+//! loss of energy an impact law would have to state. Eng has no such laws. Steps across the kink would take a
+//! velocity between both, and lose or gain momentum and energy. So the run ends there. If only the demanded
+//! acceleration jumps, the motion starts again after the kink.
 //!
-//! Both sides are compared at one motion: Φ and Φ̇ of the element at the motion just before and just behind the kink, along the
-//! velocities and accelerations before it. The difference of a continuous value shrinks with the distance of both.
+//! Both sides are compared at one motion: Φ and Φ̇ of the element at the motion just before and just after
+//! the kink, along the velocities and accelerations before it. The difference of a continuous value shrinks
+//! with the distance of both.
 //!
-//! The place of the kink is the zero of its function. Where the rate of the function does not lead to it, as at `(t − 1 s)³`,
-//! bisection finds the place. A function that only touches zero changes no sign, and demands no jump.
+//! The place of the kink is the zero of its function. Where the rate of the function does not lead to it, as
+//! at `(t − 1 s)³`, bisection finds the place. A function that only touches zero changes no sign, and demands
+//! no jump.
 
 use super::Simulation;
 use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::state::State;
 
-/// Smallest jump of a demanded velocity that counts: as a share of the model's motion, and of the model's length in a second. A
-/// smaller one is rounding, or an error of the text that no result shows.
+/// Smallest jump of a demanded velocity that counts: as a share of the model's motion, and of the model's
+/// length in a second. A smaller one is rounding, or an error of the text that no result shows.
 const VELOCITY: (f64, f64) = (1e-6, 1e-9);
-/// The second distance from the kink as a share of the first one, and the least part of a difference that remains there if it is a
-/// jump.
+/// The second distance from the kink as a share of the first one, and the least part of a difference that
+/// remains there if it is a jump.
 const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
 /// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there.
 const ROUNDINGS: [f64; 2] = [2048.0, 2.0];
-/// Distance from a kink within a step, as a share of the step. Nearer to a corner, a rate such as that of `acos(dot(a, b))` has few
-/// digits: at the angle x from the corner, the rounding ε of the cosine changes it by `ε/x²` of itself. A hundred radians a second and
-/// steps of 0.1 ms are `x = 1e-6` there, so the rate is known to 2e-4.
+/// Distance from a kink within a step, as a share of the step. Nearer to a corner, a rate such as that of
+/// `acos(dot(a, b))` has few digits: at the angle x from the corner, the rounding ε of the cosine changes it
+/// by `ε/x²` of itself. A hundred radians a second and steps of 0.1 ms are `x = 1e-6` there, so the rate is
+/// known to 2e-4.
 const WITHIN: f64 = 1e-4;
 /// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed.
 const STRAIGHT: f64 = 0.5;
@@ -37,11 +40,11 @@ const SMOOTH: f64 = 1e-2;
 const SHORTEST: f64 = 1e-12;
 /// Growth of the distance over which a kink is searched.
 const WIDER: f64 = 4.0;
-/// Places behind the beginning of a step, in steps, up to which the motion before a kink is followed to find it.
+/// Places after the beginning of a step, in steps, up to which the motion before a kink is followed to find it.
 const ALONG: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 /// Distance from a kink at which accelerations are compared, as a share of the step.
 const APART: f64 = 1e-3;
-/// Largest error of a position over a step h behind a jump of an acceleration, as a share of h² times the jump.
+/// Largest error of a position over a step h after a jump of an acceleration, as a share of h² times the jump.
 const MOST_ERROR: f64 = 0.25;
 
 /// Φ and Φ̇ of an element on the other side of a kink, less those on this side.
@@ -84,8 +87,9 @@ impl Simulation {
         found
     }
 
-    /// Refuses kinks within the last step at which a constraint demands a jump: kinks with the times (s) from its beginning. The
-    /// motion is that before the step, because behind a jump the step has a velocity between those of both sides.
+    /// Refuses kinks within the last step at which a constraint demands a jump: kinks with the times (s) from
+    /// its beginning. The motion is that before the step, because after a jump the step has a velocity
+    /// between those of both sides.
     pub(super) fn refuse_jumps_within(
         &mut self,
         passed: &[(usize, f64)],
@@ -115,12 +119,12 @@ impl Simulation {
         found
     }
 
-    /// Keeps a kink at a time (s) behind a motion, within a fixed step h (s), if the acceleration that a constraint demands jumps
-    /// there by a size that matters.
+    /// Keeps a kink at a time (s) after a motion, within a fixed step h (s), if the acceleration that a
+    /// constraint demands jumps there by a size that matters.
     ///
-    /// The jump of Φ̈ is that of the slope of Φ̇, from two points on each side, at `−2d, −d, d, 2d` from the kink. The scheme integrates
-    /// accelerations like a trapezoid. So behind a jump `Δa` at the share s of the step, a motion that follows it errs by
-    /// `h² Δa (1/4 − (1 − s)²/2)`, a quarter of `h² Δa` at most.
+    /// The jump of Φ̈ is that of the slope of Φ̇, from two points on each side, at `−2d, −d, d, 2d` from the
+    /// kink. The scheme integrates accelerations like a trapezoid. So after a jump `Δa` at the share s of the
+    /// step, a motion that follows it errs by `h² Δa (1/4 − (1 − s)²/2)`, a quarter of `h² Δa` at most.
     fn keep_acceleration_jump(
         &mut self,
         kink: usize,
@@ -167,8 +171,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// The time (s) behind a motion at which the function of a kink changes its sign, if it does so at most a step away. Its
-    /// sizes before and behind it must be above rounding.
+    /// The time (s) after a motion at which the function of a kink changes its sign, if it does so at most a
+    /// step away. Its sizes before and after it must be above rounding.
     fn crossed_beside(
         &mut self,
         kink: usize,
@@ -191,7 +195,7 @@ impl Simulation {
         Ok(None)
     }
 
-    /// The time (s) behind a motion, between two others, at which the function of a kink changes its sign.
+    /// The time (s) after a motion, between two others, at which the function of a kink changes its sign.
     fn between(
         &mut self,
         kink: usize,
@@ -213,7 +217,7 @@ impl Simulation {
         }
     }
 
-    /// The function of a kink at a time (s) behind a motion.
+    /// The function of a kink at a time (s) after a motion.
     fn value_at(&mut self, kink: usize, base: &State, e: f64) -> Result<f64, RuntimeError> {
         let state = self.moved(base, e);
         self.place_kinks(&state)?;
@@ -232,8 +236,8 @@ impl Simulation {
         (self.dynamics).gather(&self.model, &state.states, &[], &state.rotations);
     }
 
-    /// Refuses a kink at a time (s) behind a motion, if a constraint demands a jump there: its difference does not shrink
-    /// from the larger distance (s) to the smaller one.
+    /// Refuses a kink at a time (s) after a motion, if a constraint demands a jump there: its difference does
+    /// not shrink from the larger distance (s) to the smaller one.
     fn refuse_jump(
         &mut self,
         kink: usize,
@@ -285,8 +289,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Whether the function of a kink changes about as its rate says between two times (s) behind a motion. The place of its zero
-    /// then follows from the rate.
+    /// Whether the function of a kink changes about as its rate says between two times (s) after a motion.
+    /// The place of its zero then follows from the rate.
     fn passes(
         &mut self,
         kink: usize,
@@ -301,8 +305,8 @@ impl Simulation {
         Ok((change - foreseen).abs() <= STRAIGHT * foreseen.abs())
     }
 
-    /// Φ and Φ̇ of an element at a time e (s) behind a motion, along its velocities and accelerations; `None` where they are no
-    /// numbers.
+    /// Φ and Φ̇ of an element at a time e (s) after a motion, along its velocities and accelerations; `None`
+    /// where they are no numbers.
     fn demands(&mut self, element: usize, base: &State, e: f64) -> Option<Difference> {
         let state = self.moved(base, e);
         self.place_at(&state);

@@ -8,8 +8,8 @@ use crate::state::State;
 
 /// Most trials of a step that a kink may shorten.
 const MOST_CUTS: usize = 14;
-/// Most trials that end where the cubic over the one before says, at a kink that is no length or angle, and the share of the way
-/// to it for the trials after that.
+/// Most trials that end where the cubic over the one before says, at a kink that is no length or angle, and
+/// the share of the way to it for the trials after that.
 const SECANTS: usize = 4;
 const SHORT: f64 = 0.9;
 /// Shortest trial that ends at a kink (s). A kink nearer than this is at the beginning of the step.
@@ -17,26 +17,27 @@ const SHORTEST: f64 = 1e-12;
 /// Share of the way to a kink by which the third trial ends before it, its factor for each further one, and the largest
 /// share.
 const RETREAT: (f64, f64, f64) = (1e-5, 8.0, 0.1);
-/// Share of the change of accelerations behind a kink that a jump makes at the kink itself.
+/// Share of the change of accelerations after a kink that a jump makes at the kink itself.
 const AT_ONCE: f64 = 0.5;
-/// Distance behind a kink, as a share of its limit, at which the motion starts again if forces jump there.
+/// Distance after a kink, as a share of its limit, at which the motion starts again if forces jump there.
 const ACROSS: f64 = 1e-3;
-/// Distance of the states behind a kink, as a share of the time in which the motion covers about its own size.
+/// Distance of the states after a kink, as a share of the time in which the motion covers about its own size.
 const BEHIND: f64 = 1e-4;
 /// Their largest distance, as a share of the time to the next kink of the element.
 const BESIDE: f64 = 0.1;
-/// Largest deviation of accelerations and rates behind a kink from a straight line through the state at the
+/// Largest deviation of accelerations and rates after a kink from a straight line through the state at the
 /// kink. A jump deviates by all of its size.
 const STRAIGHT: f64 = 0.5;
 /// Difference of accelerations or rates on both sides of a moment that is a jump, as a share of the largest of them.
 const JUMP: f64 = 1e-9;
-/// Error of the velocity of a step behind a kink that is allowed in any case, as a share of the largest velocity.
+/// Error of the velocity of a step after a kink that is allowed in any case, as a share of the largest velocity.
 const VELOCITY: f64 = 1e-4;
 /// Rounding of the increment of a step, of the model's length. Over a step it is one of the velocity.
 const ROUNDING: f64 = 1e-14;
-/// Share of the step that the error allows behind a kink, and largest growth of the step there. Behind a kink a force may grow
-/// as t^(3/2), as Hertz' contact does. The first step h then has an error of the velocity of the order h^(5/2), which the
-/// error of positions does not show, and a long flight after the contact multiplies it by its duration.
+/// Share of the step that the error allows after a kink, and largest growth of the step there. After a kink a
+/// force may grow as t^(3/2), as Hertz' contact does. The first step h then has an error of the velocity of
+/// the order h^(5/2), which the error of positions does not show, and a long flight after the contact
+/// multiplies it by its duration.
 const FIRST: (f64, f64) = (0.2, 4.0);
 
 impl Simulation {
@@ -54,8 +55,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Keeps a kink within a fixed step h (s) that ends at a moment, if its weight, in units of its limit, is larger than that of the
-    /// one before.
+    /// Keeps a kink within a fixed step h (s) that ends at a moment, if its weight, in units of its limit, is
+    /// larger than that of the one before.
     pub(super) fn keep_overlooked(
         &mut self,
         passed: &Crossing,
@@ -70,14 +71,16 @@ impl Simulation {
 
     /// The length (s) of the next trial and the kink at its end, if a trial of a step h passes a kink.
     ///
-    /// The first shorter trial ends where the cubic over the trial says. The part of the trial behind the kink has another
-    /// force, which bends the cubic: behind a stiff stop it says nothing. So the second one ends where the motion before the
-    /// kink leads, if that is earlier, and each further one is shorter by a larger share. A trial without solution may come
-    /// from a stiff stop behind a kink, so it is repeated up to the kink that lies ahead.
+    /// The first shorter trial ends where the cubic over the trial says. The part of the trial after the kink
+    /// has another force, which bends the cubic: after a stiff stop it says nothing. So the second one ends
+    /// where the motion before the kink leads, if that is earlier, and each further one is shorter by a
+    /// larger share. A trial without solution may come from a stiff stop after a kink, so it is repeated up
+    /// to the kink that lies ahead.
     ///
-    /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a pulse in time, a thin
-    /// sheet. So such a trial is first repeated up to the middle, where its end shows the load. A trial that ends at a moment,
-    /// except for rounding, is repeated up to just before it, because loads may jump there.
+    /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a
+    /// pulse in time, a thin sheet. So such a trial is first repeated up to the middle, where its end shows
+    /// the load. A trial that ends at a moment, except for rounding, is repeated up to just before it,
+    /// because loads may jump there.
     pub(super) fn kink_within(
         &mut self,
         h: f64,
@@ -143,7 +146,7 @@ impl Simulation {
         }
     }
 
-    /// Starts the motion again behind a kink at which loads jump. Returns the time (s) that passes, if they do.
+    /// Starts the motion again after a kink at which loads jump. Returns the time (s) that passes, if they do.
     pub(super) fn after_jump(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
         let jump = std::mem::take(&mut self.jump_at_kink);
         if self.kinks.is_moment(kink) {
@@ -155,11 +158,12 @@ impl Simulation {
         Ok(None)
     }
 
-    /// Starts the motion again behind a kink of the motion at which accelerations jump.
+    /// Starts the motion again after a kink of the motion at which accelerations jump.
     ///
-    /// The step before ends just before this kink. The motion continues across it with the accelerations before it, which
-    /// takes about the time of a quarter of the limit. If it turns back there, as a sticking body does, or if the
-    /// accelerations change by less than half of `jump` (their change at some distance behind), nothing is done.
+    /// The step before ends just before this kink. The motion continues across it with the accelerations
+    /// before it, which takes about the time of a quarter of the limit. If it turns back there, as a sticking
+    /// body does, or if the accelerations change by less than half of `jump` (their change at some distance
+    /// from the kink), nothing is done.
     fn after_jump_of_motion(
         &mut self,
         kink: usize,
@@ -195,10 +199,10 @@ impl Simulation {
         self.begin_behind(&start, behind).map(Some)
     }
 
-    /// Starts the motion again behind a moment at which a load or the rate of a state jumps.
+    /// Starts the motion again after a moment at which a load or the rate of a state jumps.
     ///
-    /// The step before ends just before this moment, most often by some roundings of the time. The motion continues up to both
-    /// sides of it with the accelerations before it.
+    /// The step before ends just before this moment, most often by some roundings of the time. The motion
+    /// continues up to both sides of it with the accelerations before it.
     fn after_jump_in_time(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
         let moment = self.moment();
         let time = self.integrator.current.time;
@@ -231,7 +235,7 @@ impl Simulation {
         self.begin_behind(&start, far).map(Some)
     }
 
-    /// Starts the motion again at a state behind another one, the present one. Returns the time (s) between them.
+    /// Starts the motion again at a state after another one, the present one. Returns the time (s) between them.
     fn begin_behind(&mut self, start: &State, behind: State) -> Result<f64, RuntimeError> {
         let before = std::mem::replace(&mut self.integrator.current, behind);
         self.begin_anew()?;
@@ -257,7 +261,7 @@ impl Simulation {
         }
     }
 
-    /// A trial of h (s) whose error is also that of the velocities, behind a kink.
+    /// A trial of h (s) whose error is also that of the velocities, after a kink.
     pub(super) fn with_velocity_error(&self, trial: Trial, h: f64, factor: f64) -> Trial {
         match trial {
             Trial::Solved { error } if self.before_kink > 0.0 => Trial::Solved {
@@ -269,9 +273,10 @@ impl Simulation {
 
     /// The error of the velocities of the last trial of h (s), in units of its limit.
     ///
-    /// The error of the positions does not show a short pulse between two kinks: within a microsecond nothing moves. But the error of
-    /// the velocity remains, and over a step as long as that before the pulse it becomes one of positions. The scheme
-    /// integrates accelerations like a trapezoid: the error of a step is a twelfth of `h³` times their second rate.
+    /// The error of the positions does not show a short pulse between two kinks: within a microsecond nothing
+    /// moves. But the error of the velocity remains, and over a step as long as that before the pulse it
+    /// becomes one of positions. The scheme integrates accelerations like a trapezoid: the error of a step is
+    /// a twelfth of `h³` times their second rate.
     fn velocity_error(&self, h: f64, factor: f64) -> f64 {
         let (begin, end) = (&self.integrator.current, self.integrator.trial_state());
         let scales = self.model.velocity_scales();
@@ -291,9 +296,9 @@ impl Simulation {
     /// Renews the rates of accelerations in the scheme, after a step h (s) that ended at a kink.
     ///
     /// The auxiliary a of the scheme belongs to the instant `t + (α_m − α_f) h`, so it contains the rate of the
-    /// acceleration v̈. Behind a kink v̈ is another one. With the rate from before the kink every passage would
+    /// acceleration v̈. After a kink v̈ is another one. With the rate from before the kink every passage would
     /// cost an error of `h² Δv̈` in the velocity, as if the step had not ended there. The rate comes from
-    /// accelerations at two states behind the kink. The estimate of the error for this rate gives the next step.
+    /// accelerations at two states after the kink. The estimate of the error for this rate gives the next step.
     ///
     /// If an acceleration jumps, or rises like a root, nothing is renewed. The steps of the error control then
     /// follow it. If the rate of a state does this, such as the flow `√Δp` of a valve, steps end at this kink no
@@ -327,7 +332,7 @@ impl Simulation {
         let way = self.at_kink.filter(|kink| self.kinks.is_way(*kink));
         let to_kink = way.map_or(0.0, |kink| self.kinks.time_to(kink));
         let first = e + left.max(to_kink);
-        // a table may end behind the kink; then the next step reports it
+        // a table may end after the kink; then the next step reports it
         let Ok([a, b]) = self.two_ahead(&start, [first, first + e]) else {
             return Ok(());
         };
@@ -336,7 +341,7 @@ impl Simulation {
         };
         let jerk = rate(&a.acceleration, &b.acceleration);
         let state_jerk = rate(&a.rates, &b.rates);
-        // the value at the kink itself, from those behind it
+        // the value at the kink itself, from those after it
         let bent = |jerk: &[f64], near: &[f64], at: &[f64], scales: &[f64]| {
             let pairs = jerk.iter().zip(near).zip(at).zip(scales);
             pairs.fold((0.0_f64, 0.0_f64), |(miss, size), (((j, a), at), scale)| {

@@ -30,8 +30,8 @@ const ROUNDING: f64 = 1e-9;
 const HALVINGS: usize = 60;
 /// Part of a change that remains after all halvings if it is a jump. Of a steep slope nothing remains.
 const LEFT: f64 = 0.5;
-/// Part of a change below which the search ends: it is no jump. A continuous change comes here after a few halvings, and each evaluates
-/// all loads.
+/// Part of a change below which the search ends: it is no jump. A continuous change comes here after a few
+/// halvings, and each evaluates all loads.
 const GONE: f64 = 0.05;
 /// Most elements in the search.
 const LOOKED_AT: usize = 8;
@@ -125,8 +125,9 @@ impl Simulation {
         }
     }
 
-    /// Refuses a motion that is held at a kink where a load or a rate jumps, because it has no solution behind the jump. Many of the last
-    /// steps have passed the kink to and fro, and on both sides the motion comes towards it.
+    /// Refuses a motion that is held at a kink where a load or a rate jumps, because it has no solution after
+    /// the jump. Many of the last steps have passed the kink to and fro, and on both sides the motion comes
+    /// towards it.
     pub(super) fn refuse_held(&mut self) -> Result<(), RuntimeError> {
         let Some(kink) = self.kinks.often() else {
             return Ok(());

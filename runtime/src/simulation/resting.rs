@@ -7,8 +7,8 @@ use crate::start::StartReport;
 use crate::state::State;
 
 impl Simulation {
-    /// At a state of rest with the multipliers that balance its loads. Its outputs belong to this very state: velocities
-    /// and accelerations are zero, even if a drive states a speed. It cannot step.
+    /// At a state of rest with the multipliers that balance its loads. Its outputs belong to this very state:
+    /// velocities and accelerations are zero, even if a drive states a speed. It cannot step.
     ///
     /// # Errors
     /// A `require` that does not hold; an element that gives no number.

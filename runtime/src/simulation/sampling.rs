@@ -218,7 +218,7 @@ impl Simulation {
 
     fn interpolate_at(&mut self, time: f64) -> Result<(), RuntimeError> {
         let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
-        // a motion that starts again behind a moment leaves a gap of some roundings of the time between
+        // a motion that starts again after a moment leaves a gap of some roundings of the time between
         // two steps
         let begin = from - ROUNDINGS * f64::EPSILON * from.abs();
         if !(begin..=to).contains(&time) {

@@ -37,7 +37,7 @@ const TURN: f64 = 0.25;
 /// most half a turn relative to each other, and up to there an angle can be followed.
 const MOST_TURN: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Rates of a motion behind its present state.
+/// Rates of a motion after its present state.
 pub(super) struct FirstRates {
     /// Rates of the accelerations.
     pub jerk: Vec<f64>,
@@ -81,7 +81,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Accelerations and multipliers of the current state, and their rates behind it. Writes the part of the rates
+    /// Accelerations and multipliers of the current state, and their rates after it. Writes the part of the rates
     /// of accelerations that is normal to the constraints into `work`.
     pub(super) fn first_rates(&mut self, moment: Moment) -> Result<FirstRates, RuntimeError> {
         self.system.accelerations(
@@ -130,7 +130,8 @@ impl Simulation {
             &ends[1].multipliers,
         );
         let state_jerk = rate(&start.rates, &ends[0].rates, &ends[1].rates);
-        // Back at the start itself: the normal part of its jerk.
+        // The evaluations ahead left other values in the work space. At the start again, the jerk gives its
+        // part along the normals of the constraints.
         self.system.accelerations(
             &self.model,
             &mut self.dynamics,
@@ -391,7 +392,7 @@ impl Simulation {
             }
         }
         self.dynamics.memory_mut().begin_step();
-        // the powers before a kink are no measure of the power within the step behind it
+        // the powers before a kink are no measure of the power within the step after it
         let earlier_step = if self.at_kink.take().is_some() {
             0.0
         } else {

@@ -10,9 +10,9 @@
 //!
 //! with the velocities and accelerations of the steady motion. r₀ is the residual at the assembled position,
 //! so s = 0 is solved there. s grows to 1 in portions, which are halved if Newton's method fails. An iterate
-//! leaves at least a quarter of the remaining film, because beyond the shell the film laws have no meaning. Where the surface
-//! yields, a pin may leave this circle. It then moves by a quarter of the clearance at most.
-//! At rest the search does not end at a position without stiffness, and it recognises a balance that is
+//! leaves at least a quarter of the remaining film, because beyond the shell the film laws have no meaning.
+//! Where the surface yields, a pin may leave this circle. It then moves by a quarter of the clearance at
+//! most. At rest the search does not end at a position without stiffness, and it recognises a balance that is
 //! upside down (`stability`).
 
 mod describing;
@@ -40,7 +40,8 @@ use nalgebra::{DMatrix, DVector};
 /// Share of a freedom's inertia times the square of the engine's pace, below which its stiffness counts as
 /// zero.
 const NEUTRAL: f64 = 1e-6;
-/// Part of a film that an iterate must leave, and share of the clearance by which a pin may move outwards where its shell yields.
+/// Part of a film that an iterate must leave, and share of the clearance by which a pin may move outwards
+/// where its shell yields.
 const LEFT: f64 = 0.25;
 /// Largest move of an iterate, in the model's length or rad.
 const REACH: f64 = 0.2;

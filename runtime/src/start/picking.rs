@@ -21,8 +21,8 @@ pub(super) fn split(matrix: &DMatrix<f64>) -> Option<Picked> {
     split_above(matrix, DETERMINED)
 }
 
-/// An orthonormal basis of the directions that rows leave free (space × rest): [`Picked::free`] of [`split`]. Many rows that
-/// are clearly independent need no singular values. `None` if numbers are not finite.
+/// An orthonormal basis of the directions that rows leave free (space × rest): [`Picked::free`] of [`split`].
+/// Many rows that are clearly independent need no singular values. `None` if numbers are not finite.
 pub(super) fn free_of(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     match Independent::alone(&Gradients::of(matrix)) {
         Some(factor) => Some(factor.basis()),

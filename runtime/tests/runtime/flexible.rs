@@ -223,7 +223,8 @@ impl Moving {
     }
 }
 
-/// Inertia, gravity, elastic and damping force by sums over nodes whose mass acts on translations: `Σ_ij (∂ẋ_i/∂v)ᵀ M_ij (ẍ_j − g)`.
+/// Inertia, gravity, elastic and damping force by sums over nodes whose mass acts on translations:
+/// `Σ_ij (∂ẋ_i/∂v)ᵀ M_ij (ẍ_j − g)`.
 fn by_sums(nodes: &Nodes, m: &Moving, k: &DMatrix<f64>, c: &DMatrix<f64>) -> DVector<f64> {
     let n = m.a.len();
     let count = nodes.places.len();

@@ -5,7 +5,8 @@ use eng_runtime::linear::dissection::Dissection;
 use eng_runtime::linear::{BlockLu, LinearError, LinearSolver, Pattern, PatternBuilder, SparseLu};
 use nalgebra::{DMatrix, DVector};
 
-/// A mechanism's matrix `[M + K, Φᵀ; Φ, 0]`: bodies with their widths, joints between two of them (or one and the ground), loads.
+/// A mechanism's matrix `[M + K, Φᵀ; Φ, 0]`: bodies with their widths, joints between two of them (or one and
+/// the ground), loads.
 struct Mechanism {
     widths: Vec<usize>,
     joints: Vec<(usize, Option<usize>, usize)>,

@@ -32,8 +32,8 @@ fn plain(mass: f64, inertia: [f64; 3]) -> BodySpec {
     }
 }
 
-/// Crank about z, rod on a revolute big end and a spherical small end with a roll-free piston pin, piston along x. Rod and piston
-/// have no stated place.
+/// Crank about z, rod on a revolute big end and a spherical small end with a roll-free piston pin, piston
+/// along x. Rod and piston have no stated place.
 pub fn slider_crank(turn: Turn, gravity: [f64; 3], extras: bool) -> SliderCrank {
     let mut b = Builder::new(gravity);
     let crank = b.body(

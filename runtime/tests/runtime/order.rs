@@ -7,7 +7,8 @@ use eng_system::system::StepControl;
 
 const END: f64 = 0.12;
 
-/// Runs to [`END`] with `count` steps of a size that varies by up to `variation` around the mean, along a smooth pattern.
+/// Runs to [`END`] with `count` steps of a size that varies by up to `variation` around the mean, along a
+/// smooth pattern.
 fn run(compiled: &Compiled, count: usize, variation: f64) -> Simulation {
     let weights: Vec<f64> = (0..count)
         .map(|i| {

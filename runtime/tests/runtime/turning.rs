@@ -270,8 +270,8 @@ fn an_unequal_shaft_sags_and_moves_at_twice_its_speed() {
     }
 }
 
-/// Ends on springs, stiffer up than sideways: the frame moves too. Gravity lowers it and bends the shaft as at rest; under the
-/// unbalance both run in ellipses, each axis by its own two equations.
+/// Ends on springs, stiffer up than sideways: the frame moves too. Gravity lowers it and bends the shaft as
+/// at rest; under the unbalance both run in ellipses, each axis by its own two equations.
 #[test]
 fn a_shaft_on_springs_takes_its_frame_along() {
     let spring = 3e4;

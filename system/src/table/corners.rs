@@ -14,8 +14,9 @@ pub struct Corners<'a> {
 }
 
 impl<'a> Corners<'a> {
-    /// `inner` and `ends` are the highest continuous derivatives at the inner points and at both ends. A point is a corner if
-    /// this is below `smooth`. With a period the last point is the first one of the next period, and both are inner points.
+    /// `inner` and `ends` are the highest continuous derivatives at the inner points and at both ends. A
+    /// point is a corner if this is below `smooth`. With a period the last point is the first one of the next
+    /// period, and both are inner points.
     pub(super) fn new(
         points: &'a [f64],
         period: Option<f64>,
@@ -33,8 +34,9 @@ impl<'a> Corners<'a> {
         }
     }
 
-    /// The corner that is nearest to an argument among the inner points, and both beside it. Point number k has the place `k mod 3`,
-    /// so it keeps its place while the argument moves by one point. `None` where there is no such point.
+    /// The corner that is nearest to an argument among the inner points, and both beside it. Point number k
+    /// has the place `k mod 3`, so it keeps its place while the argument moves by one point. `None` where
+    /// there is no such point.
     pub fn beside(&self, x: f64) -> [Option<f64>; BESIDE] {
         let mut found = [None; BESIDE];
         // the points of one period; without a period those between both ends

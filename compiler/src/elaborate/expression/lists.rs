@@ -93,7 +93,7 @@ impl<'a> Elaborator<'a, '_> {
         )
     }
 
-    /// The elements of a list or family. A range, a list of numbers or `*` selects several; the indices behind
+    /// The elements of a list or family. A range, a list of numbers or `*` selects several; the indices after
     /// it belong to each of these.
     pub(super) fn indexed(
         &mut self,

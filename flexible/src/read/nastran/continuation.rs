@@ -44,7 +44,7 @@ struct Orphan {
     used: bool,
 }
 
-/// Makes cards of lines. A card without its continuation behind it waits until the end of the deck.
+/// Makes cards of lines. A card without its continuation after it waits until the end of the deck.
 #[derive(Default)]
 pub(super) struct Assembler {
     open: Option<Open>,

@@ -292,7 +292,7 @@ fn bar(card: &Card) -> Result<Kind, FileProblem> {
 }
 
 /// `RBE1 EID GN1 CN1 GN2 CN2 GN3 CN3 / … / UM GM1 CM1 …`: six independent freedoms before `UM`, dependent
-/// ones behind it.
+/// ones after it.
 fn general(card: &Card) -> Result<Kind, FileProblem> {
     let (mut given, mut following) = (Vec::new(), Vec::new());
     let mut behind = false;

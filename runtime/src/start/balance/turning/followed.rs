@@ -91,7 +91,7 @@ struct Follower {
     behind: VecDeque<Vec<f64>>,
 }
 
-/// The begin of a step, and the loads of the efforts.
+/// The beginning of a step, and the loads of the efforts.
 struct Step<'a> {
     here: &'a State,
     pulled: &'a DVector<f64>,
@@ -569,8 +569,8 @@ impl Balance<'_> {
         Ok((off, all))
     }
 
-    /// Weight matrix of moves in scaled velocities, and the weighed rows of the eccentricities in it. Eccentricities and
-    /// shapes are stiff.
+    /// Weight matrix of moves in scaled velocities, and the weighed rows of the eccentricities in it.
+    /// Eccentricities and shapes are stiff.
     fn stiff(&self, state: &State) -> (DMatrix<f64>, DMatrix<f64>) {
         let model = self.model;
         let n = model.velocities;

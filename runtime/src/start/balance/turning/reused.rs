@@ -1,22 +1,24 @@
 //! Steps along a motion that take over the work of earlier steps.
 //!
-//! Without films on cells a matrix and its factors cost as much as ten evaluations or more. In films on cells the solution of the
-//! fields takes most of the time of an evaluation, and their derivatives take as long again. So a step has few of both. The factors
-//! of one matrix serve for many steps, with the secants of earlier corrections ([`Secants`]), and are made anew when they contract
-//! slowly. The search begins where the scheme extrapolates to, corrected by the error that this
-//! extrapolation had at the same step of the period before. The searches of the fields begin where they ended there. And as long
-//! as a period changes much, its steps need not be exact.
+//! Without films on cells a matrix and its factors cost as much as ten evaluations or more. In films on cells
+//! the solution of the fields takes most of the time of an evaluation, and their derivatives take as long
+//! again. So a step has few of both. The factors of one matrix serve for many steps, with the secants of
+//! earlier corrections ([`Secants`]), and are made anew when they contract slowly. The search begins where
+//! the scheme extrapolates to, corrected by the error that this extrapolation had at the same step of the
+//! period before. The searches of the fields begin where they ended there. And as long as a period changes
+//! much, its steps need not be exact.
 
 use eng_system::secants::Secants;
 
-/// Contraction above which the matrix is made anew, within a step or at the begin of the next. With films on cells a new one takes
-/// about as long as two evaluations; without them a larger limit gains little.
+/// Contraction above which the matrix is made anew, within a step or at the beginning of the next. With films
+/// on cells a new one takes about as long as two evaluations; without them a larger limit gains little.
 const SLOW: f64 = 0.3;
 /// Least contraction that is expected.
 const LEAST: f64 = 0.1;
 /// Iterations with earlier factors, after which each has a new matrix.
 const KEPT: usize = 6;
-/// Change over the last period at which steps have their usual goal, and the share of larger changes that a step may miss.
+/// Change over the last period at which steps have their usual goal, and the share of larger changes that a
+/// step may miss.
 const FINE: f64 = 2e-3;
 /// Change over a period below which a search of a field begins where it ended a period before, and not a step before.
 const NEAR: f64 = 0.05;
@@ -151,8 +153,8 @@ impl Reused {
         self.secants.improve(correction);
     }
 
-    /// Takes the part of a correction of this size that is applied. With the contraction of the factors it shows whether the error
-    /// that is left is below a goal.
+    /// Takes the part of a correction of this size that is applied. With the contraction of the factors it
+    /// shows whether the error that is left is below a goal.
     pub fn applied(&mut self, correction: &[f64], part: f64, size: f64, goal: f64) -> Next {
         for (moved, x) in self.moved.iter_mut().zip(correction) {
             *moved = part * x;
