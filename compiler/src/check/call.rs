@@ -49,8 +49,11 @@ const PLACED: [(&str, &str); 4] = [
 impl<'p> Checker<'p> {
     pub(super) fn not_built(&mut self, span: Span, what: &str) {
         self.report(
-            Diagnostic::error(codes::NOT_BUILT, format!("{what} are not built yet"))
-                .at(span, "reserved for later"),
+            Diagnostic::error(
+                codes::NOT_BUILT,
+                format!("{what} are reserved for a later version"),
+            )
+            .at(span, "reserved for later"),
         );
     }
 

@@ -33,6 +33,7 @@ use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::model::Model;
 use crate::state::{State, move_pose};
+use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Length (in scaled velocities) below which a row counts as empty.
@@ -82,6 +83,23 @@ impl Kept {
         let solved = self.square.solve(wanted).ok_or(NoMotion::Singular)?;
         Ok(self.rows.tr_mul(&solved))
     }
+}
+
+/// Whether a constraint, a `start` or a `guess` demands a velocity that is not zero. Without one the steady motion
+/// is rest, which is known without its equations: their effort grows with the cube of the freedoms.
+pub fn is_moved(model: &Model, state: &State) -> Result<bool, RuntimeError> {
+    let mut resting = state.clone();
+    resting.velocity.fill(0.0);
+    let demanded = rows_of(model, |e| model.elements[e].dynamic).rates(model, &at(&resting))?;
+    let stated = rows_of(model, |e| {
+        let role = &model.compiled.system.elements[e].role;
+        matches!(role, Role::StartVelocity { .. })
+    });
+    let (missed, _) = stated.evaluate(model, &at(&resting), Along::Velocity)?;
+    Ok(demanded
+        .iter()
+        .chain(missed.iter())
+        .any(|rate| *rate != 0.0))
 }
 
 /// The reason for a missing steady motion.

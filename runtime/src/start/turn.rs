@@ -5,7 +5,7 @@
 //! the steady velocities ([`SteadyMotion`]) and then returns to the equations by the smallest change. If a
 //! position cannot be reached, the mechanism locks there.
 
-use super::motion::SteadyMotion;
+use super::motion::{SteadyMotion, is_moved};
 use crate::assembled::Assembled;
 use crate::assembly::closing::set_mobility;
 use crate::assembly::rows::{self, Along, Rows, pins};
@@ -205,6 +205,9 @@ pub fn turn(
         return Ok(Turned::Not);
     }
     let mut state = assembled.state().clone();
+    if !is_moved(model, &state)? {
+        return Ok(Turned::Not);
+    }
     let Ok(motion) = SteadyMotion::new(model, &state) else {
         return Ok(Turned::Not);
     };
