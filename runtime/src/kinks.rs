@@ -42,7 +42,7 @@ use crossing::{crossing, roots, same_side};
 use eng_system::code::{Function, Pair};
 use eng_system::dimension::Dimension;
 use eng_system::layout::InputLayout;
-use eng_system::system::{Course, Kink, Origin};
+use eng_system::system::{Course, ElementClass, Kink, Origin};
 use points::Points;
 use std::ops::Range;
 
@@ -68,11 +68,13 @@ const SIGN: f64 = 1e-6;
 /// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
 /// pressures have become equal, a body that sticks. Ending every step there would gain nothing.
 const STAYS: f64 = 3.0;
-/// A step that passes a kink adds this number to the count of the kink. A step that does not pass it subtracts 1. An impact has more
-/// than four steps on each side.
-const PASSED: f64 = 4.0;
-/// The count at which a kink has been passed often: after some 15 of 20 steps, or 30 of 90.
-const OFTEN: f64 = 64.0;
+/// A step that passes a kink adds this number to the count of the kink. A step that does not pass it subtracts 1.
+const PASSED: f64 = 32.0;
+/// The count at which a kink has been passed often: after 8 steps that pass it, or a few more with others between.
+const OFTEN: f64 = 256.0;
+/// Largest change (rad) in a step of the argument of a sine in a function of the motion. The cubic through values and rates differs
+/// from a sine by 3e-3 then.
+const PHASE: f64 = 1.0;
 /// Share of the change of a function over a step that its rates do not explain. Above it, a `wrapped` angle has jumped by a period.
 const WRAPPED: f64 = 0.5;
 
@@ -145,6 +147,8 @@ pub struct Kinks {
     clocks: Vec<Clock>,
     /// Times (s) of the last accepted state and of the last evaluation.
     times: [f64; 2],
+    /// Largest rates (rad/s) of arguments of sines in functions of the motion, at the last accepted state and at the last evaluation.
+    phase_rate: [f64; 2],
     out: Vec<Pair>,
     inputs: Vec<Pair>,
 }
@@ -208,6 +212,7 @@ impl Kinks {
             points: Points::default(),
             clocks: Vec::new(),
             times: [f64::NEG_INFINITY; 2],
+            phase_rate: [0.0; 2],
             out: Vec::new(),
             inputs: Vec::new(),
         };
@@ -257,7 +262,7 @@ impl Kinks {
             }
             kinks
                 .out
-                .resize(kinks.out.len().max(4 * class.kinks.len()), [0.0; 2]);
+                .resize(kinks.out.len().max(outputs_of(class)), [0.0; 2]);
         }
         let count = kinks.items.len();
         kinks.now = vec![[0.0; 2]; count];
@@ -288,6 +293,7 @@ impl Kinks {
         state: &State,
     ) -> Result<(), RuntimeError> {
         self.times[1] = state.time;
+        self.phase_rate[1] = 0.0;
         for index in 0..self.groups.len() {
             let group = &mut self.groups[index];
             let common = &dynamics.batches()[group.batch];
@@ -305,12 +311,15 @@ impl Kinks {
             let batch = group.own.as_ref().unwrap_or(common);
             let class = &model.compiled.system.classes[batch.class];
             let count = class.kinks.len();
-            let out = &mut self.out[..4 * count];
+            let out = &mut self.out[..outputs_of(class)];
             let mut at = group.first;
             let mut clocks = self.clocks[group.clocks.clone()].iter();
             for pair in 0..batch.pairs.len() {
                 elements::call(model, batch.class, Function::Kinks, batch.inputs(pair), out)?;
                 for lane in 0..batch.lanes(pair) {
+                    for phase in &out[4 * count..] {
+                        self.phase_rate[1] = self.phase_rate[1].max(phase[lane].abs());
+                    }
                     for (k, kink) in class.kinks.iter().enumerate() {
                         let [value, rate] = [out[k][lane], out[count + k][lane]];
                         let used = out[3 * count + k][lane] != 0.0;
@@ -357,9 +366,10 @@ impl Kinks {
     ) -> Result<(), RuntimeError> {
         let group = &self.groups[group];
         let batch = (group.own.as_ref()).unwrap_or(&dynamics.batches()[group.batch]);
-        let count = model.compiled.system.classes[batch.class].kinks.len();
+        let class = &model.compiled.system.classes[batch.class];
+        let count = class.kinks.len();
         let [accepted, time] = self.times;
-        let out = &mut self.out[..4 * count];
+        let out = &mut self.out[..outputs_of(class)];
         for clock in &mut self.clocks[group.clocks.clone()] {
             if !clock.is_short_of(time) {
                 continue;
@@ -431,6 +441,7 @@ impl Kinks {
             [self.stays[item], self.peaks[item]] = [0.0; 2];
         }
         self.times[0] = self.times[1];
+        self.phase_rate[0] = self.phase_rate[1];
         for clock in &mut self.clocks {
             let items = clock.first..clock.first + KEPT;
             clock.follow(self.times[0]);
@@ -484,6 +495,11 @@ impl Kinks {
         if let Some(stay) = self.stays.get_mut(item) {
             *stay = f64::INFINITY;
         }
+    }
+
+    /// The longest step (s) in which sines in functions of the motion change so little that no change of sign is missed.
+    pub fn longest_step(&self) -> f64 {
+        PHASE / self.phase_rate[0]
     }
 
     /// A kink that many of the last steps have passed, to and fro.
@@ -863,7 +879,8 @@ impl Kinks {
         let counts = counts.chain(&self.stays).chain(&self.passages);
         let counts = counts.copied().chain(used);
         let clocks = self.clocks.iter().flat_map(Clock::numbers);
-        counts.chain(self.points.numbers()).chain(clocks).collect()
+        let counts = counts.chain(self.points.numbers()).chain(clocks);
+        counts.chain([self.times[0], self.phase_rate[0]]).collect()
     }
 
     /// Sets them from a checkpoint.
@@ -887,8 +904,16 @@ impl Kinks {
         for clock in &mut self.clocks {
             rest = clock.set_numbers(rest);
         }
+        if let [time, phase_rate] = rest {
+            [self.times[0], self.phase_rate[0]] = [*time, *phase_rate];
+        }
         self.measure_distances();
     }
+}
+
+/// Number of outputs of a class's kinks function.
+fn outputs_of(class: &ElementClass) -> usize {
+    4 * class.kinks.len() + class.kink_phases as usize
 }
 
 fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {

@@ -262,6 +262,9 @@ pub struct ElementClass {
     pub kinks: Vec<Kink>,
     /// Whether the rates of kink functions depend on accelerations, rates of states or signals.
     pub kinks_read_accelerations: bool,
+    /// Number of the arguments of sines whose rates (rad/s) follow the kink functions: those in kink functions of the
+    /// motion.
+    pub kink_phases: u32,
     /// Whether the wrenches depend on twists.
     pub uses_twist: bool,
     /// Whether the class applies forces besides its constraints.

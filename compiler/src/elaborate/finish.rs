@@ -305,6 +305,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         conditions: draft.meta.conditions.clone(),
                         kinks: kinks_of(&made, &draft.meta),
                         kinks_read_accelerations: made.kinks_read_accelerations,
+                        kink_phases: made.kink_phases,
                         uses_twist: made.uses_twist,
                         applies_load: made.applies_load,
                         loads_over_time: made.loads_over_time,

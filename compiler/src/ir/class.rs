@@ -65,6 +65,8 @@ pub struct ClassFunctions {
     pub kinds_of_kinks: Vec<KinkKind>,
     /// Whether the rates of kink functions depend on accelerations.
     pub kinks_read_accelerations: bool,
+    /// Number of the arguments of sines whose rates follow the kink functions.
+    pub kink_phases: u32,
     /// Whether the loads or rates depend on twists.
     pub uses_twist: bool,
     /// Whether any load is not zero.
@@ -206,6 +208,7 @@ impl ClassBody {
             kink_places: kinks.places,
             kinds_of_kinks: kinks.kinds,
             kinks_read_accelerations: kinks.reads_accelerations,
+            kink_phases: kinks.phases,
             uses_twist,
             applies_load,
             loads_over_time,

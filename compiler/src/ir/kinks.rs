@@ -75,8 +75,11 @@ pub(crate) struct Kinks {
     pub places: Vec<KinkPlace>,
     /// The kind of each.
     pub kinds: Vec<KinkKind>,
-    /// Values, rates, the handles of tables (−1 for others), and 1 where the operation is used, else 0.
+    /// Values, rates, the handles of tables (−1 for others), 1 where the operation is used, else 0, and the rates of the
+    /// arguments of sines in functions of the motion.
     pub outputs: Vec<Node>,
+    /// Number of these arguments.
+    pub phases: u32,
     /// Whether the rates depend on accelerations.
     pub reads_accelerations: bool,
 }
@@ -265,9 +268,11 @@ pub(crate) fn find(
             found.add((place, kind), [value, handle, used]);
         }
     }
-    // where a `wrapped` angle begins anew, a constraint must not jump
+    // where a `wrapped` angle begins anew, a constraint must not jump, and a load jumps if a condition on this angle changes
     for (node, value) in wraps {
-        let Some(used) = used[node.0 as usize].filter(|_| of_rows[node.0 as usize]) else {
+        let constrains = of_rows[node.0 as usize];
+        let compared = || compares(graph, &found, *node);
+        let Some(used) = used[node.0 as usize].filter(|_| constrains || compared()) else {
             continue;
         };
         let place = KinkPlace {
@@ -275,7 +280,7 @@ pub(crate) fn find(
             argument: 0,
         };
         let kind = KinkKind {
-            constrains: true,
+            constrains,
             ..KinkKind::default()
         };
         found.add((place, kind), [*value, nowhere, used]);
@@ -311,6 +316,44 @@ fn over_time(
     })
 }
 
+/// The arguments of sines, cosines and tangents that change in kink functions of the motion. Such a function may change its sign
+/// and back in each period, so a step must be short beside them.
+fn phases(
+    graph: &Graph,
+    layout: &InputLayout,
+    (values, kinds): (&[Node], &[KinkKind]),
+    changing: &BTreeMap<u32, Node>,
+) -> Vec<Node> {
+    let of_motion = values.iter().zip(kinds);
+    let of_motion: Vec<Node> = of_motion
+        .filter(|(_, kind)| kind.course == Course::Motion)
+        .map(|(value, _)| *value)
+        .collect();
+    let needed = dependencies(graph, &of_motion);
+    let operations = graph.nodes().iter().zip(&needed);
+    let mut found: Vec<Node> = operations
+        .filter_map(|(op, needed)| match op {
+            Op::Elementary(Elementary::Sin | Elementary::Cos | Elementary::Tan, of) if *needed => {
+                Some(*of)
+            }
+            _ => None,
+        })
+        .filter(|argument| changes(graph, layout, *argument, changing))
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// Whether a kink function of the motion depends on an operation.
+fn compares(graph: &Graph, found: &Found, node: Node) -> bool {
+    let functions = found.values.iter().zip(&found.kinds).zip(&found.handles);
+    let mut of_motion = functions
+        .filter(|((_, kind), _)| kind.course == Course::Motion && kind.table.is_none())
+        .map(|((value, _), _)| *value);
+    of_motion.any(|value| dependencies(graph, &[value])[node.0 as usize])
+}
+
 /// Whether a function jumps where a `wrapped` angle begins anew: it depends on a count of turns, which is a
 /// sum of chosen constants.
 fn jumps_with_turns(graph: &Graph, value: Node, turns: &[Node]) -> bool {
@@ -337,16 +380,18 @@ fn with_rates(
     if values.is_empty() && bound.is_empty() {
         return Ok(Kinks::default());
     }
+    let phases = phases(graph, layout, (&values, &kinds), changing);
     let mut slopes = time_derivative_with(
         graph,
         layout,
-        &values,
+        &[values.as_slice(), phases.as_slice()].concat(),
         (Some(rates), changing),
         Accelerations::Inputs,
     )?;
     let reads_accelerations = inputs_of(graph, &slopes)
         .into_iter()
         .any(|input| Place::of(layout, input) == Place::Acceleration);
+    let phase_rates = slopes.split_off(values.len());
     for (kind, slope) in kinds.iter_mut().zip(&slopes) {
         if kind.course == Course::Time && !inputs_of(graph, &[*slope]).contains(&InputLayout::TIME)
         {
@@ -369,7 +414,8 @@ fn with_rates(
     Ok(Kinks {
         places,
         kinds,
-        outputs: outputs.chain(active).collect(),
+        outputs: outputs.chain(active).chain(phase_rates).collect(),
+        phases: phases.len() as u32,
         reads_accelerations,
     })
 }

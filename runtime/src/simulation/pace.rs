@@ -33,6 +33,8 @@ const LEFT: f64 = 0.5;
 /// Part of a change below which the search ends: it is no jump. A continuous change comes here after a few
 /// halvings, and each evaluates all loads.
 const GONE: f64 = 0.05;
+/// Longest time across a kink that holds the motion, in steps.
+const NEAR: f64 = 64.0;
 /// Most elements in the search.
 const LOOKED_AT: usize = 8;
 
@@ -141,6 +143,9 @@ impl Simulation {
             return Ok(());
         }
         let across = 2.0 * -self.kinks.value(kink) / self.kinks.rate(kink);
+        if across > NEAR * self.earlier_step {
+            return Ok(());
+        }
         let Ok(other) = self.ahead(&start, across) else {
             return Ok(());
         };

@@ -617,6 +617,7 @@ impl Simulation {
         if turning > 0.0 {
             allowed = allowed.min(TURN / turning);
         }
+        allowed = allowed.min(self.kinks.longest_step());
         let limited = self.size.step >= allowed;
         self.size.limit(allowed);
         let wish = self.size.step;

@@ -461,6 +461,7 @@ impl Builder {
             conditions: vec![],
             kinks: vec![],
             kinks_read_accelerations: false,
+            kink_phases: 0,
             uses_twist: true,
             applies_load: true,
             loads_over_time: true,
