@@ -134,6 +134,12 @@ impl Simulation {
         let Some(kink) = self.kinks.often() else {
             return Ok(());
         };
+        let found = self.refuse_held_at(kink);
+        self.stand()?;
+        found
+    }
+
+    fn refuse_held_at(&mut self, kink: usize) -> Result<(), RuntimeError> {
         let mut start = self.integrator.current.clone();
         let moment = self.moment();
         let solved =
