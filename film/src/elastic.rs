@@ -226,16 +226,10 @@ impl Elastic {
         self.work_for(&ALL)
     }
 
-<<<<<<< HEAD
     /// Memory for solutions of which [`Elastic::tangent`] gives the derivatives of these outputs and of the
     /// forces: of other outputs before the forces of the shapes they are zero. The values of all outputs
     /// remain. (Those of an elastic surface follow the last change of the surface by these derivatives, so
     /// the others miss a change of 1e-11 of the clearance.)
-=======
-    /// Memory for solutions of which [`Elastic::tangent`] gives the derivatives of these outputs and of the forces: of other
-    /// outputs before the forces of the shapes they are zero. The values of all outputs remain. (Those of an elastic surface follow
-    /// the last change of the surface by these derivatives, so the others miss a change of 1e-11 of the clearance.)
->>>>>>> parent of d3e94b12 (The search of an elastic surface ends at a change of 1e-11 of the clearance)
     #[must_use]
     pub fn work_for(&self, wanted: &[bool; SHAPE_FORCE]) -> ElasticWork {
         let count = self.shapes();
