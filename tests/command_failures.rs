@@ -602,6 +602,37 @@ fn a_force_that_holds_the_motion_at_its_jump_is_refused() {
     assert!(told.contains("model.eng:10:11"), "{told}");
 }
 
+/// The same beside a spring and beside a damper: the load of the other law changes while the body sticks.
+#[test]
+fn a_force_that_holds_the_motion_beside_other_loads_is_refused() {
+    let text = RUBBED
+        .replace("{way}", "v > 0 m/s")
+        .replace("[0, -9.81, 0]", "[0, 0, 0]");
+    for (name, more) in [("spring", "100 N/m*way"), ("damper", "20 N*s/m*v")] {
+        let text = text
+            .replace(
+                "(if v > 0 m/s then -20 N else 20 N)",
+                &format!("(-{more} + (if v > 0 m/s then -20 N else 20 N))"),
+            )
+            .replace(
+                "inertia = [1, 1, 1] g*m^2 }",
+                "inertia = [1, 1, 1] g*m^2; start velocity = [0, 1, 0] m/s }",
+            )
+            .replace(
+                "duration: 1e6 s, sample: 1 s",
+                "duration: 2 s, sample: 10 ms",
+            );
+        let folder = Folder::with(name, &text);
+        let output = folder.eng(&["run", "model.eng", "--no-plots"]);
+        let told = said(&output);
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(
+            told.contains("error[E0770]: the force of rub jumps by 4"),
+            "{told}"
+        );
+    }
+}
+
 #[test]
 fn a_run_that_nobody_waits_for_is_stopped_with_its_reason() {
     let folder = Folder::with("chatter", &RUBBED.replace("{way}", "way > 0 mm"));

@@ -306,6 +306,70 @@ fn trains_of_pulses_are_not_stepped_over() {
     }
 }
 
+/// Teeth along the way of a block, by a sine and by a `wrapped` angle in the condition: several of them would fit between two samples.
+/// The motion is a closed form between the edges: a constant acceleration within a tooth, none beside it.
+#[test]
+fn teeth_along_a_way_are_not_stepped_over() {
+    let pi = std::f64::consts::PI;
+    let edge = 0.9_f64.asin();
+    for (push, force, begin, end) in [
+        (
+            "if sin(1000 rad/m*way) > 0.9 then -1 N else 0 N",
+            -1.0,
+            edge,
+            pi - edge,
+        ),
+        (
+            "if wrapped(1000 rad/m*way, 360 deg, from: 0 deg) < 10 deg then -3 N else 0 N",
+            -3.0,
+            0.0,
+            pi / 18.0,
+        ),
+        (
+            "if wrapped(1000 rad/m*way, 360 deg) < -170 deg then -3 N else 0 N",
+            -3.0,
+            pi,
+            pi * (1.0 + 1.0 / 18.0),
+        ),
+    ] {
+        // the speed after 0.2 s, from 1 m/s, from edge to edge
+        let (mut speed, mut way, mut rest) = (1.0_f64, 0.0_f64, 0.2_f64);
+        let mut tooth = 0.0;
+        while rest > 0.0 {
+            for (to, push) in [(begin, 0.0), (end, force)] {
+                let to = (to + 2.0 * pi * tooth) / 1000.0;
+                let behind = (speed * speed + 2.0 * push * (to - way)).sqrt();
+                let time = 2.0 * (to - way) / (speed + behind);
+                speed += push * time.min(rest);
+                (way, rest) = (to, rest - time);
+                if rest <= 0.0 {
+                    break;
+                }
+            }
+            tooth += 1.0;
+        }
+        for sample in ["5 ms", "0.2 s"] {
+            let outcome = pushed(
+                push,
+                [0.0, 1000.0],
+                &format!("duration: 0.2 s, sample: {sample}"),
+            );
+            let speeds = &outcome
+                .results
+                .column("guide.speed")
+                .expect("a column")
+                .values;
+            let found = speeds[speeds.len() - 1];
+            let error = (found - speed).abs() / (1.0 - speed);
+            println!("{push}, {sample}: {found} m/s for {speed} m/s, {error:.1e} of its change");
+            assert!(
+                error < 2e-3,
+                "{push}, {sample}: {found} m/s for {speed} m/s"
+            );
+        }
+    }
+}
+
 /// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law
 /// states no `resolve`.
 fn pushed(push: &str, start: [f64; 2], settings: &str) -> eng::Outcome {

@@ -42,7 +42,7 @@ use crossing::{crossing, roots, same_side};
 use eng_system::code::{Function, Pair};
 use eng_system::dimension::Dimension;
 use eng_system::layout::InputLayout;
-use eng_system::system::{Course, ElementClass, Kink, Origin};
+use eng_system::system::{Course, Kink, Origin};
 use points::Points;
 use std::ops::Range;
 
@@ -262,7 +262,7 @@ impl Kinks {
             }
             kinks
                 .out
-                .resize(kinks.out.len().max(outputs_of(class)), [0.0; 2]);
+                .resize(kinks.out.len().max(class.kink_outputs()), [0.0; 2]);
         }
         let count = kinks.items.len();
         kinks.now = vec![[0.0; 2]; count];
@@ -311,7 +311,7 @@ impl Kinks {
             let batch = group.own.as_ref().unwrap_or(common);
             let class = &model.compiled.system.classes[batch.class];
             let count = class.kinks.len();
-            let out = &mut self.out[..outputs_of(class)];
+            let out = &mut self.out[..class.kink_outputs()];
             let mut at = group.first;
             let mut clocks = self.clocks[group.clocks.clone()].iter();
             for pair in 0..batch.pairs.len() {
@@ -369,7 +369,7 @@ impl Kinks {
         let class = &model.compiled.system.classes[batch.class];
         let count = class.kinks.len();
         let [accepted, time] = self.times;
-        let out = &mut self.out[..outputs_of(class)];
+        let out = &mut self.out[..class.kink_outputs()];
         for clock in &mut self.clocks[group.clocks.clone()] {
             if !clock.is_short_of(time) {
                 continue;
@@ -909,11 +909,6 @@ impl Kinks {
         }
         self.measure_distances();
     }
-}
-
-/// Number of outputs of a class's kinks function.
-fn outputs_of(class: &ElementClass) -> usize {
-    4 * class.kinks.len() + class.kink_phases as usize
 }
 
 fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {

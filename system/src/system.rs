@@ -282,6 +282,13 @@ pub struct ElementClass {
     pub tape: u32,
 }
 
+impl ElementClass {
+    /// Number of outputs of its kinks function: four for each kink function, and the rates of the arguments of sines.
+    pub fn kink_outputs(&self) -> usize {
+        4 * self.kinks.len() + self.kink_phases as usize
+    }
+}
+
 /// The role of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Role {

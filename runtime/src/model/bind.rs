@@ -464,7 +464,7 @@ fn check_shapes(
             } else {
                 common
             },
-            4 * class.kinks.len(),
+            class.kink_outputs(),
         ),
     ];
     for (function, inputs, outputs) in expected {
