@@ -11,7 +11,7 @@ use eng_system::table::Outside;
 use eng_system::{Dimension, DisplayUnit};
 pub use linearised::{Leaving, LeavingBody, NotBack, Timed, TimedElement, TurningBody, Varies};
 use linearised::{changed, list_timed, list_turning};
-pub use pace::{Jump, Pace, Slow};
+pub use pace::{Jump, Jumping, Pace, Slow};
 
 /// The moment of an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -427,6 +427,21 @@ pub enum RuntimeError {
         /// The factor on the tolerances.
         tolerance: f64,
         /// The smallest factor that the run can satisfy.
+        least: f64,
+    },
+    /// A class resolves a length below the rounding error of positions.
+    #[error(
+        "{} resolves {} m, which is below rounding: the least is about {} m",
+        origin.path,
+        short(*length, 4),
+        short(*least, 1)
+    )]
+    Resolution {
+        /// The element, with the place of the length in its class.
+        origin: Box<Origin>,
+        /// The length (m).
+        length: f64,
+        /// The smallest length that a model of this size resolves (m).
         least: f64,
     },
     /// Error control requires steps that floating-point numbers cannot resolve.
