@@ -138,3 +138,8 @@ fn the_compressor_has_its_numbers() {
 fn the_six_has_its_numbers() {
     compare("torsion_six", &["damped[8]", "damped[13]", "bare[13]"], 3);
 }
+
+#[test]
+fn the_start_of_the_fan_has_its_numbers() {
+    compare("start_up", &["direct", "star"], 5);
+}

@@ -289,6 +289,7 @@ fn right_models_are_quiet() {
         "examples/v6",
         "examples/compressor",
         "examples/torsion_six",
+        "examples/start_up",
     ] {
         let mut files: Vec<PathBuf> = std::fs::read_dir(root().join(folder))
             .expect("a folder")
