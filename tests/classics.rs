@@ -1,7 +1,9 @@
 //! Classical machines whose motion textbooks give: torsion of a crank train with its damper, pendulum absorber, dual-mass flywheel, mounts;
 //! and two machines that rattle, whose statistics are compared.
 
-use crate::library_run::{Complex, close, column, integrate, largest, over, plus, run, times};
+use crate::library_run::{
+    Complex, close, column, integrate, largest, line, over, plus, run, times,
+};
 use eng::Sources;
 use eng::results::Results;
 use nalgebra::{DMatrix, DVector};
@@ -9,16 +11,6 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
 type C = nalgebra::Complex<f64>;
-
-/// Amplitude of a line at a phase: values against the phase, both ends of whole periods among them.
-fn line(values: impl Iterator<Item = f64>, phases: &[f64]) -> C {
-    let count = phases.len() - 1;
-    let sum: C = values
-        .zip(&phases[..count])
-        .map(|(value, phase)| C::from_polar(value, -phase))
-        .sum();
-    sum * (2.0 / count as f64)
-}
 
 /// The example: a six-cylinder train with a rubber damper at its nose and a flywheel of constant speed.
 const SIX: &str = include_str!("../examples/torsion_six/torsion_six.eng");

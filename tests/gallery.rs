@@ -143,3 +143,9 @@ fn the_six_has_its_numbers() {
 fn the_start_of_the_fan_has_its_numbers() {
     compare("start_up", &["direct", "star"], 5);
 }
+
+#[test]
+fn the_mounts_have_their_numbers() {
+    let analyses = ["rubber[3]", "rubber[13]", "hydraulic[3]", "hydraulic[13]"];
+    compare("mounts", &analyses, 4);
+}

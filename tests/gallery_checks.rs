@@ -1,7 +1,10 @@
 //! Examples of the gallery against closed forms, linear equations and an independent integrator.
 
-use crate::library_run::{close, column, integral, run};
-use std::f64::consts::PI;
+use crate::library_run::{close, column, integral, line, run};
+use nalgebra::{DMatrix, Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
+use std::f64::consts::{PI, TAU};
+
+type C = nalgebra::Complex<f64>;
 
 /// The start of the fan: time and heat against quadratures of inertia over torque, with Kloss' torque and a rigid belt. At the breakdown
 /// torque the two spans differ by the torque that fan and wheel take.
@@ -39,5 +42,124 @@ fn a_fan_starts_in_the_time_of_its_quadrature() {
             column(&results, "slack.load")[at],
         ];
         close("belt", (spans[0] - spans[1]) * 0.1, due, 1e-3);
+    }
+}
+
+const MOUNTS: &str = include_str!("../examples/mounts/mounts.eng");
+
+/// The power unit of the example `mounts`: places of its mounts from its centre of mass, and their shares of its weight of 180 kg.
+const ARMS: [[f64; 3]; 3] = [[0.15, 0.42, 0.06], [0.15, -0.42, 0.06], [-0.55, 0.0, -0.04]];
+const SHARES: [f64; 3] = [11.0 / 28.0, 11.0 / 28.0, 3.0 / 14.0];
+const MASSES: [f64; 6] = [180.0, 180.0, 180.0, 9.0, 16.0, 14.0];
+
+/// Displacement of an arm under the displacement and the rotation of the unit.
+fn lever([x, y, z]: [f64; 3]) -> Matrix3x6<f64> {
+    Matrix3x6::new(
+        1.0, 0.0, 0.0, 0.0, z, -y, //
+        0.0, 1.0, 0.0, -z, 0.0, x, //
+        0.0, 0.0, 1.0, y, -x, 0.0,
+    )
+}
+
+/// Static and fast stiffness of the rubber along the three axes of a mount.
+fn rubber_mount(k: usize) -> (Vector3<f64>, Vector3<f64>) {
+    let (slow, fast) = if k == 2 {
+        (130e3, 70e3)
+    } else {
+        (190e3, 100e3)
+    };
+    (
+        Vector3::new(80e3, 60e3, slow),
+        Vector3::new(40e3, 30e3, fast),
+    )
+}
+
+/// Stiffness of the weight against a roll or a pitch: the mounts push at their heights over the centre of mass.
+fn weight_stiffness() -> Vector6<f64> {
+    let heights = ARMS.iter().zip(SHARES).map(|(arm, share)| arm[2] * share);
+    let stiffness = 180.0 * 9.81 * heights.sum::<f64>();
+    Vector6::new(0.0, 0.0, 0.0, stiffness, stiffness, 0.0)
+}
+
+/// The modes of the power unit on rubber: eigenvalues of its 12 equations of motion and 9 of creep.
+#[test]
+fn a_power_unit_has_the_modes_of_its_equations() {
+    let inverse = Matrix6::from_diagonal(&Vector6::from(MASSES.map(|mass| 1.0 / mass)));
+    let mut held = Matrix6::from_diagonal(&weight_stiffness());
+    let mut a = DMatrix::<f64>::zeros(21, 21);
+    a.fixed_view_mut::<6, 6>(0, 6).fill_with_identity();
+    for (k, arm) in ARMS.into_iter().enumerate() {
+        let lever = lever(arm);
+        let (slow, fast) = rubber_mount(k);
+        held += lever.transpose() * Matrix3::from_diagonal(&(slow + fast)) * lever;
+        let pulled = inverse * lever.transpose() * Matrix3::from_diagonal(&fast);
+        let creep = 12 + 3 * k;
+        a.fixed_view_mut::<6, 3>(6, creep).copy_from(&pulled);
+        a.fixed_view_mut::<3, 6>(creep, 0)
+            .copy_from(&(lever / 8e-3));
+        a.fixed_view_mut::<3, 3>(creep, creep)
+            .fill_diagonal(-1.0 / 8e-3);
+    }
+    a.fixed_view_mut::<6, 6>(6, 0).copy_from(&(-inverse * held));
+    let mut due: Vec<C> = a.complex_eigenvalues().iter().copied().collect();
+    due.retain(|root| root.im > 1.0);
+    due.sort_by(|a, b| a.im.total_cmp(&b.im));
+    assert_eq!(due.len(), 6);
+    let results = run(MOUNTS, "rubber_modes");
+    for (i, due) in due.iter().enumerate() {
+        close(
+            "frequency",
+            column(&results, "frequency")[i],
+            due.im / TAU,
+            1e-8,
+        );
+        close(
+            "damping",
+            column(&results, "damping_ratio")[i],
+            -due.re / due.norm(),
+            1e-7,
+        );
+    }
+}
+
+/// The share of the free force that reaches the frame, `1 − m s² z/F` with the displacement z of the centre of mass from six equations with
+/// complex stiffnesses: near the bounce, between both resonances of the fluid, and at idle.
+#[test]
+fn a_power_unit_passes_on_what_its_equations_say() {
+    for (place, rpm) in [(3, 300.0), (7, 500.0), (13, 800.0)] {
+        let omega = rpm * TAU / 60.0;
+        let s = C::new(0.0, 2.0 * omega);
+        let creep = s * 8e-3 / (s * 8e-3 + 1.0);
+        let channel = s * 4e6 + 1.2e8;
+        let piston = 2.5e-3_f64.powi(2);
+        let filled = s * 200.0 + 190e3 + s * channel * piston / (s * channel * 3e-11 + 1.0);
+        // the free force acts 80 mm before the centre of mass; the torque is a sine about x
+        let force = 4.0 * 0.55 * 0.045 * 0.3 * omega * omega;
+        let mut load = Vector6::<C>::zeros();
+        load[2] = C::from(force);
+        load[3] = C::new(0.0, -90.0);
+        load[4] = C::from(-0.08 * force);
+        for (analysis, fluid) in [("rubber", false), ("hydraulic", true)] {
+            let own = Vector6::from(MASSES).map(|mass| s * s * mass);
+            let mut balance = Matrix6::from_diagonal(&(own + weight_stiffness().map(C::from)));
+            for (k, arm) in ARMS.into_iter().enumerate() {
+                let lever = lever(arm).map(C::from);
+                let (slow, fast) = rubber_mount(k);
+                let mut stiffness = slow.map(C::from) + fast.map(|fast| creep * fast);
+                if fluid && k < 2 {
+                    stiffness[2] = filled;
+                }
+                balance += lever.transpose() * Matrix3::from_diagonal(&stiffness) * lever;
+            }
+            let moved = balance.lu().solve(&load).expect("a damped unit");
+            let due = -s * s * moved[2] * 180.0 / force + 1.0;
+            let results = run(MOUNTS, &format!("{analysis}[{place}]"));
+            let angle = column(&results, "cycle.angle");
+            let phases: Vec<f64> = angle.iter().map(|angle| 2.0 * angle).collect();
+            let found = line(column(&results, "passed").iter().copied(), &phases);
+            let miss = (found - due).norm() / due.norm();
+            println!("{analysis} at {rpm} rpm: {found} for {due}, {miss:.1e}");
+            assert!(miss < 2e-3, "{analysis} at {rpm} rpm: {found} for {due}");
+        }
     }
 }

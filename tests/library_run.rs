@@ -151,3 +151,13 @@ pub fn root(f: &dyn Fn(Complex) -> Complex, first: Complex) -> Complex {
     }
     b
 }
+
+/// Amplitude of a line at a phase: values against the phase, both ends of whole periods among them.
+pub fn line(values: impl Iterator<Item = f64>, phases: &[f64]) -> nalgebra::Complex<f64> {
+    let count = phases.len() - 1;
+    let sum: nalgebra::Complex<f64> = values
+        .zip(&phases[..count])
+        .map(|(value, phase)| nalgebra::Complex::from_polar(value, -phase))
+        .sum();
+    sum * (2.0 / count as f64)
+}
