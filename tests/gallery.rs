@@ -149,3 +149,8 @@ fn the_mounts_have_their_numbers() {
     let analyses = ["rubber[3]", "rubber[13]", "hydraulic[3]", "hydraulic[13]"];
     compare("mounts", &analyses, 4);
 }
+
+#[test]
+fn the_balanced_single_has_its_numbers() {
+    compare("single_balanced", &["bare", "half", "balanced"], 4);
+}

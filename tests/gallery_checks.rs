@@ -163,3 +163,39 @@ fn a_power_unit_passes_on_what_its_equations_say() {
         }
     }
 }
+
+/// The single: orders 1, 2 and 4 of the force on its frame against the series of a slider-crank, `F (cos a + A2 cos 2a + A4 cos 4a)` with the
+/// first order balanced in part. The crank moves in its films, which costs a thousandth of F.
+#[test]
+fn a_single_is_balanced_as_the_series_says() {
+    let text = include_str!("../examples/single_balanced/single_balanced.eng");
+    let ratio: f64 = 31.05 / 107.0;
+    let full = 0.44 * 31.05e-3 * (4000.0 * TAU / 60.0_f64).powi(2);
+    let second = full * (ratio + ratio.powi(3) / 4.0 + 15.0 * ratio.powi(5) / 128.0);
+    let fourth = -full * (ratio.powi(3) / 4.0 + 3.0 * ratio.powi(5) / 16.0);
+    for (analysis, crank, shaft) in [
+        ("bare", 0.0, 0.0),
+        ("half", 0.5, 0.0),
+        ("balanced", 0.5, 0.5),
+    ] {
+        let results = run(text, analysis);
+        let angle = column(&results, "cycle.angle");
+        let lines = [
+            ("upward", 1.0, C::new(full * (1.0 - crank - shaft), 0.0)),
+            ("across", 1.0, C::new(0.0, full * (crank - shaft))),
+            ("upward", 2.0, C::new(second, 0.0)),
+            ("across", 2.0, C::new(0.0, 0.0)),
+            ("upward", 4.0, C::new(fourth, 0.0)),
+        ];
+        for (path, order, due) in lines {
+            let phases: Vec<f64> = angle.iter().map(|angle| order * angle).collect();
+            let found = line(column(&results, path).iter().copied(), &phases);
+            let miss = (found - due).norm() / full;
+            println!("{analysis}: {path}, order {order}: {found} for {due}, {miss:.1e}");
+            assert!(
+                miss < 2e-3,
+                "{analysis}, {path}, order {order}: {found} for {due}"
+            );
+        }
+    }
+}

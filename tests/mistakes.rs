@@ -290,6 +290,7 @@ fn right_models_are_quiet() {
         "examples/compressor",
         "examples/torsion_six",
         "examples/start_up",
+        "examples/single_balanced",
         "examples/mounts",
     ] {
         let mut files: Vec<PathBuf> = std::fs::read_dir(root().join(folder))
