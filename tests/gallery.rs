@@ -154,3 +154,8 @@ fn the_mounts_have_their_numbers() {
 fn the_balanced_single_has_its_numbers() {
     compare("single_balanced", &["bare", "half", "balanced"], 4);
 }
+
+#[test]
+fn the_v_twins_have_their_numbers() {
+    compare("v_twin", &["twin[1]", "twin[2]", "twin[3]"], 5);
+}
