@@ -2,7 +2,7 @@
 //! and two machines that rattle, whose statistics are compared.
 
 use crate::library_run::{
-    Complex, close, column, integrate, largest, line, over, plus, run, times,
+    Complex, close, column, integrate, largest, line, over, plus, run, stop, times,
 };
 use eng::Sources;
 use eng::results::Results;
@@ -309,12 +309,6 @@ fn statistics(load: &[f64]) -> [f64; 4] {
         load.iter().map(|x| x.abs()).sum::<f64>() / count,
         (load.iter().map(|x| x * x).sum::<f64>() / count).sqrt(),
     ]
-}
-
-/// Push of a stop at a depth and its rate: stiffness, damping, depth of its begin.
-fn stop(depth: f64, rate: f64, law: [f64; 3]) -> f64 {
-    let depth = depth.max(0.0);
-    depth * (law[0] + law[1] * rate / (depth * depth + law[2] * law[2]).sqrt()).max(0.0)
 }
 
 fn compared(found: [f64; 4], due: [f64; 4], tolerances: [f64; 4]) {

@@ -159,3 +159,8 @@ fn the_balanced_single_has_its_numbers() {
 fn the_v_twins_have_their_numbers() {
     compare("v_twin", &["twin[1]", "twin[2]", "twin[3]"], 5);
 }
+
+#[test]
+fn the_valve_train_has_its_numbers() {
+    compare("valvetrain", &["ride[1]", "ride[2]", "ride[3]"], 5);
+}

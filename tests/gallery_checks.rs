@@ -1,6 +1,6 @@
 //! Examples of the gallery against closed forms, linear equations and an independent integrator.
 
-use crate::library_run::{close, column, integral, line, run};
+use crate::library_run::{close, column, integral, integrate, line, run, stop};
 use eng::results::Results;
 use nalgebra::{DMatrix, Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 use std::f64::consts::{PI, TAU};
@@ -249,5 +249,97 @@ fn v_twins_shake_and_fire_as_their_angle_says() {
         );
         println!("{degrees}: {torque} for {both}, of one pulse {pulse}");
         assert!((torque - both).norm() < 3e-3 * both.norm());
+    }
+}
+
+/// Heights of the six bodies of the valve spring and lift of the valve, then their rates.
+type Valve = [f64; 14];
+
+/// Push of the cam and of the seat on the valve of the example `valvetrain`.
+fn valve_pushes(t: f64, y: &Valve, omega: f64) -> [f64; 2] {
+    let half = 65.0_f64.to_radians();
+    let angle = (omega * t).rem_euclid(TAU) - PI;
+    let share = (1.0 - (angle / half).powi(2)).max(0.0);
+    let lift = 9.15e-3 * share.powi(4);
+    let slope = -8.0 * 9.15e-3 * angle / half.powi(2) * share.powi(3);
+    [
+        stop(
+            lift - 0.15e-3 - y[6],
+            slope * omega - y[13],
+            [30e6, 600.0, 1e-6],
+        ),
+        stop(-y[6], -y[13], [40e6, 1.2e3, 2e-6]),
+    ]
+}
+
+/// Tension of the piece of the spring between two bodies, seat and valve at its ends.
+fn valve_tension(y: &Valve, i: usize) -> f64 {
+    let (near, near_rate) = if i == 0 {
+        (0.0, 0.0)
+    } else {
+        (y[i - 1], y[i + 6])
+    };
+    let (far, far_rate) = if i == 6 {
+        (0.04 - y[6], -y[13])
+    } else {
+        (y[i], y[i + 7])
+    };
+    let pieces = if i == 0 || i == 6 { 12.0 } else { 6.0 };
+    30e3 * pieces * (far - near - 0.052 / pieces) + 1.5 * (far_rate - near_rate)
+}
+
+/// The valve at the resonance of its spring, and at a speed at which the tappet leaves the cam: the cycle to which another integrator comes.
+#[test]
+fn a_valve_moves_as_another_integrator_says() {
+    let text = include_str!("../examples/valvetrain/valvetrain.eng");
+    for (place, rpm) in [(1, 2200.0), (3, 3000.0)] {
+        let omega = rpm * TAU / 60.0;
+        let motion = |t: f64, y: &Valve| -> Valve {
+            let [cam, seat] = valve_pushes(t, y, omega);
+            let tension: [f64; 7] = std::array::from_fn(|i| valve_tension(y, i));
+            std::array::from_fn(|i| match i {
+                0..7 => y[i + 7],
+                7..13 => (tension[i - 6] - tension[i - 7]) / 7.5e-3,
+                _ => (cam + seat + tension[6]) / 0.11,
+            })
+        };
+        let sample = TAU / omega / 720.0;
+        let mut y: Valve = std::array::from_fn(|i| match i {
+            0..6 => 0.04 * (i as f64 + 0.5) / 6.0,
+            6 => -9e-6,
+            _ => 0.0,
+        });
+        let mut due = Vec::new();
+        for k in 0..=14 * 720 {
+            let t = f64::from(k) * sample;
+            if k >= 13 * 720 {
+                let [cam, seat] = valve_pushes(t, &y, omega);
+                let surge = -valve_tension(&y, 6) - 30e3 * (0.012 + y[6]);
+                due.push([y[6], cam, seat, surge]);
+            }
+            y = integrate(&motion, y, t, sample / 20.0, 20);
+        }
+        let results = run(text, &format!("ride[{place}]"));
+        let paths = [
+            ("lift", 1e-4),
+            ("tappet.load", 3e-3),
+            ("seat.load", 3e-3),
+            ("surge", 1e-2),
+        ];
+        for (channel, (path, tolerance)) in paths.into_iter().enumerate() {
+            let found = column(&results, path);
+            assert_eq!(found.len(), due.len());
+            let pairs = found
+                .iter()
+                .zip(&due)
+                .map(|(found, due)| (found - due[channel]).powi(2));
+            let miss = pairs.sum::<f64>() / due.iter().map(|due| due[channel].powi(2)).sum::<f64>();
+            println!("{path} at {rpm} rpm: {:.1e}", miss.sqrt());
+            assert!(
+                miss.sqrt() < tolerance,
+                "{path} at {rpm} rpm: {}",
+                miss.sqrt()
+            );
+        }
     }
 }

@@ -161,3 +161,9 @@ pub fn line(values: impl Iterator<Item = f64>, phases: &[f64]) -> nalgebra::Comp
         .sum();
     sum * (2.0 / count as f64)
 }
+
+/// Push of a stop at a depth and its rate: stiffness, damping, depth of its begin.
+pub fn stop(depth: f64, rate: f64, law: [f64; 3]) -> f64 {
+    let depth = depth.max(0.0);
+    depth * (law[0] + law[1] * rate / (depth * depth + law[2] * law[2]).sqrt()).max(0.0)
+}
