@@ -2,7 +2,8 @@
 //! and two machines that rattle, whose statistics are compared.
 
 use crate::library_run::{
-    Complex, close, column, integrate, largest, line, over, plus, run, stop, times,
+    Complex, close, column, compared, integrate, largest, line, over, plus, run, statistics, stop,
+    times,
 };
 use eng::Sources;
 use eng::results::Results;
@@ -295,25 +296,6 @@ fn mounts_pass_on_what_their_complex_stiffness_says() {
             println!("{law:.14} {hertz} Hz: {:.6}, {miss:.1e}", passed.norm());
             assert!(miss < 1e-7, "{law} at {hertz} Hz: {passed} for {due:?}");
         }
-    }
-}
-
-/// The figures reported for a motion that never repeats: the share of the time in contact, the number of contacts, the mean load and its
-/// root mean square.
-fn statistics(load: &[f64]) -> [f64; 4] {
-    let count = load.len() as f64;
-    let begun = load.windows(2).filter(|w| w[0] == 0.0 && w[1] != 0.0);
-    [
-        load.iter().filter(|x| **x != 0.0).count() as f64 / count,
-        begun.count() as f64,
-        load.iter().map(|x| x.abs()).sum::<f64>() / count,
-        (load.iter().map(|x| x * x).sum::<f64>() / count).sqrt(),
-    ]
-}
-
-fn compared(found: [f64; 4], due: [f64; 4], tolerances: [f64; 4]) {
-    for (k, name) in ["share", "contacts", "mean", "rms"].into_iter().enumerate() {
-        close(name, found[k], due[k], tolerances[k]);
     }
 }
 

@@ -164,3 +164,9 @@ fn the_v_twins_have_their_numbers() {
 fn the_valve_train_has_its_numbers() {
     compare("valvetrain", &["ride[1]", "ride[2]", "ride[3]"], 5);
 }
+
+#[test]
+fn the_drive_line_has_its_numbers() {
+    let analyses = ["dual[1]", "dual[7]", "solid[1]", "solid[7]", "quiet"];
+    compare("driveline", &analyses, 5);
+}

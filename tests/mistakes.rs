@@ -290,6 +290,7 @@ fn right_models_are_quiet() {
         "examples/compressor",
         "examples/torsion_six",
         "examples/start_up",
+        "examples/driveline",
         "examples/valvetrain",
         "examples/v_twin",
         "examples/single_balanced",
