@@ -1,7 +1,10 @@
 //! Classical machines whose motion textbooks give: torsion of a crank train with its damper, pendulum
 //! absorber, dual-mass flywheel, mounts; and two machines that rattle, whose statistics are compared.
 
-use crate::library_run::{Complex, close, column, integrate, largest, over, plus, run, times};
+use crate::library_run::{
+    Complex, close, column, compared, integrate, largest, line, over, plus, run, statistics, stop,
+    times,
+};
 use eng::Sources;
 use eng::results::Results;
 use nalgebra::{DMatrix, DVector};
@@ -9,16 +12,6 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
 type C = nalgebra::Complex<f64>;
-
-/// Amplitude of a line at a phase: values against the phase, both ends of whole periods among them.
-fn line(values: impl Iterator<Item = f64>, phases: &[f64]) -> C {
-    let count = phases.len() - 1;
-    let sum: C = values
-        .zip(&phases[..count])
-        .map(|(value, phase)| C::from_polar(value, -phase))
-        .sum();
-    sum * (2.0 / count as f64)
-}
 
 /// The example: a six-cylinder train with a rubber damper at its nose and a flywheel of constant speed.
 const SIX: &str = include_str!("../examples/torsion_six/torsion_six.eng");
@@ -306,31 +299,6 @@ fn mounts_pass_on_what_their_complex_stiffness_says() {
             println!("{law:.14} {hertz} Hz: {:.6}, {miss:.1e}", passed.norm());
             assert!(miss < 1e-7, "{law} at {hertz} Hz: {passed} for {due:?}");
         }
-    }
-}
-
-/// The figures reported for a motion that never repeats: the share of the time in contact, the number of
-/// contacts, the mean load and its root mean square.
-fn statistics(load: &[f64]) -> [f64; 4] {
-    let count = load.len() as f64;
-    let begun = load.windows(2).filter(|w| w[0] == 0.0 && w[1] != 0.0);
-    [
-        load.iter().filter(|x| **x != 0.0).count() as f64 / count,
-        begun.count() as f64,
-        load.iter().map(|x| x.abs()).sum::<f64>() / count,
-        (load.iter().map(|x| x * x).sum::<f64>() / count).sqrt(),
-    ]
-}
-
-/// Push of a stop at a depth and its rate: stiffness, damping, depth of its beginning.
-fn stop(depth: f64, rate: f64, law: [f64; 3]) -> f64 {
-    let depth = depth.max(0.0);
-    depth * (law[0] + law[1] * rate / (depth * depth + law[2] * law[2]).sqrt()).max(0.0)
-}
-
-fn compared(found: [f64; 4], due: [f64; 4], tolerances: [f64; 4]) {
-    for (k, name) in ["share", "contacts", "mean", "rms"].into_iter().enumerate() {
-        close(name, found[k], due[k], tolerances[k]);
     }
 }
 

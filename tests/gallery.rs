@@ -139,3 +139,35 @@ fn the_compressor_has_its_numbers() {
 fn the_six_has_its_numbers() {
     compare("torsion_six", &["damped[8]", "damped[13]", "bare[13]"], 3);
 }
+
+#[test]
+fn the_start_of_the_fan_has_its_numbers() {
+    compare("start_up", &["direct", "star"], 5);
+}
+
+#[test]
+fn the_mounts_have_their_numbers() {
+    let analyses = ["rubber[3]", "rubber[13]", "hydraulic[3]", "hydraulic[13]"];
+    compare("mounts", &analyses, 4);
+}
+
+#[test]
+fn the_balanced_single_has_its_numbers() {
+    compare("single_balanced", &["bare", "half", "balanced"], 4);
+}
+
+#[test]
+fn the_v_twins_have_their_numbers() {
+    compare("v_twin", &["twin[1]", "twin[2]", "twin[3]"], 5);
+}
+
+#[test]
+fn the_valve_train_has_its_numbers() {
+    compare("valvetrain", &["ride[1]", "ride[2]", "ride[3]"], 5);
+}
+
+#[test]
+fn the_drive_line_has_its_numbers() {
+    let analyses = ["dual[1]", "dual[7]", "solid[1]", "solid[7]", "quiet"];
+    compare("driveline", &analyses, 5);
+}

@@ -151,3 +151,39 @@ pub fn root(f: &dyn Fn(Complex) -> Complex, first: Complex) -> Complex {
     }
     b
 }
+
+/// Amplitude of a line at a phase: values against the phase, both ends of whole periods among them.
+pub fn line(values: impl Iterator<Item = f64>, phases: &[f64]) -> nalgebra::Complex<f64> {
+    let count = phases.len() - 1;
+    let sum: nalgebra::Complex<f64> = values
+        .zip(&phases[..count])
+        .map(|(value, phase)| nalgebra::Complex::from_polar(value, -phase))
+        .sum();
+    sum * (2.0 / count as f64)
+}
+
+/// Push of a stop at a depth and its rate: stiffness, damping, depth of its begin.
+pub fn stop(depth: f64, rate: f64, law: [f64; 3]) -> f64 {
+    let depth = depth.max(0.0);
+    depth * (law[0] + law[1] * rate / (depth * depth + law[2] * law[2]).sqrt()).max(0.0)
+}
+
+/// The figures reported for a motion that never repeats: the share of the time in contact, the number of contacts, the mean load and its
+/// root mean square.
+pub fn statistics(load: &[f64]) -> [f64; 4] {
+    let count = load.len() as f64;
+    let begun = load.windows(2).filter(|w| w[0] == 0.0 && w[1] != 0.0);
+    [
+        load.iter().filter(|x| **x != 0.0).count() as f64 / count,
+        begun.count() as f64,
+        load.iter().map(|x| x.abs()).sum::<f64>() / count,
+        (load.iter().map(|x| x * x).sum::<f64>() / count).sqrt(),
+    ]
+}
+
+/// Fails if statistics depart from the due ones by more than shares of them.
+pub fn compared(found: [f64; 4], due: [f64; 4], tolerances: [f64; 4]) {
+    for (k, name) in ["share", "contacts", "mean", "rms"].into_iter().enumerate() {
+        close(name, found[k], due[k], tolerances[k]);
+    }
+}

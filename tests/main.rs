@@ -27,6 +27,7 @@ mod floquet;
 mod floquet_engine;
 mod frames;
 mod gallery;
+mod gallery_checks;
 mod geometry;
 mod hand_over;
 mod handles;

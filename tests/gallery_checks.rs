@@ -1,0 +1,431 @@
+//! Examples of the gallery against closed forms, linear equations and an independent integrator.
+
+use crate::library_run::{
+    close, column, compared, integral, integrate, line, run, statistics, stop,
+};
+use eng::results::Results;
+use nalgebra::{DMatrix, Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
+use std::f64::consts::{PI, TAU};
+
+type C = nalgebra::Complex<f64>;
+
+/// The start of the fan: time and heat against quadratures of inertia over torque, with Kloss' torque and a rigid belt. At the breakdown
+/// torque the two spans differ by the torque that fan and wheel take.
+#[test]
+fn a_fan_starts_in_the_time_of_its_quadrature() {
+    let text = include_str!("../examples/start_up/start_up.eng");
+    let (field, inertia) = (50.0 * PI, 0.08 + 4.0 / 2.25);
+    let load = |speed: f64| 76.0 * (speed / field).powi(2);
+    for (analysis, connection) in [("direct", 1.0), ("star", 1.0 / 3.0)] {
+        let motor = |speed: f64| {
+            let slip = (1.0 - speed / field) / 0.15;
+            500.0 * connection / (slip + 1.0 / slip)
+        };
+        let results = run(text, analysis);
+        let time = column(&results, "time");
+        let speed = column(&results, "motor_bearing.speed");
+        let behind = speed.iter().position(|speed| *speed > 44.0 * PI);
+        let end = behind.expect("a start") - 1;
+        let speeds: Vec<f64> = (0..=4000)
+            .map(|i| speed[end] * f64::from(i) / 4000.0)
+            .collect();
+        let times = speeds.iter().map(|s| inertia / (motor(*s) - load(*s)));
+        let times: Vec<f64> = times.collect();
+        close("time", time[end], integral(&speeds, &times), 5e-5);
+        let heats = speeds.iter().zip(&times);
+        let heats: Vec<f64> = heats.map(|(s, t)| t * motor(*s) * (field - s)).collect();
+        let heat = integral(&time[..=end], &column(&results, "slip_heat")[..=end]);
+        close("heat", heat, integral(&speeds, &heats), 5e-4);
+        let torque = column(&results, "motor.torque");
+        let at = (0..torque.len()).max_by(|a, b| torque[*a].total_cmp(&torque[*b]));
+        let at = at.expect("samples");
+        let due = torque[at] - 0.08 * (torque[at] - load(speed[at])) / inertia;
+        let spans = [
+            column(&results, "tight.load")[at],
+            column(&results, "slack.load")[at],
+        ];
+        close("belt", (spans[0] - spans[1]) * 0.1, due, 1e-3);
+    }
+}
+
+const MOUNTS: &str = include_str!("../examples/mounts/mounts.eng");
+
+/// The power unit of the example `mounts`: places of its mounts from its centre of mass, and their shares of its weight of 180 kg.
+const ARMS: [[f64; 3]; 3] = [[0.15, 0.42, 0.06], [0.15, -0.42, 0.06], [-0.55, 0.0, -0.04]];
+const SHARES: [f64; 3] = [11.0 / 28.0, 11.0 / 28.0, 3.0 / 14.0];
+const MASSES: [f64; 6] = [180.0, 180.0, 180.0, 9.0, 16.0, 14.0];
+
+/// Displacement of an arm under the displacement and the rotation of the unit.
+fn lever([x, y, z]: [f64; 3]) -> Matrix3x6<f64> {
+    Matrix3x6::new(
+        1.0, 0.0, 0.0, 0.0, z, -y, //
+        0.0, 1.0, 0.0, -z, 0.0, x, //
+        0.0, 0.0, 1.0, y, -x, 0.0,
+    )
+}
+
+/// Static and fast stiffness of the rubber along the three axes of a mount.
+fn rubber_mount(k: usize) -> (Vector3<f64>, Vector3<f64>) {
+    let (slow, fast) = if k == 2 {
+        (130e3, 70e3)
+    } else {
+        (190e3, 100e3)
+    };
+    (
+        Vector3::new(80e3, 60e3, slow),
+        Vector3::new(40e3, 30e3, fast),
+    )
+}
+
+/// Stiffness of the weight against a roll or a pitch: the mounts push at their heights over the centre of mass.
+fn weight_stiffness() -> Vector6<f64> {
+    let heights = ARMS.iter().zip(SHARES).map(|(arm, share)| arm[2] * share);
+    let stiffness = 180.0 * 9.81 * heights.sum::<f64>();
+    Vector6::new(0.0, 0.0, 0.0, stiffness, stiffness, 0.0)
+}
+
+/// The modes of the power unit on rubber: eigenvalues of its 12 equations of motion and 9 of creep.
+#[test]
+fn a_power_unit_has_the_modes_of_its_equations() {
+    let inverse = Matrix6::from_diagonal(&Vector6::from(MASSES.map(|mass| 1.0 / mass)));
+    let mut held = Matrix6::from_diagonal(&weight_stiffness());
+    let mut a = DMatrix::<f64>::zeros(21, 21);
+    a.fixed_view_mut::<6, 6>(0, 6).fill_with_identity();
+    for (k, arm) in ARMS.into_iter().enumerate() {
+        let lever = lever(arm);
+        let (slow, fast) = rubber_mount(k);
+        held += lever.transpose() * Matrix3::from_diagonal(&(slow + fast)) * lever;
+        let pulled = inverse * lever.transpose() * Matrix3::from_diagonal(&fast);
+        let creep = 12 + 3 * k;
+        a.fixed_view_mut::<6, 3>(6, creep).copy_from(&pulled);
+        a.fixed_view_mut::<3, 6>(creep, 0)
+            .copy_from(&(lever / 8e-3));
+        a.fixed_view_mut::<3, 3>(creep, creep)
+            .fill_diagonal(-1.0 / 8e-3);
+    }
+    a.fixed_view_mut::<6, 6>(6, 0).copy_from(&(-inverse * held));
+    let mut due: Vec<C> = a.complex_eigenvalues().iter().copied().collect();
+    due.retain(|root| root.im > 1.0);
+    due.sort_by(|a, b| a.im.total_cmp(&b.im));
+    assert_eq!(due.len(), 6);
+    let results = run(MOUNTS, "rubber_modes");
+    for (i, due) in due.iter().enumerate() {
+        close(
+            "frequency",
+            column(&results, "frequency")[i],
+            due.im / TAU,
+            1e-8,
+        );
+        close(
+            "damping",
+            column(&results, "damping_ratio")[i],
+            -due.re / due.norm(),
+            1e-7,
+        );
+    }
+}
+
+/// The share of the free force that reaches the frame, `1 − m s² z/F` with the displacement z of the centre of mass from six equations with
+/// complex stiffnesses: near the bounce, between both resonances of the fluid, and at idle.
+#[test]
+fn a_power_unit_passes_on_what_its_equations_say() {
+    for (place, rpm) in [(3, 300.0), (7, 500.0), (13, 800.0)] {
+        let omega = rpm * TAU / 60.0;
+        let s = C::new(0.0, 2.0 * omega);
+        let creep = s * 8e-3 / (s * 8e-3 + 1.0);
+        let channel = s * 4e6 + 1.2e8;
+        let piston = 2.5e-3_f64.powi(2);
+        let filled = s * 200.0 + 190e3 + s * channel * piston / (s * channel * 3e-11 + 1.0);
+        // the free force acts 80 mm before the centre of mass; the torque is a sine about x
+        let force = 4.0 * 0.55 * 0.045 * 0.3 * omega * omega;
+        let mut load = Vector6::<C>::zeros();
+        load[2] = C::from(force);
+        load[3] = C::new(0.0, -90.0);
+        load[4] = C::from(-0.08 * force);
+        for (analysis, fluid) in [("rubber", false), ("hydraulic", true)] {
+            let own = Vector6::from(MASSES).map(|mass| s * s * mass);
+            let mut balance = Matrix6::from_diagonal(&(own + weight_stiffness().map(C::from)));
+            for (k, arm) in ARMS.into_iter().enumerate() {
+                let lever = lever(arm).map(C::from);
+                let (slow, fast) = rubber_mount(k);
+                let mut stiffness = slow.map(C::from) + fast.map(|fast| creep * fast);
+                if fluid && k < 2 {
+                    stiffness[2] = filled;
+                }
+                balance += lever.transpose() * Matrix3::from_diagonal(&stiffness) * lever;
+            }
+            let moved = balance.lu().solve(&load).expect("a damped unit");
+            let due = -s * s * moved[2] * 180.0 / force + 1.0;
+            let results = run(MOUNTS, &format!("{analysis}[{place}]"));
+            let angle = column(&results, "cycle.angle");
+            let phases: Vec<f64> = angle.iter().map(|angle| 2.0 * angle).collect();
+            let found = line(column(&results, "passed").iter().copied(), &phases);
+            let miss = (found - due).norm() / due.norm();
+            println!("{analysis} at {rpm} rpm: {found} for {due}, {miss:.1e}");
+            assert!(miss < 2e-3, "{analysis} at {rpm} rpm: {found} for {due}");
+        }
+    }
+}
+
+/// Second and fourth order of the force of a slider-crank over the first one, from throw over rod.
+fn orders_of_a_slider(ratio: f64) -> (f64, f64) {
+    (
+        ratio + ratio.powi(3) / 4.0 + 15.0 * ratio.powi(5) / 128.0,
+        -(ratio.powi(3) / 4.0 + 3.0 * ratio.powi(5) / 16.0),
+    )
+}
+
+/// Lines of channels over the cycle's angle, each with its order and value due, to a share of a force.
+fn lines_are(results: &Results, lines: &[(&str, f64, C)], share: f64) {
+    let angle = column(results, "cycle.angle");
+    for (path, order, due) in lines {
+        let phases: Vec<f64> = angle.iter().map(|angle| order * angle).collect();
+        let found = line(column(results, path).iter().copied(), &phases);
+        println!("{path}, order {order}: {found} for {due}");
+        assert!(
+            (found - due).norm() < share,
+            "{path}, order {order}: {found} for {due}"
+        );
+    }
+}
+
+/// The single: orders 1, 2 and 4 of the force on its frame against the series of a slider-crank, `F (cos a + A2 cos 2a + A4 cos 4a)` with
+/// the first order balanced in part. The crank moves in its films, which costs a thousandth of F.
+#[test]
+fn a_single_is_balanced_as_the_series_says() {
+    let text = include_str!("../examples/single_balanced/single_balanced.eng");
+    let full = 0.44 * 31.05e-3 * (4000.0 * TAU / 60.0_f64).powi(2);
+    let (second, fourth) = orders_of_a_slider(31.05 / 107.0);
+    for (analysis, crank, shaft) in [
+        ("bare", 0.0, 0.0),
+        ("half", 0.5, 0.0),
+        ("balanced", 0.5, 0.5),
+    ] {
+        let lines = [
+            ("upward", 1.0, C::new(full * (1.0 - crank - shaft), 0.0)),
+            ("across", 1.0, C::new(0.0, full * (crank - shaft))),
+            ("upward", 2.0, C::new(full * second, 0.0)),
+            ("across", 2.0, C::new(0.0, 0.0)),
+            ("upward", 4.0, C::new(full * fourth, 0.0)),
+        ];
+        lines_are(&run(text, analysis), &lines, 2e-3 * full);
+    }
+}
+
+/// The V-twins: with half of the oscillating masses balanced, a first order of `cos(angle)` of that of one cylinder is left, which turns
+/// against the crank; the second orders of both banks add up. Order 1/2 of the torque is that of two pulses of gas, `360° − angle` apart.
+/// The heavy crank moves in its films, which costs 4 thousandths of F.
+#[test]
+fn v_twins_shake_and_fire_as_their_angle_says() {
+    let text = include_str!("../examples/v_twin/v_twin.eng");
+    let speed = 3000.0 * TAU / 60.0;
+    let full = 0.6 * 0.05 * speed * speed;
+    let (second, _) = orders_of_a_slider(50.0 / 190.0);
+    for (place, degrees) in [(1, 45.0_f64), (2, 60.0), (3, 90.0)] {
+        // the pin is on bank 1 at the angle 0
+        let half = (degrees / 2.0).to_radians();
+        let left = C::from_polar(full * (2.0 * half).cos(), half);
+        let twice = C::from_polar(2.0 * full * second, 2.0 * half);
+        let results = run(text, &format!("twin[{place}]"));
+        let lines = [
+            ("upward", 1.0, left),
+            ("across", 1.0, left * C::i()),
+            ("upward", 2.0, twice * half.cos() * (2.0 * half).cos()),
+            (
+                "across",
+                2.0,
+                -twice * C::i() * half.sin() * (2.0 * half).sin(),
+            ),
+            ("upward", 0.5, C::new(0.0, 0.0)),
+        ];
+        lines_are(&results, &lines, 5e-3 * full);
+        let angle = column(&results, "cycle.angle");
+        let phases: Vec<f64> = angle.iter().map(|angle| angle / 2.0).collect();
+        let power = column(&results, "engine.cylinder[1].gas.indicated_power");
+        let pulse = line(power.iter().map(|power| power / speed), &phases);
+        let later = (360.0 - degrees).to_radians() / 2.0;
+        let both = pulse * (C::from_polar(1.0, -later) + 1.0);
+        let torque = line(
+            column(&results, "engine.brake_torque").iter().copied(),
+            &phases,
+        );
+        println!("{degrees}: {torque} for {both}, of one pulse {pulse}");
+        assert!((torque - both).norm() < 3e-3 * both.norm());
+    }
+}
+
+/// Heights of the six bodies of the valve spring and lift of the valve, then their rates.
+type Valve = [f64; 14];
+
+/// Push of the cam and of the seat on the valve of the example `valvetrain`.
+fn valve_pushes(t: f64, y: &Valve, omega: f64) -> [f64; 2] {
+    let half = 65.0_f64.to_radians();
+    let angle = (omega * t).rem_euclid(TAU) - PI;
+    let share = (1.0 - (angle / half).powi(2)).max(0.0);
+    let lift = 9.15e-3 * share.powi(4);
+    let slope = -8.0 * 9.15e-3 * angle / half.powi(2) * share.powi(3);
+    [
+        stop(
+            lift - 0.15e-3 - y[6],
+            slope * omega - y[13],
+            [30e6, 600.0, 1e-6],
+        ),
+        stop(-y[6], -y[13], [40e6, 1.2e3, 2e-6]),
+    ]
+}
+
+/// Tension of the piece of the spring between two bodies, seat and valve at its ends.
+fn valve_tension(y: &Valve, i: usize) -> f64 {
+    let (near, near_rate) = if i == 0 {
+        (0.0, 0.0)
+    } else {
+        (y[i - 1], y[i + 6])
+    };
+    let (far, far_rate) = if i == 6 {
+        (0.04 - y[6], -y[13])
+    } else {
+        (y[i], y[i + 7])
+    };
+    let pieces = if i == 0 || i == 6 { 12.0 } else { 6.0 };
+    30e3 * pieces * (far - near - 0.052 / pieces) + 1.5 * (far_rate - near_rate)
+}
+
+/// The valve at the resonance of its spring, and at a speed at which the tappet leaves the cam: the cycle that another integrator reaches.
+#[test]
+fn a_valve_moves_as_another_integrator_says() {
+    let text = include_str!("../examples/valvetrain/valvetrain.eng");
+    for (place, rpm) in [(1, 2200.0), (3, 3000.0)] {
+        let omega = rpm * TAU / 60.0;
+        let motion = |t: f64, y: &Valve| -> Valve {
+            let [cam, seat] = valve_pushes(t, y, omega);
+            let tension: [f64; 7] = std::array::from_fn(|i| valve_tension(y, i));
+            std::array::from_fn(|i| match i {
+                0..7 => y[i + 7],
+                7..13 => (tension[i - 6] - tension[i - 7]) / 7.5e-3,
+                _ => (cam + seat + tension[6]) / 0.11,
+            })
+        };
+        let sample = TAU / omega / 720.0;
+        let mut y: Valve = std::array::from_fn(|i| match i {
+            0..6 => 0.04 * (i as f64 + 0.5) / 6.0,
+            6 => -9e-6,
+            _ => 0.0,
+        });
+        let mut due = Vec::new();
+        for k in 0..=14 * 720 {
+            let t = f64::from(k) * sample;
+            if k >= 13 * 720 {
+                let [cam, seat] = valve_pushes(t, &y, omega);
+                let surge = -valve_tension(&y, 6) - 30e3 * (0.012 + y[6]);
+                due.push([y[6], cam, seat, surge]);
+            }
+            y = integrate(&motion, y, t, sample / 20.0, 20);
+        }
+        let results = run(text, &format!("ride[{place}]"));
+        let paths = [
+            ("lift", 1e-4),
+            ("tappet.load", 3e-3),
+            ("seat.load", 3e-3),
+            ("surge", 1e-2),
+        ];
+        for (channel, (path, tolerance)) in paths.into_iter().enumerate() {
+            let found = column(&results, path);
+            assert_eq!(found.len(), due.len());
+            let pairs = found
+                .iter()
+                .zip(&due)
+                .map(|(found, due)| (found - due[channel]).powi(2));
+            let miss = pairs.sum::<f64>() / due.iter().map(|due| due[channel].powi(2)).sum::<f64>();
+            println!("{path} at {rpm} rpm: {:.1e}", miss.sqrt());
+            assert!(
+                miss.sqrt() < tolerance,
+                "{path} at {rpm} rpm: {}",
+                miss.sqrt()
+            );
+        }
+    }
+}
+
+const DRIVELINE: &str = include_str!("../examples/driveline/driveline.eng");
+/// Inertia of the engine, of the gearbox, and stiffness between them, of the example `driveline`.
+const DUAL: [f64; 3] = [0.1, 0.08, 350.0];
+const SOLID: [f64; 3] = [0.16, 0.02, 3000.0];
+
+/// The acceleration of the gearbox under both orders of the engine: two inertias, and a shaft that ends at a constant speed.
+#[test]
+fn a_gearbox_vibrates_as_its_linear_equations_say() {
+    for (place, rpm) in [(1, 800.0), (7, 2000.0)] {
+        for (analysis, [engine, input, stiffness]) in [("dual", DUAL), ("solid", SOLID)] {
+            let results = run(DRIVELINE, &format!("{analysis}[{place}]"));
+            for (order, torque) in [(2.0, 90.0), (4.0, 25.0)] {
+                let s = C::new(0.0, order * rpm * TAU / 60.0);
+                let flywheel = s * 2.0 + stiffness;
+                let front = s * s * engine + flywheel;
+                let back = s * s * input + flywheel + s + 300.0;
+                let due = s * s * flywheel * torque / (front * back - flywheel * flywheel);
+                let share = 3e-3 * due.norm();
+                lines_are(&results, &[("input_acceleration", order, due)], share);
+            }
+        }
+    }
+}
+
+/// The teeth of the loose gear at 800 rpm: closed behind the dual-mass flywheel, with the path of another integrator; in a rattle behind the
+/// solid one. The rattle is chaotic: two runs of the other integrator with starts 1e-9 rad apart differ by 12 % in the share of the time
+/// in contact and by 4 % in the mean load.
+#[test]
+fn a_loose_gear_rattles_behind_a_solid_flywheel_alone() {
+    let omega = 800.0 * TAU / 60.0;
+    let push = |y: &[f64; 6]| {
+        let depth = 0.033 * y[1] + 0.0495 * y[2];
+        let rate = 0.033 * y[4] + 0.0495 * y[5];
+        let law = [1.5e8, 400.0, 1e-6];
+        stop(depth - 60e-6, rate, law) - stop(-depth - 60e-6, -rate, law)
+    };
+    for (analysis, [engine, input, stiffness]) in [("quiet", DUAL), ("rattle", SOLID)] {
+        // angles of engine, gearbox and gear less those of the steady turn
+        let motion = |t: f64, y: &[f64; 6]| {
+            let gas = 60.0 + 90.0 * (2.0 * omega * t).cos() + 25.0 * (4.0 * omega * t).cos();
+            let flywheel = stiffness * (y[0] - y[1]) + 2.0 * (y[3] - y[4]);
+            let shaft = 300.0 * y[1] + y[4];
+            let drag = 0.01 * (y[5] - 2.0 / 3.0 * omega);
+            [
+                y[3],
+                y[4],
+                y[5],
+                (gas - flywheel) / engine,
+                (flywheel - shaft - 0.033 * push(y)) / input,
+                (-0.0495 * push(y) - drag) / 2e-3,
+            ]
+        };
+        let wind = 60.0 / 300.0;
+        let mut y = [
+            wind + 60.0 / stiffness,
+            wind,
+            -2.0 / 3.0 * wind,
+            0.0,
+            0.0,
+            0.0,
+        ];
+        let mut due = Vec::new();
+        for k in 0..=15_000 {
+            if k >= 7500 {
+                due.push(push(&y));
+            }
+            y = integrate(&motion, y, f64::from(k) * 1e-4, 2e-6, 50);
+        }
+        let results = run(DRIVELINE, analysis);
+        let found = &column(&results, "mesh.load")[7500..];
+        assert_eq!(found.len(), due.len());
+        if analysis == "quiet" {
+            let least = |load: &[f64]| load.iter().copied().fold(f64::MAX, f64::min);
+            close("least", least(found), least(&due), 1e-3);
+            let (found, due) = (statistics(found), statistics(&due));
+            assert!(found[0] == 1.0 && due[0] == 1.0, "{found:?}, {due:?}");
+            close("mean", found[2], due[2], 1e-4);
+            close("rms", found[3], due[3], 1e-4);
+        } else {
+            compared(statistics(found), statistics(&due), [0.2, 0.2, 0.08, 0.08]);
+        }
+    }
+}
