@@ -8,7 +8,6 @@ use crate::program::DefinitionId;
 use eng_grammar::ast::{self, BindingKind, ItemKind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::layout::InputLayout;
-use eng_system::system::BodyRef;
 use std::rc::Rc;
 
 impl<'a> Elaborator<'a, '_> {
