@@ -456,6 +456,34 @@ fn markers_stand_in_the_axes_of_other_markers() {
     }
 }
 
+/// A marker stands in the axes of another one of its body wherever that one stands in the text.
+#[test]
+fn a_marker_may_stand_in_the_axes_of_a_later_one() {
+    let markers = [
+        "marker liner = at([10, 20, 30] mm, z: [0, 1, 0], x: [0, 0, 1])",
+        "marker seat = at([1, 2, 3] mm, in: liner)",
+    ];
+    for [first, second] in [markers, [markers[1], markers[0]]] {
+        let text = MODEL.replace(
+            "model Chain {",
+            &format!("model Chain {{\n    body block {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; {first}; {second} }}\n"),
+        );
+        let (made, diagnostics, _) = run(&text);
+        let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+        assert!(errors.is_empty(), "{errors:#?}");
+        let made = made.expect("a system");
+        let none = vec![None; made.system.parameters.len()];
+        let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
+        let mut markers = made.system.markers.iter();
+        let seat = markers.find(|m| m.origin.path == "block.seat");
+        let seat = seat.expect("a marker").position;
+        for (found, exact) in seat.iter().zip([12e-3, 23e-3, 31e-3]) {
+            let found = bound.slots[found.0 as usize];
+            assert!((found - exact).abs() < 1e-15, "{found} {exact}");
+        }
+    }
+}
+
 /// A component without arguments needs no parentheses where it is defined.
 #[test]
 fn a_component_needs_no_parentheses() {

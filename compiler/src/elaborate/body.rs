@@ -3,7 +3,7 @@
 use super::binding::Stated;
 use super::scalar::Stage;
 use super::value::{ScopeId, Value};
-use super::{Elaborator, Entry, Eval, location};
+use super::{Elaborator, Entry, Eval, Lazy, location};
 use crate::ir::{Node, Op};
 use eng_grammar::Span;
 use eng_grammar::ast::{self, ExprKind, Form, ItemKind, Kind, Statement};
@@ -149,15 +149,20 @@ impl<'a> Elaborator<'a, '_> {
         };
         let (index, origin) = self.add_body(declaration, inertia, own, &path);
         let reference = BodyRef::Body(index);
+        // a marker may be placed in the axes of a later one
+        for item in &block.items {
+            if let ItemKind::Declaration(d) = &item.kind
+                && d.kind == Kind::Marker
+            {
+                let lazy = Lazy::Marker(d, reference);
+                self.define(own, &d.name.text, Entry::Lazy(lazy));
+            }
+        }
         for item in &block.items {
             match &item.kind {
                 ItemKind::Declaration(d) if d.kind == Kind::Marker => {
                     // an error in one marker does not hide those of its neighbours
-                    let entry = match self.markers_of(d, reference, own, own) {
-                        Ok(marker) => Entry::Value(marker),
-                        Err(_) => Entry::Failed,
-                    };
-                    self.define(own, &d.name.text, entry);
+                    let _ = self.entry(own, &d.name.text, d.name.span);
                 }
                 _ => self.start_in_body(item, index, origin, own),
             }

@@ -138,11 +138,10 @@ impl<'a> Elaborator<'a, '_> {
         declaration: &'a ast::Declaration,
         body: BodyRef,
         scope: ScopeId,
-        owner: ScopeId,
     ) -> Eval<Value<'a>> {
         let (value, _) = self.instance(declaration)?;
         let name = &declaration.name.text;
-        let base = self.path(owner, name);
+        let base = self.path(scope, name);
         self.instances_of(declaration, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
             let (place, orientation) = e.placement(value, inner, body)?;

@@ -59,7 +59,7 @@ use crate::typed::{Findings, TypedProgram};
 use budget::Budget;
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, ast};
 use eng_system::host::Host;
-use eng_system::system::Location;
+use eng_system::system::{BodyRef, Location};
 use scalar::Workbench;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -116,8 +116,8 @@ pub(crate) enum Lazy<'a> {
     Part(&'a ast::Declaration),
     /// `body x { … }`.
     Body(&'a ast::Declaration),
-    /// `marker x = …` in a model or component.
-    Marker(&'a ast::Declaration),
+    /// `marker x = …` on the ground or in a body.
+    Marker(&'a ast::Declaration, BodyRef),
     /// `joint x = Class(…)` and its like.
     Element(&'a ast::Declaration),
 }
@@ -145,6 +145,8 @@ pub(crate) struct Context {
     /// The items and calls whose texts are being evaluated, the outermost first, each with the number of scopes
     /// at that moment: a name of an older scope does not belong to them.
     pub uses: Vec<(Span, usize)>,
+    /// The names whose values are being evaluated, the outermost first, each with its scope and the place that reads it.
+    pub open: Vec<(ScopeId, String, Span)>,
     /// Unknowns of derivatives that are being taken, one inside the other.
     pub unknowns: u32,
     /// Inside an output: accelerations are allowed, and an element's output means its channel.

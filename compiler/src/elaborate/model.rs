@@ -10,6 +10,7 @@ use crate::typed::lineage::{has_cycle, used_class};
 use crate::typed::settable;
 use eng_grammar::ast::{self, BindingKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::system::BodyRef;
 
 /// The `require`s of a block.
 fn requires(items: &[ast::Item]) -> impl Iterator<Item = &Statement> {
@@ -59,7 +60,7 @@ impl<'a> Elaborator<'a, '_> {
             let lazy = match d.kind {
                 Kind::Part => Some(Lazy::Part(d)),
                 Kind::Body | Kind::Flexible => Some(Lazy::Body(d)),
-                Kind::Marker => Some(Lazy::Marker(d)),
+                Kind::Marker => Some(Lazy::Marker(d, BodyRef::Ground)),
                 Kind::Joint | Kind::Force | Kind::Journal | Kind::Drive => Some(Lazy::Element(d)),
                 _ => None,
             };

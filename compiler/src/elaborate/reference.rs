@@ -94,10 +94,7 @@ impl<'a> Elaborator<'a, '_> {
             Some(Entry::Value(value)) => Ok(value),
             Some(Entry::Failed) => Err(Reported),
             Some(Entry::In(other)) => self.entry(other, name, span),
-            Some(Entry::Busy) => Err(self.report(
-                Diagnostic::error(codes::ENDLESS, format!("`{name}` needs itself"))
-                    .at(span, "the circle closes here"),
-            )),
+            Some(Entry::Busy) => Err(self.circle(scope, name, span)),
             Some(Entry::Lazy(lazy)) => {
                 if let Lazy::Binding(binding) = &lazy
                     && self.scope(scope).lasting
@@ -116,7 +113,9 @@ impl<'a> Elaborator<'a, '_> {
                 self.context
                     .uses
                     .retain(|(_, scopes)| *scopes <= scope.0 as usize);
+                self.context.open.push((scope, name.to_owned(), span));
                 let result = self.deeper(span, |e| e.force(&lazy, scope));
+                self.context.open.pop();
                 self.context.guards = guards;
                 self.context.uses = uses;
                 let entry = match &result {
@@ -130,6 +129,23 @@ impl<'a> Elaborator<'a, '_> {
                 result
             }
         }
+    }
+
+    /// Reports a name whose value needs itself, with the places that lead back to it.
+    fn circle(&mut self, scope: ScopeId, name: &str, span: Span) -> Reported {
+        let mut message = Diagnostic::error(codes::ENDLESS, format!("`{name}` needs itself"))
+            .at(span, "the circle closes here");
+        let open = &self.context.open;
+        let first = open
+            .iter()
+            .rposition(|(at, known, _)| *at == scope && known == name);
+        for (_, between, place) in open
+            .iter()
+            .skip(first.map_or(open.len(), |first| first + 1))
+        {
+            message = message.also(*place, format!("this needs `{between}`"));
+        }
+        self.report(message)
     }
 
     /// Whether a value depends on the motion, and so belongs to one element.
@@ -191,9 +207,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             Lazy::Part(declaration) => self.part(declaration, scope),
             Lazy::Body(declaration) => self.bodies_of(declaration, scope),
-            Lazy::Marker(declaration) => {
-                self.markers_of(declaration, BodyRef::Ground, scope, scope)
-            }
+            Lazy::Marker(declaration, body) => self.markers_of(declaration, *body, scope),
             Lazy::Element(declaration) => {
                 // another element may be under construction at this first use, so it is set aside
                 let element = self.bench.element.take();
