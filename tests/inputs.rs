@@ -350,6 +350,37 @@ fn a_function_of_time_drives_an_input() {
     assert_eq!(held.metadata().get("input.load"), None);
 }
 
+/// Functions and tables with some of their arguments, and the derivative of a function, drive an input as well.
+#[test]
+fn functions_with_some_of_their_arguments_drive_an_input() {
+    let more = "
+fn swing(t: Time, top: Force, rate: AngularVelocity = 1 rad/s) -> Force = top*sin(rate*t)
+fn faster = swing(rate: 4 rad/s)
+fn wave_by_name = faster(top: 3 N)
+fn impulse(t: Time) -> Force*Time = -0.75 N*s*cos(4 rad/s*t)
+fn wave_by_slope = slope(impulse)
+table map(share: 1, t: Time) -> Force = points([0, 1], [0, 10] s, [[0, 0], [0, 20]] N)
+fn half = map(share: 0.5)
+analysis named = transient(Oscillator(load: wave_by_name), duration: 2 s, sample: 0.1 s, tolerance: 1e-3)
+analysis sloped = transient(Oscillator(load: wave_by_slope), duration: 2 s, sample: 0.1 s, tolerance: 1e-3)
+analysis halved = transient(Oscillator(load: half), duration: 2 s, sample: 0.1 s, tolerance: 1e-3)
+";
+    let program = program(&(text("hold") + more));
+    let wave = |t: f64| 3.0 * (4.0 * t).sin();
+    let forces: [(&str, &dyn Fn(f64) -> f64); 3] =
+        [("named", &wave), ("sloped", &wave), ("halved", &|t| t)];
+    for (name, due) in forces {
+        let outcome = done(program.analysis(name)).run(&mut |_| {});
+        let results = outcome
+            .unwrap_or_else(|failed| panic!("{}", failed.error))
+            .results;
+        let column = |path: &str| results.column(path).expect("a column").values.clone();
+        for (t, load) in column("time").iter().zip(column("load")) {
+            assert!((load - due(*t)).abs() < 1e-12, "{name}: {load} at {t}");
+        }
+    }
+}
+
 /// The oscillator with the rate of its input as the force: 0.5 s times `der(load)`.
 fn rated(interpolation: &str) -> String {
     let text = text(interpolation);

@@ -9,7 +9,7 @@ use super::binding::{Stated, span_of};
 use super::body::index_text;
 use super::finish::Structural;
 use super::output::Columns;
-use super::partial::Passed;
+use super::partial::{Passed, all_arguments};
 use super::scalar::{ElementBuilder, PROVISIONAL, RATE, Scalar, Stage, TIME};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
@@ -109,8 +109,18 @@ impl<'a> Elaborator<'a, '_> {
             ExprKind::Name(name) => self.program.lookup(module, name),
             _ => None,
         };
-        let generic = matches!(value, Value::Closure(closure)
-            if closure.solution.as_ref().is_some_and(|solution| !solution.is_empty()));
+        if is_derivative_of_table(value) {
+            return Err(self.report(
+                Diagnostic::error(codes::NOT_HANDED_ON, "the derivative of a table gives no input")
+                    .at(expr.span, "an input takes a function, or a table itself")
+                    .with_help(
+                        "define a function of it at the top of the file: `fn rate(t: Time) -> Force = slope(table, t)`",
+                    ),
+            ));
+        }
+        // the values of the input come from the definition, which does not know what is found here
+        let here = self.solution_at(expr.span, scope);
+        let generic = here.is_some_and(|solution| !solution.is_empty());
         match named.filter(|_| !generic) {
             Some(id) => Ok(Structural::Signal(id)),
             None => Err(self.report(
@@ -132,19 +142,23 @@ impl<'a> Elaborator<'a, '_> {
             stage: Stage::Bind,
             node: self.bench.bind.graph.input(TIME),
         };
-        match self.definition(signal, span)? {
-            Value::Closure(closure) => {
-                let scope = closure.scope;
-                let passed = vec![Passed {
-                    place: 0,
-                    value: Value::Scalar(time),
-                    span,
-                    scope,
-                }];
-                self.used_at(span, |e| e.applied(&closure, None, passed, span))
+        let function = self.definition(signal, span)?;
+        let scope = self.module_scopes[signal.module as usize];
+        let passed = vec![Passed {
+            place: 0,
+            value: Value::Scalar(time),
+            span,
+            scope,
+        }];
+        let (function, passed) = match &function {
+            Value::Partial(partial) if partial.order == 0 => {
+                (&partial.function, all_arguments(partial, passed))
             }
-            Value::Table(table) => Ok(Value::Scalar(self.bench.table(table.handle, &[time]))),
-            other => self.checked(None, span, &format!("{} gives an input", other.kind())),
+            other => (other, passed),
+        };
+        match function {
+            Value::Table(table) => self.table_at(*table, passed, span).map(Value::Scalar),
+            function => self.apply(function, passed, span, scope),
         }
     }
 
@@ -341,6 +355,16 @@ impl BindProgram {
 }
 
 /// The name of a function or table.
+/// Whether a function is the slope or curvature of a table.
+fn is_derivative_of_table(value: &Value<'_>) -> bool {
+    let (mut inner, mut order) = (value, 0);
+    while let Value::Partial(partial) = inner {
+        order = partial.order.max(order);
+        inner = &partial.function;
+    }
+    order > 0 && matches!(inner, Value::Table(_))
+}
+
 fn name_of(item: &ast::Item) -> Option<String> {
     match &item.kind {
         ItemKind::Function(function) => Some(function.name.text.clone()),

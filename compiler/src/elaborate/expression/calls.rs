@@ -116,21 +116,31 @@ impl<'a> Elaborator<'a, '_> {
         passed: Vec<Passed<'a>>,
         call: Span,
     ) -> Eval<Value<'a>> {
-        let mut given: Vec<Option<Scalar>> = vec![None; passed.len()];
-        let mut kinks = Vec::with_capacity(passed.len());
-        for argument in passed {
-            let x = self.as_scalar(argument.value, argument.span)?;
-            let place = given.get_mut(argument.place as usize);
-            *self.checked(place, argument.span, "no such argument")? = Some(x);
-            kinks.push((argument.place as u8, argument.span, argument.scope));
-        }
-        let all: Option<Vec<Scalar>> = given.into_iter().collect();
-        let all = self.checked(all, call, "an argument of a table is missing")?;
-        let value = self.bench.table(table.handle, &all);
+        let kinks = passed.iter().map(|a| (a.place as u8, a.span, a.scope));
+        let kinks: Vec<_> = kinks.collect();
+        let value = self.table_at(table, passed, call)?;
         for (place, of, scope) in kinks {
             self.note_kink(value.stage, value.node, place, of, call, scope)?;
         }
         Ok(Value::Scalar(value))
+    }
+
+    /// The value of a table at its arguments. No texts are noted for its kinks.
+    pub fn table_at(
+        &mut self,
+        table: TableValue,
+        passed: Vec<Passed<'a>>,
+        call: Span,
+    ) -> Eval<Scalar> {
+        let mut given: Vec<Option<Scalar>> = vec![None; passed.len()];
+        for argument in passed {
+            let x = self.as_scalar(argument.value, argument.span)?;
+            let place = given.get_mut(argument.place as usize);
+            *self.checked(place, argument.span, "no such argument")? = Some(x);
+        }
+        let all: Option<Vec<Scalar>> = given.into_iter().collect();
+        let all = self.checked(all, call, "an argument of a table is missing")?;
+        Ok(self.bench.table(table.handle, &all))
     }
 
     /// Calls a function of the text with values for the parameters at given places.
