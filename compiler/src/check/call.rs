@@ -120,10 +120,16 @@ impl<'p> Checker<'p> {
                 }
                 Type::Error
             }
-            Type::Function(signature) if function_due => {
-                self.function_of_call(scope, span, &signature, arguments)
+            Type::Function(signature) => {
+                let signature = self.named_by_call(signature, callee);
+                if self.names_for_places(scope, &signature, arguments) {
+                    Type::Error
+                } else if function_due {
+                    self.function_of_call(scope, span, &signature, arguments)
+                } else {
+                    self.call_of_function(scope, span, &signature, arguments)
+                }
             }
-            Type::Function(signature) => self.call_of_function(scope, span, &signature, arguments),
             Type::Class(id) => self.call_of_class(scope, span, id, arguments),
             Type::Bound(bound) if self.class_due => {
                 self.bound_class(scope, bound.class, &bound.given, arguments, span)
@@ -143,6 +149,54 @@ impl<'p> Checker<'p> {
                 Type::Error
             }
         }
+    }
+
+    /// A signature with the name that calls it: a parameter `law: fn(Length) -> Force` states none. A function that
+    /// calls itself has no signature yet.
+    fn named_by_call(&self, signature: Arc<Signature>, callee: &Expr) -> Arc<Signature> {
+        if !signature.name.is_empty() || signature.result.is_error() {
+            return signature;
+        }
+        Arc::new(Signature {
+            name: self.sources.text(callee.span).to_owned(),
+            ..Signature::clone(&signature)
+        })
+    }
+
+    /// Reports a named argument of a function whose type states no names: `fn(Length) -> Force`.
+    fn names_for_places(
+        &mut self,
+        scope: &Scope<'p>,
+        signature: &Signature,
+        arguments: &[Argument],
+    ) -> bool {
+        let mut parameters = signature.parameters.iter();
+        let (Some(first), Some(name)) = (
+            signature.parameters.first(),
+            arguments.iter().find_map(|argument| argument.name.as_ref()),
+        ) else {
+            return false;
+        };
+        if signature.result.is_error() || parameters.any(|p| !p.name.is_empty()) {
+            return false;
+        }
+        let called = &signature.name;
+        let values = arguments.iter().map(|a| self.sources.text(a.value.span));
+        let values: Vec<&str> = values.collect();
+        let form = format!("{called}({})", values.join(", "));
+        self.report(
+            Diagnostic::error(
+                codes::UNKNOWN_ARGUMENT,
+                format!("`{called}` has no parameter `{}`", name.text),
+            )
+            .at(name.span, "its arguments have no names")
+            .also(first.span, "this type states no names")
+            .with_help(format!("give the arguments by place: `{form}`")),
+        );
+        for argument in arguments {
+            self.infer(scope, &argument.value);
+        }
+        true
     }
 
     /// The type of a call of a class inside an expression.
