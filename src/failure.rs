@@ -132,6 +132,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("a force that jumps, or a mechanism at the end of its reach, has no solution: look at the outputs just before"),
         R::Rounding { .. } => d(codes::ROUNDING)
             .with_help("state a larger `tolerance`, or a fixed `step`, which needs no tolerance"),
+        R::Resolution { origin, .. } => place(d(codes::ROUNDING), origin, "resolves this length")
+            .with_help("state the length that matters after `resolve`, such as `resolve 1 um`"),
         R::StepTooSmall { origin, state: Some(state), .. } => {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is in its state")
                 .with_help(format!("make the rate of `{state}` continuous where it jumps; state a larger `scale` where errors as small as 1e-5 of it don't matter"))

@@ -419,7 +419,7 @@ fn the_lengths_that_classes_resolve_are_the_units_of_position_errors() {
     let bound = made.bind.bind(&none, &made.system.tables).expect("it fits");
     let resolutions = made.system.resolutions.iter();
     let found: Vec<f64> = resolutions
-        .map(|slot| (bound.slots[slot.0 as usize] * 1e6).round())
+        .map(|r| (bound.slots[r.length.0 as usize] * 1e6).round())
         .collect();
     assert_eq!(found, [30.0, 20.0, 2.0]);
     let made = elaborated(&text.replace("fine: 4 um", "fine: -4 um")).expect("no mistake");

@@ -429,6 +429,21 @@ pub enum RuntimeError {
         /// The smallest factor that the run can satisfy.
         least: f64,
     },
+    /// A class resolves a length below the rounding error of positions.
+    #[error(
+        "{} resolves {} m, which is below rounding: the least is about {} m",
+        origin.path,
+        short(*length, 4),
+        short(*least, 1)
+    )]
+    Resolution {
+        /// The element, with the place of the length in its class.
+        origin: Box<Origin>,
+        /// The length (m).
+        length: f64,
+        /// The smallest length that a model of this size resolves (m).
+        least: f64,
+    },
     /// Error control requires steps that floating-point numbers cannot resolve.
     #[error(
         "the step falls below {} s at {moment}; {} is not smooth there: {}",

@@ -51,10 +51,6 @@ use crate::model::Model;
 use crate::state::{State, move_pose};
 use eng_system::secants::Secants;
 
-/// Share of the position tolerance that the error of one step may have. Accelerations and small reactions are
-/// second derivatives of the positions. In an engine with film bearings this share keeps them right within a
-/// per cent of their own swing, and positions far better.
-pub const STEP_SHARE: f64 = 0.1;
 /// The error norm contains a mode while ωh is below this (rad), which is six steps per period. For faster
 /// modes the series of the estimate does not converge. Such a mode follows its load, and numerical damping
 /// removes its ringing.

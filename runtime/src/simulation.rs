@@ -19,10 +19,10 @@ use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
 pub use crate::error::{Jump, Pace, Slow};
 use crate::error::{Moment, RuntimeError};
-use crate::integrator::{Damped, Goal, Integrator, STEP_SHARE, Statistics};
+use crate::integrator::{Damped, Goal, Integrator, Statistics};
 use crate::kinks::{Kinks, Overlooked};
 use crate::linear::Pattern;
-use crate::model::Model;
+use crate::model::{LEAST_ERROR, Model, STEP_SHARE};
 use crate::outputs::{Outputs, Watch};
 use crate::rotation::{M3, V3};
 use crate::start::{self, StartReport};
@@ -547,8 +547,6 @@ pub(crate) fn assembled(
 pub const GOAL: f64 = 1e-9;
 /// Least such share above rounding.
 const LEAST_GOAL: f64 = 1e-15;
-/// Least error of a step, as a share of the model's length, that is distinguishable from rounding.
-const LEAST_ERROR: f64 = 1e-14;
 
 /// The limits of Newton's iteration; see [`Options::newton_tolerance`]. A wide tolerance saves steps, and no
 /// iterations.

@@ -400,6 +400,15 @@ pub struct Cycle {
     pub period: Slot,
 }
 
+/// A length that positions must resolve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resolution {
+    /// Its element, with the place of the length in the class.
+    pub origin: Origin,
+    /// The length (m).
+    pub length: Slot,
+}
+
 /// The firing of an element whose class fills `std.forces.GasLaw`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FiringInfo {
@@ -473,7 +482,7 @@ pub struct System {
     pub summaries: Vec<summary::Summary>,
     /// Lengths (m) that positions must resolve, as the classes state them. The smallest is the unit of
     /// position errors.
-    pub resolutions: Vec<Slot>,
+    pub resolutions: Vec<Resolution>,
     /// Places of stated attributes, by path: `gravity`, `crank.inertia`. If an argument of a class is the
     /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,

@@ -14,7 +14,7 @@ use eng_system::lint::Accepted;
 use eng_system::system::summary::Summary;
 use eng_system::system::{
     Body, Channel, Condition, FiringInfo, JournalInfo, Kink, Location, Marker, Origin, OutputInfo,
-    Parameter, Role, Row, Slot, StateInfo,
+    Parameter, Resolution, Role, Row, StateInfo,
 };
 use eng_system::table::Table;
 use std::collections::{BTreeMap, HashMap};
@@ -48,7 +48,7 @@ pub(crate) struct Draft<'a> {
     /// Tables of results by the interface that defines them.
     pub summaries: Vec<(DefinitionId, Summary)>,
     /// Lengths that positions must resolve.
-    pub resolutions: Vec<Slot>,
+    pub resolutions: Vec<Resolution>,
     pub accepted: Vec<Accepted>,
     /// Failed `advise`s on values known while compiling, with the paths of their subjects.
     pub advised: Vec<(Diagnostic, Vec<String>)>,

@@ -1,10 +1,10 @@
 //! One step: Newton's iteration with a kept matrix, the estimate of the local error, and the cause of a
 //! failure.
 
-use super::{Integrator, RESOLVED, STEP_SHARE, Trial};
+use super::{Integrator, RESOLVED, Trial};
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
-use crate::model::Model;
+use crate::model::{Model, STEP_SHARE};
 use eng_system::system::Origin;
 
 /// Contraction above which the matrix is computed again.

@@ -1,6 +1,6 @@
 //! Numbers in place of slots: a compiled model becomes a [`Model`], or it is refused.
 
-use super::{ElementModel, MarkerModel, Model};
+use super::{ElementModel, LEAST_ERROR, MarkerModel, Model, STEP_SHARE};
 use crate::body::{BodyKind, BodyModel, Rigid};
 use crate::crew::Crew;
 use crate::error::RuntimeError;
@@ -63,8 +63,8 @@ impl Model {
     /// model's length. The error of one step may be a tenth of it.
     ///
     /// # Errors
-    /// Parameters that the bind graph refuses; physically impossible bodies; a system whose parts do not fit
-    /// each other.
+    /// Parameters that the bind graph refuses; physically impossible bodies; a length to resolve below rounding; a
+    /// system whose parts do not fit each other.
     pub fn bind(compiled: &Compiled, overrides: &[Option<f64>]) -> Result<Model, RuntimeError> {
         let system = &compiled.system;
         if compiled.code.len() != system.classes.len() {
@@ -402,9 +402,19 @@ fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64
     // a class can require finer positions than the model's length gives, never coarser ones: it does not know
     // the other classes of the model, and a length in a wrong unit would make the positions of all coarse
     let mut tolerance = OF_LENGTH * length;
+    // a step at the usual tolerance must be able to keep its share of it
+    let least = LEAST_ERROR * length / (STEP_SHARE * OF_RESOLUTION);
     for resolution in &system.resolutions {
         // the compiler adds a condition that each is positive
-        tolerance = tolerance.min(OF_RESOLUTION * slots.get(*resolution)?);
+        let resolved = slots.get(resolution.length)?;
+        if resolved < least {
+            return Err(RuntimeError::Resolution {
+                origin: Box::new(resolution.origin.clone()),
+                length: resolved,
+                least: 2.0 * least,
+            });
+        }
+        tolerance = tolerance.min(OF_RESOLUTION * resolved);
     }
     Ok(tolerance)
 }

@@ -2,8 +2,9 @@
 
 use super::Simulation;
 use crate::error::{AccelerationJump, Moment, RuntimeError};
-use crate::integrator::{STEP_SHARE, Trial};
+use crate::integrator::Trial;
 use crate::kinks::Crossing;
+use crate::model::STEP_SHARE;
 use crate::state::State;
 
 /// Most trials of a step that a kink may shorten.

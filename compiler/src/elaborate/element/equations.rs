@@ -10,7 +10,9 @@ use crate::ir::Node;
 use eng_grammar::ast::{BindingKind, ExprKind, ItemKind, Statement};
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::Dimension;
-use eng_system::system::{Condition, ConditionKind, Location, MessagePart, Row};
+use eng_system::system::{
+    Condition, ConditionKind, Location, MessagePart, Origin, Resolution, Row,
+};
 
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn states(
@@ -245,7 +247,14 @@ impl<'a> Elaborator<'a, '_> {
                 defined_at: Some(location(length.span)),
             });
             let slot = self.slot(node);
-            self.draft.resolutions.push(slot);
+            self.draft.resolutions.push(Resolution {
+                origin: Origin {
+                    path: path.to_owned(),
+                    used_at,
+                    defined_at: Some(location(length.span)),
+                },
+                length: slot,
+            });
             if let Some(element) = self.bench.element.as_mut() {
                 element.resolves.push(node);
             }
