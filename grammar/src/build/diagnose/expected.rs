@@ -390,7 +390,7 @@ impl<'b> Failure<'b> {
             .map(|token| token.text(self.text))
     }
 
-    /// `marker z if l > 2 mm = …`: the unit does not end before `=`.
+    /// `marker z if l > 2 mm = …`: the unit does not end before `=`. `part x if a and = …`: half of a condition.
     fn unit_of_condition(&self) -> Option<Diagnostic> {
         if self.found() != "=" || self.read().any(|word| word == "=" || word == "then") {
             return None;
@@ -403,6 +403,13 @@ impl<'b> Failure<'b> {
         if start + 1 >= self.at || last.kind != TokenKind::Word {
             return None;
         }
+        let word = self.before_text();
+        if matches!(word, "and" | "or" | "not") {
+            return Some(self.say("a condition"));
+        }
+        if is_reserved(word) || !self.ends_with_unit() {
+            return None;
+        }
         let condition = self.builder.span(first.start, last.end);
         let written = self.text.get(first.start..last.end).unwrap_or_default();
         Some(
@@ -413,6 +420,18 @@ impl<'b> Failure<'b> {
             .at(condition, "without them the end of the unit is not clear")
             .with_fix("add the parentheses", condition, format!("({written})")),
         )
+    }
+
+    /// Whether a number or a bracket and then only the words and signs of a unit stand before the mistake: `2 N*m`.
+    fn ends_with_unit(&self) -> bool {
+        let before = self.tokens.iter().take(self.at).rev();
+        let mut before = before.skip_while(|token| {
+            token.kind == TokenKind::Word && !is_reserved(token.text(self.text))
+                || matches!(token.text(self.text), "*" | "/" | "^")
+        });
+        before.next().is_some_and(|token| {
+            token.kind == TokenKind::Number || matches!(token.text(self.text), ")" | "]")
+        })
     }
 
     /// `a + if …`, `if` without `then` or `else`, `require` without `else`.
