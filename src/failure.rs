@@ -5,8 +5,8 @@ use crate::counted::counted;
 use crate::places::{at_first, place, related, span};
 use eng_grammar::Diagnostic;
 use eng_runtime::{
-    Damped, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow, StartReport,
-    Turning, Undefined, Unstable,
+    Damped, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow,
+    StartReport, Turning, Undefined, Unstable,
 };
 use eng_system::code::BindError;
 use eng_system::significant::significant;
@@ -142,8 +142,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is here")
                 .with_help("make every force that jumps continuous; give an `extrapolation` to a table that ends here")
         }
-        R::Jumps { jump, .. } => place(d(codes::JUMPS), &jump.origin, "jumps")
-            .with_help(UNJUMPED),
+        R::Jumps { jump, .. } => jumps(d(codes::JUMPS), jump),
         R::Demanded { origin, text, row, velocity, .. } => {
             demanded(d(codes::DEMANDED), (origin, text), &row.equation, *velocity)
         }
@@ -287,8 +286,14 @@ fn unsteady(message: Diagnostic, body: &eng_runtime::LeavingBody) -> Diagnostic 
         .with_help("linearise at rest: let `start: quasi_static` find the balance, without a `start` item that holds the freedom, or let the motion die out with a longer `after:`; where it repeats, `over:` with its period gives its modes; `frozen: true` holds the coefficients at this moment")
 }
 
-/// The remedy for a load that jumps.
-const UNJUMPED: &str = "the motion comes to the jump from both sides, and no step passes it: join the branches of the `if` by a slope, such as `tanh(v/(1 mm/s))` in place of a sign";
+/// Adds the place of a jump and the remedy.
+fn jumps(message: Diagnostic, jump: &Jump) -> Diagnostic {
+    let message = place(message, &jump.origin, "jumps");
+    match &jump.of {
+        Jumping::Force | Jumping::Torque => message.with_help("the motion comes to the jump from both sides, and no step passes it: join the branches of the `if` by a slope, such as `tanh(v/(1 mm/s))` in place of a sign"),
+        Jumping::Rate { .. } => message.with_help("the motion comes to the jump from both sides, and no step passes it: let the rate change over a range, such as `min(max((limit - x)/width, 0), 1)` in place of `if x < limit then 1 else 0`, or switch by a second state, which gives it a hysteresis"),
+    }
+}
 
 /// The warning about a run that continues in short steps. The reason is a jump, or the run slows down; `rest`
 /// is then the remaining time in words.
@@ -315,7 +320,7 @@ fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
     match pace {
         Pace::Stated => message.with_help("take a longer `step`, or none: then error control chooses the steps"),
         Pace::Longest => message.with_help("no step is longer than the distance of samples: take a longer `sample`"),
-        Pace::Jump(jump) => place(message, &jump.origin, "jumps").with_help(UNJUMPED),
+        Pace::Jump(jump) => jumps(message, jump),
         Pace::Error { origin, .. } => place(message, origin, "its motion needs these steps")
             .with_help("something is very stiff or fast, or grows without bound: look at stiffness, damping (its sign, too), mass and clearance around this body"),
         Pace::Unsolved { origin, .. } => place(message, origin, "the largest residual is here")

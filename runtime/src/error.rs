@@ -11,7 +11,7 @@ use eng_system::table::Outside;
 use eng_system::{Dimension, DisplayUnit};
 pub use linearised::{Leaving, LeavingBody, NotBack, Timed, TimedElement, TurningBody, Varies};
 use linearised::{changed, list_timed, list_turning};
-pub use pace::{Jump, Pace, Slow};
+pub use pace::{Jump, Jumping, Pace, Slow};
 
 /// The moment of an event.
 #[derive(Clone, Copy, Debug, PartialEq)]

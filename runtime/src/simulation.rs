@@ -17,7 +17,7 @@ use crate::assembled::Assembled;
 use crate::checkpoint;
 use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
-pub use crate::error::{Jump, Pace, Slow};
+pub use crate::error::{Jump, Jumping, Pace, Slow};
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::{Damped, Goal, Integrator, Statistics};
 use crate::kinks::{Kinks, Overlooked};

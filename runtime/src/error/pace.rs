@@ -1,6 +1,7 @@
 //! The reasons for short steps of a run.
 
 use super::Moment;
+use eng_system::Dimension;
 use eng_system::significant::short;
 use eng_system::system::Origin;
 
@@ -46,6 +47,22 @@ impl std::fmt::Display for Slow {
     }
 }
 
+/// The quantity that jumps.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Jumping {
+    /// A force of an element (N).
+    Force,
+    /// A torque of an element (N m).
+    Torque,
+    /// The rate of a state of an element.
+    Rate {
+        /// The state's name.
+        state: String,
+        /// The dimension of the rate, whose SI unit that of the jump is.
+        dimension: Dimension,
+    },
+}
+
 /// A jump of a load or of the rate of a state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jump {
@@ -53,23 +70,25 @@ pub struct Jump {
     pub origin: Box<Origin>,
     /// Size of the jump.
     pub by: f64,
-    /// `N`, `N m`, or `SI units per second` of a state.
-    pub unit: &'static str,
+    /// Its quantity.
+    pub of: Jumping,
 }
 
 impl std::fmt::Display for Jump {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let what = match self.unit {
-            "N" => "force",
-            "N m" => "torque",
-            _ => "rate of a state",
+        let (what, unit) = match &self.of {
+            Jumping::Force => ("force".to_owned(), "N".to_owned()),
+            Jumping::Torque => ("torque".to_owned(), "N m".to_owned()),
+            Jumping::Rate { state, dimension } => (
+                format!("rate of the state `{state}`"),
+                dimension.to_string(),
+            ),
         };
         write!(
             f,
-            "the {what} of {} jumps by {} {}",
+            "the {what} of {} jumps by {} {unit}",
             self.origin.path,
             short(self.by, 4),
-            self.unit
         )
     }
 }

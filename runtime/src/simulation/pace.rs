@@ -1,10 +1,11 @@
 //! The causes of short steps.
 
-use super::{Jump, Pace, Simulation, Slow};
+use super::{Jump, Jumping, Pace, Simulation, Slow};
 use crate::dynamics::Dynamics;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::state::{State, move_pose};
+use eng_system::Dimension;
 
 /// The reason for the length of the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,21 +39,32 @@ const NEAR: f64 = 64.0;
 /// Most elements in the search.
 const LOOKED_AT: usize = 8;
 
-/// A part of an element's wrenches or rates: its first number, the count, the unit.
+/// The kind of the numbers of a part.
+#[derive(Clone, Copy, PartialEq)]
+enum Numbers {
+    Force,
+    Torque,
+    Rates,
+}
+
+/// A part of an element's wrenches or rates: its first number, the count, the kind.
 struct Part {
     element: usize,
     first: usize,
     count: usize,
-    unit: &'static str,
-    /// Factor from a force to a number of this part: one for forces, the model's length (m) for torques,
-    /// `None` for rates.
-    arm: Option<f64>,
+    numbers: Numbers,
 }
 
 impl Part {
     /// Largest change that is rounding of the element's wrenches, from the evaluation in `loads`.
     fn rounding(&self, model: &Model, loads: &[f64]) -> f64 {
-        let (Some(arm), Some(element)) = (self.arm, model.elements.get(self.element)) else {
+        // factor from a force to a number of this part
+        let arm = match self.numbers {
+            Numbers::Force => 1.0,
+            Numbers::Torque => model.length,
+            Numbers::Rates => return 0.0,
+        };
+        let Some(element) = model.elements.get(self.element) else {
             return 0.0;
         };
         let wrenches = loads.iter().skip(element.wrench).copied();
@@ -243,22 +255,21 @@ impl Simulation {
             if !info.dynamic {
                 continue;
             }
-            let part = |first, count, unit, arm| Part {
+            let part = |first, count, numbers| Part {
                 element,
                 first,
                 count,
-                unit,
-                arm,
+                numbers,
             };
             for marker in 0..info.markers.len() {
                 let first = info.wrench + 6 * marker;
-                parts.push(part(first, 3, "N", Some(1.0)));
-                parts.push(part(first + 3, 3, "N m", Some(self.model.length)));
+                parts.push(part(first, 3, Numbers::Force));
+                parts.push(part(first + 3, 3, Numbers::Torque));
             }
             let states = self.model.class(element).states.len();
             if states > 0 {
                 let first = self.model.wrenches + info.state;
-                parts.push(part(first, states, "SI units per second", None));
+                parts.push(part(first, states, Numbers::Rates));
             }
         }
         parts
@@ -311,12 +322,38 @@ impl Simulation {
             }
         }
         let by = change(&loads[0], &loads[1], &part);
+        if by <= LEFT * begun {
+            return None;
+        }
+        let (by, of) = match part.numbers {
+            Numbers::Force => (by, Jumping::Force),
+            Numbers::Torque => (by, Jumping::Torque),
+            Numbers::Rates => self.jumping_rate(&part, &loads)?,
+        };
         let element = self.model.compiled.system.elements.get(part.element)?;
-        (by > LEFT * begun).then(|| Jump {
+        Some(Jump {
             origin: Box::new(element.origin.clone()),
             by,
-            unit: part.unit,
+            of,
         })
+    }
+
+    /// The rate of an element's states that jumps most, as a share of the scale of its state.
+    fn jumping_rate(&self, part: &Part, loads: &[Vec<f64>; 2]) -> Option<(f64, Jumping)> {
+        let first = self.model.elements.get(part.element)?.state;
+        let states = self.model.class(part.element).states.iter().enumerate();
+        let jumps = states.filter_map(|(k, state)| {
+            let [a, b] = [&loads[0], &loads[1]].map(|x| x.get(part.first + k).copied());
+            let by = (b? - a?).abs();
+            let scale = self.model.state_scales.get(first + k)?;
+            Some((by / scale, by, state))
+        });
+        let (_, by, state) = jumps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let of = Jumping::Rate {
+            state: state.name.clone(),
+            dimension: state.dimension.over(Dimension::TIME),
+        };
+        Some((by, of))
     }
 }
 
