@@ -5,6 +5,7 @@ use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
 use crate::typed::lineage::has_cycle;
+use crate::words::START_VALUES;
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::{Declaration, Expr, ExprKind, IndexArgument, Kind, Name};
 use eng_system::Dimension;
@@ -102,6 +103,11 @@ impl<'p> Checker<'p> {
         let markers = self.markers_of(body);
         let title = format!("the body `{}` has no `{}`", body.name, name.text);
         let markers = markers.iter().map(String::as_str);
+        if self.start_of == Some(name.span) {
+            // its members cannot be set
+            self.no_member(title, name, START_VALUES);
+            return Type::Error;
+        }
         let mass = (declared.kind == Kind::Body).then_some("mass");
         self.no_member(title, name, markers.chain(mass));
         Type::Error

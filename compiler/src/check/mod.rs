@@ -92,6 +92,8 @@ struct Checker<'p> {
     class_due: bool,
     /// Whether the context of a call needs a function, so that the call may give it some of its arguments.
     function_due: bool,
+    /// The last name of the target of a `start` or `guess`, while the target is read.
+    start_of: Option<Span>,
     /// The choice whose words need no name of the choice before them here.
     choice_due: Option<DefinitionId>,
     /// Values and functions being inferred.
@@ -171,6 +173,7 @@ impl<'p> Checker<'p> {
             wanted: None,
             class_due: false,
             function_due: false,
+            start_of: None,
             choice_due: None,
             depth: 0,
             lints: program.lints(),

@@ -168,7 +168,12 @@ impl<'p> Checker<'p> {
                 _ => {}
             }
         }
+        self.start_of = match &target.kind {
+            ExprKind::Field { name, .. } => Some(name.span),
+            _ => None,
+        };
         let ty = self.infer(inside, target);
+        self.start_of = None;
         match &ty {
             Type::Error => {
                 self.infer(scope, value);

@@ -190,7 +190,8 @@ impl<'a> Elaborator<'a, '_> {
                     .and_then(|rest| rest.strip_prefix('.'));
                 rest.is_some_and(|rest| !rest.contains('.'))
             });
-            let beside: Vec<&str> = beside.copied().collect();
+            let mut beside: Vec<&str> = beside.copied().collect();
+            beside.extend(self.attributes_beside_mass(part));
             let title = format!("`{}` is no number that a use can change", change.path);
             let message = Diagnostic::error(codes::CHANGE, title).at(
                 change.at,
@@ -204,6 +205,24 @@ impl<'a> Elaborator<'a, '_> {
             };
             self.report(message);
         }
+    }
+
+    /// The paths of the attributes that the body of a path states, without its mass, which is a parameter.
+    fn attributes_beside_mass(&self, part: &str) -> Vec<&str> {
+        if self
+            .draft
+            .bodies
+            .iter()
+            .all(|body| body.origin.path != part)
+        {
+            return Vec::new();
+        }
+        let stated = self.draft.stated.keys().map(String::as_str);
+        let beside = stated.filter(|path| match path.rsplit_once('.') {
+            Some((base, name)) => base == part && name != "mass",
+            None => false,
+        });
+        beside.collect()
     }
 
     /// `start` and `guess` after `with`: the target is inside of the part, the value outside.
