@@ -53,6 +53,7 @@ impl Program {
         if texts.is_empty() && self.models().contains(&path) {
             return self.model_in_words(path);
         }
+        known.extend(self.analyses().into_iter().map(str::to_owned));
         if texts.is_empty()
             && let Some(outside) = index_outside(path, &repeated, &known)
         {
@@ -151,8 +152,8 @@ fn index_of(text: &str) -> Option<Vec<usize>> {
     text.split(',').map(|n| n.trim().parse().ok()).collect()
 }
 
-/// The error for a path with an index that the models do not make. Paths of the models tell the indices of
-/// parameters and outputs.
+/// The error for a path with an index that the models do not make, or at an item that has none. Paths of the models
+/// tell the indices of parameters and outputs.
 fn index_outside(path: &str, repeated: &Repeated, known: &[String]) -> Option<Error> {
     for (end, _) in path.match_indices(']') {
         let part = path.get(..=end)?;
@@ -166,12 +167,17 @@ fn index_outside(path: &str, repeated: &Repeated, known: &[String]) -> Option<Er
             Some(made) => (made.clone(), true),
             None => (of_paths.collect(), false),
         };
-        if (stated || !made.is_empty()) && !made.contains(&asked) {
-            return Some(Error::NoIndex {
-                path: part.to_owned(),
-                range: range_in_words(base, &made),
-            });
-        }
+        let inside = |path: &str| matches!(path.strip_prefix(base), Some(rest) if rest.is_empty() || rest.starts_with('.'));
+        let range = match stated || !made.is_empty() {
+            true if made.contains(&asked) => continue,
+            true => range_in_words(base, &made),
+            false if known.iter().any(|path| inside(path)) => format!("{base} has no index"),
+            false => continue,
+        };
+        return Some(Error::NoIndex {
+            path: part.to_owned(),
+            range,
+        });
     }
     None
 }
@@ -585,11 +591,16 @@ impl Explained<'_> {
             return String::new();
         };
         let value = |slot| at(self.bound, slot);
+        // no text states the origin of a body and the axes of the ground
+        let place = match (marker.origin.used_at, marker.body) {
+            (None, BodyRef::Ground) => "which every model has".to_owned(),
+            (None, BodyRef::Body(_)) => "which every body has".to_owned(),
+            (at, _) => format!("stated at {}", stated_at(self.program.texts(), at)),
+        };
         let mut text = format!(
-            "{}: a marker on {}, stated at {}\n",
+            "{}: a marker on {}, {place}\n",
             marker.origin.path,
             self.body_of(marker.body),
-            stated_at(self.program.texts(), marker.origin.used_at)
         );
         if marker.shape.is_none() && marker.placed_at.is_none() {
             let [x, y, z] = marker.position.map(|slot| short(1e3 * value(slot), 6));

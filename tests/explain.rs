@@ -264,6 +264,10 @@ fn a_part_of_a_model_is_explained() {
         ("bob", "bob.top      0  400   0  pin, spring"),
         ("bob.top", "at [0, 400, 0] mm of its body"),
         (
+            "bob.origin",
+            "bob.origin: a marker on bob, which every body has\n",
+        ),
+        (
             "stiffness",
             "stiffness: a parameter, 3 N*m/rad, stated at swing.eng:4",
         ),
@@ -293,6 +297,14 @@ fn an_index_out_of_range_is_refused() {
         (
             "leg[1].bone.hole[9]",
             "there is no leg[1].bone.hole[9] in the model: the indices of leg[1].bone.hole are 1 to 2",
+        ),
+        (
+            "pin[1]",
+            "there is no pin[1] in the model: pin has no index",
+        ),
+        (
+            "leg[1].bone[1].hole[1]",
+            "there is no leg[1].bone[1] in the model: leg[1].bone has no index",
         ),
     ] {
         let output = part(&[asked]);
