@@ -368,7 +368,7 @@ analysis halved = transient(Oscillator(load: half), duration: 2 s, sample: 0.1 s
     let program = program(&(text("hold") + more));
     let wave = |t: f64| 3.0 * (4.0 * t).sin();
     let forces: [(&str, &dyn Fn(f64) -> f64); 3] =
-        [("named", &wave), ("sloped", &wave), ("halved", &|t| t)];
+        [("named", &wave), ("sloped", &wave), ("halved", &|t: f64| t)];
     for (name, due) in forces {
         let outcome = done(program.analysis(name)).run(&mut |_| {});
         let results = outcome

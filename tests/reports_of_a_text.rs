@@ -609,6 +609,8 @@ fn a_signal_over_another_one() {
             figure several = xy([turned.arm.x, turned.arm.y], [turned.ripple, turned.wave[1]], cycles: 1)
             figure one = xy(steady.arm.x, steady.wave[1..2]) as N
             figure two = xy(turned.arm.x, steady.ripple)
+            figure late = xy(turned.arm.x, 2*last_cycle(turned.ripple))
+            value later = rms(turned.ripple - last(turned.ripple, 90 deg))
         }",
         &["steady", "turned"],
     );
@@ -662,6 +664,16 @@ fn a_signal_over_another_one() {
     assert!(
         two.contains("turned and steady have different samples"),
         "{two}"
+    );
+    let late = error(&report, "late");
+    assert!(
+        late.contains("turned.arm.x and last_cycle(turned.ripple) have different samples (2881 "),
+        "{late}"
+    );
+    let later = report.values("later").expect_err("an error").to_string();
+    assert!(
+        later.contains("turned.ripple and last(turned.ripple, …) have different samples ("),
+        "{later}"
     );
 }
 

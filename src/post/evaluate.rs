@@ -149,18 +149,18 @@ impl<'r> Evaluator<'r> {
             Expression::Channel { analysis, path } => Value::Signal(self.channel(analysis, path)?),
             Expression::Map(function, of) => self.value(of)?.each(|x| mapped(*function, x))?,
             Expression::Binary(operator, left, right) => {
-                let (left, right) = (self.value(left)?, self.value(right)?);
-                operated(*operator, left, right)?
+                let sides = (self.value(left)?, self.value(right)?);
+                operated(*operator, sides.0, sides.1).map_err(|error| error.of(left, right))?
             }
             Expression::Not(of) => Value::Truth(!self.truth(of)?),
             Expression::Fold(operator, members) => {
-                let mut members = members.iter();
-                let mut whole = match members.next() {
-                    Some(first) => self.value(first)?,
-                    None => Value::Number(0.0),
+                let Some((first, others)) = members.split_first() else {
+                    return Ok(Value::Number(0.0));
                 };
-                for member in members {
-                    whole = operated(*operator, whole, self.value(member)?)?;
+                let mut whole = self.value(first)?;
+                for member in others {
+                    whole = operated(*operator, whole, self.value(member)?)
+                        .map_err(|error| error.of(first, member))?;
                 }
                 whole
             }
@@ -329,6 +329,38 @@ fn compared(operator: Operator, a: f64, b: f64) -> Option<bool> {
         Operator::GreaterEqual => a >= b,
         _ => return None,
     })
+}
+
+impl PostError {
+    /// The same error, in which signals of one run with other samples have their own names.
+    pub(super) fn of(self, left: &Expression, right: &Expression) -> PostError {
+        match self {
+            PostError::Samples {
+                first,
+                second,
+                detail,
+            } if first == second => PostError::Samples {
+                first: signal_text(left),
+                second: signal_text(right),
+                detail,
+            },
+            other => other,
+        }
+    }
+}
+
+/// The text of a signal up to the functions that change its samples. It is empty for a number.
+fn signal_text(of: &Expression) -> String {
+    match of {
+        Expression::Channel { analysis, path } => format!("{analysis}.{path}"),
+        Expression::Last(Part::Extent(_), of) => format!("last({}, …)", signal_text(of)),
+        Expression::Last(Part::Cycles(_), of) => format!("last_cycle({})", signal_text(of)),
+        Expression::Resample(_, like) => format!("resample(…, like: {})", signal_text(like)),
+        other => {
+            let mut parts = other.parts().into_iter().map(signal_text);
+            parts.find(|text| !text.is_empty()).unwrap_or_default()
+        }
+    }
 }
 
 fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, PostError> {

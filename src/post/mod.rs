@@ -67,14 +67,14 @@ pub enum PostError {
     /// No entry of that name.
     #[error("the report has no value {0}")]
     NoValue(String),
-    /// Two runs with other samples.
+    /// Signals with other samples, by their runs; those of one run by themselves.
     #[error(
         "{first} and {second} have different samples ({detail}); `resample(a, like: b)` gives one at the other's samples"
     )]
     Samples {
-        /// The analysis of the left side.
+        /// The analysis or signal of the left side.
         first: String,
-        /// The analysis of the right side.
+        /// The analysis or signal of the right side.
         second: String,
         /// The difference.
         detail: String,

@@ -92,7 +92,8 @@ impl Drawer<'_> {
                         first: x.samples.analysis.clone(),
                         second: turn.samples.analysis.clone(),
                         detail,
-                    });
+                    }
+                    .of(&vector.x, turned_by));
                 }
                 let turn: Vec<f64> = turn.values.iter().map(|v| v.to_degrees()).collect();
                 let frame = match self.frame([turned_by]) {

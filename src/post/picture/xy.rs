@@ -20,14 +20,15 @@ impl Drawer<'_> {
         let all: Vec<&Member> = y.iter().collect();
         let names = named(distinct_names(pairs(y)), y, &self.lettered(&all));
         let mut curves = Vec::new();
-        for ((x, y), name) in x.iter().zip(y).zip(names) {
-            let (x, y) = self.plane(x, &y.expression, *cycles)?;
+        for ((of_x, of_y), name) in x.iter().zip(y).zip(names) {
+            let (x, y) = self.plane(of_x, &of_y.expression, *cycles)?;
             if let Some(detail) = x.samples.differ(&y.samples) {
                 return Err(PostError::Samples {
                     first: x.samples.analysis.clone(),
                     second: y.samples.analysis.clone(),
                     detail,
-                });
+                }
+                .of(of_x, &of_y.expression));
             }
             curves.push(XyCurve {
                 name,

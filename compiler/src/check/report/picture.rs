@@ -135,13 +135,17 @@ impl<'a> Reporter<'a, '_> {
         Some(())
     }
 
-    /// The run whose samples a signal has, and their number as the analysis states it.
+    /// The run whose samples a signal has, and their number as the analysis states it: one at the start, and one at
+    /// the end also if the last distance is shorter.
     fn samples<'e>(&self, signal: &'e Expression) -> Option<(&'e str, f64)> {
         let run = run_of(signal)?;
         let (sample, duration) = self.models.plan(run)?.analysis.kind.sampling()?;
         match (sample, duration?) {
             (Extent::Time(part), Extent::Time(whole))
-            | (Extent::Angle(part), Extent::Angle(whole)) => Some((run, whole / part)),
+            | (Extent::Angle(part), Extent::Angle(whole)) => {
+                // the distances may have rounding errors
+                Some((run, (whole / part - 1e-6).ceil() + 1.0))
+            }
             _ => None,
         }
     }
