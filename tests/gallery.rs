@@ -170,3 +170,8 @@ fn the_drive_line_has_its_numbers() {
     let analyses = ["dual[1]", "dual[7]", "solid[1]", "solid[7]", "quiet"];
     compare("driveline", &analyses, 5);
 }
+
+#[test]
+fn the_boxer_twin_has_its_numbers() {
+    compare("boxer_twin", &["bare", "half"], 4);
+}

@@ -293,6 +293,7 @@ fn right_models_are_quiet() {
         "examples/driveline",
         "examples/valvetrain",
         "examples/v_twin",
+        "examples/boxer_twin",
         "examples/single_balanced",
         "examples/mounts",
     ] {
