@@ -175,3 +175,8 @@ fn the_drive_line_has_its_numbers() {
 fn the_boxer_twin_has_its_numbers() {
     compare("boxer_twin", &["bare", "half"], 4);
 }
+
+#[test]
+fn the_split_v6_has_its_numbers() {
+    compare("v6_split", &["common", "split"], 3);
+}

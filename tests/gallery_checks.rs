@@ -279,6 +279,37 @@ fn v_twins_shake_and_fire_as_their_angle_says() {
     }
 }
 
+/// The V6: orders of its torque are those of six pulses of gas at its firing angles. The third order of the inertia of six pistons,
+/// `m r² w² (3/4 l + 9/32 l³)` each with l throw over rod, is in phase with split pins, and cancels with common ones.
+#[test]
+fn a_split_crank_moves_the_pulses_of_a_v6() {
+    let text = include_str!("../examples/v6_split/v6_split.eng");
+    let speed = 2000.0 * TAU / 60.0;
+    let ratio: f64 = 38.0 / 140.0;
+    let inertia = 0.56 * (0.038 * speed).powi(2);
+    let third = 6.0 * inertia * (0.75 * ratio + 9.0 / 32.0 * ratio.powi(3));
+    let fired = [
+        ("common", [0.0, 660.0, 240.0, 180.0, 480.0, 420.0], 0.0),
+        ("split", [0.0, 600.0, 240.0, 120.0, 480.0, 360.0], third),
+    ];
+    for (analysis, angles, third) in fired {
+        let results = run(text, analysis);
+        let angle = column(&results, "cycle.angle");
+        let power = column(&results, "engine.cylinder[1].gas.indicated_power");
+        for order in [0.5, 1.0, 1.5, 3.0] {
+            let phases: Vec<f64> = angle.iter().map(|angle| order * angle).collect();
+            let pulse = line(power.iter().map(|power| power / speed), &phases);
+            let later = angles.map(|angle: f64| C::from_polar(1.0, -order * angle.to_radians()));
+            let mut due = pulse * later.iter().sum::<C>();
+            if order == 3.0 {
+                due += C::new(0.0, third);
+            }
+            let lines = [("engine.brake_torque", order, due)];
+            lines_are(&results, &lines, 8e-3 * pulse.norm());
+        }
+    }
+}
+
 /// Heights of the six bodies of the valve spring and lift of the valve, then their rates.
 type Valve = [f64; 14];
 

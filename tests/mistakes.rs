@@ -287,6 +287,7 @@ fn right_models_are_quiet() {
         "examples/slider_crank",
         "examples/concept",
         "examples/v6",
+        "examples/v6_split",
         "examples/compressor",
         "examples/torsion_six",
         "examples/start_up",
