@@ -180,3 +180,8 @@ fn the_boxer_twin_has_its_numbers() {
 fn the_split_v6_has_its_numbers() {
     compare("v6_split", &["common", "split"], 3);
 }
+
+#[test]
+fn the_slapping_piston_has_its_numbers() {
+    compare("piston_slap", &["slap[1]", "slap[2]", "slap[3]"], 5);
+}

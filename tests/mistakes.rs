@@ -291,6 +291,7 @@ fn right_models_are_quiet() {
         "examples/compressor",
         "examples/torsion_six",
         "examples/start_up",
+        "examples/piston_slap",
         "examples/driveline",
         "examples/valvetrain",
         "examples/v_twin",
