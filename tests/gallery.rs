@@ -171,3 +171,18 @@ fn the_drive_line_has_its_numbers() {
     let analyses = ["dual[1]", "dual[7]", "solid[1]", "solid[7]", "quiet"];
     compare("driveline", &analyses, 5);
 }
+
+#[test]
+fn the_boxer_twin_has_its_numbers() {
+    compare("boxer_twin", &["bare", "half"], 4);
+}
+
+#[test]
+fn the_split_v6_has_its_numbers() {
+    compare("v6_split", &["common", "split"], 3);
+}
+
+#[test]
+fn the_slapping_piston_has_its_numbers() {
+    compare("piston_slap", &["slap[1]", "slap[2]", "slap[3]"], 5);
+}
