@@ -307,7 +307,7 @@ pub enum RuntimeError {
         message: String,
     },
     /// Positions cannot satisfy every constraint.
-    #[error("the assembly does not close: {} remain", gaps(rows, ""))]
+    #[error("the assembly does not close: gaps of {}", gaps(rows, ""))]
     OpenLoop {
         /// The rows that stay open, the widest first.
         rows: Vec<NamedRow>,

@@ -117,7 +117,10 @@ fn an_open_loop_is_named_with_its_gap() {
     // The gap of 2 mm is shared between the two ends.
     assert!((rows[0].value.abs() - 1e-3).abs() < 1e-5, "{error}");
     assert!(rows[0].origin.path.starts_with("main["));
-    assert!(error.to_string().contains("by 1 mm at main["), "{error}");
+    assert!(
+        error.to_string().contains("gaps of 1 mm at main["),
+        "{error}"
+    );
 }
 
 #[test]
