@@ -495,7 +495,7 @@ fn a_loose_gear_rattles_behind_a_solid_flywheel_alone() {
 /// The state is the place across of the piston and its tilt, and their rates.
 fn skirt_loads(y: &[f64; 4]) -> [[f64; 4]; 4] {
     let (sin, cos) = y[1].sin_cos();
-    [(0.015, -1.0), (0.015, 1.0), (-0.03, -1.0), (-0.03, 1.0)].map(|(place, side)| {
+    [(0.015, -1.0), (0.015, 1.0), (-0.03, -1.0), (-0.03, 1.0)].map(|(place, side): (f64, f64)| {
         let lever = place * cos - side * 0.043 * sin;
         let depth = side * (y[0] + place * sin) + 0.043 * cos - 0.043 - 40e-6;
         let rate = side * (y[2] + lever * y[3]);
