@@ -351,7 +351,7 @@ fn teeth_along_a_way_are_not_stepped_over() {
         for sample in ["5 ms", "0.2 s"] {
             let outcome = pushed(
                 push,
-                [0.0, 1000.0],
+                [0.0, 1.0],
                 &format!("duration: 0.2 s, sample: {sample}"),
             );
             let speeds = &outcome
