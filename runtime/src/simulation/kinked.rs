@@ -1,6 +1,7 @@
 //! Steps that end at kinks, and fixed steps that pass them.
 
 use super::Simulation;
+use crate::acceleration::Factors;
 use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::integrator::Trial;
 use crate::kinks::Crossing;
@@ -192,11 +193,22 @@ impl Simulation {
         let before = std::mem::replace(&mut self.integrator.current, behind);
         self.stand()?;
         (self.kinks).evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
-        let behind = std::mem::replace(&mut self.integrator.current, before);
+        let mut behind = std::mem::replace(&mut self.integrator.current, before);
         if !self.kinks.is_left(kink) {
             self.stand()?;
             return Ok(None);
         }
+        // the motion across leaves the constraints by the third power of its time, and every step behind it,
+        // however short, would have to remove this gap
+        self.system
+            .project(
+                &self.model,
+                &mut self.dynamics,
+                &mut behind,
+                moment,
+                Factors::Made,
+            )
+            .map_err(|error| self.at_moment(error))?;
         self.begin_behind(&start, behind).map(Some)
     }
 
