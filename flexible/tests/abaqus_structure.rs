@@ -810,7 +810,7 @@ fn problems_tell_their_place() {
         (
             "*NODE\n1,0,0,0\n*NSET, NSET=a, GENERATE\n5, 1\n",
             4,
-            "runs backwards",
+            "is above the last number",
         ),
         ("*NODE\n1,0,0,0\n*BOUNDARY\n1, 0\n", 4, "no freedom"),
         (
