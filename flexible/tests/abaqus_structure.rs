@@ -875,7 +875,7 @@ fn problems_tell_their_place() {
         (
             "*NSET, NSET=a\n100\n*TRANSFORM, NSET=a, TYPE=C\n1.,1.,0.,1.,1.,1.\n",
             3,
-            "not determined",
+            "its points give no axes",
         ),
     ] {
         let problem = problem(&format!("{CUBES}{more}"));
