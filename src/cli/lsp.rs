@@ -1,6 +1,6 @@
 //! `eng lsp`.
 
-use super::open::cache_folder;
+use crate::sources::cache_folder;
 use super::terminal::Terminal;
 use super::{Stop, USAGE_OR_SYSTEM};
 use crate::server::{Folders, serve};
