@@ -93,10 +93,10 @@ pub use eng_runtime::{
     Energy, Pace, PeriodicSummary, Reading, RuntimeError, Slow, StartReport, Statistics,
     TopologyReport, Turning, Verdict, Warning,
 };
+pub use eng_system::host::HostError;
 pub use eng_system::input::Interpolation;
 pub use eng_system::system::summary::{Statistic, SummaryColumn, SummaryParameter};
 pub use eng_system::system::{Start, StepControl};
-pub use eng_system::host::HostError;
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::{Error, Report};
 pub use machine::{InterfaceSummary, JournalGeometry, Machine, SummarisedElement};
