@@ -1,6 +1,6 @@
 """The native part of `englang`."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Literal, SupportsFloat, SupportsIndex, TypeAlias, final
@@ -318,6 +318,7 @@ class Column:
 
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> float: ...
+    def __iter__(self) -> Iterator[float]: ...
     def __buffer__(self, flags: int, /) -> memoryview: ...
 
 @final

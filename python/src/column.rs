@@ -4,6 +4,7 @@ use arrow_array::{Array, Float64Array};
 use pyo3::exceptions::{PyBufferError, PyIndexError};
 use pyo3::ffi;
 use pyo3::prelude::*;
+use pyo3::types::{PyIterator, PyMemoryView};
 use std::ffi::{c_int, c_void};
 
 /// A column of results: 64-bit floats with a unit. `memoryview` and `numpy.asarray` read it without a copy.
@@ -52,6 +53,10 @@ impl Column {
         value
             .copied()
             .ok_or_else(|| PyIndexError::new_err("the column has no such sample"))
+    }
+
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
+        PyMemoryView::from(slf.as_any())?.try_iter()
     }
 
     fn __repr__(&self) -> String {

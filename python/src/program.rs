@@ -3,7 +3,7 @@
 use crate::analysis::Analysis;
 use crate::failure::{self, plain};
 use crate::model::Model;
-use crate::report::Report;
+use crate::report::{Report, Source};
 use crate::run::Run;
 use eng::{Checked, Error, HostError, Sources};
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError};
@@ -105,8 +105,8 @@ impl Program {
     #[pyo3(signature = (name, *runs))]
     fn report(&self, py: Python<'_>, name: &str, runs: &Bound<'_, PyTuple>) -> PyResult<Report> {
         let runs: Vec<Py<Run>> = runs.extract()?;
-        let runs: Vec<&Run> = runs.iter().map(Py::get).collect();
-        Report::evaluated(py, &self.inner, name, &runs)
+        let sources: Vec<Source<'_>> = runs.iter().map(|run| run.get().source()).collect();
+        Report::evaluated(py, &self.inner, name, &sources)
     }
 
     fn __repr__(&self) -> String {

@@ -1,7 +1,6 @@
 //! Reports of a text over runs.
 
 use crate::failure;
-use crate::run::Run;
 use eng::post::{EvaluatedReport, Outcome, evaluate};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -28,13 +27,20 @@ pub struct Report {
     inner: EvaluatedReport,
 }
 
+/// A run on its way to a report: its analysis, the hash of its texts, its numbers.
+pub struct Source<'r> {
+    pub analysis: &'r str,
+    pub hash: Option<&'r String>,
+    pub run: eng::post::Run<'r>,
+}
+
 impl Report {
     /// Evaluates a report of a program.
     pub fn evaluated(
         py: Python<'_>,
         program: &eng::Program,
         name: &str,
-        runs: &[&Run],
+        sources: &[Source<'_>],
     ) -> PyResult<Report> {
         let reports = program.reports();
         let Some(report) = reports.iter().find(|report| report.name == name) else {
@@ -44,14 +50,11 @@ impl Report {
             return Err(failure::setting(py, &message));
         };
         let hash = program.source_hash();
-        for run in runs {
-            if run.program().source_hash() != hash {
-                let analysis = run.name();
-                let message = format!("the results of {analysis} are of another text");
-                return Err(failure::setting(py, &message));
-            }
+        if let Some(other) = sources.iter().find(|source| source.hash != Some(&hash)) {
+            let message = format!("the results of {} are of another text", other.analysis);
+            return Err(failure::setting(py, &message));
         }
-        let runs: Vec<eng::post::Run<'_>> = runs.iter().map(|run| run.of_report()).collect();
+        let runs: Vec<eng::post::Run<'_>> = sources.iter().map(|source| source.run).collect();
         let inner = py.detach(|| evaluate(report, &runs));
         Ok(Report { inner })
     }

@@ -2,10 +2,10 @@
 
 use crate::column::Column;
 use crate::failure;
-use crate::report::Report;
-use arrow_array::ffi::FFI_ArrowSchema;
+use crate::report::{Report, Source};
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::{Float64Array, RecordBatch, RecordBatchIterator};
+use arrow_array::{Array, Float64Array, RecordBatch, RecordBatchIterator};
+use arrow_schema::ffi::FFI_ArrowSchema;
 use eng::results::{ResultsError, Selection};
 use eng::run::RunOutcome;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};
@@ -34,20 +34,15 @@ impl Run {
         }
     }
 
-    /// Its results and its machine, for reports.
-    pub fn of_report(&self) -> eng::post::Run<'_> {
-        let run = eng::post::Run::new(&self.outcome.results, &self.outcome.machine);
-        run.with_motion(self.outcome.motion.as_ref())
-    }
-
-    /// The name of its analysis.
-    pub fn name(&self) -> &str {
-        self.outcome.results.analysis()
-    }
-
-    /// The program that it comes from.
-    pub fn program(&self) -> &eng::Program {
-        &self.program
+    /// Its numbers for reports.
+    pub fn source(&self) -> Source<'_> {
+        let results = &self.outcome.results;
+        let run = eng::post::Run::new(results, &self.outcome.machine);
+        Source {
+            analysis: results.analysis(),
+            hash: results.metadata().get("source_hash"),
+            run: run.with_motion(self.outcome.motion.as_ref()),
+        }
     }
 
     fn batch(&self, py: Python<'_>) -> PyResult<&RecordBatch> {
@@ -194,7 +189,7 @@ impl Run {
 
     /// Evaluates a report of the text over this run alone; see `Program.report`.
     fn report(&self, py: Python<'_>, name: &str) -> PyResult<Report> {
-        Report::evaluated(py, &self.program, name, &[self])
+        Report::evaluated(py, &self.program, name, &[self.source()])
     }
 
     /// Writes `ANALYSIS.parquet` into a folder, as `eng run` does, and returns its path.
