@@ -1,6 +1,6 @@
 //! A column of results, whose numbers Python reads without a copy.
 
-use arrow_array::{Array, Float64Array};
+use arrow_array::Float64Array;
 use pyo3::exceptions::{PyBufferError, PyIndexError};
 use pyo3::ffi;
 use pyo3::prelude::*;
