@@ -16,8 +16,10 @@ pub struct Condition {
 #[pymethods]
 impl Condition {
     fn __repr__(&self) -> String {
-        let holds = if self.holds { "holds" } else { "does not hold" };
-        format!("<Condition {holds}: {}>", self.message)
+        match self.holds {
+            true => "<Condition holds>".to_owned(),
+            false => format!("<Condition does not hold: {}>", self.message),
+        }
     }
 }
 
