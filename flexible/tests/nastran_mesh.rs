@@ -736,7 +736,10 @@ CTRIA3,3,3,1,2,3,,,\n,,,.1,.1,.1
         ]
     );
     let found = problem(&format!("{}PCOMP,1,\nCTRIA3,3,1,1,2,3\n", grids(4)));
-    assert!(found.problem.contains("PCOMP: the laminate has no layer"), "{found}");
+    assert!(
+        found.problem.contains("PCOMP: the laminate has no layer"),
+        "{found}"
+    );
     let found = problem(&format!(
         "{}PCOMP,1,,,,,,,\n,8\nCTRIA3,3,1,1,2,3\n",
         grids(4)
