@@ -233,6 +233,8 @@ fn trains_of_pulses_are_not_stepped_over() {
     let share = |level: f64| 0.5 - level.asin() / pi;
     let excess = |level: f64| (1.0 - level * level).sqrt() / pi - level * share(level);
     let seldom = 1.0 - 1e-9;
+    // the excess over 0.9 by a table
+    let table = "table comb(x: 1) -> Force = points([0.9, 1], [0, 100] N, extrapolation: hold)";
     // the time within 0.2 s in which a product of two sinusoids is above zero, from the zeros of both
     let product = |t: f64| (80.0 * pi * t + 1.0).sin() * (100.0 * pi * t + 0.5).sin();
     let zeros =
@@ -267,6 +269,7 @@ fn trains_of_pulses_are_not_stepped_over() {
             200.0 * excess(0.9),
             1e-3,
         ),
+        ("comb(sin(50*2*pi*time/(1 s)))", 200.0 * excess(0.9), 1e-3),
         (
             "if 1 mm*cos(2000*2*pi*time/(1 s)) < -0.9 mm then 100 N else 0 N",
             20.0 * share(0.9),
@@ -289,7 +292,8 @@ fn trains_of_pulses_are_not_stepped_over() {
         ),
     ] {
         for sample in ["10 ms", "0.2 s"] {
-            let outcome = pushed(
+            let outcome = pushed_with(
+                table,
                 push,
                 [0.0, 0.0],
                 &format!("duration: 0.2 s, sample: {sample}"),

@@ -344,19 +344,25 @@ fn arguments_go_where_the_checker_reads_them() {
     assert_eq!(made.expect("a system").system.bodies.len(), 4);
 }
 
+/// The model with a record of sizes and the declarations that use it.
+fn with_sizes(declared: &str) -> String {
+    let record = "record Sizes {\n    let first: Length = 1 mm\n    let second: Length\n}";
+    MODEL
+        .replace("model Chain {", &format!("{record}\nmodel Chain {{"))
+        .replace(
+            "const count = 3",
+            &format!("const count = 3\n    {declared}"),
+        )
+}
+
 /// `first` has a default, and comes before the field that has none.
 #[test]
 fn a_record_takes_its_fields_in_order_and_an_analysis_hands_on_all() {
-    let text = MODEL
+    let text = with_sizes("const sizes = Sizes(second: 60 mm)")
         .replace(
-            "model Chain {",
-            "record Sizes {\n    let first: Length = 1 mm\n    let second: Length\n}\nmodel Chain {",
+            "param step: Length = 100 mm",
+            "param step: Length = sizes.first",
         )
-        .replace(
-            "const count = 3",
-            "const count = 3\n    const sizes = Sizes(second: 60 mm)",
-        )
-        .replace("param step: Length = 100 mm", "param step: Length = sizes.first")
         .replace(
             "Chain(step: 50 mm)",
             "Chain(step: 50 mm, sizes: Sizes(70 mm, 60 mm))",
@@ -370,21 +376,12 @@ fn a_record_takes_its_fields_in_order_and_an_analysis_hands_on_all() {
 /// A parameter that is a record or a vector has a path for each number.
 #[test]
 fn an_analysis_sets_the_numbers_of_records_and_vectors() {
-    let text = MODEL
-        .replace(
-            "model Chain {",
-            "record Sizes {\n    let first: Length = 1 mm\n    let second: Length\n}\nmodel Chain {",
-        )
-        .replace(
-            "const count = 3",
-            "const count = 3
-    param sizes: Sizes = Sizes(second: 60 mm)
-    param spot: Vector<Length> = [1, 2, 3] mm",
-        )
-        .replace(
-            "assemble(Chain(count: n))",
-            "assemble(Chain(count: n, sizes: Sizes(70 mm, 60 mm), spot: [4, 5, 6] mm))",
-        );
+    let declared = "param sizes: Sizes = Sizes(second: 60 mm)
+    param spot: Vector<Length> = [1, 2, 3] mm";
+    let text = with_sizes(declared).replace(
+        "assemble(Chain(count: n))",
+        "assemble(Chain(count: n, sizes: Sizes(70 mm, 60 mm), spot: [4, 5, 6] mm))",
+    );
     let host = Texts(vec![("chain.eng", text)]);
     let library = [("std.prelude", UNITS)];
     let mut sources = SourceMap::new();

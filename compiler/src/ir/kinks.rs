@@ -283,7 +283,9 @@ pub(crate) fn find(
             constrains,
             ..KinkKind::default()
         };
-        found.add((place, kind), [*value, nowhere, used]);
+        if !found.join(graph, (place, kind), [*value, nowhere, used]) {
+            found.add((place, kind), [*value, nowhere, used]);
+        }
     }
     with_rates(graph, layout, found, (rates, changing), bound)
 }
@@ -326,7 +328,7 @@ fn phases(
 ) -> Vec<Node> {
     let of_motion = values.iter().zip(kinds);
     let of_motion: Vec<Node> = of_motion
-        .filter(|(_, kind)| kind.course == Course::Motion)
+        .filter(|(_, kind)| kind.course == Course::Motion || kind.table.is_some())
         .map(|(value, _)| *value)
         .collect();
     let needed = dependencies(graph, &of_motion);
@@ -347,10 +349,10 @@ fn phases(
 
 /// Whether a kink function of the motion depends on an operation.
 fn compares(graph: &Graph, found: &Found, node: Node) -> bool {
-    let functions = found.values.iter().zip(&found.kinds).zip(&found.handles);
+    let functions = found.values.iter().zip(&found.kinds);
     let mut of_motion = functions
-        .filter(|((_, kind), _)| kind.course == Course::Motion && kind.table.is_none())
-        .map(|((value, _), _)| *value);
+        .filter(|(_, kind)| kind.course == Course::Motion && kind.table.is_none())
+        .map(|(value, _)| *value);
     of_motion.any(|value| dependencies(graph, &[value])[node.0 as usize])
 }
 
@@ -393,9 +395,14 @@ fn with_rates(
         .any(|input| Place::of(layout, input) == Place::Acceleration);
     let phase_rates = slopes.split_off(values.len());
     for (kind, slope) in kinds.iter_mut().zip(&slopes) {
-        if kind.course == Course::Time && !inputs_of(graph, &[*slope]).contains(&InputLayout::TIME)
-        {
+        if kind.course != Course::Time {
+            continue;
+        }
+        if !inputs_of(graph, &[*slope]).contains(&InputLayout::TIME) {
             kind.course = Course::Uniform;
+        } else if kind.table.is_some() {
+            // the functions of a table's points are its argument less each point, and these have no search ahead
+            kind.course = Course::Motion;
         }
     }
     let (nowhere, always) = (graph.constant(-1.0), graph.constant(1.0));

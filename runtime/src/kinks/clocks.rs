@@ -185,12 +185,12 @@ impl Clock {
         let empty = self.changes.iter().position(Option::is_none);
         // a long step may pass more moments than are kept: the earliest behind it gives way
         let earliest = || {
-            let mut behind: Vec<(usize, f64)> = (self.changes.iter().enumerate())
-                .filter_map(|(slot, change)| change.map(|change| (slot, change.time)))
-                .filter(|(_, time)| *time <= now)
-                .collect();
-            behind.sort_by(|a, b| a.1.total_cmp(&b.1));
-            behind.first().map(|(slot, _)| *slot)
+            let slots = self.changes.iter().enumerate();
+            let behind = slots.filter_map(|(slot, change)| Some((slot, change.as_ref()?.time)));
+            let behind = behind.filter(|(_, time)| *time <= now);
+            behind
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(slot, _)| slot)
         };
         empty.or_else(earliest)
     }

@@ -200,15 +200,18 @@ impl Simulation {
         }
         // the motion across leaves the constraints by the third power of its time, and every step behind it,
         // however short, would have to remove this gap
-        self.system
-            .project(
-                &self.model,
-                &mut self.dynamics,
-                &mut behind,
-                moment,
-                Factors::Made,
-            )
-            .map_err(|error| self.at_moment(error))?;
+        let projected = self.system.project(
+            &self.model,
+            &mut self.dynamics,
+            &mut behind,
+            moment,
+            Factors::Made,
+        );
+        // the next step reports the error
+        if projected.is_err() {
+            self.stand()?;
+            return Ok(None);
+        }
         self.begin_behind(&start, behind).map(Some)
     }
 
