@@ -93,6 +93,7 @@ pub use eng_runtime::{
     Energy, Pace, PeriodicSummary, Reading, RuntimeError, Slow, StartReport, Statistics,
     TopologyReport, Turning, Verdict, Warning,
 };
+pub use eng_system::host::HostError;
 pub use eng_system::input::Interpolation;
 pub use eng_system::system::summary::{Statistic, SummaryColumn, SummaryParameter};
 pub use eng_system::system::{Start, StepControl};
@@ -100,7 +101,7 @@ pub use eng_system::{Dimension, DisplayUnit};
 pub use error::{Error, Report};
 pub use machine::{InterfaceSummary, JournalGeometry, Machine, SummarisedElement};
 pub use model::{Channel, ChannelInfo, Input, InputInfo, Model, Parameter, ParameterInfo};
-pub use program::{Checked, Program, check};
+pub use program::{Checked, Program, check, open};
 pub use quantity::{Quantity, QuantityError};
 pub use recorded_field::RecordedField;
 pub use reduction::{BodyFile, BodyFormat, HandOverError, Reduction};

@@ -219,17 +219,19 @@ impl Model {
 
     /// All parameters, in a fixed order.
     pub fn parameters(&self) -> Vec<ParameterInfo> {
-        self.compiled
-            .system
-            .parameters
-            .iter()
-            .map(|p| ParameterInfo {
-                path: p.origin.path.clone(),
-                dimension: p.dimension,
-                display: p.display.clone(),
-                limits: p.limits,
-            })
-            .collect()
+        let parameters = self.compiled.system.parameters.iter();
+        parameters.map(described).collect()
+    }
+
+    /// The description of a parameter.
+    ///
+    /// # Errors
+    /// A parameter of another model.
+    pub fn describe(&self, parameter: Parameter) -> Result<ParameterInfo, Error> {
+        let parameters = &self.compiled.system.parameters;
+        let own = parameters.get(parameter.index);
+        let own = own.filter(|_| parameter.model == self.handles);
+        own.map(described).ok_or(Error::OtherModel)
     }
 
     /// All channels, in a fixed order.
@@ -353,6 +355,15 @@ impl Model {
             });
         }
         Ok(value.value())
+    }
+}
+
+fn described(parameter: &eng_system::system::Parameter) -> ParameterInfo {
+    ParameterInfo {
+        path: parameter.origin.path.clone(),
+        dimension: parameter.dimension,
+        display: parameter.display.clone(),
+        limits: parameter.limits,
     }
 }
 

@@ -4,7 +4,7 @@ use crate::error::{Error, Report};
 use crate::fields::Fields;
 use crate::model::Model;
 use crate::reduction::{Looks, Reducer, Reduction};
-use crate::sources::Sources;
+use crate::sources::{Sources, cache_folder};
 use crate::timings::{CheckTimings, Clock};
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses};
 use eng_compiler::models::SharedModels;
@@ -13,8 +13,9 @@ use eng_compiler::typed::TypedProgram;
 use eng_grammar::ast::{BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
+use eng_system::host::HostError;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The result of a check: messages, and the program if there is no error.
@@ -121,6 +122,32 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         program,
         timings: spent,
     }
+}
+
+/// Reads a model's file and everything that it uses from the file's folder, and checks it. Reduced bodies are kept in the
+/// folder that `ENG_CACHE` names, otherwise in the user's caches.
+///
+/// # Errors
+/// A file or folder that cannot be read.
+pub fn open(model: &Path) -> Result<Checked, HostError> {
+    let path = model.display().to_string();
+    if !model.exists() {
+        return Err(HostError::NotFound(path));
+    }
+    let name = model.file_name().and_then(|name| name.to_str());
+    let Some(file) = name.filter(|_| model.is_file()) else {
+        let message = "this is no file".to_owned();
+        return Err(HostError::System { path, message });
+    };
+    let folder = match model.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut sources = Sources::folder(folder)?;
+    if let Some(cache) = cache_folder(|name| std::env::var_os(name)) {
+        sources = sources.with_cache(cache);
+    }
+    Ok(check(&sources, file))
 }
 
 /// The start of the `///` lines before an item that begins at the byte `item`.

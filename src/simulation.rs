@@ -61,6 +61,23 @@ impl SimulationBuilder {
         self
     }
 
+    /// Fixed steps, or steps of a tolerance.
+    pub fn stepping(mut self, control: StepControl) -> Self {
+        self.options.step = control;
+        self
+    }
+
+    /// The values (SI) of all parameters, in the order of [`Model::parameters`].
+    ///
+    /// # Errors
+    /// Parameters that the model refuses.
+    pub fn parameter_values(&self) -> Result<Vec<f64>, Error> {
+        let compiled = self.model.compiled();
+        let bound = compiled.bind.bind(&self.overrides, &compiled.system.tables);
+        let bound = bound.map_err(|cause| run_error(&self.model, cause.into()))?;
+        Ok(bound.parameters)
+    }
+
     /// Spectral radius at infinite frequency, 0…1 (default 0.8). 1 gives no damping and is refused with
     /// constraints.
     pub fn rho_infinity(mut self, rho: f64) -> Self {

@@ -3,6 +3,7 @@
 use crate::regular::regular;
 use eng_system::host::{Host, HostError};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -134,6 +135,25 @@ fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
         return Err(HostError::Outside(path.into()));
     }
     regular(&real).map_err(|error| refused(path, &error))
+}
+
+/// The folder of reduced bodies: `ENG_CACHE` (empty for none), otherwise a folder of the user's caches.
+pub(crate) fn cache_folder(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
+    if let Some(folder) = variable("ENG_CACHE") {
+        return (!folder.is_empty()).then(|| PathBuf::from(folder));
+    }
+    let set = |name: &str| variable(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    set("XDG_CACHE_HOME")
+        .or_else(|| set("LOCALAPPDATA"))
+        .or_else(|| {
+            let home = set("HOME")?;
+            Some(if cfg!(target_os = "macos") {
+                home.join("Library").join("Caches")
+            } else {
+                home.join(".cache")
+            })
+        })
+        .map(|folder| folder.join("eng"))
 }
 
 fn refused(path: &str, error: &std::io::Error) -> HostError {

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The crates with the folders of their sources.
-const CRATES: [(&str, &str); 8] = [
+const CRATES: [(&str, &str); 9] = [
     ("eng", "src"),
     ("eng-grammar", "grammar/src"),
     ("eng-system", "system/src"),
@@ -16,6 +16,7 @@ const CRATES: [(&str, &str); 8] = [
     ("eng-film", "film/src"),
     ("eng-runtime", "runtime/src"),
     ("eng-report", "report/src"),
+    ("eng-python", "python/src"),
 ];
 
 /// Most lines of a function.

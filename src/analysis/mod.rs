@@ -235,6 +235,14 @@ impl Analysis {
         })
     }
 
+    /// The values (SI) of the parameters of its model, in the order of [`Model::parameters`].
+    ///
+    /// # Errors
+    /// Parameters that the model refuses.
+    pub fn parameter_values(&self) -> Result<Vec<f64>, Error> {
+        Ok(self.bound()?.parameters)
+    }
+
     /// Its kind.
     pub fn kind(&self) -> &AnalysisKind {
         &self.plan.kind

@@ -1,9 +1,9 @@
 //! `eng lsp`.
 
-use super::open::cache_folder;
 use super::terminal::Terminal;
 use super::{Stop, USAGE_OR_SYSTEM};
 use crate::server::{Folders, serve};
+use crate::sources::cache_folder;
 use lsp_server::Connection;
 
 /// Serves an editor on the standard input and output until it ends the connection.

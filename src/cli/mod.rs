@@ -42,6 +42,11 @@ pub const USAGE_OR_SYSTEM: u8 = 2;
 
 /// Runs the command on the process's own output, error and terminal.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(status(arguments))
+}
+
+/// [`run`], with the exit code as a number, for programs that carry the command inside.
+pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let color = std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
     let mut console = Console {
         colored_output: color && std::io::stdout().is_terminal(),
@@ -51,7 +56,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         output: &mut std::io::stdout(),
         errors: &mut std::io::stderr(),
     };
-    ExitCode::from(run_on(arguments, &mut console))
+    run_on(arguments, &mut console)
 }
 
 /// The output streams of the command.

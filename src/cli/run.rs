@@ -295,11 +295,7 @@ fn steps(arguments: &RunArguments) -> Result<Option<StepControl>, String> {
             ));
         }
     }
-    Ok(match (step, arguments.tolerance) {
-        (Some(step), Some(tolerance)) => Some(StepControl::FixedTo { step, tolerance }),
-        (Some(step), None) => Some(StepControl::Fixed(step)),
-        (None, tolerance) => tolerance.map(StepControl::Tolerance),
-    })
+    Ok(StepControl::stated(step, arguments.tolerance))
 }
 
 /// The requested number of threads, or the number of the machine's processors.

@@ -6,11 +6,12 @@
 //! metadata of the file hold `eng.analysis`, `eng.model` and `eng.run.KEY` for the data of the run;
 //! `PANDAS_ATTRS` repeats units and frames as JSON, so that pandas has them in `DataFrame.attrs`.
 
-use super::{Column, Results, dimension_text};
-use arrow_array::{Array, ArrayRef, Float64Array};
+use super::{Column, Results, ResultsError, dimension_text};
+use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use eng_system::DisplayUnit;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 const ANALYSIS: &str = "eng.analysis";
 const MODEL: &str = "eng.model";
@@ -103,6 +104,22 @@ pub(super) fn extend(column: &mut Column, array: &ArrayRef) -> Result<(), String
             .map(|shown| display.to_si(shown.unwrap_or(f64::NAN))),
     );
     Ok(())
+}
+
+impl Results {
+    /// The columns as one batch of Arrow in display units, with the fields and metadata of the Parquet file.
+    ///
+    /// # Errors
+    /// Those of the Arrow library.
+    pub fn record_batch(&self) -> Result<RecordBatch, ResultsError> {
+        let arrays = self.columns().iter();
+        let arrays = arrays.map(|column| Arc::new(Float64Array::from(column.shown())) as ArrayRef);
+        let batch = RecordBatch::try_new(Arc::new(schema(self)), arrays.collect());
+        batch.map_err(|error| ResultsError::Format {
+            format: "Arrow",
+            message: error.to_string(),
+        })
+    }
 }
 
 fn field(column: &Column) -> Field {

@@ -15,6 +15,7 @@ use eng_system::significant::{short, significant};
 use eng_system::system::PointValue;
 use patience::{Look, Patience, in_words};
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -85,11 +86,12 @@ pub fn run_many(
                         // an event wakes the thread that reads it, which takes some ten microseconds of a step
                         if matches!(event, Event::Progress(_)) {
                             if last.is_some_and(|last| last.elapsed() < BETWEEN) {
-                                return;
+                                return ControlFlow::Continue(());
                             }
                             last = Some(Instant::now());
                         }
                         let _ = sender.send((index, event));
+                        ControlFlow::Continue(())
                     });
                     let _ = sender.send((index, Event::Done(Box::new(result))));
                 }
@@ -112,6 +114,22 @@ pub fn run(
     patient: bool,
     on_event: &mut dyn FnMut(Event),
 ) -> Result<RunOutcome, Failed<RunOutcome>> {
+    run_while(analysis, patient, &mut |event| {
+        on_event(event);
+        ControlFlow::Continue(())
+    })
+}
+
+/// [`run`] as long as `on_event` allows. After a `Break` the run is stopped at its next step ([`Error::is_stopped`]), with its
+/// results up to there.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_while(
+    analysis: &Analysis,
+    patient: bool,
+    on_event: &mut dyn FnMut(Event) -> ControlFlow<()>,
+) -> Result<RunOutcome, Failed<RunOutcome>> {
     run_on(analysis, patient, analysis.own_threads(), on_event)
 }
 
@@ -120,7 +138,7 @@ fn run_on(
     analysis: &Analysis,
     patient: bool,
     threads: NonZeroUsize,
-    on_event: &mut dyn FnMut(Event),
+    on_event: &mut dyn FnMut(Event) -> ControlFlow<()>,
 ) -> Result<RunOutcome, Failed<RunOutcome>> {
     let mut watch = Watching {
         analysis,
@@ -131,6 +149,7 @@ fn run_on(
         explained: false,
         slowing: None,
         lost: None,
+        broken: false,
     };
     let ran = analysis.run_on(threads, &mut watch);
     match (ran, watch.lost) {
@@ -158,7 +177,7 @@ fn run_on(
 /// long.
 struct Watching<'a> {
     analysis: &'a Analysis,
-    on_event: &'a mut dyn FnMut(Event),
+    on_event: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
     patient: bool,
     began: Instant,
     patience: Patience,
@@ -168,11 +187,22 @@ struct Watching<'a> {
     slowing: Option<f64>,
     /// Data of a stopped run: time since its beginning, progress, estimated remaining seconds.
     lost: Option<(Duration, Progress, f64)>,
+    /// Whether the caller has stopped the run.
+    broken: bool,
+}
+
+impl Watching<'_> {
+    fn tell(&mut self, event: Event) {
+        self.broken |= (self.on_event)(event).is_break();
+    }
 }
 
 impl Watch for Watching<'_> {
     fn progress(&mut self, now: Progress) -> Verdict {
-        (self.on_event)(Event::Progress(now));
+        self.tell(Event::Progress(now));
+        if self.broken {
+            return Verdict::Stop;
+        }
         let passed = self.began.elapsed();
         match self.patience.look(passed, now.fraction, now.steps) {
             Look::Lost(left) if !self.patient => {
@@ -192,7 +222,7 @@ impl Watch for Watching<'_> {
         let rest = self.slowing.map(in_words);
         if let Some(message) = crate::failure::slow(slow, self.analysis.name(), rest.as_deref()) {
             self.explained = true;
-            (self.on_event)(Event::Slow(Box::new(message)));
+            self.tell(Event::Slow(Box::new(message)));
         }
     }
 }

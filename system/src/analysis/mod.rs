@@ -152,6 +152,15 @@ pub enum StepControl {
 }
 
 impl StepControl {
+    /// The control by a fixed step (s), a factor on the tolerances, or both; `None` if neither is stated.
+    pub fn stated(step: Option<f64>, tolerance: Option<f64>) -> Option<StepControl> {
+        match (step, tolerance) {
+            (Some(step), Some(tolerance)) => Some(StepControl::FixedTo { step, tolerance }),
+            (Some(step), None) => Some(StepControl::Fixed(step)),
+            (None, tolerance) => tolerance.map(StepControl::Tolerance),
+        }
+    }
+
     /// The step (s) if it is fixed.
     pub fn fixed(self) -> Option<f64> {
         match self {

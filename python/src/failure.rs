@@ -1,0 +1,54 @@
+//! Errors of the library as exceptions of Python. Their classes are in `englang/_errors.py`.
+
+use eng::Error;
+use pyo3::prelude::*;
+
+const CLASSES: &str = "englang._errors";
+
+/// The exception for an error of the library. `partial` is the run up to the error.
+pub fn raised(py: Python<'_>, error: &Error, partial: Option<Bound<'_, PyAny>>) -> PyErr {
+    let class = match error {
+        Error::Report(_) => "ModelError",
+        Error::Run { .. } => "RunError",
+        Error::Code(_) | Error::Results(_) => "Error",
+        _ => "SettingError",
+    };
+    let messages = error
+        .report()
+        .map(|report| eng::render::json(report.diagnostics(), report.texts()));
+    made(py, class, &error.to_string(), messages, partial)
+}
+
+/// [`raised`] without a run.
+pub fn plain(py: Python<'_>) -> impl Fn(Error) -> PyErr {
+    move |error| raised(py, &error, None)
+}
+
+/// The exception for a name or value that a caller gave.
+pub fn setting(py: Python<'_>, message: &str) -> PyErr {
+    made(py, "SettingError", message, None, None)
+}
+
+/// The exception for a run that Ctrl-C has stopped.
+pub fn interrupted(py: Python<'_>, partial: Option<Bound<'_, PyAny>>) -> PyErr {
+    made(py, "Interrupted", "the run was stopped", None, partial)
+}
+
+fn made(
+    py: Python<'_>,
+    class: &str,
+    message: &str,
+    messages: Option<String>,
+    partial: Option<Bound<'_, PyAny>>,
+) -> PyErr {
+    let arguments = (class, message.trim_end(), messages, partial);
+    let made =
+        PyModule::import(py, CLASSES).and_then(|classes| classes.call_method1("made", arguments));
+    // a damaged installation has another error
+    made.map_or_else(|error| error, PyErr::from_value)
+}
+
+/// Messages as objects of `englang.Diagnostic`, from the JSON of the library.
+pub fn diagnostics<'py>(py: Python<'py>, messages: &str) -> PyResult<Bound<'py, PyAny>> {
+    PyModule::import(py, "englang._diagnostics")?.call_method1("parsed", (messages,))
+}

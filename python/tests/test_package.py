@@ -1,0 +1,75 @@
+"""The package: pages, command, time to import."""
+
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import englang as eng
+from conftest import ROOT
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def run(page: Path, folder: Path) -> None:
+    """Runs the snippets of a page one after the other, as a reader would."""
+    text = "\n".join(blocks(page, "python"))
+    assert text
+    environment = {"MPLBACKEND": "Agg", "PATH": "", "ENG_CACHE": str(folder / "cache"), "MPLCONFIGDIR": str(folder)}
+    subprocess.run([sys.executable, "-c", text], cwd=folder, env=environment, check=True)
+
+
+def test_the_page_is_true(tmp_path: Path) -> None:
+    page = ROOT / "docs/python.md"
+    (model,) = blocks(page, "eng")
+    (tmp_path / "swing.eng").write_text(model, encoding="utf-8")
+    run(page, tmp_path)
+    assert (tmp_path / "swing.svg").stat().st_size > 1000
+
+
+def test_the_readme_is_true(tmp_path: Path) -> None:
+    run(ROOT / "python/README.md", tmp_path)
+
+
+def test_the_command_is_in_the_package(tmp_path: Path) -> None:
+    (model,) = blocks(ROOT / "docs/python.md", "eng")
+    (tmp_path / "swing.eng").write_text(model, encoding="utf-8")
+    for command in [[str(Path(sys.executable).with_name("eng"))], [sys.executable, "-m", "englang"]]:
+        done = subprocess.run([*command, "check", "swing.eng"], cwd=tmp_path, capture_output=True, text=True)
+        assert (done.returncode, done.stderr) == (0, "")
+        version = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+        assert version.stdout.strip() == f"eng {eng.__version__}"
+    wrong = subprocess.run([*command, "check", "none.eng"], cwd=tmp_path, capture_output=True, text=True)
+    assert wrong.returncode == 2 and "there is no file none.eng" in wrong.stderr
+
+
+def test_every_name_has_a_text() -> None:
+    for name in eng.__all__:
+        if name != "__version__":
+            assert getattr(eng, name).__doc__, name
+
+
+def test_the_package_is_quick_to_import() -> None:
+    def seconds(code: str) -> float:
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", code], check=True)
+        return time.perf_counter() - began
+
+    bare = min(seconds("") for _ in range(5))
+    loaded = min(seconds("import englang") for _ in range(5))
+    # 0.08 s on a free machine
+    assert loaded - bare < 0.5
+
+
+def test_files_of_a_text_are_found() -> None:
+    library = "model Empty { param x: Length = 1 mm }"
+    program = eng.from_text("use shared.Empty\nanalysis none = assemble(Empty(x: 2 mm))", files={"shared.eng": library})
+    assert program.analyses == ["none"]
+    assert program.file == "model.eng"
+    with pytest.raises(eng.ModelError):
+        eng.from_text("use shared.Empty")

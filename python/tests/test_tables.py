@@ -1,0 +1,150 @@
+"""Tables: NumPy, Arrow, files."""
+
+import gc
+import math
+from pathlib import Path
+
+import numpy
+import pandas
+import polars
+import pyarrow
+import pyarrow.parquet
+import pytest
+
+import englang as eng
+
+
+def test_arrow_reads_the_memory_of_the_run(mass: eng.Program) -> None:
+    run = mass.analysis("swing").run()
+    table = pyarrow.table(run)
+    assert table.column_names == run.columns
+    assert table.num_rows == len(run) == 501
+    for path in run.columns:
+        (chunk,) = table[path].chunks
+        values = run[path]
+        assert chunk.buffers()[1].address == values.__array_interface__["data"][0]
+        assert numpy.array_equal(chunk.to_numpy(), values)
+    field = table.schema.field("place")
+    assert field.metadata[b"unit"] == b"mm"
+    assert float(field.metadata[b"si_scale"]) == 1e-3
+    assert table.schema.metadata[b"eng.analysis"] == b"swing"
+    assert pyarrow.schema(run) == table.schema
+    # the table keeps the memory
+    del run, values
+    gc.collect()
+    assert chunk.to_numpy().size == 501
+    assert table["place"][0].as_py() == pytest.approx(120, rel=1e-12)
+
+
+def test_polars_and_pandas_read_the_run(mass: eng.Program) -> None:
+    run = mass.analysis("swing").run()
+    frame = polars.DataFrame(run)
+    assert frame.columns == run.columns
+    other = pandas.DataFrame.from_arrow(run)
+    for path in run.columns:
+        assert numpy.array_equal(frame[path].to_numpy(), run[path])
+        assert numpy.array_equal(other[path].to_numpy(), run[path])
+    again = pyarrow.table(frame.to_arrow())
+    assert again["place"].to_pylist() == run["place"].tolist()
+
+
+def test_columns_are_read_without_numpy(mass: eng.Program) -> None:
+    run = mass.analysis("swing").run()
+    column = run.column("place")
+    assert (column.path, column.unit, len(column)) == ("place", "mm", 501)
+    view = memoryview(column)
+    assert (view.format, view.shape, view.readonly, view.nbytes) == ("d", (501,), True, 8 * 501)
+    assert view.tolist() == list(column) == run["place"].tolist()
+    assert column[-1] == column[500] == view[500]
+    assert bytes(column) == run["place"].tobytes()
+    for wrong in [501, -502]:
+        with pytest.raises(IndexError):
+            column[wrong]
+    with pytest.raises(ValueError, match="read-only"):
+        run["place"][0] = 0.0
+    with pytest.raises(TypeError):
+        view[0] = 0.0  # type: ignore[call-overload]
+    del column, run
+    gc.collect()
+    assert view[0] == pytest.approx(120, rel=1e-12)
+
+
+def test_a_selection_keeps_columns(mass: eng.Program) -> None:
+    run = mass.analysis("swing").run()
+    assert run.select("rail.*", "place").columns == [
+        path for path in run.columns if path in ("time", "place") or path.startswith("rail.")
+    ]
+    kept = mass.analysis("swing").run(channels=["place"])
+    assert kept.columns == ["time", "place"]
+    assert numpy.array_equal(kept["place"], run["place"])
+    assert "place" in kept and "rail.travel" not in kept
+    with pytest.raises(KeyError, match="rail.travel"):
+        kept["rail.travel"]
+    with pytest.raises(eng.Error, match="no channel is called rail.trave"):
+        run.select("rail.trave")
+
+
+def test_files_are_those_of_the_command(mass: eng.Program, tmp_path: Path) -> None:
+    run = mass.analysis("swing").run()
+    written = run.write_parquet(tmp_path)
+    assert written == tmp_path / "swing.parquet"
+    table = pyarrow.parquet.read_table(written)
+    assert table.equals(pyarrow.table(run))
+    streamed = mass.analysis("swing").run(folder=tmp_path / "streamed")
+    assert numpy.array_equal(streamed["place"], run["place"])
+    assert (tmp_path / "streamed" / "swing.parquet").is_file()
+    again = mass.analysis("swing").run(folder=tmp_path / "streamed", resume=True)
+    assert "not run again" in " ".join(again.facts)
+    assert again["place"] == pytest.approx(run["place"], rel=1e-15)
+
+
+def test_reports_give_their_numbers(mass: eng.Program) -> None:
+    run = mass.analysis("swing").run()
+    assert mass.reports == ["extremes", "springs"]
+    report = run.report("extremes")
+    assert report.title == "Extremes"
+    widest = float(numpy.max(run["place"]))
+    assert report.values["widest"] == pytest.approx(widest, rel=1e-12)
+    assert report.units["widest"] == "mm"
+    assert sorted(report.values) == sorted(report.units)
+    required, advised = report.conditions
+    assert required.holds and not required.advises
+    assert not advised.holds and advised.advises and "120 mm" in advised.message
+    assert report.holds
+    assert report.figures["places"].lstrip().startswith("<svg")
+    assert report.missing == {}
+    assert mass.report("extremes").missing.keys() >= {"widest", "places"}
+
+
+def test_a_report_over_several_runs_names_each_number(mass: eng.Program) -> None:
+    runs = [mass.analysis(f"sweep[{point}]").run() for point in (1, 2, 3)]
+    report = mass.report("springs", *runs)
+    assert report.values == {
+        f"least.sweep[{point}]": pytest.approx(1e-3 * float(numpy.min(run["place"])), rel=1e-12)
+        for point, run in zip((1, 2, 3), runs, strict=True)
+    }
+    assert set(report.units.values()) == {"m"}
+
+
+def test_reports_refuse_runs_of_another_text(mass: eng.Program, slider_crank: eng.Program) -> None:
+    run = slider_crank.analysis("inertia").run(channels=["piston_place"])
+    with pytest.raises(eng.SettingError, match="another text"):
+        mass.report("extremes", run)
+    with pytest.raises(eng.SettingError, match="no report extreme; there are: extremes, springs"):
+        mass.report("extreme")
+
+
+def test_parameters_have_units_limits_and_values(mass: eng.Program) -> None:
+    parameters = mass.model("Mass").parameters
+    assert [parameter.path for parameter in parameters][:3] == ["stiffness", "weight", "block.mass"]
+    stiffness, weight = parameters[:2]
+    assert (stiffness.path, stiffness.unit, weight.unit) == ("stiffness", "N/mm", "kg")
+    assert (stiffness.value, stiffness.upper) == pytest.approx((3, 100))
+    assert stiffness.lower == 0
+    assert stiffness.si_scale == 1000 and stiffness.si_offset == 0
+    changed = mass.analysis("swing").set({"stiffness": 5000.0, "weight": "1500 g"}).parameters
+    assert [parameter.value for parameter in changed[:2]] == pytest.approx([5, 1.5])
+    assert mass.model("Mass").summary.startswith("Mass: 1 body")
+    channels = {channel.path: channel for channel in mass.model("Mass").channels}
+    assert (channels["place"].unit, channels["place"].frame) == ("mm", "")
+    assert math.isinf(eng.from_text("model M { param x: Length = 1 mm }").model("M").parameters[0].upper)
