@@ -121,7 +121,7 @@ fn every_class_elaborates_with_its_number_of_equations() {
         assert_eq!(class.rows.len(), rows, "{path} ({})", class.name);
         assert_eq!(class.applies_load, rows == 0, "{path} ({})", class.name);
     }
-    assert_eq!(system.journals.len(), 5);
+    assert_eq!(system.journals.len(), 7);
 }
 
 #[test]
