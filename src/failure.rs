@@ -187,6 +187,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("a rigid film with the rule `reynolds` has no memory; `transient` and `periodic` compute the other films"),
         R::Undecided { origin, .. } => place(d(codes::TURNING), origin, "a film without pressure")
             .with_help("linearise the film under a load: leave out `start: assembled`, or state a load"),
+        R::Grows { .. } => d(codes::GROWS)
+            .with_help("`linear` about the same state shows the mode; remove its cause, or linearise about another state by `after:`"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {

@@ -59,6 +59,7 @@ mod periodic_decay;
 mod periodic_results;
 mod report;
 mod reports_of_a_text;
+mod response;
 mod run_command;
 mod run_diagnostics;
 mod solved;

@@ -15,6 +15,7 @@ use crate::simulation::run_error_with;
 use crate::timings::{Clock, Timings};
 use crate::{Error, Quantity, RuntimeError};
 use eng_compiler::elaborate::{AnalysisPlan, Structural};
+use eng_runtime::linearised::FrequencyResponse;
 use eng_runtime::start::turn::{Turned, turn};
 use eng_runtime::{
     Advance, Assembled, LinearModes, Pace, PeriodicSummary, RunSummary, Slow, StartReport, Verdict,
@@ -110,6 +111,8 @@ pub struct Outcome {
     pub periodic: Option<PeriodicSummary>,
     /// Modes of a linear analysis, which are also the rows of `results`; absent after a failure.
     pub modes: Option<LinearModes>,
+    /// The response over frequency, whose amplitudes and phases are the rows of `results`; absent after a failure.
+    pub response: Option<FrequencyResponse>,
     /// Whether all this comes from an earlier run, and nothing was computed.
     pub made_before: bool,
     /// Processor time of the phases, if the analysis is [`Analysis::timed`].

@@ -7,6 +7,7 @@
 
 mod abscissa;
 mod axes;
+mod bode;
 mod decimate;
 mod film;
 mod font;
@@ -27,6 +28,7 @@ mod xy;
 
 pub use abscissa::Abscissa;
 pub use axes::Scale;
+pub use bode::{Bode, BodeCurve};
 pub use film::{FilmMap, FilmPanel};
 pub use font::FAMILY as FONT_FAMILY;
 pub use history::{Curve, History, Mark, Ordinate, Panel, journal_letter};
@@ -85,6 +87,8 @@ figures!(
     Waterfall,
     /// Colours over speed and frequency.
     Campbell,
+    /// Amplitude and phase over frequency.
+    Bode,
     /// Curves of one quantity over another one.
     Xy,
     /// Colours over angle and width of bearings.

@@ -19,6 +19,9 @@ const REACH: f64 = 1.0 / 32.0;
 /// velocities remain small against those of a film.
 const FASTEST: f64 = 25_000.0;
 
+/// Move of a difference along states alone, as a share of their sizes.
+const STATES: f64 = 1e-5;
+
 /// A direction of motion, as the runtime's increments.
 #[derive(Clone, Debug)]
 pub(super) struct Direction {
@@ -97,14 +100,20 @@ impl<'a> Probe<'a> {
                 .zip(scales)
                 .fold(0.0_f64, |most, (x, s)| most.max((x / s).abs()))
         };
-        let ones = vec![1.0; direction.states.len()];
+        let sizes: Vec<f64> = self
+            .model
+            .state_scales
+            .iter()
+            .zip(&self.state.states)
+            .map(|(scale, z)| scale.max(z.abs()))
+            .collect();
         let longest = size(&direction.place, &self.scales)
             .max(size(&direction.velocity, &self.scales) / FASTEST);
-        let fallback = size(&direction.states, &ones);
+        let fallback = size(&direction.states, &sizes);
         let step = if longest > 0.0 {
             REACH * self.model.tolerance / (self.model.length * longest)
         } else if fallback > 0.0 {
-            1e-6 / fallback
+            STATES / fallback
         } else {
             return Ok(vec![0.0; self.outputs.values.len()]);
         };
