@@ -229,9 +229,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             codes::CHANNEL_TWICE,
             format!("two columns of the results are called {path}"),
         );
-        if let Some(span) = second {
-            message = message.at(span, "one of this");
-        }
+        message = message.at_if(second, "one of this");
         message = match first {
             Some(span) => message.also(span, "one of this"),
             None => message.with_note("it is a column of every run"),
