@@ -93,7 +93,7 @@ fn drive_of<'a>(starts: &[(&Origin, Location)], system: &'a System) -> Option<&'
     system.elements.iter().find(|e| {
         let class = system.classes.get(e.class as usize);
         e.role == Role::Dynamic
-            && class.is_some_and(|class| class.rows_over_time)
+            && class.is_some_and(|class| class.facts.rows_over_time)
             && e.markers
                 .iter()
                 .filter_map(body)

@@ -286,7 +286,7 @@ impl<'a> Elaborator<'a, '_> {
                 node.is_some_and(|node| over_time[node.0 as usize])
             });
             if timed && let Some(class) = system.classes.get_mut(element.class as usize) {
-                class.loads_over_time = true;
+                class.facts.loads_over_time = true;
             }
         }
         program.moving = (0..)

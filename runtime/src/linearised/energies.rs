@@ -105,7 +105,7 @@ pub fn parts_of(model: &Model) -> Vec<Part> {
 fn stores_of(model: &Model) -> (Vec<usize>, Vec<usize>) {
     let bodies = (0..model.bodies.len()).filter(|b| model.bodies[*b].modes() > 0);
     let elements = (0..model.elements.len())
-        .filter(|e| model.elements[*e].dynamic && model.class(*e).applies_load);
+        .filter(|e| model.elements[*e].dynamic && model.class(*e).facts.applies_load);
     (bodies.collect(), elements.collect())
 }
 

@@ -126,8 +126,8 @@ impl SteadyMotion {
                 .filter(|e| {
                     let class = model.class(*e);
                     model.elements[*e].dynamic
-                        && class.applies_load
-                        && class.uses_twist == damping
+                        && class.facts.applies_load
+                        && class.facts.uses_twist == damping
                         && !pins.iter().any(|pin| pin.element == *e)
                 })
                 .collect()
