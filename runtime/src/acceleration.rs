@@ -293,8 +293,7 @@ impl AccelerationSystem {
     ) -> Result<(), RuntimeError> {
         let n = model.velocities;
         for attempt in 0..ATTEMPTS {
-            dynamics.place(model, state.time, &state.pose, &state.velocity);
-            dynamics.gather(model, &state.states, &[], &state.rotations);
+            dynamics.set_state(model, state, &[]);
             dynamics.evaluate_constraints(model)?;
             let (at, worst) =
                 dynamics
@@ -429,8 +428,7 @@ impl AccelerationSystem {
         state: &mut State,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.set_state(model, state, &[]);
         self.factor(model, dynamics, moment)?;
         self.accelerate(model, dynamics, state, moment)
     }
@@ -444,8 +442,7 @@ impl AccelerationSystem {
         moment: Moment,
         out: &mut [f64],
     ) -> Result<(), RuntimeError> {
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.set_state(model, state, &[]);
         self.factor(model, dynamics, moment)?;
         dynamics.velocity_level(model, &state.velocity)?;
         self.normal(model, dynamics.constraint_rates(), out);

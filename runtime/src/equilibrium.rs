@@ -148,8 +148,7 @@ fn equilibrium(
 /// A state of an element that changes though nothing moves: the balance holds for a moment only.
 fn states_rest(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeError> {
     let mut dynamics = crate::dynamics::Dynamics::new(model);
-    dynamics.place(model, state.time, &state.pose, &state.velocity);
-    dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
+    dynamics.set_state(model, state, &state.multipliers);
     dynamics.evaluate(model)?;
     for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| e.dynamic) {
         for (k, info) in model.class(index).states.iter().enumerate() {

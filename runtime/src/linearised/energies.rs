@@ -138,8 +138,7 @@ impl Ledger {
     pub fn new(model: &Model, state: &State) -> Result<Ledger, RuntimeError> {
         let (flexible, loaded) = stores_of(model);
         let mut dynamics = Dynamics::new(model);
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.set_state(model, state, &[]);
         let mut loads: Vec<Option<Load>> = vec![None; model.elements.len()];
         dynamics.load_derivatives(model, |index, by_pose, by_twist| {
             loads[index] = Some(Load {

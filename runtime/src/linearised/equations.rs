@@ -309,8 +309,7 @@ impl Equations {
             });
         }
         let mut dynamics = Dynamics::new(model);
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
+        dynamics.set_state(model, state, &state.multipliers);
         dynamics.evaluate(model)?;
         if let Some(element) = dynamics.undecided() {
             let origin = &model.compiled.system.elements[element].origin;

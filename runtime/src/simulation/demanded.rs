@@ -226,14 +226,8 @@ impl Simulation {
 
     /// Evaluates the kink functions at a state.
     pub(super) fn place_kinks(&mut self, state: &State) -> Result<(), RuntimeError> {
-        self.place_at(state);
+        self.dynamics.set_state(&self.model, state, &[]);
         self.kinks.evaluate(&self.model, &self.dynamics, state)
-    }
-
-    fn place_at(&mut self, state: &State) {
-        self.dynamics
-            .place(&self.model, state.time, &state.pose, &state.velocity);
-        (self.dynamics).gather(&self.model, &state.states, &[], &state.rotations);
     }
 
     /// Refuses a kink at a time (s) after a motion, if a constraint demands a jump there: its difference does
@@ -309,7 +303,7 @@ impl Simulation {
     /// where they are no numbers.
     fn demands(&mut self, element: usize, base: &State, e: f64) -> Option<Difference> {
         let state = self.moved(base, e);
-        self.place_at(&state);
+        self.dynamics.set_state(&self.model, &state, &[]);
         self.dynamics.evaluate_constraints(&self.model).ok()?;
         self.dynamics.rate_level(&self.model).ok()?;
         let first = self.model.elements[element].row;

@@ -294,13 +294,7 @@ impl Simulation {
     pub fn output_drift(&mut self) -> Result<(f64, f64), RuntimeError> {
         let state = &self.completed;
         self.dynamics
-            .place(&self.model, state.time, &state.pose, &state.velocity);
-        self.dynamics.gather(
-            &self.model,
-            &state.states,
-            &state.multipliers,
-            &state.rotations,
-        );
+            .set_state(&self.model, state, &state.multipliers);
         self.dynamics.evaluate_constraints(&self.model)?;
         self.dynamics.rate_level(&self.model)?;
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |w, x| w.max(x.abs()));

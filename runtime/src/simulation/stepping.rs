@@ -251,13 +251,7 @@ impl Simulation {
     pub(super) fn stand(&mut self) -> Result<(), RuntimeError> {
         let state = &self.integrator.current;
         self.dynamics
-            .place(&self.model, state.time, &state.pose, &state.velocity);
-        self.dynamics.gather(
-            &self.model,
-            &state.states,
-            &state.multipliers,
-            &state.rotations,
-        );
+            .set_state(&self.model, state, &state.multipliers);
         self.dynamics.evaluate(&self.model)
     }
 
@@ -461,8 +455,7 @@ impl Simulation {
     fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
         let state = &self.integrator.current;
         let (model, dynamics) = (&self.model, &mut self.dynamics);
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.set_state(model, state, &[]);
         dynamics.rate_level(model)?;
         let rates = dynamics.constraint_rates();
         if !self.integrator.nearest_change(model, rates, &mut self.work) {
