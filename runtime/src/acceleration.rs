@@ -23,6 +23,7 @@ use crate::linear::{Block, BlockLu, LinearSolver, Pattern, PatternBuilder};
 use crate::model::Model;
 use crate::state::{State, move_pose};
 use crate::topology::undetermined;
+use eng_system::dense::largest_scaled;
 use nalgebra::DMatrix;
 
 /// Largest |Φ| of an output, in m or rad.
@@ -362,8 +363,7 @@ impl AccelerationSystem {
         if !self.is_here(model, &state.pose) {
             self.fill(model, dynamics)?;
         }
-        let speed = state.velocity.iter().zip(&self.scales);
-        let speed = speed.fold(0.0_f64, |most, (v, scale)| most.max((v / scale).abs()));
+        let speed = largest_scaled(&state.velocity, &self.scales);
         let rounding = VELOCITY_ROUNDING * speed;
         let (mut first, mut last, mut refined) = (0.0, f64::INFINITY, false);
         for round in 0..=VELOCITY_ROUNDS {

@@ -258,12 +258,7 @@ impl Simulation {
         let [far, near] = &differences[..] else {
             return Ok(());
         };
-        let scales = self.model.velocity_scales();
-        let largest = |x: &[f64]| {
-            let pairs = x.iter().zip(&scales);
-            pairs.fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
-        };
-        let pace = largest(&base.velocity).max(libm::sqrt(largest(&base.acceleration)));
+        let pace = base.pace(&self.model);
         let least = [
             self.model.tolerance / self.model.length,
             VELOCITY.0 * pace + VELOCITY.1,
