@@ -119,7 +119,12 @@ fn every_class_elaborates_with_its_number_of_equations() {
             .expect(path);
         let class = &system.classes[element.class as usize];
         assert_eq!(class.rows.len(), rows, "{path} ({})", class.name);
-        assert_eq!(class.applies_load, rows == 0, "{path} ({})", class.name);
+        assert_eq!(
+            class.facts.applies_load,
+            rows == 0,
+            "{path} ({})",
+            class.name
+        );
     }
     assert_eq!(system.journals.len(), 5);
 }

@@ -27,6 +27,7 @@ use crate::state::State;
 use crate::transient::{Observer, Sample};
 use eng_system::analysis::Static;
 use eng_system::code::Compiled;
+use eng_system::dense::largest_difference;
 use eng_system::system::Extent;
 
 /// Rounds in which an angle of the cycle is held: the balance moves it by the square of its own moves.
@@ -130,8 +131,7 @@ fn equilibrium(
             turn::bring(model, state, at, true)?;
             state.velocity.fill(0.0);
             let again = balanced(model, state, terms)?.map_err(refused)?;
-            let moved = before.iter().zip(&state.pose);
-            let moved = moved.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+            let moved = largest_difference(&before, &state.pose);
             found = Equilibrium {
                 iterations: found.iterations + again.iterations,
                 portions: found.portions,

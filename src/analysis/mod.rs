@@ -7,7 +7,7 @@ mod run;
 use crate::lint::{self, Finding};
 use crate::machine::{Machine, at};
 use crate::model::{Model, Parameter};
-use crate::places::{at_first, place, set_by};
+use crate::places::{place, set_by, span};
 use crate::program::{Bodies, Program};
 use crate::recorded_field::RecordedField;
 use crate::results::{Recording, Results};
@@ -530,15 +530,12 @@ impl Analysis {
         let argument =
             argument.and_then(|wanted| self.plan.arguments.iter().find(|(name, _)| name == wanted));
         run_error_with(&self.model, cause, |message| {
-            let message = match note {
-                Some(note) => message.with_note(note),
-                None => message,
-            };
+            let message = message.note_if(note);
             if of_analysis {
                 return place(message, &self.plan.origin, "of this analysis");
             }
             if let Some((name, at)) = argument {
-                return at_first(message, *at, &format!("this {name}"));
+                return message.moved_to(span(*at), format!("this {name}"));
             }
             let Some(path) = path else {
                 return message;

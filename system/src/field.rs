@@ -392,7 +392,7 @@ impl FieldGrid {
 pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// A solver with memory of its own. `differentiated` states for each answer of the kernel's row whether
     /// its derivatives are read
-    /// ([`ElementClass::differentiated`](crate::system::ElementClass::differentiated)); of answers beyond its
+    /// ([`ClassFacts::differentiated`](crate::system::ClassFacts::differentiated)); of answers beyond its
     /// end they are.
     fn solver(&self, differentiated: &[bool]) -> Box<dyn FieldSolver>;
     /// Count of numbers that the field keeps from one moment to the next, such as the oil in the cells of a

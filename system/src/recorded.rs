@@ -127,7 +127,7 @@ pub fn of_modes(system: &System) -> Vec<Recorded> {
             .iter()
             .filter(|element| {
                 let class = system.classes.get(element.class as usize);
-                element.role == Role::Dynamic && class.is_some_and(|class| class.applies_load)
+                element.role == Role::Dynamic && class.is_some_and(|class| class.facts.applies_load)
             })
             .map(|element| element.origin.path.as_str()),
     );

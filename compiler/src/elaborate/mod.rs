@@ -188,7 +188,7 @@ pub(crate) struct Elaborator<'a, 'd> {
 impl<'a> Elaborator<'a, '_> {
     pub fn report(&mut self, mut diagnostic: Diagnostic) -> Reported {
         if let (codes::MOTION, Some((span, output))) = (diagnostic.code, &self.context.asked_from) {
-            diagnostic.moved_to(*span, format!("`{output}` moves"));
+            diagnostic = diagnostic.moved_to(*span, format!("`{output}` moves"));
         }
         if let (true, Some((place, _))) = (
             OF_VALUES.contains(&diagnostic.code),

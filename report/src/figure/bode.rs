@@ -43,15 +43,6 @@ pub struct Bode {
 }
 
 impl Bode {
-    /// The figure as SVG, 1200 pixels wide, a file of its own.
-    pub fn to_svg(&self) -> String {
-        self.draw(Target::PAPER)
-    }
-
-    pub(crate) fn title(&self) -> &str {
-        &self.title
-    }
-
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let phases: Vec<Vec<f64>> = self.curves.iter().map(|c| continued(&c.phase)).collect();
         let (low, high) = ticks::extent(self.curves.iter().flat_map(|c| &c.frequency).copied());

@@ -1,6 +1,7 @@
 //! The differences of a cycle from the one before, and the rate at which they shrink.
 
 use crate::decay::{Decay, Mode};
+use eng_system::dense::largest;
 use eng_system::dimension::{BASES, Dimension};
 use eng_system::system::System;
 use std::collections::VecDeque;
@@ -107,15 +108,15 @@ impl Comparison {
         let mut worst = None;
         for (channel, swing) in swings.iter().enumerate() {
             let newest = self.column(0, channel);
-            let largest = newest.iter().fold(0.0_f64, |w, d| w.max(d.abs()));
-            if largest == 0.0 {
+            let most = largest(&newest);
+            if most == 0.0 {
                 continue;
             }
             if let Some(by) = self.growth(channel) {
                 verdict.growing.push(Growth { channel, by });
                 continue;
             }
-            let change = largest / swing;
+            let change = most / swing;
             if worst.is_none_or(|(_, most)| change > most) {
                 worst = Some((channel, change));
             }

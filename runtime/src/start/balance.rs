@@ -33,6 +33,7 @@ use crate::model::Model;
 use crate::outputs::Watch;
 use crate::state::{State, move_pose};
 use describing::{locked, no_number, not_finite};
+use eng_system::dense::largest_difference;
 use eng_system::system::{Origin, Role};
 pub use holding::Terms;
 use nalgebra::{DMatrix, DVector};
@@ -414,10 +415,7 @@ impl<'a> Balance<'a> {
             if self.terms.rest {
                 break;
             }
-            let moved = before
-                .iter()
-                .zip(&place.state.pose)
-                .fold(0.0_f64, |w, (a, b)| w.max((a - b).abs()));
+            let moved = largest_difference(&before, &place.state.pose);
             let (velocity, acceleration) = self
                 .motion
                 .rates(model, &place.state)
