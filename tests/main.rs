@@ -45,6 +45,7 @@ mod library_mounts;
 mod library_names;
 mod library_pages;
 mod library_run;
+mod library_thrust;
 mod library_valvetrain;
 mod linear;
 mod lints;
