@@ -14,6 +14,7 @@ mod demanded;
 mod diaphragm;
 mod documents;
 mod elastic_surfaces;
+mod engine_balance;
 mod engines;
 mod equilibrium;
 mod explain;
