@@ -10,7 +10,7 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::outputs::Outputs;
 use crate::state::{State, move_pose};
-use eng_system::dense::{largest, largest_scaled};
+use eng_system::dense::largest_scaled;
 
 /// The longest move of a difference, as a share of the model's position tolerance (a thousandth of the
 /// smallest clearance). Films are linear over it to 1e-9, and rounding of positions of a metre causes 1e-7.
