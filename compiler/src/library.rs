@@ -32,6 +32,7 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ("std.cylinder", include_str!("../../stdlib/cylinder.eng")),
     ("std.engine", include_str!("../../stdlib/engine.eng")),
     ("std.layouts", include_str!("../../stdlib/layouts.eng")),
+    ("std.quick", include_str!("../../stdlib/quick.eng")),
 ];
 
 /// Data files of the library's tables, by the names that its texts give to `csv`.
