@@ -76,6 +76,7 @@ mod reduction;
 mod regular;
 mod repetition;
 pub mod report;
+mod response;
 pub mod run;
 pub mod server;
 mod simulation;
@@ -87,7 +88,8 @@ mod vocabulary;
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
 pub use eng_runtime::inputs::Point;
 pub use eng_runtime::linearised::{
-    Coefficients, Harmonics, LinearModes, Mode, Orbit, Repeating, StateSpace, Wanted,
+    Coefficients, FrequencyResponse, Harmonics, LinearModes, Mode, Orbit, Repeating, StateSpace,
+    Wanted,
 };
 pub use eng_runtime::{
     Energy, Pace, PeriodicSummary, Reading, RuntimeError, Slow, StartReport, Statistics,

@@ -106,6 +106,8 @@ fn every_class_elaborates_with_its_number_of_equations() {
         ("m2", 0),
         ("v1", 0),
         ("v2", 0),
+        ("t1", 0),
+        ("t2", 0),
         ("k1", 0),
         ("k2", 0),
         ("k3", 0),
@@ -119,7 +121,12 @@ fn every_class_elaborates_with_its_number_of_equations() {
             .expect(path);
         let class = &system.classes[element.class as usize];
         assert_eq!(class.rows.len(), rows, "{path} ({})", class.name);
-        assert_eq!(class.applies_load, rows == 0, "{path} ({})", class.name);
+        assert_eq!(
+            class.facts.applies_load,
+            rows == 0,
+            "{path} ({})",
+            class.name
+        );
     }
     assert_eq!(system.journals.len(), 7);
 }

@@ -393,6 +393,24 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         "HydraulicLashAdjuster",
         "a.m, b.m, diameter: 11 mm, gap: 6 um, seal: 8 mm, volume: 0.3 cc, supply: 3 bar, viscosity: 10 mPa*s",
     ),
+    Case {
+        definitions: "use std.journals.Roughness",
+        ..of(
+            "std.thrust",
+            "PlainThrust",
+            "a.m, b.m, inner_diameter: 1 m, outer_diameter: 2 m, end_float: 5 m, viscosity: 10 Pa*s,
+        roughness: Roughness(sigma: 0.8 m, asperity: 1e-3, modulus: 1 kPa, boundary_friction: 0.1)",
+        )
+    },
+    Case {
+        definitions: "use std.journals.Roughness",
+        ..of(
+            "std.thrust",
+            "TaperLandThrust",
+            "a.m, b.m, inner_diameter: 1 m, outer_diameter: 2 m, end_float: 5 m, viscosity: 10 Pa*s,
+        roughness: Roughness(sigma: 0.8 m, asperity: 1e-3, modulus: 1 kPa, boundary_friction: 0.1), pads: 6, pad_angle: 50 deg, depth: 400 mm",
+        )
+    },
     journal(
         "Short",
         "pin: a.m, shell: b.m, diameter: 54 mm, width: 13 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s",

@@ -446,7 +446,9 @@ fn heat_and_stored_energy_account_for_the_power() {
             "BeltSpan",
             "ElastomerMount",
             "HydraulicMount",
-            "HydraulicLashAdjuster"
+            "HydraulicLashAdjuster",
+            "PlainThrust",
+            "TaperLandThrust"
         ]
     );
 }
