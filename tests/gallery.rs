@@ -83,7 +83,13 @@ fn numbers(page: &str) -> Vec<(String, usize, Quantity)> {
 
 /// The numbers of a README are the values of the report, to half of their last of three digits.
 fn compare(name: &str, analyses: &[&str], due: usize) {
-    let folder = root().join("examples").join(name);
+    let page = read(&root().join("examples").join(name).join("README.md"));
+    compare_page(name, name, &page, analyses, due);
+}
+
+/// The numbers of a page, or of a part of it, and the report of a file of this folder.
+fn compare_page(folder: &str, name: &str, page: &str, analyses: &[&str], due: usize) {
+    let folder = root().join("examples").join(folder);
     let sources = Sources::folder(&folder).expect("a folder");
     let program = eng::check(&sources, &format!("{name}.eng")).into_program();
     let program = program.unwrap_or_else(|report| panic!("{report}"));
@@ -100,7 +106,7 @@ fn compare(name: &str, analyses: &[&str], due: usize) {
         .collect();
     let runs: Vec<Run<'_>> = runs.iter().map(|(r, m)| Run::new(r, m)).collect();
     let report = evaluate(&program.reports()[0], &runs);
-    let rows = numbers(&read(&folder.join("README.md")));
+    let rows = numbers(page);
     assert_eq!(rows.len(), due, "{name}: {rows:?}");
     for (value, place, number) in rows {
         let found = report
@@ -122,7 +128,13 @@ fn the_inline_four_has_its_numbers() {
 
 #[test]
 fn the_concept_has_its_numbers() {
-    compare("concept", &["fired"], 4);
+    let page = read(&root().join("examples/concept/README.md"));
+    let (films, quick) = page
+        .split_once("\n## ")
+        .expect("a part of the quick engine");
+    compare_page("concept", "concept", films, &["fired"], 4);
+    let speeds = ["quick[1]", "quick[7]", "quick[13]"];
+    compare_page("concept", "quick", quick, &speeds, 5);
 }
 
 #[test]

@@ -86,6 +86,42 @@ fn a_closed_charge_follows_the_isentrope_and_burns_at_constant_volume() {
     }
 }
 
+/// The closed form of the cycle, with valves that open and close at once.
+#[test]
+fn a_closed_cycle_without_a_state_has_the_pressure_of_its_class() {
+    let text = format!(
+        "{CRANK}
+    fn closed_form = closed_cycle(bore: 86 mm, stroke: 80 mm, rod_length: 140 mm, compression_ratio: 10, heat: 1.2 kJ, begin: -22 deg,
+        duration: 52 deg, intake: 0.95 bar, ramp: 0.1 deg, blowdown: 0.1 deg)
+    model Both {{
+        gravity = [0, 0, 0] m/s^2
+        marker rail = [0, 0, 0] mm
+        marker bore = at([0, 0, 0] mm, z: [0, 1, 0])
+        part unit = Crank(1000 rpm, rail, bore)
+        cycle angle = rotation(unit.crank.main, rail) {{ period = 720 deg }}
+        force gas = ClosedCycle(unit.piston.crown, bore, bore: 86 mm, firing: 0 deg, top: 180 mm, stroke: 80 mm, compression_ratio: 10,
+            heat: 1.2 kJ, burnt: wiebe(begin: -22 deg, duration: 52 deg), intake: 0.95 bar, ramp: 0.1 deg, lag: 0.01 ms)
+        let after = wrapped(cycle.angle - 0 deg, 720 deg, from: -360 deg)
+        output after_firing = after as deg
+        output closed: Pressure = closed_form(after + 0 deg) - 1.01325 bar as bar
+    }}
+    analysis run = periodic(Both(), sample: 1 deg)"
+    );
+    let results = run(&text, "run");
+    let after = column(&results, "after_firing");
+    let found = column(&results, "closed");
+    let due = column(&results, "gas.gauge_pressure");
+    let mut worst = 0.0_f64;
+    for ((after, found), due) in after.iter().zip(found).zip(due) {
+        if after.to_degrees().abs() < 130.0 {
+            worst = worst.max((found - due).abs() / (due + 101_325.0));
+        }
+    }
+    println!("{worst:.1e} between the valves' angles");
+    assert!(worst < 1e-3, "{worst}");
+    close("peak", largest(found), largest(due), 2e-4);
+}
+
 #[test]
 fn a_heat_burns_by_wiebes_share() {
     let text = "use std.gas.*
