@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Modules of laws and of functions for them.
-const MODULES: [&str; 16] = [
+const MODULES: [&str; 17] = [
     "joints",
     "drives",
     "forces",
@@ -22,6 +22,7 @@ const MODULES: [&str; 16] = [
     "layouts",
     "cylinder",
     "engine",
+    "quick",
 ];
 
 /// Words that begin an item of a file.
@@ -60,15 +61,15 @@ fn signature(lines: &[&str]) -> String {
     out.trim().to_owned()
 }
 
-/// The fields of a record with their comments, each on a line of its own.
-fn fields(lines: &[&str]) -> String {
+/// The fields of a record or the parameters of an interface with their comments, each on a line of its own.
+fn fields(lines: &[&str], word: &str) -> String {
     let mut out = String::new();
     let mut comment = String::new();
     for line in lines.iter().take_while(|line| **line != "}") {
         match line.strip_prefix("    ") {
             Some(text) if text.starts_with("///") => comment = format!("{comment}\n{line}"),
             Some(text) => {
-                if text.starts_with("let ") {
+                if text.starts_with(word) {
                     let _ = write!(out, "{comment}\n{line}");
                 }
                 comment.clear();
@@ -79,11 +80,12 @@ fn fields(lines: &[&str]) -> String {
     out
 }
 
-/// The text of an item on a page: its head, the fields of a record, the words of a choice.
+/// The text of an item on a page: its head, the fields of a record, the parameters of an interface, the words of a choice.
 fn shown(kind: &str, lines: &[&str]) -> String {
     match kind {
         "choice" => lines[0].to_owned(),
-        "record" => signature(lines) + &fields(lines),
+        "record" => signature(lines) + &fields(lines, "let "),
+        "interface" => signature(lines) + &fields(lines, "param "),
         _ => signature(lines),
     }
 }

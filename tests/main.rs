@@ -59,6 +59,7 @@ mod paper_figures;
 mod paper_films;
 mod periodic_decay;
 mod periodic_results;
+mod quick_engine;
 mod report;
 mod reports_of_a_text;
 mod response;

@@ -128,7 +128,7 @@ fn every_class_elaborates_with_its_number_of_equations() {
             class.name
         );
     }
-    assert_eq!(system.journals.len(), 5);
+    assert_eq!(system.journals.len(), 7);
 }
 
 #[test]
