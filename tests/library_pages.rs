@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Modules of laws and of functions for them.
-const MODULES: [&str; 17] = [
+const MODULES: [&str; 18] = [
     "joints",
     "drives",
     "forces",
