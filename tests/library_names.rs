@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Modules of classes. Those of oils, materials and units define values.
-const MODULES: [&str; 13] = [
+const MODULES: [&str; 14] = [
     "joints",
     "drives",
     "forces",
@@ -18,6 +18,7 @@ const MODULES: [&str; 13] = [
     "mounts",
     "valvetrain",
     "thrust",
+    "liners",
     "layouts",
     "cylinder",
     "engine",

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Modules of laws and of functions for them.
-const MODULES: [&str; 17] = [
+const MODULES: [&str; 18] = [
     "joints",
     "drives",
     "forces",
@@ -15,6 +15,7 @@ const MODULES: [&str; 17] = [
     "mounts",
     "valvetrain",
     "thrust",
+    "liners",
     "math",
     "frames",
     "sections",
@@ -179,7 +180,15 @@ fn the_page_of_the_library_has_its_comments() {
 fn every_law_says_its_equation_and_its_check() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut laws = 0;
-    for module in ["contacts", "drivelines", "gas", "mounts", "valvetrain", "thrust"] {
+    for module in [
+        "contacts",
+        "drivelines",
+        "gas",
+        "mounts",
+        "valvetrain",
+        "thrust",
+        "liners",
+    ] {
         let text = std::fs::read_to_string(root.join(format!("stdlib/{module}.eng")));
         let text = text.expect("a module");
         let mut comment = String::new();

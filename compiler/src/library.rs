@@ -29,6 +29,7 @@ pub const LIBRARY: &[(&str, &str)] = &[
     ),
     ("std.journals", include_str!("../../stdlib/journals.eng")),
     ("std.thrust", include_str!("../../stdlib/thrust.eng")),
+    ("std.liners", include_str!("../../stdlib/liners.eng")),
     ("std.cylinder", include_str!("../../stdlib/cylinder.eng")),
     ("std.engine", include_str!("../../stdlib/engine.eng")),
     ("std.layouts", include_str!("../../stdlib/layouts.eng")),

@@ -106,6 +106,8 @@ fn every_class_elaborates_with_its_number_of_equations() {
         ("m2", 0),
         ("v1", 0),
         ("v2", 0),
+        ("j17", 3),
+        ("l1", 0),
         ("t1", 0),
         ("t2", 0),
         ("k1", 0),

@@ -65,16 +65,15 @@ impl Film {
             let carried = surfaces.carried(gap);
             state.cell_gap[at] = carried[0];
             state.carried_slope[1][at] = carried[1];
-            // an opening is deep: over it nothing shears the oil of the gap, and no surfaces touch
-            let land = match cell.held {
-                Some(_) => 0.0,
-                None => 1.0 - state.covered[at][0],
-            };
-            state.shear[at] = surfaces.sheared(carried, spin).times(land);
-            state.touching[at] = surfaces.touching(gap).map(|number| land * number);
+            state.shear[at] = surfaces.sheared(carried, spin);
             let [by_rate, by_gap] = surfaces.squeezed(carried);
             state.rate_slope[at] = [by_rate, by_gap * state.cell_rate[at]];
             state.cell_rate[at] *= by_rate;
+            // an opening is deep: its surfaces do not touch
+            if cell.held.is_none() {
+                let whole = 1.0 - state.covered[at][0];
+                state.touching[at] = surfaces.touching(gap).map(|number| whole * number);
+            }
         }
     }
 

@@ -121,17 +121,6 @@ pub(crate) struct OfGap {
     pub by_spin: f64,
 }
 
-impl OfGap {
-    /// A share of it.
-    pub fn times(self, share: f64) -> OfGap {
-        OfGap {
-            value: share * self.value,
-            by_gap: share * self.by_gap,
-            by_spin: share * self.by_spin,
-        }
-    }
-}
-
 /// The surfaces and the oil, as functions of the gap.
 #[derive(Clone, Debug)]
 pub(crate) struct Surfaces {

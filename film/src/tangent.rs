@@ -116,7 +116,7 @@ impl Film {
         let slopes = &mut work.slopes.as_chunks_mut::<N>().0[..inputs];
         slopes.fill([0.0; N]);
         self.weigh(&solution, &group, adjoint);
-        self.direct(&solution, adjoint, slopes);
+        self.direct(&solution, &group, adjoint, slopes);
         self.solve_adjoint(&solution, &group, adjoint, columns);
         self.sum_links(&solution, &group, adjoint, slopes);
         self.sum_cells(&solution, &group, adjoint, slopes);
@@ -206,10 +206,11 @@ impl Film {
     fn direct<const N: usize>(
         &self,
         solution: &Solution,
+        group: &Group<N>,
         adjoint: &[[f64; N]],
         slopes: &mut [[f64; N]],
     ) {
-        let level = solution.level;
+        let Solution { level, state, .. } = *solution;
         let count = level.grid.cells.len();
         let openings = self.source.openings.len();
         for (at, opening) in self.source.openings.iter().enumerate() {
@@ -225,7 +226,11 @@ impl Film {
             else {
                 continue;
             };
-            add(&mut slopes[SUPPLY + opening], 1.0, &adjoint[at]);
+            let slope = &mut slopes[SUPPLY + opening];
+            add(slope, 1.0, &adjoint[at]);
+            let slope_by_q = state.pressure[at][1];
+            let thicker = self.thickening(slope_by_q);
+            add(slope, self.shear(solution, at) * thicker, &group.rubbing);
         }
     }
 
@@ -399,13 +404,6 @@ impl Film {
                 sheared[1] += over + x[SPIN] * speed * area * shear.by_spin;
                 let thinner = x[VISCOSITY] * x[SPIN] * speed * area * shear.by_gap;
                 let mut by_gap = group.rubbing.map(|rubbing| thinner * rubbing);
-                // an opening of the pin takes its share of the land
-                let taken = match state.covered[at] {
-                    [_, 0.0] => 0.0,
-                    [covered, slope] => -slope / (1.0 - covered),
-                };
-                let by_turn = x[VISCOSITY] * x[SPIN] * over * taken;
-                add(&mut slopes[TURN], by_turn, &group.rubbing);
                 add(
                     &mut by_gap,
                     -rate_by_gap * cell.area * content,
@@ -421,7 +419,11 @@ impl Film {
                 }
                 if rough {
                     let [touch, slope] = state.touching[at];
-                    let by_turn = touch * taken;
+                    // asperities over an opening of the pin do not touch
+                    let by_turn = match state.covered[at] {
+                        [_, 0.0] => 0.0,
+                        [covered, slope] => -touch * slope / (1.0 - covered),
+                    };
                     for (lane, output) in group.outputs.iter().enumerate() {
                         if let Some(output) = *output {
                             let weight = self.weight(solution, output, at);

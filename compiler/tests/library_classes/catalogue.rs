@@ -408,9 +408,19 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
             "std.thrust",
             "TaperLandThrust",
             "a.m, b.m, inner_diameter: 1 m, outer_diameter: 2 m, end_float: 5 m, viscosity: 10 Pa*s,
-        roughness: Roughness(sigma: 0.8 m, asperity: 1e-3, modulus: 1 kPa, boundary_friction: 0.1), pads: 6, pad_angle: 50 deg, depth: 400 mm",
+        roughness: Roughness(sigma: 0.8 m, asperity: 1e-3, modulus: 1 kPa, boundary_friction: 0.1), pads: 6, pad_angle: 50 deg, depth: 400 mm, taper: 0.75",
         )
     },
+    Case {
+        module: "std.liners",
+        ..joint("PistonPlane")
+    },
+    of(
+        "std.liners",
+        "Skirt",
+        "a.m, b.m, bore: 6 m, side: -1, clearance: 10 mm, bottom: -400 mm, top: 200 mm, width: 300 mm, layer: 2000 Pa/m, heights: 2,
+        roughness: 500 mm, loss: 0.1 s/m, viscosity: 10 Pa*s, boundary_friction: 0.1",
+    ),
     journal(
         "Short",
         "pin: a.m, shell: b.m, diameter: 54 mm, width: 13 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s",

@@ -448,7 +448,8 @@ fn heat_and_stored_energy_account_for_the_power() {
             "HydraulicMount",
             "HydraulicLashAdjuster",
             "PlainThrust",
-            "TaperLandThrust"
+            "TaperLandThrust",
+            "Skirt"
         ]
     );
 }
