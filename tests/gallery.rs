@@ -198,3 +198,18 @@ fn the_split_v6_has_its_numbers() {
 fn the_slapping_piston_has_its_numbers() {
     compare("piston_slap", &["slap[1]", "slap[2]", "slap[3]"], 5);
 }
+
+#[test]
+fn the_thrust_bearing_has_its_numbers() {
+    compare("thrust", &["press[1]", "press[2]", "press[3]"], 5);
+}
+
+#[test]
+fn the_balancer_has_its_numbers() {
+    compare("balancer", &["bare", "level", "raised"], 4);
+}
+
+#[test]
+fn the_chain_has_its_numbers() {
+    compare("timing", &["soft[4]", "firm[4]"], 5);
+}
