@@ -116,7 +116,7 @@ impl Film {
         let slopes = &mut work.slopes.as_chunks_mut::<N>().0[..inputs];
         slopes.fill([0.0; N]);
         self.weigh(&solution, &group, adjoint);
-        self.direct(&solution, &group, adjoint, slopes);
+        self.direct(&solution, adjoint, slopes);
         self.solve_adjoint(&solution, &group, adjoint, columns);
         self.sum_links(&solution, &group, adjoint, slopes);
         self.sum_cells(&solution, &group, adjoint, slopes);
@@ -206,7 +206,6 @@ impl Film {
     fn direct<const N: usize>(
         &self,
         solution: &Solution,
-        group: &Group<N>,
         adjoint: &[[f64; N]],
         slopes: &mut [[f64; N]],
     ) {
