@@ -438,7 +438,11 @@ fn one_film_balances_a_shaft_with_a_free_tilt() {
     }
     // the mass is held by the moment of the pressure, in the sense that lowers the end below it
     let beside = run(&program, "beside");
-    near(value(&beside, "film.moment.x").abs(), 200.0 * GRAVITY * 1e-3, 1e-3);
+    near(
+        value(&beside, "film.moment.x").abs(),
+        200.0 * GRAVITY * 1e-3,
+        1e-3,
+    );
 }
 
 /// A search that begins with a closed gap, and finds nothing, says so.

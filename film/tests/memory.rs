@@ -198,7 +198,8 @@ fn orbit(orbit: &Value, cells: [usize; 2], steps: usize) -> Vec<[f64; 7]> {
         film.accept(&work, &mut memory);
         if step > steps && (step * 16) % steps == 0 {
             let summary = film.summary(&work);
-            let shear = summary.shear_torque / inputs.spin;
+            let shear = summary.shear_torque / inputs.spin
+                + states::over_openings(film.source(), &inputs.write());
             let (highest, volume) = (summary.maximum_pressure, summary.volume / area);
             rows.push([
                 y[0],

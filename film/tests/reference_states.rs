@@ -57,11 +57,9 @@ fn quantities(solved: &Solved, state: &Value) -> Vec<(&'static str, f64, f64)> {
         found.push(("q_out", summary.outflow, size));
     }
     if solved.inputs[8] != 0.0 {
-        found.push((
-            shear,
-            summary.shear_torque / solved.inputs[8],
-            number(value, shear),
-        ));
+        let land = summary.shear_torque / solved.inputs[8];
+        let whole = land + states::over_openings(solved.film.source(), &solved.inputs);
+        found.push((shear, whole, number(value, shear)));
     }
     found
 }

@@ -71,6 +71,29 @@ pub fn inputs(state: &Value, openings: usize) -> Vec<f64> {
     .write()
 }
 
+/// `∫ 1/h dA` over the openings of a plain film of R = c = 1 at inputs, by the midpoint rule. The reference counts this shear;
+/// the film does not, because openings are deep.
+#[allow(dead_code)]
+pub fn over_openings(source: &FilmSource, x: &[f64]) -> f64 {
+    const PARTS: usize = 60;
+    let middle = |[from, to]: [f64; 2], at: usize| {
+        from + (to - from) * (at as f64 + 0.5) / PARTS as f64
+    };
+    let half = source.width / 2.0;
+    let mut sum = 0.0;
+    for opening in &source.openings {
+        let across = opening.across.map(|edge| edge.clamp(-half, half));
+        let area = (opening.around[1] - opening.around[0]) * (across[1] - across[0]);
+        for (i, j) in (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i, j))) {
+            let (sin, cos) = middle(opening.around, i).sin_cos();
+            let z = middle(across, j);
+            let gap = 1.0 - (x[0] + z * x[4]) * cos - (x[1] + z * x[5]) * sin;
+            sum += area / (PARTS * PARTS) as f64 / gap;
+        }
+    }
+    sum
+}
+
 /// A solved film.
 pub struct Solved {
     pub film: Film,
