@@ -67,6 +67,47 @@ pub(super) fn rates_of_eccentricities(
     rates
 }
 
+/// Rates of the axes of pins, seen from their shells: x and y of each (1/s).
+pub(super) fn rates_of_axes(
+    model: &Model,
+    pins: &[Wish],
+    pose: &[f64],
+    velocity: &[f64],
+) -> Vec<f64> {
+    let mut rates = Vec::new();
+    for wish in pins {
+        let seen = rows::marker(model, wish.shell, pose, velocity);
+        let place = rows::marker(model, wish.pin, pose, velocity);
+        let turning = place.angular_velocity - seen.angular_velocity;
+        let axis: V3 = place.rotation.column(2).into();
+        let rate = seen.rotation.transpose() * turning.cross(&axis);
+        rates.extend([rate.x, rate.y]);
+    }
+    rates
+}
+
+/// Derivative of [`rates_of_axes`] with respect to velocities: two rows (x, y) for each pin.
+pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(2 * pins.len(), model.velocities);
+    for (i, wish) in pins.iter().enumerate() {
+        let seen = rows::marker(model, wish.shell, &state.pose, &state.velocity);
+        let place = rows::marker(model, wish.pin, &state.pose, &state.velocity);
+        let axis: V3 = place.rotation.column(2).into();
+        for (marker, sign) in [(wish.pin, 1.0), (wish.shell, -1.0)] {
+            let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
+                continue;
+            };
+            for w in 0..jacobian.ncols() {
+                let turning = V3::new(jacobian[(3, w)], jacobian[(4, w)], jacobian[(5, w)]);
+                let rate = seen.rotation.transpose() * turning.cross(&axis);
+                matrix[(2 * i, first + w)] += sign * rate.x;
+                matrix[(2 * i + 1, first + w)] += sign * rate.y;
+            }
+        }
+    }
+    matrix
+}
+
 /// Derivative of the eccentricity rates of pins (seen from their shells) with respect to velocities: two rows
 /// (x, y) for each pin.
 pub(super) fn eccentricity_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
