@@ -159,8 +159,15 @@ fn the_start_of_the_fan_has_its_numbers() {
 
 #[test]
 fn the_mounts_have_their_numbers() {
-    let analyses = ["rubber[3]", "rubber[13]", "hydraulic[3]", "hydraulic[13]"];
-    compare("mounts", &analyses, 4);
+    let analyses = [
+        "rubber[3]",
+        "rubber[13]",
+        "hydraulic[3]",
+        "hydraulic[13]",
+        "rubber_pushed",
+        "fluid_pushed",
+    ];
+    compare("mounts", &analyses, 8);
 }
 
 #[test]

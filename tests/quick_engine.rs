@@ -333,7 +333,7 @@ fn films_of_a_v_twin_are_near_those_of_the_transient_engine() {
             "{TWIN}
 use std.engine.Engine
 use std.gas.closed_cycle
-use std.journals.{{Reynolds, SolvedMobility}}
+use std.journals.{{Impedance, Mobility, Reynolds, SolvedMobility}}
 const angles = [2*(i - 180)*1 deg for i in 0..359]
 fn gas = closed_cycle(bore: 80 mm, stroke: 80 mm, rod_length: 140 mm, compression_ratio: 10, heat: 1 kJ, begin: -20 deg,
     duration: 50 deg)
