@@ -76,9 +76,8 @@ pub fn inputs(state: &Value, openings: usize) -> Vec<f64> {
 #[allow(dead_code)]
 pub fn over_openings(source: &FilmSource, x: &[f64]) -> f64 {
     const PARTS: usize = 60;
-    let middle = |[from, to]: [f64; 2], at: usize| {
-        from + (to - from) * (at as f64 + 0.5) / PARTS as f64
-    };
+    let middle =
+        |[from, to]: [f64; 2], at: usize| from + (to - from) * (at as f64 + 0.5) / PARTS as f64;
     let half = source.width / 2.0;
     let mut sum = 0.0;
     for opening in &source.openings {
