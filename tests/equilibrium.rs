@@ -450,12 +450,14 @@ fn one_film_balances_a_shaft_with_a_free_tilt() {
 fn a_search_that_begins_with_a_closed_gap_says_so() {
     let text = "use std.journals.Film
         use std.joints.Planar
+        use std.drives.PrescribedRotation
         model Gap {
             gravity = [0, -9.81, 0] m/s^2
             accept inertia
             marker beside = [100, 0, 0] um
-            body shaft { mass = 20000 kg; inertia = [1, 1, 1]*(80 kg*m^2); marker mid = origin; start angular_velocity = [0, 0, 30] rad/s }
+            body shaft { mass = 200 kg; inertia = [1, 1, 1]*(0.8 kg*m^2); marker mid = origin; start angular_velocity = [0, 0, 300] rad/s }
             joint thrust = Planar(shaft.mid, ground)
+            drive turn = PrescribedRotation(shaft.mid, ground, speed: 300 rad/s)
             journal film = Film(shaft.mid, beside, diameter: 40 mm, width: 20 mm, radial_clearance: 20 um, viscosity: 10 mPa*s)
         }
         analysis gap = static(Gap(), turning: true)";

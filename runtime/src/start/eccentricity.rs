@@ -170,6 +170,50 @@ pub fn yielding(model: &Model) -> Vec<bool> {
         .collect()
 }
 
+/// Half of the width of every journal's film (m); zero of a law without a field, which does not see a tilt.
+pub(super) fn half_widths(model: &Model) -> Vec<f64> {
+    let journals = model.compiled.system.journals.iter();
+    let half = |element: usize| {
+        let grid = model.kernels.get(element)?.first()?.grid();
+        Some((grid.across.last()? - grid.across.first()?) / 2.0)
+    };
+    journals
+        .map(|journal| half(journal.element as usize).unwrap_or(0.0))
+        .collect()
+}
+
+/// The largest distance of a pin's axis from that of its shell over the width of the film, over c, of every journal. The
+/// film has half of this width on both sides of the shell's origin.
+pub(super) fn end_ratios(model: &Model, half_widths: &[f64], pose: &[f64]) -> Vec<f64> {
+    let rest = vec![0.0; model.velocities];
+    let of = |marker| rows::marker(model, marker, pose, &rest);
+    let journals = model.compiled.system.journals.iter().zip(half_widths);
+    journals
+        .enumerate()
+        .map(|(at, (journal, half))| {
+            let Some((pin, shell)) = pin_and_shell(model, at) else {
+                return 0.0;
+            };
+            let (pin, shell) = (of(pin), of(shell));
+            let arm = arm(&pin, &shell);
+            let axis: V3 = shell.rotation.transpose() * V3::from(pin.rotation.column(2));
+            let at_end = |z: f64| {
+                let along = if axis.z == 0.0 {
+                    0.0
+                } else {
+                    (z - arm.z) / axis.z
+                };
+                libm::hypot(arm.x + along * axis.x, arm.y + along * axis.y)
+            };
+            let distance = match *half {
+                0.0 => libm::hypot(arm.x, arm.y),
+                half => at_end(half).max(at_end(-half)),
+            };
+            distance / model.slot(journal.clearance)
+        })
+        .collect()
+}
+
 /// |e|/c of every journal.
 pub fn film_ratios(model: &Model, pose: &[f64]) -> Vec<f64> {
     model
