@@ -1,6 +1,6 @@
 //! Gas laws of `std.gas`: corners of the ideal cycles, compressors, flow through an orifice.
 
-use crate::library_run::{close, column, integral, largest, run};
+use crate::library_run::{close, column, integral, integrate, largest, run};
 
 const CRANK: &str = "use std.gas.*
     use std.joints.{Revolute, PointOnLine, Translational}
@@ -216,4 +216,84 @@ fn compressors_have_the_efficiency_and_work_of_the_ideal_cycle() {
         // the ideal cycle's work counts from vacuum on both sides, as the ambient pressure does none in a cycle
         close("work", -power, work, 2.0 * tolerance);
     }
+}
+
+/// Fall of the piston from its dead centre over the stroke of 80 mm, throw over rod 2/7.
+fn fallen(theta: f64) -> f64 {
+    let ratio = 40.0 / 140.0;
+    let cosine = (1.0 - (ratio * theta.sin()).powi(2)).sqrt();
+    (1.0 - theta.cos() + (1.0 - cosine) / ratio) / 2.0
+}
+
+/// Heat to the walls (W) at 3000 rpm by Woschni's coefficient as Heywood states it, with the state at the closing of the intake.
+fn to_walls(pressure: f64, volume: f64) -> f64 {
+    let area = std::f64::consts::PI / 4.0 * 0.086 * 0.086;
+    let (swept, first) = (
+        area * 0.08,
+        area * 0.08 * (1.0 / 9.0 + fallen(-135.0_f64.to_radians())),
+    );
+    let temperature = 350.0 * pressure * volume / (1e5 * first);
+    let motored = 1e5 * (first / volume).powf(KAPPA);
+    let speed = 2.28 * 2.0 * 0.08 * 50.0
+        + 3.24e-3 * swept * 350.0 / (100.0 * first) * (pressure - motored).max(0.0) / 1e3;
+    let coefficient = 3.26
+        * 0.086_f64.powf(-0.2)
+        * (pressure / 1e3).powf(0.8)
+        * temperature.powf(-0.55)
+        * speed.powf(0.8);
+    coefficient * (2.0 * area + 4.0 * volume / 0.086) * (temperature - 420.0)
+}
+
+/// Pressure and lost heat of the closed part of a cycle against another integrator, from 100° before the dead centre to 100° after it.
+#[test]
+fn walls_take_heat_as_woschni_says() {
+    let walls = "burnt: wiebe(begin: -15 deg, duration: 50 deg),
+            walls: Woschni(wall_temperature: 420 K, charge_temperature: 350 K, rod_ratio: 2/7))";
+    let text = otto("-15 deg", "50 deg", "1.2 kJ")
+        .replace("burnt: wiebe(begin: -15 deg, duration: 50 deg))", walls);
+    let results = run(&text, "run");
+    let angle = column(&results, "cycle.angle");
+    let theta: Vec<f64> = angle
+        .iter()
+        .map(|a| (a.to_degrees() + 360.0).rem_euclid(720.0) - 360.0)
+        .collect();
+    let at = |due: f64| {
+        theta
+            .iter()
+            .position(|t| (t - due).abs() < 0.01)
+            .expect("a sample")
+    };
+    let area = std::f64::consts::PI / 4.0 * 0.086 * 0.086;
+    let omega = 100.0 * std::f64::consts::PI;
+    let volume = |t: f64| area * 0.08 * (1.0 / 9.0 + fallen(t));
+    let burning = |t: f64| {
+        let y = (t + 15.0_f64.to_radians()) / 50.0_f64.to_radians();
+        let rate = 6.908 * 3.0 * y.powi(2) * (-6.908 * y.powi(3)).exp() / 50.0_f64.to_radians();
+        if y > 0.0 { 1200.0 * rate } else { 0.0 }
+    };
+    // over the angle: pressure and heat to the walls
+    let closed = |t: f64, y: &[f64; 2]| {
+        let lost = to_walls(y[0], volume(t)) / omega;
+        let rise = (volume(t + 1e-5) - volume(t - 1e-5)) / 2e-5;
+        [
+            ((KAPPA - 1.0) * (burning(t) - lost) - KAPPA * y[0] * rise) / volume(t),
+            lost,
+        ]
+    };
+    let gauge = column(&results, "gas.gauge_pressure");
+    let (from, to) = (-100.0_f64.to_radians(), 100.0_f64.to_radians());
+    let first = [gauge[at(-100.0)] + 1e5, 0.0];
+    let due = integrate(&closed, first, from, (to - from) / 20_000.0, 20_000);
+    close("pressure", gauge[at(100.0)] + 1e5, due[0], 1e-4);
+    let time = column(&results, "time");
+    let lost = column(&results, "gas.heat_to_walls");
+    // the cycle begins at the dead centre
+    let part = |begin: usize, end: usize| integral(&time[begin..=end], &lost[begin..=end]);
+    let last = time.len() - 1;
+    close(
+        "heat",
+        part(0, at(100.0)) + part(at(-100.0), last),
+        due[1],
+        1e-4,
+    );
 }

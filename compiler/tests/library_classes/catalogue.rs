@@ -180,6 +180,19 @@ pub const CASES: &[Case] = &[
         arguments: "a.m, b.m, length: 20 mm",
         ..joint("Bifilar")
     },
+    joint("Perpendicular"),
+    joint("Homokinetic"),
+    Case {
+        arguments: "a.m, frame, b.m, base, profile: wave, base: 3 mm",
+        definitions: "fn wave(turn: Angle) -> Length = 40 mm*cos(3*turn)",
+        parts: FRAMES,
+        ..joint("GrooveCam")
+    },
+    drive(
+        "PrescribedTravel",
+        "a.m, b.m, travel_at: way",
+        "fn way(t: Time) -> Length = 40 mm*sin(30 rad/s * t)",
+    ),
     drive(
         "PrescribedRotation",
         "a.m, b.m, speed: 3000 rpm, initial: 20 deg",
@@ -289,6 +302,11 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
             "a.m, b.m, radius_a: 2 m, radius_b: 3 m, ball_a: Steel, ball_b: Steel, loss: 1e-3 s/m",
         )
     },
+    of(
+        "std.contacts",
+        "CylinderOnPlane",
+        "a.m, b.m, reach: 3 m, length: 12 mm, loss: 1e-3 s/m",
+    ),
     of(
         "std.contacts",
         "EndStop",

@@ -432,6 +432,7 @@ fn heat_and_stored_energy_account_for_the_power() {
             "HuntCrossley",
             "SphereOnPlane",
             "SphereOnSphere",
+            "CylinderOnPlane",
             "EndStop",
             "PinInBush",
             "Friction",
