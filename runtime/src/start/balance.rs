@@ -56,8 +56,9 @@ const SHORTER: f64 = 0.3;
 const LEAST_PART: f64 = 1e-3;
 /// Smallest portion of the load.
 const PORTION: f64 = 1e-3;
-/// Scaled effort above which a freedom without stiffness counts as loaded.
-const UNHELD: f64 = 1e-6;
+/// Scaled effort above which a freedom without stiffness counts as loaded, in a first search and in later ones, which leave
+/// freedoms with some stiffness in place.
+const UNHELD: [f64; 2] = [1e-6, 1e-12];
 /// Move (m, or of a quaternion) up to which a balance counts as the stated position.
 const STAYS: f64 = 1e-6;
 /// Most rounds in which velocities and accelerations are computed again.

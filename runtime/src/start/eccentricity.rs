@@ -78,7 +78,9 @@ pub(super) fn rates_of_axes(
     for wish in pins {
         let seen = rows::marker(model, wish.shell, pose, velocity);
         let place = rows::marker(model, wish.pin, pose, velocity);
-        let turning = place.angular_velocity - seen.angular_velocity;
+        // angular velocities are along the axes of their markers
+        let turning =
+            place.rotation * place.angular_velocity - seen.rotation * seen.angular_velocity;
         let axis: V3 = place.rotation.column(2).into();
         let rate = seen.rotation.transpose() * turning.cross(&axis);
         rates.extend([rate.x, rate.y]);
@@ -93,12 +95,14 @@ pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix
         let seen = rows::marker(model, wish.shell, &state.pose, &state.velocity);
         let place = rows::marker(model, wish.pin, &state.pose, &state.velocity);
         let axis: V3 = place.rotation.column(2).into();
-        for (marker, sign) in [(wish.pin, 1.0), (wish.shell, -1.0)] {
+        let sides = [(wish.pin, 1.0, &place), (wish.shell, -1.0, &seen)];
+        for (marker, sign, own) in sides {
             let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
                 continue;
             };
             for w in 0..jacobian.ncols() {
                 let turning = V3::new(jacobian[(3, w)], jacobian[(4, w)], jacobian[(5, w)]);
+                let turning = own.rotation * turning;
                 let rate = seen.rotation.transpose() * turning.cross(&axis);
                 matrix[(2 * i, first + w)] += sign * rate.x;
                 matrix[(2 * i + 1, first + w)] += sign * rate.y;
