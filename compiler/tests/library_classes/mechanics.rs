@@ -446,6 +446,7 @@ fn heat_and_stored_energy_account_for_the_power() {
             "BeltSpan",
             "ElastomerMount",
             "HydraulicMount",
+            "RollerCam",
             "HydraulicLashAdjuster",
             "PlainThrust",
             "TaperLandThrust",
