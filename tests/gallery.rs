@@ -220,3 +220,8 @@ fn the_balancer_has_its_numbers() {
 fn the_chain_has_its_numbers() {
     compare("timing", &["soft[4]", "firm[4]"], 5);
 }
+
+#[test]
+fn the_squeezer_has_its_numbers() {
+    compare("squeezer", &["squeeze"], 4);
+}

@@ -106,6 +106,7 @@ fn every_class_elaborates_with_its_number_of_equations() {
         ("m2", 0),
         ("v1", 0),
         ("v2", 0),
+        ("v3", 0),
         ("j17", 3),
         ("j18", 1),
         ("j19", 4),

@@ -406,6 +406,16 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         soft_depth: 1 m, base: 3 m",
         )
     },
+    Case {
+        definitions: "use std.valvetrain.harmonic_lift",
+        parts: PLANE,
+        poses: Poses::Planar,
+        ..of(
+            "std.valvetrain",
+            "RollerCam",
+            "a.m, b.m, base: 3 m, profile: harmonic_lift(lift: 400 mm, half: 170 deg), stiffness: 20 N/mm, damping: 3 N*s/m, soft_depth: 1 m",
+        )
+    },
     of(
         "std.valvetrain",
         "HydraulicLashAdjuster",

@@ -447,6 +447,7 @@ fn heat_and_stored_energy_account_for_the_power() {
             "BeltSpan",
             "ElastomerMount",
             "HydraulicMount",
+            "RollerCam",
             "HydraulicLashAdjuster",
             "PlainThrust",
             "TaperLandThrust",
