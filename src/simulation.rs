@@ -26,14 +26,28 @@ impl Model {
 impl SimulationBuilder {
     pub(crate) fn new(model: Model) -> SimulationBuilder {
         let overrides = vec![None; model.compiled().system.parameters.len()];
+        let options = Options {
+            start: Start::Automatic,
+            ..Options::default()
+        };
+        SimulationBuilder::with(model, overrides, options)
+    }
+
+    pub(crate) fn with(
+        model: Model,
+        overrides: Vec<Option<f64>>,
+        options: Options,
+    ) -> SimulationBuilder {
         SimulationBuilder {
             model,
             overrides,
-            options: Options {
-                start: Start::Automatic,
-                ..Options::default()
-            },
+            options,
         }
+    }
+
+    /// Its model.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// Sets a parameter; the dimension must fit.

@@ -1,0 +1,9 @@
+//! The tests of the library for C and FMI, as one program.
+
+mod fmu;
+mod from_c;
+mod header;
+mod importer;
+
+/// The text of a rotor with a brake.
+const ROTOR: &str = include_str!("rotor.eng");

@@ -1,0 +1,181 @@
+//! The variables of an FMU: chosen parameters, inputs and outputs of a model.
+
+use super::{FmuError, Kind, Variable};
+use crate::results::matches;
+use crate::{Dimension, DisplayUnit, Interpolation, Model, Program};
+
+/// The choice of variables, by paths or patterns such as `main[*].force.*`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Selected {
+    /// Parameters. Without any, all whose defaults are not computed from others.
+    pub parameters: Vec<String>,
+    /// Inputs. Without any, all that no function of time drives.
+    pub inputs: Vec<String>,
+    /// Channels. Without any, the outputs of the model itself.
+    pub outputs: Vec<String>,
+}
+
+/// A variable with the facts of its description.
+#[derive(Clone, Debug)]
+pub(super) struct Described {
+    pub variable: Variable,
+    pub dimension: Dimension,
+    pub display: DisplayUnit,
+    /// Open limits (SI).
+    pub limits: (f64, f64),
+    /// Value at the start (SI); an output has none.
+    pub start: Option<f64>,
+    /// Of an input.
+    pub interpolation: Interpolation,
+}
+
+/// The paths that patterns choose among the known, in the order of the known.
+fn chosen<'a>(
+    noun: &'static str,
+    patterns: &[String],
+    known: &[&'a str],
+) -> Result<Vec<&'a str>, FmuError> {
+    for pattern in patterns {
+        if !known.iter().any(|path| matches(pattern, path)) {
+            let alike = |path: &str| strsim::jaro_winkler(pattern, path);
+            let likely = known.iter().map(|path| (alike(path), *path));
+            let nearest = likely
+                .filter(|(likeness, _)| *likeness > 0.8)
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            return Err(FmuError::Missing {
+                noun,
+                pattern: pattern.clone(),
+                nearest: nearest.map(|(_, path)| path.to_owned()),
+            });
+        }
+    }
+    let wanted = |path: &&&str| patterns.iter().any(|pattern| matches(pattern, path));
+    Ok(known.iter().filter(wanted).copied().collect())
+}
+
+/// The variables of an FMU: parameters, inputs, outputs. `values` are those of all parameters of the model (SI).
+pub(super) fn described(
+    program: &Program,
+    model: &Model,
+    values: &[f64],
+    selected: &Selected,
+) -> Result<Vec<Described>, FmuError> {
+    let (infos, inputs, channels) = (model.parameters(), model.inputs(), model.channels());
+    let is_input = |path: &str| inputs.iter().any(|input| input.path == path);
+    let mut found = Vec::new();
+    let parameters: Vec<&str> = (infos.iter().map(|info| info.path.as_str()))
+        .filter(|path| !is_input(path))
+        .collect();
+    let stated = match selected.parameters.is_empty() {
+        false => chosen("parameter", &selected.parameters, &parameters)
+            .map_err(|missing| explained(program, model, missing))?,
+        true => (infos
+            .iter()
+            .filter(|info| !info.derived)
+            .map(|info| info.path.as_str()))
+        .filter(|path| !is_input(path))
+        .collect(),
+    };
+    let paths: Vec<&str> = inputs.iter().map(|input| input.path.as_str()).collect();
+    let driven = match selected.inputs.is_empty() {
+        false => chosen("input", &selected.inputs, &paths)
+            .map_err(|missing| explained(program, model, missing))?,
+        true => (inputs.iter().filter(|input| input.signal.is_none()))
+            .map(|input| input.path.as_str())
+            .collect(),
+    };
+    for (kind, wanted) in [(Kind::Parameter, stated), (Kind::Input, driven)] {
+        for (info, value) in infos
+            .iter()
+            .zip(values)
+            .filter(|(info, _)| wanted.contains(&info.path.as_str()))
+        {
+            let input = inputs.iter().find(|input| input.path == info.path);
+            if let Some(signal) = input.and_then(|input| input.signal.as_ref()) {
+                return Err(FmuError::Refused(format!(
+                    "{} is driven by {signal} in the text, so that an importer cannot set it",
+                    info.path
+                )));
+            }
+            found.push(Described {
+                variable: Variable {
+                    path: info.path.clone(),
+                    kind,
+                },
+                dimension: info.dimension,
+                display: info.display.clone(),
+                limits: info.limits,
+                start: Some(*value),
+                interpolation: input.map_or(Interpolation::Hold, |input| input.interpolation),
+            });
+        }
+    }
+    let paths: Vec<&str> = channels
+        .iter()
+        .map(|channel| channel.path.as_str())
+        .collect();
+    let read = match selected.outputs.is_empty() {
+        false => chosen("output", &selected.outputs, &paths)?,
+        // a channel of a part has the part's name before a dot
+        true => paths
+            .iter()
+            .filter(|path| !path.contains('.'))
+            .copied()
+            .collect(),
+    };
+    if read.is_empty() {
+        return Err(FmuError::Refused(
+            "the model states no output: choose channels with --outputs; `eng results` lists those of a run".to_owned(),
+        ));
+    }
+    for channel in channels
+        .iter()
+        .filter(|channel| read.contains(&channel.path.as_str()))
+    {
+        if let Some(twin) = found
+            .iter()
+            .find(|known| known.variable.path == channel.path)
+        {
+            return Err(FmuError::Refused(format!(
+                "{} is a parameter or an input and an output: choose one of them",
+                twin.variable.path
+            )));
+        }
+        found.push(Described {
+            variable: Variable {
+                path: channel.path.clone(),
+                kind: Kind::Output,
+            },
+            dimension: channel.dimension,
+            display: channel.display.clone(),
+            limits: (f64::NEG_INFINITY, f64::INFINITY),
+            start: None,
+            interpolation: Interpolation::Hold,
+        });
+    }
+    let cubic = |known: &&Described| known.interpolation == Interpolation::Cubic;
+    if let Some(known) = found.iter().find(cubic) {
+        return Err(FmuError::Refused(format!(
+            "{} has `interpolation: cubic`, whose values cannot jump between two steps as those of an importer do: declare it with `hold` or `linear`",
+            known.variable.path
+        )));
+    }
+    Ok(found)
+}
+
+/// The error about a missing parameter or input, with the reason if a path of another kind has the name.
+fn explained(program: &Program, model: &Model, missing: FmuError) -> FmuError {
+    let FmuError::Missing { noun, pattern, .. } = &missing else {
+        return missing;
+    };
+    if let Some(constant) = program.constant(model.name(), pattern) {
+        return constant.into();
+    }
+    match (*noun, model.parameter(pattern), model.input(pattern)) {
+        ("input", Ok(_), Err(error)) => error.into(),
+        ("parameter", _, Ok(_)) => FmuError::Refused(format!(
+            "{pattern} is an input, whose start value an importer sets: name it with --inputs"
+        )),
+        _ => missing,
+    }
+}
