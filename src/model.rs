@@ -74,8 +74,6 @@ pub struct ParameterInfo {
     pub display: DisplayUnit,
     /// Open limits (SI).
     pub limits: (f64, f64),
-    /// Whether its default is computed from other parameters.
-    pub derived: bool,
 }
 
 /// Description of a channel.
@@ -222,10 +220,7 @@ impl Model {
     /// All parameters, in a fixed order.
     pub fn parameters(&self) -> Vec<ParameterInfo> {
         let parameters = self.compiled.system.parameters.iter();
-        let described = (0..)
-            .zip(parameters)
-            .map(|(index, one)| self.described(index, one));
-        described.collect()
+        parameters.map(described).collect()
     }
 
     /// The description of a parameter.
@@ -236,18 +231,7 @@ impl Model {
         let parameters = &self.compiled.system.parameters;
         let own = parameters.get(parameter.index);
         let own = own.filter(|_| parameter.model == self.handles);
-        let own = own.map(|own| self.described(parameter.index as u32, own));
-        own.ok_or(Error::OtherModel)
-    }
-
-    fn described(&self, index: u32, parameter: &eng_system::system::Parameter) -> ParameterInfo {
-        ParameterInfo {
-            path: parameter.origin.path.clone(),
-            dimension: parameter.dimension,
-            display: parameter.display.clone(),
-            limits: parameter.limits,
-            derived: self.compiled.bind.is_derived(index),
-        }
+        own.map(described).ok_or(Error::OtherModel)
     }
 
     /// All channels, in a fixed order.
@@ -371,6 +355,15 @@ impl Model {
             });
         }
         Ok(value.value())
+    }
+}
+
+fn described(parameter: &eng_system::system::Parameter) -> ParameterInfo {
+    ParameterInfo {
+        path: parameter.origin.path.clone(),
+        dimension: parameter.dimension,
+        display: parameter.display.clone(),
+        limits: parameter.limits,
     }
 }
 

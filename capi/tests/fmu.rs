@@ -4,6 +4,7 @@ use crate::ROTOR;
 use crate::importer::{Fmu, Three, command};
 use eng::{Quantity, Sources};
 use eng_c::fmi::three::*;
+use std::path::Path;
 
 /// Torque of the brake in a step.
 fn torque(step: usize) -> f64 {
@@ -306,6 +307,52 @@ fn descriptions_name_variables_and_units() {
         ),
         "{page}"
     );
+}
+
+#[test]
+fn a_flexible_body_travels_without_its_mesh() {
+    let folder = crate::from_c::folder("fmu_flexible");
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/mesh/bar.bdf");
+    std::fs::copy(mesh, folder.join("bar.bdf")).expect("a mesh");
+    let text = "
+model Free {
+    gravity = [0, 0, 0] m/s^2
+    flexible bar {
+        mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+        modes = normal(2)
+        damping = 1 %
+        marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+        start angular_velocity = [300, 40, 500] rad/s
+    }
+    output tip_velocity = bar.tip.velocity in ground
+}
+analysis fly = transient(Free(), duration: 1 ms, sample: 1 ms, step: 8 us)";
+    let fmu = Fmu::in_folder(folder, text, &["--analysis", "fly"]);
+    let texts: Vec<_> = std::fs::read_dir(fmu.resources().join("texts"))
+        .expect("a folder")
+        .collect();
+    assert_eq!(texts.len(), 1, "{texts:?}");
+    let program = eng::open(Path::new(&fmu.folder.with_file_name("model.eng"))).expect("a file");
+    let analysis = program
+        .program()
+        .expect("a program")
+        .analysis("fly")
+        .expect("an analysis");
+    let mut simulation = analysis
+        .simulation()
+        .expect("steps")
+        .start()
+        .expect("a start");
+    let one = Three::new(&fmu);
+    one.initialize();
+    one.done(one.step(0.0, 1e-4));
+    simulation.advance(1e-4).expect("a step");
+    for axis in ["x", "y", "z"] {
+        let path = format!("tip_velocity.{axis}");
+        let channel = analysis.model().channel(&path).expect("a channel");
+        let expected = simulation.value(channel).expect("a value");
+        assert_eq!(one.get(fmu.reference(&path)).to_bits(), expected.to_bits());
+    }
 }
 
 #[test]

@@ -32,7 +32,11 @@ pub struct Fmu {
 impl Fmu {
     /// Builds an FMU of a text. `words` are further words of the command.
     pub fn of(name: &str, text: &str, words: &[&str]) -> Fmu {
-        let folder = folder(name);
+        Fmu::in_folder(folder(name), text, words)
+    }
+
+    /// [`Fmu::of`] in a folder with further files.
+    pub fn in_folder(folder: PathBuf, text: &str, words: &[&str]) -> Fmu {
         let model = folder.join("model.eng");
         std::fs::write(&model, text).expect("a model");
         let packed = folder.join("packed.fmu");

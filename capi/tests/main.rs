@@ -1,5 +1,6 @@
 //! The tests of the library for C and FMI, as one program.
 
+mod coupled;
 mod fmu;
 mod from_c;
 mod header;

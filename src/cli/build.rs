@@ -141,12 +141,12 @@ fn fmu(arguments: &BuildArguments, library: &Path, console: &mut Terminal<'_>) -
                 crate::counted::counted(inputs, "input", "inputs"),
                 crate::counted::counted(outputs, "output", "outputs")
             )?;
-            if written.derived > 0 {
+            if written.left_out > 0 {
                 writeln!(
                     console.output,
                     "  {} left out, because the text computes {} from others; --parameters takes chosen ones",
-                    crate::counted::counted(written.derived, "parameter is", "parameters are"),
-                    if written.derived == 1 { "it" } else { "them" }
+                    crate::counted::counted(written.left_out, "parameter is", "parameters are"),
+                    if written.left_out == 1 { "it" } else { "them" }
                 )?;
             }
             Ok(())

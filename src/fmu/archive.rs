@@ -2,7 +2,7 @@
 
 use super::description::{About, Version, description};
 use super::variables::{Described, Selected, described};
-use super::{BODIES, FmuError, MANIFEST, Manifest, Subject, TEXTS, at, open, page};
+use super::{BODIES, FmuError, Kind, MANIFEST, Manifest, Subject, TEXTS, at, open, page};
 use crate::results::replace_file;
 use crate::{Program, SimulationBuilder};
 use eng_flexible::store::hexadecimal;
@@ -12,7 +12,7 @@ use flate2::write::DeflateEncoder;
 use rawzip::{CompressionMethod, ZipArchiveWriter};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// An FMU to be written.
@@ -35,8 +35,8 @@ pub struct Export<'a> {
 pub struct Written {
     /// Numbers of parameters, inputs and outputs.
     pub variables: [usize; 3],
-    /// Parameters that are left out, because their defaults are computed from others.
-    pub derived: usize,
+    /// Parameters that were not chosen and are left out, because the text computes them from others.
+    pub left_out: usize,
 }
 
 /// A folder of its own that is removed at the end.
@@ -57,12 +57,7 @@ impl Export<'_> {
     pub fn write(&self, out: &Path) -> Result<Written, FmuError> {
         let (builder, experiment) = self.prepared()?;
         let model = builder.model();
-        let variables = described(
-            self.program,
-            model,
-            &builder.parameter_values()?,
-            &self.selected,
-        )?;
+        let variables = described(self.program, model, &builder.bound()?, &self.selected)?;
         let staged = staged(out)?;
         let resources = &staged.0;
         let bodies = resources.join(BODIES);
@@ -142,27 +137,16 @@ impl Export<'_> {
 
     fn written(&self, variables: &[Described], model: &crate::Model) -> Written {
         let count = |kind| {
-            variables
-                .iter()
-                .filter(|known| known.variable.kind == kind)
-                .count()
+            let of_kind = variables.iter().filter(|known| known.variable.kind == kind);
+            of_kind.count()
         };
-        let derived = model
-            .parameters()
-            .iter()
-            .filter(|info| info.derived)
-            .count();
+        let [parameters, inputs, outputs] = [Kind::Parameter, Kind::Input, Kind::Output].map(count);
+        let all = model.parameters().len() - model.inputs().len();
         Written {
-            variables: [
-                super::Kind::Parameter,
-                super::Kind::Input,
-                super::Kind::Output,
-            ]
-            .map(count),
-            derived: if self.selected.parameters.is_empty() {
-                derived
-            } else {
-                0
+            variables: [parameters, inputs, outputs],
+            left_out: match self.selected.parameters.is_empty() {
+                true => all - parameters,
+                false => 0,
             },
         }
     }
@@ -190,7 +174,7 @@ fn token(program: &Program, manifest: &Manifest) -> Result<String, FmuError> {
     let mut hash = sha2::Sha256::new();
     hash.update(program.source_hash());
     hash.update(serde_json::to_vec(manifest)?);
-    Ok(hexadecimal(&hash.finalize().into()))
+    Ok(hexadecimal(&hash.finalize()))
 }
 
 /// The place of the library in the archive, by the names of the standard for this platform.
@@ -212,16 +196,23 @@ fn binary(version: Version, model: &str) -> Result<String, FmuError> {
 }
 
 /// Writes pages and resources, compressed.
-fn zipped(file: &mut File, pages: &[(String, Vec<u8>)], resources: &Path) -> Result<(), FmuError> {
-    let mut archive = ZipArchiveWriter::new(std::io::BufWriter::new(file));
+fn zipped(
+    file: &mut File,
+    pages: &[(String, Vec<u8>)],
+    resources: &Path,
+) -> Result<(), rawzip::Error> {
+    let mut archive = ZipArchiveWriter::new(BufWriter::new(file));
     for (name, bytes) in pages {
         add(&mut archive, name, bytes)?;
     }
     for (name, path) in files(resources)? {
-        let bytes = crate::regular::read(&path).map_err(at(&path))?;
-        add(&mut archive, &format!("resources/{name}"), &bytes)?;
+        add(
+            &mut archive,
+            &format!("resources/{name}"),
+            &std::fs::read(path)?,
+        )?;
     }
-    archive.finish()?.flush().map_err(rawzip::Error::from)?;
+    archive.finish()?.flush()?;
     Ok(())
 }
 
@@ -244,12 +235,12 @@ fn add<W: Write>(
 }
 
 /// All files below a folder in a fixed order, with their names in the archive.
-fn files(folder: &Path) -> Result<BTreeMap<String, PathBuf>, FmuError> {
+fn files(folder: &Path) -> std::io::Result<BTreeMap<String, PathBuf>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![(String::new(), folder.to_owned())];
     while let Some((prefix, folder)) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).map_err(at(&folder))? {
-            let path = entry.map_err(at(&folder))?.path();
+        for entry in std::fs::read_dir(&folder)? {
+            let path = entry?.path();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let name = format!("{prefix}{name}");
             match path.is_dir() {

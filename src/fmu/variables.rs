@@ -3,11 +3,14 @@
 use super::{FmuError, Kind, Variable};
 use crate::results::matches;
 use crate::{Dimension, DisplayUnit, Interpolation, Model, Program};
+use eng_system::code::Bound;
+use eng_system::system::{Role, Slot};
+use std::collections::BTreeSet;
 
 /// The choice of variables, by paths or patterns such as `main[*].force.*`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selected {
-    /// Parameters. Without any, all whose defaults are not computed from others.
+    /// Parameters. Without any, all that decide a number of the model and are not computed from others.
     pub parameters: Vec<String>,
     /// Inputs. Without any, all that no function of time drives.
     pub inputs: Vec<String>,
@@ -53,11 +56,11 @@ fn chosen<'a>(
     Ok(known.iter().filter(wanted).copied().collect())
 }
 
-/// The variables of an FMU: parameters, inputs, outputs. `values` are those of all parameters of the model (SI).
+/// The variables of an FMU: parameters, inputs, outputs. `bound` has the values of all parameters of the model.
 pub(super) fn described(
     program: &Program,
     model: &Model,
-    values: &[f64],
+    bound: &Bound,
     selected: &Selected,
 ) -> Result<Vec<Described>, FmuError> {
     let (infos, inputs, channels) = (model.parameters(), model.inputs(), model.channels());
@@ -69,12 +72,14 @@ pub(super) fn described(
     let stated = match selected.parameters.is_empty() {
         false => chosen("parameter", &selected.parameters, &parameters)
             .map_err(|missing| explained(program, model, missing))?,
-        true => (infos
-            .iter()
-            .filter(|info| !info.derived)
-            .map(|info| info.path.as_str()))
-        .filter(|path| !is_input(path))
-        .collect(),
+        true => {
+            let free = free(model, bound);
+            let known = (0..).zip(&infos).filter(|(index, _)| free.contains(index));
+            known
+                .map(|(_, info)| info.path.as_str())
+                .filter(|path| !is_input(path))
+                .collect()
+        }
     };
     let paths: Vec<&str> = inputs.iter().map(|input| input.path.as_str()).collect();
     let driven = match selected.inputs.is_empty() {
@@ -87,7 +92,7 @@ pub(super) fn described(
     for (kind, wanted) in [(Kind::Parameter, stated), (Kind::Input, driven)] {
         for (info, value) in infos
             .iter()
-            .zip(values)
+            .zip(&bound.parameters)
             .filter(|(info, _)| wanted.contains(&info.path.as_str()))
         {
             let input = inputs.iter().find(|input| input.path == info.path);
@@ -116,12 +121,7 @@ pub(super) fn described(
         .collect();
     let read = match selected.outputs.is_empty() {
         false => chosen("output", &selected.outputs, &paths)?,
-        // a channel of a part has the part's name before a dot
-        true => paths
-            .iter()
-            .filter(|path| !path.contains('.'))
-            .copied()
-            .collect(),
+        true => own_outputs(model),
     };
     if read.is_empty() {
         return Err(FmuError::Refused(
@@ -161,6 +161,25 @@ pub(super) fn described(
         )));
     }
     Ok(found)
+}
+
+/// The parameters that decide a number of the model and are not computed from others, by index.
+fn free(model: &Model, bound: &Bound) -> BTreeSet<u32> {
+    let bind = &model.compiled().bind;
+    let slots = (0..).map(Slot).take(bound.slots.len());
+    slots.flat_map(|slot| bind.parameters_of(slot)).collect()
+}
+
+/// The channels of the outputs that the model itself states. Those of a part have the part's path before a dot.
+fn own_outputs(model: &Model) -> Vec<&str> {
+    let system = &model.compiled().system;
+    let own = system.channels.iter().filter(|channel| {
+        let element = system.elements.get(channel.element as usize);
+        element.is_some_and(|element| {
+            element.role == Role::Output && !element.origin.path.contains('.')
+        })
+    });
+    own.map(|channel| channel.path.as_str()).collect()
 }
 
 /// The error about a missing parameter or input, with the reason if a path of another kind has the name.

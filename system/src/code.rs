@@ -99,11 +99,6 @@ pub trait BindCode: Send + Sync + std::fmt::Debug {
         Vec::new()
     }
 
-    /// Whether the default of a parameter is computed from other parameters.
-    fn is_derived(&self, _parameter: u32) -> bool {
-        false
-    }
-
     /// Computes again the values that change with the inputs. `overrides` are those of [`BindCode::bind`], with the
     /// present values of the inputs that a program sets, and `rates` are the rates of these inputs (1/s), one for each
     /// parameter. Inputs that the text drives have their values and rates at `time` (s). Writes one value for

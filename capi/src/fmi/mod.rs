@@ -1,4 +1,4 @@
-//! FMI for co-simulation, versions 2.0 and 3.0: one state machine ([`slave`]) and the functions of each version.
+//! FMI for co-simulation, versions 2.0 and 3.0: one state machine and the functions of each version.
 //!
 //! All functions of the standards are there, because importers look all of them up. Those that an FMU does not offer
 //! refuse their call with a message.

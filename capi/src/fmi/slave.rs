@@ -366,7 +366,7 @@ impl Slave {
         }
         let running = self.running()?;
         running.fresh = false;
-        let mut advance = || {
+        let advance = || {
             for (input, value) in aims {
                 running.simulation.aim_input(input, value)?;
             }

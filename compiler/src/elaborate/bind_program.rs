@@ -368,25 +368,6 @@ impl BindCode for BindProgram {
         })
     }
 
-    fn is_derived(&self, parameter: u32) -> bool {
-        let graph = &self.function.graph;
-        let mut waiting: Vec<Node> = self
-            .defaults
-            .get(parameter as usize)
-            .copied()
-            .into_iter()
-            .collect();
-        let mut seen = BTreeSet::new();
-        while let Some(node) = waiting.pop() {
-            match graph.op(node) {
-                Op::Input(k) if k < FIXED => return true,
-                op if seen.insert(node) => waiting.extend(op.operands()),
-                _ => {}
-            }
-        }
-        false
-    }
-
     fn renew(
         &self,
         nodes: &mut [Pair],
