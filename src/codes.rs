@@ -102,6 +102,10 @@ eng_grammar::codes! {
         "At rest, joints, springs, contacts and drives must balance the loads; drives hold their positions. The message names the body or element that moves on: a body that nothing holds, a pin in a film (films carry only while pins turn: `turning: true`), a contact that is never reached, a state of an element that changes. A position that `start` states is only the first value of the search; `at: 30 deg` holds the cycle's angle.",
         "model Loose { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 } }\nanalysis rest = static(Loose())",
         "model Held { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\njoint hold = Fixed(stone.origin, ground) }\nanalysis rest = static(Held())";
+    GROWS = "E0745", "no vibration about this state is steady",
+        "A frequency response is the vibration to which the motion settles under a sinusoidal input. A mode of the motion grows by itself, so the motion settles nowhere. The message names the mode. Correct the instability, for instance whirl of a lightly loaded journal or a falling torque curve, or linearise about another state by `after:`.",
+        "analysis shaken = response(Rotor(speed: 9000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)",
+        "analysis shaken = response(Rotor(speed: 3000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)";
     LOCKED = "E0760", "the mechanism locks",
         "Its geometry allows no further motion at this position: a rod shorter than the throw, a guide whose axis is across the motion, two joints that require different motions. Forces play no part. The message names the loop of bodies, the lengths between their joints and the axes.",
         "", "";

@@ -631,7 +631,7 @@ fn equations(text: &mut String, class: &ElementClass, texts: &SourceMap) {
         0 => "takes no freedom".to_owned(),
         rows => format!("takes {}", counted(rows, "freedom", "freedoms")),
     };
-    let loads = match (class.applies_load, class.uses_twist) {
+    let loads = match (class.facts.applies_load, class.facts.uses_twist) {
         (false, _) => "",
         (true, false) => "; applies loads that do not depend on velocities",
         (true, true) => "; applies loads that depend on velocities",

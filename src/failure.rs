@@ -2,7 +2,7 @@
 
 use crate::codes;
 use crate::counted::counted;
-use crate::places::{at_first, place, related, span};
+use crate::places::{place, related, span};
 use eng_grammar::Diagnostic;
 use eng_runtime::{
     Damped, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow,
@@ -35,10 +35,7 @@ pub(crate) fn damped(damped: &Damped, analysis: &Origin) -> Diagnostic {
         significant(damped.step, 2)
     );
     let message = place(message, analysis, &label);
-    let message = match body.used_at.or(body.defined_at) {
-        Some(at) => message.also(span(at), "this body"),
-        None => message,
-    };
+    let message = message.also_if(body.used_at.or(body.defined_at).map(span), "this body");
     message
         .with_note("the amplitude of this vibration and the forces of its stiffness are wrong; motions with periods of many steps are right")
         .with_help("take a smaller `step` or `tolerance`, give that stiffness damping, or begin where its forces are in balance: `start: quasi_static`")
@@ -62,20 +59,14 @@ pub(crate) fn overlooked(kink: &Overlooked, analysis: &Origin) -> Diagnostic {
         ),
     );
     let message = place(message, analysis, "a fixed step does not end at kinks");
-    let message = match kink.origin.used_at {
-        Some(at) => message.also(span(at), "this element"),
-        None => message,
-    };
-    let message = match kink.origin.defined_at {
-        Some(at) => message.also(
-            span(at),
-            match kink.jump {
-                Some(_) => "the acceleration that it demands jumps here",
-                None => "its load or rate bends here",
-            },
-        ),
-        None => message,
-    };
+    let message = message.also_if(kink.origin.used_at.map(span), "this element");
+    let message = message.also_if(
+        kink.origin.defined_at.map(span),
+        match kink.jump {
+            Some(_) => "the acceleration that it demands jumps here",
+            None => "its load or rate bends here",
+        },
+    );
     let note = match &kink.jump {
         Some(jump) => format!(
             "the demanded acceleration jumps by {}: positions in this step are wrong by up to {}, and the force lies between those of both sides",
@@ -159,18 +150,16 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("take a smaller step, or a tolerance; if that does not help, the mechanism locks or reaches its end here"),
         R::CycleStands { .. } => {
             let message = d(codes::CYCLE_STANDS);
-            let message = match &system.cycle {
-                Some(cycle) => place(message, &cycle.origin, "this angle is counted"),
-                None => message,
-            };
+            let message = message.with_each(&system.cycle, |message, cycle| {
+                place(message, &cycle.origin, "this angle is counted")
+            });
             message.with_help("such a duration never passes: give it as a time, or start the crank turning")
         }
         R::NotRepeating { origin, why, .. } => {
             let message = d(codes::NOT_REPEATING);
-            let message = match origin {
-                Some(origin) => place(message, origin, "is farthest off"),
-                None => message,
-            };
+            let message = message.with_each(origin, |message, origin| {
+                place(message, origin, "is farthest off")
+            });
             message.with_help(match why {
                 NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and the loads that depend on time. A longer `after:` or a finer `tolerance` begins the search nearer to the steady motion",
                 NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let the ringing of the start die out with `after:`; a shorter `step` follows faster swings",
@@ -187,6 +176,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("a rigid film with the rule `reynolds` has no memory; `transient` and `periodic` compute the other films"),
         R::Undecided { origin, .. } => place(d(codes::TURNING), origin, "a film without pressure")
             .with_help("linearise the film under a load: leave out `start: assembled`, or state a load"),
+        R::Grows { .. } => d(codes::GROWS)
+            .with_help("`linear` about the same state shows the mode; remove its cause, or linearise about another state by `after:`"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
         R::Singular { repeated, .. } if !repeated.is_empty() => {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
@@ -221,11 +212,11 @@ fn demanded(
         ..origin.clone()
     };
     let message = place(message, &used, "demands the jump");
-    let message = match origin.defined_at {
-        Some(at) if text.is_empty() => message.also(span(at), "its kink is here"),
-        Some(at) => message.also(span(at), "it jumps where this changes"),
-        None => message,
+    let label = match text.is_empty() {
+        true => "its kink is here",
+        false => "it jumps where this changes",
     };
+    let message = message.also_if(origin.defined_at.map(span), label);
     let message = message.with_note(format!("the equation is `{equation}`"));
     message.with_help(match velocity {
         true => "a jump of the velocity needs an impulse, which Eng does not model: ramp the speed over some time, such as by `step((time - 1 s)/(10 ms))` of `std.math`, round the corner, or read a table with `interpolation: monotone` whose last two values are equal",
@@ -235,14 +226,11 @@ fn demanded(
 
 /// The message about a missing equilibrium.
 fn no_equilibrium(message: Diagnostic, carried: f64, turning: bool, films: bool) -> Diagnostic {
-    let message = if carried > 0.0 {
-        message.with_note(format!(
-            "from the assembled place the search finds {}",
-            balance_with(carried)
-        ))
-    } else {
-        message
+    let found = |carried| {
+        let balance = balance_with(carried);
+        format!("from the assembled place the search finds {balance}")
     };
+    let message = message.note_if((carried > 0.0).then(|| found(carried)));
     match (turning, films) {
         (false, true) => message
             .with_note("a film carries no load while its pin is at rest")
@@ -330,10 +318,7 @@ fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
 
 /// Adds the place of the table that is read outside its points, and the remedy.
 fn outside_table(message: Diagnostic, outside: &Outside) -> Diagnostic {
-    let message = match outside.at {
-        Some(at) => message.also(span(at), "its points are stated here"),
-        None => message,
-    };
+    let message = message.also_if(outside.at.map(span), "its points are stated here");
     message.with_help(match &outside.of {
         None => "state points farther out, or `periodic:`, or a rule for values outside: `extrapolation: hold` or `linear`".to_owned(),
         Some(of) => format!(
@@ -446,7 +431,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                         }
                         one => one.concat(),
                     };
-                    at_first(message, *at, &label)
+                    message.moved_to(span(*at), label)
                 }),
                 _ => message,
             }
@@ -456,10 +441,8 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             outside: Some(outside),
         } => {
             let message = Diagnostic::error(codes::OUTSIDE_TABLE, format!("{path}: {outside}"));
-            let message = match place_of(path, system) {
-                Some(at) => message.at(span(at), "needs the table's value"),
-                None => message,
-            };
+            let message =
+                message.at_if(place_of(path, system).map(span), "needs the table's value");
             outside_table(message, outside)
         }
         BindError::NotFinite { path, .. } => {
@@ -467,28 +450,22 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                 codes::PARAMETER_NOT_FINITE,
                 format!("with these parameters a number of {path} is not finite"),
             );
-            let message = match place_of(path, system) {
-                Some(at) => message.at(span(at), "of this"),
-                None => message,
-            };
+            let message = message.at_if(place_of(path, system).map(span), "of this");
             message.with_help(
                 "look for a division by zero, a root of a negative number, or a direction of length zero",
             )
         }
         BindError::TooLarge { path, .. } => {
             let message = Diagnostic::error(codes::PARAMETER_NOT_FINITE, error.to_string());
-            let message = match place_of(path, system) {
-                Some(at) => message.at(span(at), "of this"),
-                None => message,
-            };
+            let message = message.at_if(place_of(path, system).map(span), "of this");
             message.with_help("check its exponent and its unit")
         }
         BindError::Limits { path, .. } => {
             let message = Diagnostic::error(codes::PARAMETER_LIMITS, error.to_string());
-            match place_of(path, system) {
-                Some(at) => message.at(span(at), "its limits are stated here"),
-                None => message,
-            }
+            message.at_if(
+                place_of(path, system).map(span),
+                "its limits are stated here",
+            )
         }
     }
 }

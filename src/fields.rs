@@ -1,14 +1,15 @@
 //! Kernels of the fields that a text can name: oil films by `eng-film`.
 
 use eng_film::{
-    Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Part, Profile,
-    Quantity, Roughness, Shape, Thinning,
+    Beside, Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Part,
+    Profile, Quantity, Roughness, Shape, Thinning, inputs,
 };
 use eng_system::field::{
     FILM_CELLS, FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, KERNELS,
     Past,
 };
 use eng_system::reduced::ReducedSurface;
+use eng_system::significant::short;
 use std::sync::Arc;
 
 /// Gap, as a share of the radial clearance, below which a film continues for the iterates of a solver. The laws
@@ -18,6 +19,10 @@ const FLOOR: f64 = 1e-3;
 /// Share of its radius by which a film may differ from the surface that it presses on: a thin shell may lie
 /// between them.
 const SAME_RADIUS: f64 = 0.15;
+
+/// Narrowest land, in clearances h. A film takes the resistance of a land L to be that of Poiseuille's flow, 12 μ L/h³. Its two
+/// mouths add 32 μ/(π h²) (H. Hasimoto, J. Phys. Soc. Japan 13 (1958) 633), which is 8.5 % at L = 10 h.
+const LAND: f64 = 10.0;
 
 /// Fewest cells that a wave of an elastic surface must have.
 const CELLS_A_WAVE: i64 = 3;
@@ -102,6 +107,8 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
         half_width: false,
     };
     resolves_shapes(&source.shapes, numbers)?;
+    has_lands(&source)?;
+    let corners = source.corners();
     let film = Film::new(source).map_err(|error| FieldError(error.to_string()))?;
     nothing_ignored(numbers)?;
     let elastic = match surface {
@@ -112,7 +119,73 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
         }
     };
     let elastic = elastic.map_err(|error| FieldError(error.to_string()))?;
-    Ok(Arc::new(Bearing(Arc::new(elastic))))
+    Ok(Arc::new(Bearing {
+        film: Arc::new(elastic),
+        corners,
+    }))
+}
+
+/// Refuses lands on which Reynolds' equation does not hold.
+fn has_lands(source: &FilmSource) -> Result<(), FieldError> {
+    let Some((land, at, beside)) = source.narrowest_land() else {
+        return Ok(());
+    };
+    if land >= LAND * source.clearance {
+        return Ok(());
+    }
+    let (between, remedy) = match beside {
+        Beside::End => (
+            format!("opening {} and the end", at + 1),
+            "let the opening end farther inside, or reach over the end with the pressure of the end",
+        ),
+        Beside::Opening(other) => (
+            format!("openings {} and {}", other + 1, at + 1),
+            "move one of them, or join both",
+        ),
+    };
+    Err(FieldError(format!(
+        "the land between {between} of a film is {} mm wide, but Reynolds' equation holds for lands of {LAND} clearances or more, \
+         here {} mm: {remedy}",
+        short(1e3 * land, 4),
+        short(1e3 * LAND * source.clearance, 4)
+    )))
+}
+
+/// Refuses a corner of an opening with another pressure beside it: the flow there has no limit.
+fn corners_have_one_pressure(
+    source: &FilmSource,
+    corners: &[(usize, Beside)],
+    drives: &[f64],
+) -> Result<(), FieldError> {
+    let pressure = |opening: usize| match source.openings[opening].feed {
+        Feed::Pressure => drives[inputs::SUPPLY + opening],
+        Feed::Content(_) => 0.0,
+    };
+    for (at, beside) in corners {
+        let own = pressure(*at);
+        let other = match beside {
+            Beside::End => drives[inputs::END_PRESSURE],
+            Beside::Opening(other) => pressure(*other),
+        };
+        if (own - other).abs() <= 1e-9 * own.abs().max(other.abs()) {
+            continue;
+        }
+        let [own, other] = [own, other].map(|pressure| short(pressure / 1e5, 4));
+        return Err(FieldError(match beside {
+            Beside::End => format!(
+                "opening {} of a film reaches an open end with {own} bar, and the end has {other} bar: the flow at its corners has \
+                 no limit. Let it end inside the bearing, or state `pressure: {other} bar` for it",
+                at + 1
+            ),
+            Beside::Opening(second) => format!(
+                "openings {} and {} of a film touch, with {other} bar and {own} bar: the flow at their corner has no limit. Leave a \
+                 land between them, or state one pressure for both",
+                second + 1,
+                at + 1
+            ),
+        }));
+    }
+    Ok(())
 }
 
 /// Refuses cells that cannot follow the shapes of a surface.
@@ -178,10 +251,11 @@ fn nothing_ignored(numbers: &FieldNumbers<'_>) -> Result<(), FieldError> {
             "the `boundary_friction` of asperities that carry nothing has no effect: state `asperity` and `modulus`".into(),
         ));
     }
-    if number("relief") != 0.0 && !(0.0..=std::f64::consts::PI).contains(&number("relief_reach")) {
+    let reach = number("relief_reach");
+    if number("relief") != 0.0 && !(reach > 0.0 && reach <= std::f64::consts::PI) {
         return Err(FieldError(format!(
-            "the relief of the shell reaches {} deg to both sides: it must be 0 to 180 deg",
-            number("relief_reach").to_degrees()
+            "the relief of the shell reaches {} deg to both sides: it must be above 0, and 180 deg at most",
+            reach.to_degrees()
         )));
     }
     if number("thin_rate") != 0.0 && number("thin_second") == 1.0 {
@@ -297,44 +371,82 @@ fn profile(numbers: &FieldNumbers<'_>) -> Vec<Profile> {
     all.into_iter().filter(|part| depth(part) != 0.0).collect()
 }
 
-/// Numbers of a field's memory after those of its film: the volume of oil (m³).
-const VOLUME: usize = 1;
+/// Numbers of a field's memory after those of its film.
+#[derive(Clone, Copy, Debug, Default)]
+struct Oil {
+    /// Volume of oil (m³).
+    volume: f64,
+    /// Oil from all openings since the pin came to its present cell (m³), and the time since then (s).
+    fed: f64,
+    time: f64,
+    /// The present cell: turns of the pin in widths of a cell.
+    cell: f64,
+    /// Mean flow from the openings while the pin passed the last cell (m³/s).
+    flow: f64,
+}
+
+impl Oil {
+    const COUNT: usize = 5;
+
+    fn read(numbers: &[f64]) -> Option<Oil> {
+        match *numbers {
+            [volume, fed, time, cell, flow] => Some(Oil {
+                volume,
+                fed,
+                time,
+                cell,
+                flow,
+            }),
+            _ => None,
+        }
+    }
+
+    fn write(&self, numbers: &mut [f64]) {
+        numbers.copy_from_slice(&[self.volume, self.fed, self.time, self.cell, self.flow]);
+    }
+}
 
 /// A film as a field.
 #[derive(Debug)]
-struct Bearing(Arc<Elastic>);
+struct Bearing {
+    film: Arc<Elastic>,
+    /// Places at which two pressures would meet.
+    corners: Vec<(usize, Beside)>,
+}
 
 impl FieldKernel for Bearing {
     fn solver(&self, differentiated: &[bool]) -> Box<dyn FieldSolver> {
-        let film = &self.0;
+        let film = &self.film;
         // the answers of the row are the outputs before the forces of shapes
         let read = |answer: usize| differentiated.get(answer).is_none_or(|read| *read);
         Box::new(Solver {
             work: film.work_for(&std::array::from_fn(read)),
             past: None,
+            turn: 0.0,
             supply: Vec::new(),
             film: Arc::clone(film),
+            corners: self.corners.clone(),
         })
     }
 
     fn memory(&self) -> usize {
-        match self.0.memory() {
+        match self.film.memory() {
             0 => 0,
-            own => own + VOLUME,
+            own => own + Oil::COUNT,
         }
     }
 
     fn shapes(&self) -> usize {
-        self.0.carried_shapes()
+        self.film.carried_shapes()
     }
 
     fn yields(&self) -> bool {
-        let source = self.0.film().source();
+        let source = self.film.film().source();
         !source.shapes.is_empty() || source.rough.is_some()
     }
 
     fn grid(&self) -> FieldGrid {
-        let film = self.0.film();
+        let film = self.film.film();
         let [around, across] = film.lines().map(<[f64]>::to_vec);
         // those of the pin move over the grid
         let openings = film.source().openings.iter();
@@ -353,33 +465,78 @@ impl FieldKernel for Bearing {
                 "a film with memory would continue on finer cells from that of coarser ones".into(),
             ));
         }
-        let film = self.0.film();
+        let film = self.film.film();
         let mut source = film.source().clone();
         let [around, across] = film.cells();
         source.around = Lines::Equal(2 * around);
         source.across = Lines::Equal(2 * across);
         let finer = Film::new(source).and_then(|finer| Elastic::new(finer, Vec::new()));
         let finer = finer.map_err(|error| FieldError(error.to_string()))?;
-        Ok(Arc::new(Bearing(Arc::new(finer))))
+        Ok(Arc::new(Bearing {
+            film: Arc::new(finer),
+            corners: self.corners.clone(),
+        }))
     }
 }
 
 #[derive(Clone, Debug)]
 struct Solver {
     film: Arc<Elastic>,
+    corners: Vec<(usize, Beside)>,
     work: ElasticWork,
-    /// Volume of oil at the past (m³), and the time since then (s); none for a film in balance.
-    past: Option<(f64, f64)>,
+    /// The oil at the past, and the time since then (s); none for a film in balance.
+    past: Option<(Oil, f64)>,
+    /// Turn of the pin (rad).
+    turn: f64,
     /// Memory for the flows of the openings.
     supply: Vec<f64>,
 }
 
 impl Solver {
+    /// The oil at the end of the step.
+    fn oil(&self) -> Oil {
+        let (film, work) = (self.film.film(), &self.work.film);
+        let (volume, flow) = (film.volume(work), film.supplied(work));
+        let turn = self.turn * film.cells()[0] as f64 / std::f64::consts::TAU;
+        let begun = Oil {
+            volume,
+            cell: turn.floor(),
+            flow,
+            ..Oil::default()
+        };
+        let Some((before, step)) = self.past else {
+            return begun;
+        };
+        let (fed, time) = (before.fed + flow * step, before.time + step);
+        if begun.cell == before.cell {
+            return Oil {
+                volume,
+                fed,
+                time,
+                ..before
+            };
+        }
+        Oil {
+            flow: fed / time,
+            ..begun
+        }
+    }
+
+    /// Flow from all openings (m³/s). An opening of the pin fills the cells of a cavity in bursts, one for each cell that
+    /// it reaches. Their samples have a wrong mean, so the flow is the mean of the last cell.
+    fn supply_flow(&self, now: f64) -> f64 {
+        let openings = &self.film.film().source().openings;
+        match self.past {
+            Some((oil, _)) if openings.iter().any(|opening| opening.on == Part::Pin) => oil.flow,
+            _ => now,
+        }
+    }
+
     /// Rate at which the volume of oil changes without any flow (m³/s), by the error of the step.
     fn unexplained_flow(&self) -> f64 {
         let (film, work) = (self.film.film(), &self.work.film);
         self.past.map_or(0.0, |(before, step)| {
-            (film.volume(work) - before) / step - film.gathering(work)
+            (film.volume(work) - before.volume) / step - film.gathering(work)
         })
     }
 }
@@ -392,8 +549,10 @@ impl FieldSolver for Solver {
         answers: &mut [f64],
     ) -> Result<(), FieldError> {
         let own = self.film.memory();
-        self.past = past.and_then(|past| Some((*past.memory.get(own)?, past.step)));
+        self.past = past.and_then(|past| Some((Oil::read(&past.memory[own..])?, past.step)));
         let Solver { film, work, .. } = self;
+        corners_have_one_pressure(film.film().source(), &self.corners, drives)?;
+        self.turn = drives[inputs::TURN];
         let (step, memory) = match past {
             Some(past) => (Some(past.step), &past.memory[..own]),
             None => (None, &[][..]),
@@ -403,9 +562,11 @@ impl FieldSolver for Solver {
     }
 
     fn accept(&self, memory: &mut [f64]) {
-        let (own, volume) = memory.split_at_mut(self.film.memory());
+        let (own, oil) = memory.split_at_mut(self.film.memory());
         self.film.accept(&self.work, own);
-        volume.fill(self.film.film().volume(&self.work.film));
+        if !oil.is_empty() {
+            self.oil().write(oil);
+        }
     }
 
     fn undecided(&self) -> f64 {
@@ -430,7 +591,7 @@ impl FieldSolver for Solver {
             high.angle,
             high.across,
             summary.inflow,
-            summary.supply_flow.iter().sum(),
+            self.supply_flow(summary.supply_flow.iter().sum()),
             summary.shear_power,
             summary.pressure_power,
             summary.asperity_share,

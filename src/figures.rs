@@ -5,6 +5,7 @@
 use crate::machine::JournalGeometry;
 use crate::post::{self, ORDERS, PostError, Run};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+use crate::tables::response;
 use eng_report::figure::Figure;
 use eng_system::expression::{Expression, Function, Member, Window};
 use eng_system::figure::{self as plan, Averaging, Axis, Picture, SpectrumSettings, Vector};
@@ -51,6 +52,50 @@ pub(crate) fn of_run(run: &Run<'_>) -> Vec<Wanted> {
     let mut wanted = histories(run);
     wanted.extend(orbits(run));
     wanted
+}
+
+/// Amplitude and phase of the outputs of a frequency response, with one figure for each unit.
+pub(crate) fn of_response(results: &Results) -> Vec<Wanted> {
+    let mut families: Vec<Vec<&Column>> = Vec::new();
+    for output in response::outputs(results) {
+        let same = |family: &&mut Vec<&Column>| {
+            family.first().is_some_and(|c| c.display == output.display)
+        };
+        match families.iter_mut().find(same) {
+            Some(family) => family.push(output),
+            None => families.push(vec![output]),
+        }
+    }
+    let several = families.len() > 1;
+    let families = families.into_iter().enumerate();
+    families
+        .filter_map(|(index, family)| {
+            let first = family.first()?;
+            let paths: Vec<String> = family.iter().map(|c| c.path.clone()).collect();
+            let members = paths.iter().map(|path| member(results.analysis(), path));
+            Some(Wanted {
+                name: match several {
+                    true => format!("{}-response-{}", results.analysis(), index + 1),
+                    false => format!("{}-response", results.analysis()),
+                },
+                title: match results.metadata().get("to") {
+                    Some(input) => format!("Response to {input}"),
+                    None => "Response".to_owned(),
+                },
+                dimension: first.dimension,
+                figure: plan::Figure {
+                    quantity: match family.len() {
+                        1 => first.path.clone(),
+                        _ => "amplitude".to_owned(),
+                    },
+                    display: first.display.clone(),
+                    picture: Picture::Bode(plan::Bode::of(members.collect())),
+                },
+                paths,
+                same: Vec::new(),
+            })
+        })
+        .collect()
 }
 
 /// The outputs of the model and the forces of its journals.

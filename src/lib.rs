@@ -77,6 +77,7 @@ mod reduction;
 mod regular;
 mod repetition;
 pub mod report;
+mod response;
 pub mod run;
 pub mod server;
 mod simulation;
@@ -88,7 +89,8 @@ mod vocabulary;
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};
 pub use eng_runtime::inputs::Point;
 pub use eng_runtime::linearised::{
-    Coefficients, Harmonics, LinearModes, Mode, Orbit, Repeating, StateSpace, Wanted,
+    Coefficients, FrequencyResponse, Harmonics, LinearModes, Mode, Orbit, Repeating, StateSpace,
+    Wanted,
 };
 pub use eng_runtime::{
     Energy, Pace, PeriodicSummary, Reading, RuntimeError, Slow, StartReport, Statistics,

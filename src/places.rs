@@ -11,28 +11,22 @@ pub(crate) fn decided(message: Diagnostic, by: &[Origin]) -> Diagnostic {
     if by.len() > MOST_PLACES {
         return message;
     }
-    by.iter()
-        .fold(message, |message, origin| match origin.used_at {
-            Some(at) => message.also(span(at), format!("{} is stated here", origin.path)),
-            None => message,
-        })
+    message.with_each(by, |message, origin| {
+        let label = format!("{} is stated here", origin.path);
+        message.also_if(origin.used_at.map(span), label)
+    })
 }
 
 /// Adds the origin's place with a label, then the place of its definition.
 pub(crate) fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
-    let message = match origin.used_at {
-        Some(at) => message.at(span(at), format!("{}: {label}", origin.path)),
-        None => message,
-    };
+    let label = format!("{}: {label}", origin.path);
+    let message = message.at_if(origin.used_at.map(span), label);
     related(message, origin, "defined here")
 }
 
 /// Adds the place of the origin's definition with a label.
 pub(crate) fn related(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
-    match origin.defined_at {
-        Some(at) => message.also(span(at), label),
-        None => message,
-    }
+    message.also_if(origin.defined_at.map(span), label)
 }
 
 /// A place as a span of the texts.
@@ -44,21 +38,7 @@ pub(crate) fn span(at: Location) -> Span {
     }
 }
 
-/// Adds a place to a message, before its other places.
-pub(crate) fn at_first(mut message: Diagnostic, at: Location, label: &str) -> Diagnostic {
-    for label in &mut message.labels {
-        label.primary = false;
-    }
-    let mut first = message.clone().at(span(at), label).labels;
-    first.rotate_right(1);
-    message.labels = first;
-    message
-}
-
 /// Adds the place of the analysis that set a parameter.
 pub(crate) fn set_by(message: Diagnostic, analysis: &Origin) -> Diagnostic {
-    match analysis.used_at {
-        Some(at) => message.also(span(at), "set by this analysis"),
-        None => message,
-    }
+    message.also_if(analysis.used_at.map(span), "set by this analysis")
 }

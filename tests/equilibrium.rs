@@ -418,6 +418,44 @@ fn what_runs_away_is_refused() {
     );
 }
 
+/// A weight on a mount that creeps: the static stiffness alone holds it. Behind it a chamber empties through a leak, and its
+/// pressure follows the place of the body by a cubic.
+#[test]
+fn states_of_elements_come_to_rest() {
+    let program = program(
+        "use std.joints.Translational
+         use std.mounts.ElastomerMount
+         force Bellows(a: Marker, b: Marker) {
+             state p: Pressure = 3 bar
+             let x = dot(a.origin - b.origin, b.z)/(10 mm)
+             der(p) = (2 bar + 0.5 bar*x + 0.2 bar*x^3 - p)/(20 ms)
+             apply force -p*1 cm^2*b.z on a against b }
+         model Mounted { gravity = [0, 0, -9.81] m/s^2
+         body unit { mass = 40 kg; inertia = [1, 1, 1] kg*m^2 }
+         marker foot = [0, 0, 0] mm
+         joint guide = Translational(unit.origin, foot)
+         force mount = ElastomerMount(unit.origin, foot, stiffness: [80, 60, 100] N/mm, fast_stiffness: [40, 30, 300] N/mm,
+             relaxation: 8 ms)
+         force bellows = Bellows(unit.origin, foot)
+         start guide.travel = 5 mm }
+         analysis rest = static(Mounted())",
+    );
+    let outcome = run(&program, "rest");
+    let place = value(&outcome, "guide.travel");
+    let pressure = |x: f64| 2e5 + 0.5e5 * (x / 0.01) + 0.2e5 * (x / 0.01).powi(3);
+    let residual = |x: f64| 40.0 * 9.81 + 100e3 * x + 1e-4 * pressure(x);
+    let (mut low, mut high) = (-0.02, 0.02);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if residual(middle) > 0.0 {
+            high = middle
+        } else {
+            low = middle
+        }
+    }
+    near(place, low, 1e-9);
+}
+
 /// A freedom without stiffness and load stays where it is, and the report counts it.
 #[test]
 fn an_idle_freedom_stays() {

@@ -80,8 +80,8 @@ fn derivatives_are_of_answers_that_the_motion_reads() {
         let classes = &simulation.runtime().model().compiled.system.classes;
         let mut films = classes.iter().filter(|class| class.layout.answers > 0);
         let film = films.next().expect("a class with a film");
-        assert_eq!(film.differentiated, read, "{file}: {}", film.name);
-        assert!(films.all(|film| film.differentiated == read));
+        assert_eq!(film.facts.differentiated, read, "{file}: {}", film.name);
+        assert!(films.all(|film| film.facts.differentiated == read));
     }
 }
 

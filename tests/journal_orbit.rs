@@ -1,6 +1,6 @@
 //! The orbit of a loaded pin in a short bearing over a four-stroke cycle, against its recomputed orbit.
 
-use eng::Sources;
+use eng::{Results, Sources};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -189,37 +189,84 @@ impl Run {
         let text = text
             .replace("Short", law)
             .replace("4.16 mPa*s,", &format!("4.16 mPa*s{more},"));
-        let sources = Sources::from_texts([
-            ("bearing.eng".to_owned(), text),
-            ("load.csv".to_owned(), case.table()),
-        ]);
-        let program = match eng::check(&sources, "bearing.eng").into_program() {
-            Ok(program) => program,
-            Err(report) => panic!("{report}"),
-        };
-        let outcome = program
-            .analysis("steady")
-            .expect("an analysis")
-            .run(&mut |_| {})
-            .unwrap_or_else(|failed| panic!("{}", failed.error));
-        assert!(outcome.periodic.is_some_and(|cycle| cycle.repeats));
-        let results = outcome.results;
+        let results = steady(case, text);
         let column = |path: &str| results.column(path).expect(path).shown();
-        let [x, y, along, across, given] = [
-            "film.eccentricity_ratio.x",
-            "film.eccentricity_ratio.y",
-            "film.force.x",
-            "film.force.y",
-            "gas.given",
-        ]
-        .map(column);
-        assert_eq!(results.samples(), 145);
+        let [along, across, given] = ["film.force.x", "film.force.y", "gas.given"].map(column);
         let missing = |k: usize| (1e3 * along[k] + given[k]).hypot(1e3 * across[k]);
         Run {
-            orbit: (0..144).map(|k| [x[k], y[k]]).collect(),
+            orbit: orbit(&results),
             unbalanced: (0..145).map(missing).fold(0.0, f64::max),
         }
     }
+}
+
+/// The periodic results of a text.
+fn steady(case: &Case, text: String) -> Results {
+    let sources = Sources::from_texts([
+        ("bearing.eng".to_owned(), text),
+        ("load.csv".to_owned(), case.table()),
+    ]);
+    let program = match eng::check(&sources, "bearing.eng").into_program() {
+        Ok(program) => program,
+        Err(report) => panic!("{report}"),
+    };
+    let outcome = program
+        .analysis("steady")
+        .expect("an analysis")
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    assert!(outcome.periodic.is_some_and(|cycle| cycle.repeats));
+    assert_eq!(outcome.results.samples(), 145);
+    outcome.results
+}
+
+/// e/c every 5° of the cycle.
+fn orbit(results: &Results) -> Vec<[f64; 2]> {
+    let column = |path: &str| results.column(path).expect(path).shown();
+    let [x, y] = ["film.eccentricity_ratio.x", "film.eccentricity_ratio.y"].map(column);
+    (0..144).map(|k| [x[k], y[k]]).collect()
+}
+
+/// The mobility of a bearing of finite width, B/D 0.4 (Childs, Moes & van Leeuwen, J. Lubr. Technol. 99 (1977) 198).
+fn moes(x: f64, y: f64) -> [f64; 2] {
+    let slenderness: f64 = 0.4;
+    let b = (1.0 - x) / slenderness.powi(2);
+    let unit = 2.0 * slenderness.powi(2) * 0.150 * (1.0 - x).powf(1.5);
+    let across = 3.0 * y * (1.0 + 3.60 * b) / (4.0 * (1.0 - x));
+    [unit * (1.0 + 2.12 * b), -unit * across]
+}
+
+/// The mobility method integrates the orbit alone. `Mobility` follows its formula and is near the film of `Impedance`,
+/// `SolvedMobility` is near the solved film.
+#[test]
+fn a_pin_with_a_given_load_needs_no_inertia() {
+    let reference: Value =
+        serde_json::from_str(include_str!("reference/bigend_orbit.json")).expect("JSON");
+    let case = Case::new(&reference);
+    let given = |law: &str| {
+        let text = include_str!("benchmarks/given_load.eng").replace("Mobility", law);
+        orbit(&steady(&case, text))
+    };
+    let formula = given("Mobility");
+    let own = farthest(&formula, &case.orbit(moes));
+    let film = farthest(&formula, &Run::of(&case, "Impedance", "").orbit);
+    let solved = farthest(&given("SolvedMobility"), &solved_orbit());
+    println!(
+        "formula {own:.1e}, film of Impedance {film:.1e}, solved film {solved:.1e} of the clearance off"
+    );
+    assert!(own < 1e-3, "{own}");
+    assert!(film < 6e-3, "{film}");
+    assert!(solved < 2e-3, "{solved}");
+}
+
+/// The orbit in the solved film of finite width.
+fn solved_orbit() -> Vec<[f64; 2]> {
+    let solved: Value =
+        serde_json::from_str(include_str!("reference/bigend_orbit_reynolds.json")).expect("JSON");
+    let rows = solved["orbit"].as_array().expect("rows");
+    rows.iter()
+        .map(|row| [0, 1].map(|k| numbers(row)[k]))
+        .collect()
 }
 
 /// The solved film of finite width, B/D 0.4: thinner than Ocvirk's by a fifth. The table of `Reynolds` has an
@@ -229,13 +276,7 @@ fn a_film_of_finite_width_is_thinner() {
     let reference: Value =
         serde_json::from_str(include_str!("reference/bigend_orbit.json")).expect("JSON");
     let case = Case::new(&reference);
-    let solved: Value =
-        serde_json::from_str(include_str!("reference/bigend_orbit_reynolds.json")).expect("JSON");
-    let rows = solved["orbit"].as_array().expect("rows");
-    let due: Vec<[f64; 2]> = rows
-        .iter()
-        .map(|row| [0, 1].map(|k| numbers(row)[k]))
-        .collect();
+    let due = solved_orbit();
     let apart = |law: &str, cells: &str| {
         let run = Run::of(&case, law, cells);
         assert!(run.unbalanced < 1.0, "{law}{cells}: {} N", run.unbalanced);

@@ -504,3 +504,27 @@ fn a_pendulum_absorber_swings_at_its_order() {
     let due = (4.0 * (1.0 + 0.6 * 0.01 / 30.2e-3_f64)).sqrt();
     close("order", order, due, 2e-4);
 }
+
+/// The balance of a disc on rubber under a constant torque is that after a long time: the spring alone holds it. The silicone oil of
+/// the second disc holds none.
+#[test]
+fn rubber_at_rest_has_crept() {
+    let text = "use std.drivelines.*
+        use std.forces.{TorsionSpring, ExternalTorque}
+        use std.joints.Revolute
+        model Discs {
+            gravity = [0, 0, 0] m/s^2
+            marker frame = [0, 0, 0] mm
+            body disc[i in 1..2] { mass = 1 kg; inertia = [1, 1, 2] g*m^2; marker hub = origin }
+            joint bearing[i in 1..2] = Revolute(disc[i].hub, frame)
+            force load[i in 1..2] = ExternalTorque(disc[i].hub, load: [0, 0, 7] N*m)
+            force rubber = RubberRing(disc[1].hub, frame, stiffness: 700 N*m/rad, branch_stiffness: [90, 50, 70] N*m/rad,
+                relaxation: [0.3, 1, 3] ms)
+            force spring = TorsionSpring(disc[2].hub, frame, stiffness: 350 N*m/rad)
+            force oil = ViscousDamper(disc[2].hub, frame, damping: 0.5 N*m*s/rad, stiffness: 900 N*m/rad)
+        }
+        analysis rest = static(Discs())";
+    let results = run(text, "rest");
+    close("rubber", last(&results, "bearing[1].angle"), 0.01, 1e-9);
+    close("oil", last(&results, "bearing[2].angle"), 0.02, 1e-9);
+}

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Modules of classes. Those of oils, materials and units define values.
-const MODULES: [&str; 12] = [
+const MODULES: [&str; 14] = [
     "joints",
     "drives",
     "forces",
@@ -17,6 +17,8 @@ const MODULES: [&str; 12] = [
     "gas",
     "mounts",
     "valvetrain",
+    "thrust",
+    "liners",
     "layouts",
     "cylinder",
     "engine",

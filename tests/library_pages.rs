@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Modules of laws and of functions for them.
-const MODULES: [&str; 15] = [
+const MODULES: [&str; 18] = [
     "joints",
     "drives",
     "forces",
@@ -14,6 +14,8 @@ const MODULES: [&str; 15] = [
     "gas",
     "mounts",
     "valvetrain",
+    "thrust",
+    "liners",
     "math",
     "frames",
     "sections",
@@ -21,6 +23,7 @@ const MODULES: [&str; 15] = [
     "layouts",
     "cylinder",
     "engine",
+    "quick",
 ];
 
 /// Words that begin an item of a file.
@@ -59,15 +62,15 @@ fn signature(lines: &[&str]) -> String {
     out.trim().to_owned()
 }
 
-/// The fields of a record with their comments, each on a line of its own.
-fn fields(lines: &[&str]) -> String {
+/// The fields of a record or the parameters of an interface with their comments, each on a line of its own.
+fn fields(lines: &[&str], word: &str) -> String {
     let mut out = String::new();
     let mut comment = String::new();
     for line in lines.iter().take_while(|line| **line != "}") {
         match line.strip_prefix("    ") {
             Some(text) if text.starts_with("///") => comment = format!("{comment}\n{line}"),
             Some(text) => {
-                if text.starts_with("let ") {
+                if text.starts_with(word) {
                     let _ = write!(out, "{comment}\n{line}");
                 }
                 comment.clear();
@@ -78,11 +81,12 @@ fn fields(lines: &[&str]) -> String {
     out
 }
 
-/// The text of an item on a page: its head, the fields of a record, the words of a choice.
+/// The text of an item on a page: its head, the fields of a record, the parameters of an interface, the words of a choice.
 fn shown(kind: &str, lines: &[&str]) -> String {
     match kind {
         "choice" => lines[0].to_owned(),
-        "record" => signature(lines) + &fields(lines),
+        "record" => signature(lines) + &fields(lines, "let "),
+        "interface" => signature(lines) + &fields(lines, "param "),
         _ => signature(lines),
     }
 }
@@ -176,7 +180,15 @@ fn the_page_of_the_library_has_its_comments() {
 fn every_law_says_its_equation_and_its_check() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut laws = 0;
-    for module in ["contacts", "drivelines", "gas", "mounts", "valvetrain"] {
+    for module in [
+        "contacts",
+        "drivelines",
+        "gas",
+        "mounts",
+        "valvetrain",
+        "thrust",
+        "liners",
+    ] {
         let text = std::fs::read_to_string(root.join(format!("stdlib/{module}.eng")));
         let text = text.expect("a module");
         let mut comment = String::new();

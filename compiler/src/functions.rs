@@ -64,6 +64,8 @@ pub(crate) enum OfResults {
     Amplitude,
     /// The number of one mode.
     Mode,
+    /// The number of a response at a frequency.
+    AtFrequency,
     /// A band of a signal.
     Filter,
     /// The last part of a signal.
@@ -93,18 +95,6 @@ impl BuiltIn {
     const fn and_more(mut self) -> BuiltIn {
         self.more = true;
         self
-    }
-
-    /// Whether it takes the modes of a linear analysis as well as samples of a run.
-    pub fn takes_modes(&self) -> bool {
-        match self.results {
-            OfResults::Each(_) | OfResults::Fold(_) | OfResults::Mode | OfResults::Decibel => true,
-            OfResults::Reduce(reduction) => matches!(
-                reduction,
-                Reduction::Minimum | Reduction::Maximum | Reduction::PeakToPeak
-            ),
-            _ => false,
-        }
     }
 }
 
@@ -139,7 +129,7 @@ const fn reduction(name: &'static str, reduction: Reduction) -> BuiltIn {
 }
 
 /// All functions.
-static FUNCTIONS: [BuiltIn; 50] = [
+static FUNCTIONS: [BuiltIn; 51] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
     function("norm", &["v"], Kind::Vectors)
@@ -190,6 +180,7 @@ static FUNCTIONS: [BuiltIn; 50] = [
     reduction("peak_to_peak", Reduction::PeakToPeak),
     of_results("amplitude", &["signal", "at"], OfResults::Amplitude).with(&["window"]),
     of_results("mode", &["column", "at"], OfResults::Mode),
+    of_results("at_frequency", &["column", "at"], OfResults::AtFrequency),
     of_results("low_pass", &["signal", "to"], OfResults::Filter).with(&["butterworth"]),
     of_results("high_pass", &["signal", "from"], OfResults::Filter).with(&["butterworth"]),
     of_results("band", &["signal", "from", "to"], OfResults::Filter).with(&["butterworth"]),
@@ -200,7 +191,7 @@ static FUNCTIONS: [BuiltIn; 50] = [
 ];
 
 /// The forms of a call and the meaning of each function.
-static ABOUT: [(&str, &str, &str); 50] = [
+static ABOUT: [(&str, &str, &str); 51] = [
     (
         "dot",
         "dot(a, b)",
@@ -379,6 +370,11 @@ static ABOUT: [(&str, &str, &str); 50] = [
         "mode",
         "mode(column, 3), mode(column, 160 Hz)",
         "the value of a column in one mode of a linear analysis",
+    ),
+    (
+        "at_frequency",
+        "at_frequency(column, 160 Hz)",
+        "the value of a column of a response at a frequency",
     ),
     (
         "low_pass",

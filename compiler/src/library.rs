@@ -28,13 +28,19 @@ pub const LIBRARY: &[(&str, &str)] = &[
         include_str!("../../stdlib/valvetrain.eng"),
     ),
     ("std.journals", include_str!("../../stdlib/journals.eng")),
+    ("std.thrust", include_str!("../../stdlib/thrust.eng")),
+    ("std.liners", include_str!("../../stdlib/liners.eng")),
     ("std.cylinder", include_str!("../../stdlib/cylinder.eng")),
     ("std.engine", include_str!("../../stdlib/engine.eng")),
     ("std.layouts", include_str!("../../stdlib/layouts.eng")),
+    ("std.quick", include_str!("../../stdlib/quick.eng")),
 ];
 
 /// Data files of the library's tables, by the names that its texts give to `csv`.
-pub const FILES: &[(&str, &str)] = &[("reynolds.csv", include_str!("../../stdlib/reynolds.csv"))];
+pub const FILES: &[(&str, &str)] = &[
+    ("reynolds.csv", include_str!("../../stdlib/reynolds.csv")),
+    ("thrust.csv", include_str!("../../stdlib/thrust.csv")),
+];
 
 #[cfg(test)]
 mod tests {

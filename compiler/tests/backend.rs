@@ -474,7 +474,7 @@ fn a_missing_table_is_not_a_number() {
 fn twists_and_loads_are_found() {
     let f = |build| {
         let f: ClassFunctions = functions(build);
-        (f.uses_twist, f.applies_load)
+        (f.facts.uses_twist, f.facts.applies_load)
     };
     assert_eq!(f(support::revolute), (false, false));
     assert_eq!(f(support::film), (true, true));

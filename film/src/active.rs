@@ -18,6 +18,7 @@ use crate::grid::Grid;
 use crate::inputs::SPIN;
 use crate::ring::OWN;
 use crate::source::Cavitation;
+use eng_system::dense::largest;
 
 /// Rounds after which only half of the cells that break an inequality change. This ends a cycle of sets.
 const DAMPED: usize = 40;
@@ -99,7 +100,7 @@ impl Film {
         if self.source.cavitation != Cavitation::Reynolds {
             return 0.0;
         }
-        let highest = state.q.iter().fold(0.0_f64, |high, q| high.max(q.abs()));
+        let highest = largest(&state.q);
         let (mut all, mut undecided) = (0.0, 0.0);
         for (at, cell) in level.grid.cells.iter().enumerate() {
             all += cell.area;
@@ -258,10 +259,7 @@ fn slack(grid: &Grid, state: &mut LevelWork, spin: f64) {
 ///
 /// A cell whose gap closes faster than its content leaves within the step has no positive diagonal: it fills.
 fn change(grid: &Grid, state: &mut LevelWork, rule: Cavitation, round: usize) -> Option<usize> {
-    let highest = state
-        .q
-        .iter()
-        .fold(0.0_f64, |highest, q| highest.max(q.abs()));
+    let highest = largest(&state.q);
     let mut changed = None;
     for (cell, data) in grid.cells.iter().enumerate() {
         if data.held.is_some() {

@@ -19,7 +19,7 @@ use crate::feedback::{Feedback, Slopes};
 use crate::film::{Film, Work};
 use crate::inputs::{ECCENTRICITY, FORCE, MOMENT, RATE, SHAPE_FORCE, SPIN, SUPPLY, TILT_RATE};
 use crate::tangent::ALL;
-use eng_system::dense::{add_scaled, dot};
+use eng_system::dense::{add_scaled, dot, largest};
 
 /// Most rounds of Newton's method.
 const ROUNDS: usize = 200;
@@ -122,7 +122,7 @@ impl Elastic {
                 "a square of the number of shapes",
             ));
         }
-        let size = compliance.iter().fold(0.0_f64, |size, c| size.max(c.abs()));
+        let size = largest(&compliance);
         for row in 0..count {
             let own = compliance[row * count + row];
             if !(own >= 0.0 && own.is_finite()) {
@@ -346,7 +346,7 @@ impl Elastic {
                 work.rounds = round;
                 return Ok(());
             }
-            (last, share) = (longest, (reach / self::longest(&work.change)).min(1.0));
+            (last, share) = (longest, (reach / self::largest(&work.change)).min(1.0));
             for (moved, change) in work.moved.iter_mut().zip(&work.change) {
                 *moved = share * change;
             }
@@ -413,7 +413,7 @@ impl Elastic {
         }
         work.feedback.solve(&mut work.change, 1);
         work.feedback.secants.improve(&mut work.change);
-        let longest = longest(&work.change);
+        let longest = largest(&work.change);
         if longest > self.reach(work) {
             return 0.0;
         }
@@ -461,7 +461,7 @@ impl Elastic {
         }
         work.change.copy_from_slice(&work.plain);
         work.feedback.secants.improve(&mut work.change);
-        Ok(longest(&work.plain))
+        Ok(largest(&work.plain))
     }
 
     /// Solves the film at the present amplitudes, and g there.
@@ -671,10 +671,4 @@ impl Elastic {
         }
         if all > 0.0 { last / all } else { 0.0 }
     }
-}
-
-/// The largest magnitude.
-fn longest(changes: &[f64]) -> f64 {
-    let sizes = changes.iter().map(|change| change.abs());
-    sizes.fold(0.0, f64::max)
 }

@@ -111,14 +111,18 @@ pub enum SourceError {
         /// Width of the bearing, m.
         width: f64,
     },
-    /// An edge of an opening on an open end: the flow at its corners is infinite.
+    /// A profile that closes the gap.
     #[error(
-        "opening {opening} of a film ends exactly at an open end of the bearing, where the flow at its corners is infinite: \
-         let it end inside the bearing, or reach over the end"
+        "the profile of a film closes its gap: {} from mid width the mean gap is {}, so no place of the pin leaves a film; \
+         a profile is positive where it opens the gap",
+        shown("across", *across),
+        shown("gap", *gap)
     )]
-    OpeningAtEnd {
-        /// Number of the opening, from 1.
-        opening: usize,
+    Closed {
+        /// The mean gap around, m.
+        gap: f64,
+        /// Distance from mid width, m.
+        across: f64,
     },
     /// An opening of the pin that is a line, or starved.
     #[error(

@@ -124,6 +124,13 @@ impl LevelWork {
         self.conductance[at] * (q(link.a) - q(link.b))
     }
 
+    /// Flow that the surfaces carry from a to b through a face (m³/s), at a spin.
+    pub(crate) fn carried(&self, at: usize, link: &Link, spin: f64) -> f64 {
+        let carried = spin * link.carry * self.link_gap[at];
+        let upwind = if carried >= 0.0 { link.a } else { link.b };
+        carried * self.content[upwind]
+    }
+
     /// Slope of the logarithm of a conductance by the turn. That of an opening over no part of a cell is not needed: it
     /// begins with slope zero.
     pub(crate) fn opens_by_turn(&self, at: usize) -> f64 {
@@ -171,17 +178,13 @@ impl Film {
     pub fn new(source: FilmSource) -> Result<Self, SourceError> {
         source.check()?;
         let finest = Grid::new(&source, &source.around, &source.across)?;
-        let around = |opening: usize| {
-            let [from, to] = source.openings[opening].around;
-            to - from >= std::f64::consts::TAU * (1.0 - 1e-12)
-        };
         let mut open: Vec<bool> = finest
             .cells
             .iter()
             .map(|cell| cell.held.is_some())
             .collect();
         for feeding in &finest.feedings {
-            open[feeding.cell] |= around(feeding.opening);
+            open[feeding.cell] |= source.openings[feeding.opening].all_around();
         }
         if open.iter().all(|open| *open) {
             return Err(SourceError::AllOpen {

@@ -348,7 +348,8 @@ fn is_line(opening: &Opening, angle: f64, z: f64) -> bool {
     opening.on == Part::Shell && to == from && low < z && z < high && beside.abs() < SAME_ANGLE
 }
 
-/// Cells for each stretch between edges, so that the largest cell becomes as small as it can.
+/// Cells for each stretch between edges, so that the largest cell becomes as small as it can. A stretch of length zero
+/// keeps one.
 fn share(stretches: &[f64], cells: usize) -> Vec<usize> {
     let mut shares = vec![1; stretches.len()];
     for _ in stretches.len()..cells {
@@ -367,9 +368,14 @@ fn share(stretches: &[f64], cells: usize) -> Vec<usize> {
     shares
 }
 
-/// Lines of equal cells between edges; the first and the last edge are lines too.
-fn between(edges: &[f64], cells: usize) -> Vec<f64> {
-    let stretches: Vec<f64> = edges.windows(2).map(|pair| pair[1] - pair[0]).collect();
+/// Lines of equal cells between edges; the first and the last edge are lines too. One cell serves a stretch whose middle is
+/// open all around: it has no film.
+fn between(edges: &[f64], cells: usize, open: impl Fn(f64) -> bool) -> Vec<f64> {
+    let length = |pair: &[f64]| match open((pair[0] + pair[1]) / 2.0) {
+        true => 0.0,
+        false => pair[1] - pair[0],
+    };
+    let stretches: Vec<f64> = edges.windows(2).map(length).collect();
     let mut lines = Vec::with_capacity(cells + 1);
     for (stretch, share) in edges.windows(2).zip(share(&stretches, cells)) {
         for line in 0..share {
@@ -445,7 +451,7 @@ fn lines_around(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceEr
                 edges.push(first);
             }
             edges.push(first + turn);
-            Ok(between(&edges, *cells))
+            Ok(between(&edges, *cells, |_| false))
         }
     }
 }
@@ -474,7 +480,10 @@ fn lines_across(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceEr
                     needed,
                 });
             }
-            Ok(between(&edges, *cells))
+            let ring = |z: f64, o: &Opening| o.all_around() && covers(o, o.around[0], z);
+            Ok(between(&edges, *cells, |z| {
+                source.openings.iter().any(|opening| ring(z, opening))
+            }))
         }
     }
 }

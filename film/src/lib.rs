@@ -61,5 +61,5 @@ pub use error::{FilmError, Place, SourceError};
 pub use film::{Film, Work};
 pub use inputs::Inputs;
 pub use results::{Quantity, Summary};
-pub use source::{Cavitation, Ends, Feed, FilmSource, Lines, Opening, Part, Profile};
+pub use source::{Beside, Cavitation, Ends, Feed, FilmSource, Lines, Opening, Part, Profile};
 pub use surfaces::{Roughness, Thinning};

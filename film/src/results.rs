@@ -278,14 +278,33 @@ impl Film {
         summary
     }
 
+    /// Sum of the flows from all openings into the bearing: that of [`Summary::supply_flow`], m³/s.
+    #[must_use]
+    pub fn supplied(&self, work: &Work) -> f64 {
+        let (level, state, x) = (&self.levels[0], &work.levels[0], &work.inputs);
+        let openings = level.grid.cells.len()..level.grid.ends(&self.source);
+        let mut sum = 0.0;
+        for (at, link) in level.grid.links.iter().enumerate() {
+            let [from, to] = [link.a, link.b].map(|side| openings.contains(&side));
+            if from != to {
+                let flow = state.carried(at, link, x[SPIN]) + state.pressed(at, link);
+                sum += if from { flow } else { -flow };
+            }
+        }
+        let held = level.grid.cells.iter().enumerate();
+        let held = held.filter(|(_, cell)| cell.held.is_some());
+        let over: f64 = held
+            .map(|(at, cell)| cell.area * state.cell_rate[at] * state.content[at])
+            .sum();
+        self.halves() * (sum + over)
+    }
+
     fn add_flows(&self, summary: &mut Summary, level: &Level, state: &LevelWork, x: &[f64]) {
         let count = level.grid.cells.len();
         let (ends, halves) = (level.grid.ends(&self.source), self.halves());
         for (at, link) in level.grid.links.iter().enumerate() {
-            let carried = x[SPIN] * link.carry * state.link_gap[at];
-            let upwind = if carried >= 0.0 { link.a } else { link.b };
             let pressed = state.pressed(at, link);
-            let flow = carried * state.content[upwind] + pressed;
+            let flow = state.carried(at, link, x[SPIN]) + pressed;
             let drop = state.pressure[link.a][0] - state.pressure[link.b][0];
             summary.pressure_power += halves * pressed * drop;
             for (side, sign) in [(link.a, 1.0), (link.b, -1.0)] {

@@ -55,6 +55,11 @@ pub struct Opening {
 }
 
 impl Opening {
+    /// Whether it goes around the whole part.
+    pub(crate) fn all_around(&self) -> bool {
+        self.around[1] - self.around[0] >= std::f64::consts::TAU * (1.0 - 1e-12)
+    }
+
     /// A groove along the axis: `at` rad, `length` m along the axis about mid width, `width` m around;
     /// `radius` m that of the bearing.
     #[must_use]
@@ -333,6 +338,7 @@ impl FilmSource {
         if let Some(thinning) = &self.thinning {
             thinning.check()?;
         }
+        self.check_profile()?;
         for (number, opening) in self.openings.iter().enumerate() {
             self.check_opening(number + 1, opening)?;
         }
@@ -366,6 +372,26 @@ impl FilmSource {
             return Ok(());
         };
         Err(SourceError::NotSymmetric { part })
+    }
+
+    /// Refuses profiles that leave no gap: around a circle across the axis, a place of the pin changes no mean of the gap.
+    fn check_profile(&self) -> Result<(), SourceError> {
+        const AROUND: u32 = 360;
+        const ACROSS: i32 = 20;
+        for across in -ACROSS..=ACROSS {
+            let zeta = f64::from(across) / f64::from(ACROSS);
+            let mean = (0..AROUND)
+                .map(|at| std::f64::consts::TAU * f64::from(at) / f64::from(AROUND))
+                .map(|angle| self.shell_profile(angle, zeta) + self.pin_profile(angle, zeta).0)
+                .sum::<f64>()
+                / f64::from(AROUND);
+            let gap = self.clearance + mean;
+            if gap <= 0.0 {
+                let across = zeta * self.width / 2.0;
+                return Err(SourceError::Closed { gap, across });
+            }
+        }
+        Ok(())
     }
 
     fn check_opening(&self, number: usize, opening: &Opening) -> Result<(), SourceError> {
@@ -407,16 +433,77 @@ impl FilmSource {
                 width: self.width,
             });
         }
-        // an edge closer than this cannot be distinguished from the end after the rounding of a sum
-        let near = 1e-9 * self.width;
-        if self.ends == Ends::Open
-            && ((low + end).abs() < near || (high - end).abs() < near)
-            && to > from
-        {
-            return Err(SourceError::OpeningAtEnd { opening: number });
-        }
         Ok(())
     }
+
+    /// An edge closer than this to another one cannot be distinguished from it after the rounding of a sum, m.
+    fn near(&self) -> f64 {
+        1e-9 * self.width
+    }
+
+    /// Openings at whose corners the edge of another place begins: an open end, or another opening. With different
+    /// pressures the flow at such a corner has no limit. A ring around the shell has no corners.
+    #[must_use]
+    pub fn corners(&self) -> Vec<(usize, Beside)> {
+        let mut found = Vec::new();
+        for (at, opening) in self.openings.iter().enumerate() {
+            let ring = opening.on == Part::Shell && opening.all_around();
+            let [low, high] = opening.across;
+            let inside = self.width / 2.0 - low.abs().max(high.abs()) >= self.near();
+            if self.ends == Ends::Open && !ring && !inside {
+                found.push((at, Beside::End));
+            }
+            let others = self.openings[..at].iter().enumerate();
+            let touching = others.filter(|(_, other)| self.land(opening, other) < self.near());
+            let touching = touching.filter(|(_, other)| !(ring && other.all_around()));
+            found.extend(touching.map(|(other, _)| (at, Beside::Opening(other))));
+        }
+        found
+    }
+
+    /// The narrowest land between an opening and an open end or another opening, m, with both of its sides. Where they
+    /// touch there is none.
+    #[must_use]
+    pub fn narrowest_land(&self) -> Option<(f64, usize, Beside)> {
+        let mut least: Option<(f64, usize, Beside)> = None;
+        let mut look = |land: f64, at: usize, beside: Beside| {
+            if land >= self.near() && least.is_none_or(|(least, ..)| land < least) {
+                least = Some((land, at, beside));
+            }
+        };
+        for (at, opening) in self.openings.iter().enumerate() {
+            for edge in opening.across.iter().filter(|_| self.ends == Ends::Open) {
+                look(self.width / 2.0 - edge.abs(), at, Beside::End);
+            }
+            for (other, beside) in self.openings[..at].iter().enumerate() {
+                look(self.land(opening, beside), at, Beside::Opening(other));
+            }
+        }
+        least
+    }
+
+    /// Distance of two openings of one part, m; infinite for those of two parts, which move past each other.
+    fn land(&self, one: &Opening, other: &Opening) -> f64 {
+        if one.on != other.on {
+            return f64::INFINITY;
+        }
+        let turn = std::f64::consts::TAU;
+        let behind = |one: &Opening, other: &Opening| {
+            (other.around[0] - one.around[0]).rem_euclid(turn) - (one.around[1] - one.around[0])
+        };
+        let around = behind(one, other).min(behind(other, one)).max(0.0);
+        let across = (other.across[0] - one.across[1]).max(one.across[0] - other.across[1]);
+        libm::hypot(self.radius * around, across.max(0.0))
+    }
+}
+
+/// The other side of a land.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beside {
+    /// The nearest open end.
+    End,
+    /// The opening of this number, from 0.
+    Opening(usize),
 }
 
 /// Whether two openings share more than an edge.

@@ -7,7 +7,10 @@
 //! ```text
 //! conductance of the link       k s/(1 − s + δ)        k = h³/12μ times the sum of both aspect ratios of the cell, twice
 //! distance of a side from its face          (1 − s) times that of a cell without opening
+//! length of a face at an end                (1 − s) times that of a cell without opening
 //! ```
+//!
+//! Only an opening that reaches over an end covers cells at this end. Its oil does not flow through the gap to the end.
 //!
 //! So an uncovered cell has its usual equation, and a covered one the pressure of the opening, except for a
 //! part δ. Where the edges lie on lines of the grid, the equations are those of an opening of the shell. In
@@ -66,9 +69,15 @@ impl Film {
             let own = &mut state.covered[feeding.cell];
             *own = [own[0] + covered, own[1] + slope];
         }
-        let first = grid.feedings.len();
+        let (first, ends) = (grid.feedings.len(), grid.ends(&self.source));
         let links = grid.links.iter().zip(&grid.reaches).skip(first);
         for ((link, reaches), factor) in links.zip(state.turning[first..].iter_mut()) {
+            if link.a == ends || link.b == ends {
+                let cell = link.a.min(link.b);
+                let [covered, slope] = state.covered.get(cell).copied().unwrap_or_default();
+                *factor = [(1.0 - covered).max(0.0), -slope];
+                continue;
+            }
             let (mut near, mut slope) = (0.0, 0.0);
             for (side, reach) in [(link.a, reaches[0]), (link.b, reaches[1])] {
                 // fixed places have no reach

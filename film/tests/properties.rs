@@ -4,8 +4,8 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Lines, Opening, Part, Profile, Shape,
-    inputs,
+    Beside, Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Lines, Opening, Part, Profile,
+    Shape, inputs,
 };
 use proptest::prelude::*;
 use states::{Solved, solved};
@@ -431,8 +431,8 @@ fn data_out_of_range_are_refused() {
             .contains("radial clearance of a film is 0 um: it must be a positive number")
     );
     assert!(
-        openings(vec![hole(0.0, -12e-3, 0.0)])
-            .contains("opening 1 of a film ends exactly at an open end")
+        message(&|source| source.profile = vec![Profile::Barrel { depth: -30e-6 }])
+            .contains("closes its gap: -12 mm from mid width the mean gap is -3 um")
     );
     assert!(
         openings(vec![hole(0.0, 13e-3, 15e-3)])
@@ -637,4 +637,112 @@ fn a_gap_that_closes_within_a_step_fills() {
     );
     assert!(memory.iter().all(|content| (0.0..=1.0).contains(content)));
     assert!(memory[12 * 5] > 0.0 && memory[12 * 5] < 0.1);
+}
+
+/// An opening in a bearing of 24 mm width: edges around (rad) and across (mm).
+fn opening(on: Part, around: [f64; 2], across: [f64; 2]) -> Opening {
+    Opening {
+        on,
+        around,
+        across: across.map(|edge| edge * 1e-3),
+        feed: Feed::Pressure,
+    }
+}
+
+/// The lands and corners of openings in a bearing of 54 mm diameter.
+#[test]
+fn lands_and_corners_are_found() {
+    let turn = std::f64::consts::TAU;
+    let of = |openings: &[Opening]| {
+        let mut source = FilmSource::plain(27e-3, 24e-3, 27e-6, Cavitation::Reynolds, [24, 8]);
+        source.openings = openings.to_vec();
+        source
+    };
+    let groove = opening(Part::Shell, [0.2, 0.4], [-7.0, 7.0]);
+    let lone = of(&[groove]);
+    assert!(lone.corners().is_empty());
+    let (land, at, beside) = lone.narrowest_land().expect("a land");
+    assert!((land - 5e-3).abs() < 1e-12 && at == 0 && beside == Beside::End);
+    for across in [[-12.0, 3.0], [-3.0, 13.0]] {
+        for on in [Part::Shell, Part::Pin] {
+            let open = of(&[opening(on, [0.2, 0.4], across)]);
+            assert_eq!(open.corners(), [(0, Beside::End)]);
+        }
+    }
+    let ring = |on: Part| opening(on, [0.0, turn], [-13.0, -8.0]);
+    assert!(of(&[ring(Part::Shell)]).corners().is_empty());
+    assert_eq!(of(&[ring(Part::Pin)]).corners(), [(0, Beside::End)]);
+    // beside each other around, over the line of angle zero, and across
+    let beside = [
+        (
+            opening(Part::Shell, [turn - 0.3, 0.2 + turn], [-5.0, 5.0]),
+            None,
+        ),
+        (opening(Part::Shell, [0.5, 0.6], [-5.0, 5.0]), Some(2.7e-3)),
+        (opening(Part::Shell, [0.3, 0.6], [7.5, 9.0]), Some(0.5e-3)),
+        (opening(Part::Shell, [0.5, 0.6], [9.0, 10.0]), Some(2e-3)),
+        (opening(Part::Pin, [0.45, 0.6], [-5.0, 5.0]), None),
+    ];
+    for (other, due) in beside {
+        let source = of(&[groove, other]);
+        let touches = other.around[0] > 5.0;
+        let corners = source.corners();
+        assert_eq!(
+            corners.contains(&(1, Beside::Opening(0))),
+            touches,
+            "{other:?}"
+        );
+        let (land, ..) = source.narrowest_land().expect("a land");
+        let due: f64 = due.unwrap_or(5e-3);
+        assert!((land - due).abs() < 1e-12, "{land} {due}");
+    }
+}
+
+/// A pin in the centre has the torque `2π μ R³ B ω/c` with the whole width B: the shear over an opening counts as that of a
+/// land. Around a groove of the whole shell all cells serve the lands.
+#[test]
+fn openings_count_as_lands_in_shear() {
+    let (radius, width, clearance) = (27e-3, 24e-3, 27e-6);
+    let shear = |openings: &[Opening], turn: f64| {
+        let rule = Cavitation::Reynolds;
+        let mut source = FilmSource::plain(radius, width, clearance, rule, [48, 13]);
+        source.openings = openings.to_vec();
+        let film = Film::new(source).expect("a film");
+        let x = Inputs {
+            spin: 300.0,
+            turn,
+            supply: &[0.0],
+            ..Inputs::still(8e-3)
+        };
+        let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
+        film.solve(&x.write(), None, &[], &mut work, &mut y)
+            .expect("a film");
+        let lines = film.lines()[1].to_vec();
+        (y[inputs::TORQUE], lines)
+    };
+    let turn = std::f64::consts::TAU;
+    let whole = turn * 8e-3 * radius * radius * radius * 300.0 / clearance * width;
+    let cell = turn / 48.0;
+    for (opening, share) in [
+        (opening(Part::Shell, [0.0, turn], [-2.0, 2.0]), 1.0 / 6.0),
+        (
+            opening(Part::Shell, [0.1, 0.1 + turn / 12.0], [-6.0, 6.0]),
+            1.0 / 24.0,
+        ),
+        (opening(Part::Pin, [0.0, turn], [-2.0, 2.0]), 1.0 / 6.0),
+        (
+            opening(Part::Pin, [0.0, 4.0 * cell], [-6.0, 6.0]),
+            1.0 / 24.0,
+        ),
+    ] {
+        let (torque, lines) = shear(&[opening], 3.0 * cell);
+        assert!(
+            (torque / whole - 1.0).abs() < 1e-12,
+            "{opening:?}"
+        );
+        if share == 1.0 / 6.0 && opening.on == Part::Shell {
+            let groove: Vec<f64> = lines.into_iter().filter(|z| z.abs() < 2.1e-3).collect();
+            assert_eq!(groove.len(), 2, "{groove:?}");
+        }
+    }
 }

@@ -101,6 +101,34 @@ fn on_the_lines_it_is_an_opening_of_the_shell() {
     }
 }
 
+/// No oil flows through the gap from an opening to the end that it reaches over, on the pin as in the shell.
+#[test]
+fn over_an_end_it_is_an_opening_of_the_shell() {
+    let cell = TAU / 48.0;
+    let turn = 7.0 * cell;
+    let over = |on: Part, from: f64| Opening {
+        on,
+        around: [from, from + 3.0 * cell],
+        across: [-0.7, 0.24],
+        feed: Feed::Pressure,
+    };
+    let rule = Cavitation::Reynolds;
+    let pin = Film::new(source(rule, vec![over(Part::Pin, 0.0)], CELLS)).expect("a film");
+    let mut data = source(rule, vec![over(Part::Shell, turn)], CELLS);
+    data.around = eng_film::Lines::At(pin.lines()[0].to_vec());
+    let shell = Film::new(data).expect("a film");
+    let x = Inputs {
+        supply: &SUPPLY[..1],
+        ..state(turn)
+    };
+    let (a, ..) = solved(&pin, &x, None);
+    let (b, ..) = solved(&shell, &x, None);
+    for output in 0..a.len() {
+        let size = b[output].abs().max(0.1);
+        close(&format!("{output}"), a[output], b[output], size, 1e-6);
+    }
+}
+
 /// Vector turned by an angle.
 fn turned(v: [f64; 2], angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();

@@ -11,6 +11,7 @@ use crate::read::matrix::{
 use crate::solve::factor::diagonal;
 use crate::sparse::SymmetricMatrix;
 use crate::units::MeshUnits;
+use eng_system::dense::largest;
 use eng_system::significant::short;
 
 /// Part of the largest diagonal entry below which a negative one counts as rounding.
@@ -210,7 +211,7 @@ fn resists(
     rows: &[(u64, u8)],
 ) -> Result<(), FlexibleError> {
     let diagonal = diagonal(stiffness);
-    let largest = diagonal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let largest = largest(&diagonal);
     let negative = |x: f64| x < -ROUNDING * largest;
     let count = diagonal.iter().filter(|x| negative(**x)).count();
     let Some((value, (node, component))) = diagonal.iter().zip(rows).find(|(x, _)| negative(**x))

@@ -363,6 +363,46 @@ pub enum Tie {
     },
 }
 
+impl Tie {
+    /// The file's number.
+    pub fn id(&self) -> u64 {
+        match self {
+            Tie::Rigid { id, .. } | Tie::Averaging { id, .. } | Tie::Equation { id, .. } => *id,
+        }
+    }
+
+    /// Visits each node with the components (bits 0…5) that the tie names, the independent or reference node
+    /// first.
+    pub fn each(&self, mut visit: impl FnMut(u32, u8)) {
+        match self {
+            Tie::Rigid {
+                independent,
+                dependent,
+                ..
+            } => {
+                visit(*independent, 0b11_1111);
+                dependent
+                    .iter()
+                    .for_each(|(node, mask)| visit(*node, *mask));
+            }
+            Tie::Averaging {
+                reference,
+                reference_components,
+                independent,
+                ..
+            } => {
+                visit(*reference, *reference_components);
+                (independent.iter()).for_each(|(node, _, mask)| visit(*node, *mask));
+            }
+            Tie::Equation { terms, .. } => {
+                for (node, component, _) in terms {
+                    visit(*node, 1u8.checked_shl(u32::from(*component)).unwrap_or(0));
+                }
+            }
+        }
+    }
+}
+
 /// Freedoms held at zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Support {

@@ -96,20 +96,13 @@ impl Diagnostic {
     }
 
     /// Adds the place of the mistake. The places so far become related ones.
-    pub fn moved_to(&mut self, span: Span, message: impl Into<String>) {
+    pub fn moved_to(mut self, span: Span, message: impl Into<String>) -> Self {
         for label in &mut self.labels {
             label.primary = false;
         }
-        let message = message.into();
-        let primary = true;
-        self.labels.insert(
-            0,
-            Label {
-                span,
-                message,
-                primary,
-            },
-        );
+        let mut moved = self.at(span, message);
+        moved.labels.rotate_right(1);
+        moved
     }
 
     /// Adds a related place.
@@ -120,6 +113,31 @@ impl Diagnostic {
             primary: false,
         });
         self
+    }
+
+    /// Adds the place of the mistake, if it is known.
+    pub fn at_if(self, span: Option<Span>, message: impl Into<String>) -> Self {
+        match span {
+            Some(span) => self.at(span, message),
+            None => self,
+        }
+    }
+
+    /// Adds a related place, if it is known.
+    pub fn also_if(self, span: Option<Span>, message: impl Into<String>) -> Self {
+        match span {
+            Some(span) => self.also(span, message),
+            None => self,
+        }
+    }
+
+    /// Adds something for each value, such as for a value that may be missing.
+    pub fn with_each<T>(
+        self,
+        values: impl IntoIterator<Item = T>,
+        add: impl FnMut(Self, T) -> Self,
+    ) -> Self {
+        values.into_iter().fold(self, add)
     }
 
     /// Adds a remark.
@@ -144,6 +162,18 @@ impl Diagnostic {
         self
     }
 
+    /// Adds a remark, if there is one.
+    pub fn note_if(mut self, note: Option<impl Into<String>>) -> Self {
+        self.notes.extend(note.map(Into::into));
+        self
+    }
+
+    /// Adds advice, if there is any.
+    pub fn help_if(mut self, help: Option<impl Into<String>>) -> Self {
+        self.help.extend(help.map(Into::into));
+        self
+    }
+
     /// Adds a machine-applicable fix.
     pub fn with_fix(
         mut self,
@@ -163,6 +193,11 @@ impl Diagnostic {
     pub fn meant(self, span: Span, known: impl Into<String>) -> Self {
         let known = known.into();
         self.with_fix(format!("did you mean `{known}`?"), span, known)
+    }
+
+    /// Suggests a known name, if one is near.
+    pub fn meant_if(self, span: Span, known: Option<impl Into<String>>) -> Self {
+        self.with_each(known, |message, known| message.meant(span, known))
     }
 
     /// Whether this is an error.

@@ -23,6 +23,7 @@ use crate::linear::{Block, BlockLu, LinearSolver, Pattern, PatternBuilder};
 use crate::model::Model;
 use crate::state::{State, move_pose};
 use crate::topology::undetermined;
+use eng_system::dense::largest_scaled;
 use nalgebra::DMatrix;
 
 /// Largest |Φ| of an output, in m or rad.
@@ -293,8 +294,7 @@ impl AccelerationSystem {
     ) -> Result<(), RuntimeError> {
         let n = model.velocities;
         for attempt in 0..ATTEMPTS {
-            dynamics.place(model, state.time, &state.pose, &state.velocity);
-            dynamics.gather(model, &state.states, &[], &state.rotations);
+            dynamics.set_state(model, state, &[]);
             dynamics.evaluate_constraints(model)?;
             let (at, worst) =
                 dynamics
@@ -363,8 +363,7 @@ impl AccelerationSystem {
         if !self.is_here(model, &state.pose) {
             self.fill(model, dynamics)?;
         }
-        let speed = state.velocity.iter().zip(&self.scales);
-        let speed = speed.fold(0.0_f64, |most, (v, scale)| most.max((v / scale).abs()));
+        let speed = largest_scaled(&state.velocity, &self.scales);
         let rounding = VELOCITY_ROUNDING * speed;
         let (mut first, mut last, mut refined) = (0.0, f64::INFINITY, false);
         for round in 0..=VELOCITY_ROUNDS {
@@ -429,8 +428,7 @@ impl AccelerationSystem {
         state: &mut State,
         moment: Moment,
     ) -> Result<(), RuntimeError> {
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.set_state(model, state, &[]);
         self.factor(model, dynamics, moment)?;
         self.accelerate(model, dynamics, state, moment)
     }
@@ -444,8 +442,7 @@ impl AccelerationSystem {
         moment: Moment,
         out: &mut [f64],
     ) -> Result<(), RuntimeError> {
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.set_state(model, state, &[]);
         self.factor(model, dynamics, moment)?;
         dynamics.velocity_level(model, &state.velocity)?;
         self.normal(model, dynamics.constraint_rates(), out);

@@ -425,6 +425,13 @@ impl Dynamics {
         }
     }
 
+    /// Places the markers at a state and gathers the inputs of the dynamic elements. Without multipliers they
+    /// are zero.
+    pub fn set_state(&mut self, model: &Model, state: &State, multipliers: &[f64]) {
+        self.place(model, state.time, &state.pose, &state.velocity);
+        self.gather(model, &state.states, multipliers, &state.rotations);
+    }
+
     /// Gathers the inputs of the dynamic elements.
     pub fn gather(
         &mut self,

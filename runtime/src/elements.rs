@@ -195,7 +195,7 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
     let sources = &model.compiled.system.elements[element].fields;
     let kernels = &model.kernels[element];
     let mut memory = model.elements[element].memory;
-    let differentiated = &model.class(element).differentiated;
+    let differentiated = &model.class(element).facts.differentiated;
     let mut answer = 0;
     (sources.iter().zip(kernels).enumerate())
         .filter_map(|(field, (source, made))| {
@@ -407,7 +407,9 @@ impl Batch {
     /// Writes the memory of the fields at their last solution to its places, and reads the numbers that
     /// conditions compare.
     pub fn keep_memory(&mut self, model: &Model, numbers: &mut [f64]) {
-        let read = model.compiled.system.classes[self.class].conditions_read_fields;
+        let read = model.compiled.system.classes[self.class]
+            .facts
+            .conditions_read_fields;
         for field in self.fields.iter_mut().flatten() {
             if read {
                 field.solver.read(&mut field.readings, false);
@@ -686,7 +688,7 @@ pub fn differentiate(
     for range in directions.iter().chain([&answers]) {
         for d in range.clone() {
             let answer = d.checked_sub(answers.start);
-            if answer.is_some_and(|answer| class.differentiated.get(answer) == Some(&false)) {
+            if answer.is_some_and(|answer| class.facts.differentiated.get(answer) == Some(&false)) {
                 // nothing follows this answer
                 scratch.tangents[d * length..(d + 1) * length].fill([0.0; 2]);
                 continue;

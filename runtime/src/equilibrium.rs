@@ -11,8 +11,12 @@
 //! because the force that would hold it there is not part of the model. Only an angle of the cycle that the
 //! analysis states is held, and the report gives the effort.
 //!
+//! States of elements come to rest with the bodies ([`settling`]): creep has ended, pressures are even.
+//!
 //! In the balance of a steady motion the speeds that `start` and drives state continue, and the cycle's angle
 //! is held: it is the quasi-static start without the positions that `start` states.
+
+mod settling;
 
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -23,7 +27,7 @@ use crate::state::State;
 use crate::transient::{Observer, Sample};
 use eng_system::analysis::Static;
 use eng_system::code::Compiled;
-use eng_system::significant::short;
+use eng_system::dense::largest_difference;
 use eng_system::system::Extent;
 
 /// Rounds in which an angle of the cycle is held: the balance moves it by the square of its own moves.
@@ -127,8 +131,7 @@ fn equilibrium(
             turn::bring(model, state, at, true)?;
             state.velocity.fill(0.0);
             let again = balanced(model, state, terms)?.map_err(refused)?;
-            let moved = before.iter().zip(&state.pose);
-            let moved = moved.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+            let moved = largest_difference(&before, &state.pose);
             found = Equilibrium {
                 iterations: found.iterations + again.iterations,
                 portions: found.portions,
@@ -139,35 +142,22 @@ fn equilibrium(
             }
         }
     }
-    if !wanted.turning {
-        states_rest(model, state)?.map_or(Ok(()), |obstacle| Err(refused(obstacle)))?;
+    if wanted.turning {
+        return Ok(found);
     }
-    Ok(found)
-}
-
-/// A state of an element that changes though nothing moves: the balance holds for a moment only.
-fn states_rest(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeError> {
-    let mut dynamics = crate::dynamics::Dynamics::new(model);
-    dynamics.place(model, state.time, &state.pose, &state.velocity);
-    dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
-    dynamics.evaluate(model)?;
-    for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| e.dynamic) {
-        for (k, info) in model.class(index).states.iter().enumerate() {
-            let at = element.state + k;
-            let (rate, value) = (dynamics.rates()[at], state.states[at]);
-            let scale = model.state_scales[at].max(value.abs());
-            if rate.abs() > RESTS * scale {
-                return Ok(Some(Obstacle {
-                    origin: model.compiled.system.elements[index].origin.clone(),
-                    message: format!(
-                        "its state `{}` changes by {} % per second",
-                        info.name,
-                        short(100.0 * rate.abs() / scale, 4)
-                    ),
-                    carried: 0.0,
-                }));
-            }
+    if settling::moving(model, state)?.is_some() {
+        let mut last = None;
+        let balance = |state: &mut State| {
+            let again = balanced(model, state, terms)?;
+            Ok(again.map(|again| last = Some(again)))
+        };
+        settling::settle(model, state, balance)?.map_err(refused)?;
+        if let Some(again) = last {
+            found = again;
         }
     }
-    Ok(None)
+    match settling::moving(model, state)? {
+        Some(obstacle) => Err(refused(obstacle)),
+        None => Ok(found),
+    }
 }

@@ -603,6 +603,18 @@ pub enum RuntimeError {
         /// The body that moves on.
         body: Box<LeavingBody>,
     },
+    /// A small motion grows, so that no vibration about the state is steady.
+    #[error("the motion at {moment} is unstable: a mode of {} Hz grows by {} 1/s{}", short(*frequency, 5), short(*growth, 4), part.as_ref().map_or(String::new(), |part| format!(", most of it in {part}")))]
+    Grows {
+        /// When.
+        moment: Moment,
+        /// The frequency of the mode (Hz).
+        frequency: f64,
+        /// The rate at which it grows (1/s).
+        growth: f64,
+        /// The part with the most kinetic energy of the mode.
+        part: Option<String>,
+    },
     /// A motion that should repeat does not.
     #[error("the motion from {moment} on does not repeat after {} s: {what}{}", short(*period, 6), why.suffix())]
     NotRepeating {

@@ -206,6 +206,7 @@ impl Kinks {
             kinks.groups.push(Group {
                 batch: index,
                 own: class
+                    .facts
                     .kinks_read_accelerations
                     .then(|| elements::batches(model, &members, true))
                     .and_then(|made| made.into_iter().next()),

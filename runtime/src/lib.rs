@@ -85,7 +85,7 @@ pub use error::{
 };
 pub use integrator::{Damped, Statistics};
 pub use kinks::Overlooked;
-pub use linearised::{LinearModes, run_linear};
+pub use linearised::{FrequencyResponse, LinearModes, run_linear, run_response};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{
     CscView, Energy, Jump, Jumping, Options, Pace, Reading, Simulation, Slow, StepReport, Warning,

@@ -110,7 +110,7 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
 
 /// Whether an element loads bodies.
 fn loads(model: &Model, element: usize) -> bool {
-    model.elements[element].dynamic && model.class(element).applies_load
+    model.elements[element].dynamic && model.class(element).facts.applies_load
 }
 
 /// Whether a load responds to a motion, or to its velocity, at one of the [`WAYS`] along it.
@@ -299,7 +299,7 @@ pub fn sag(
             continue;
         };
         let held = [a, b].iter().any(|m| with_states(model.markers[*m].body));
-        if !element.dynamic || !model.class(index).applies_load || held {
+        if !element.dynamic || !model.class(index).facts.applies_load || held {
             continue;
         }
         let (Some((of_a, turn_a)), Some((of_b, turn_b))) = (displaced(a), displaced(b)) else {

@@ -11,6 +11,7 @@ use crate::error::NamedRow;
 use crate::rotation::V3;
 use crate::surface::SurfaceModel;
 use eng_system::code::Compiled;
+use eng_system::dense::largest_scaled;
 use eng_system::dimension::Dimension;
 use eng_system::field::FieldKernel;
 use eng_system::system::{ElementClass, Slot};
@@ -146,6 +147,11 @@ impl Model {
             value,
             is_length: info.dimension == Dimension::LENGTH,
         }
+    }
+
+    /// Largest of velocities or accelerations, each over its scale.
+    pub fn largest(&self, rates: &[f64]) -> f64 {
+        largest_scaled(rates, &self.velocity_scales())
     }
 
     /// Scale of each velocity: the length for a translation, one for a rotation, and for a modal rate the

@@ -321,7 +321,7 @@ impl Watch {
         for batch in &mut self.conditions {
             elements::gather(model, batch, from);
             let class = &model.compiled.system.classes[batch.class];
-            if class.conditions_read_fields {
+            if class.facts.conditions_read_fields {
                 let (time, scratch) = (from.time, &mut self.scratch);
                 batch.solve_fields_unless(model, time, Readings::Plain, solved, scratch)?;
             }

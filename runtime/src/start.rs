@@ -314,14 +314,78 @@ pub fn begin(model: &Model, state: &mut State, start: Start) -> Result<StartRepo
     })
 }
 
+/// Eccentricity ratios of the thinnest film at which further searches begin. A centred film has no wedge: derivatives there
+/// belong to one of many cavities, and a starved film has no pressure at all.
+const LEANS: [f64; 3] = [0.5, 0.8, 0.95];
+
 /// Brings a state into balance. If there is an obstacle, the state does not change.
+///
+/// # Errors
+/// Those of evaluation, such as a field that has no solution at the state.
 pub(crate) fn balanced(
     model: &Model,
     state: &mut State,
     terms: Terms,
 ) -> Result<Result<Equilibrium, Obstacle>, RuntimeError> {
+    has_fields(model, state)?;
+    let mut obstacle = match searched(model, state, terms, false)? {
+        Ok(found) => return Ok(Ok(found)),
+        Err(obstacle) => obstacle,
+    };
+    let rigid = model.bodies.iter().all(|body| body.modes() == 0);
+    let films = !model.compiled.system.journals.is_empty();
+    if !(rigid && films) || terms.rest {
+        return Ok(Err(obstacle));
+    }
+    if let Ok(found) = searched(model, state, terms, true)? {
+        return Ok(Ok(found));
+    }
+    for ratio in LEANS {
+        let leaning = Balance::new(model, state, terms, true)
+            .and_then(|mut balance| balance.leaning(state, ratio));
+        let Ok(Some(mut leaning)) = leaning else {
+            break;
+        };
+        if let Ok(found) = searched(model, &mut leaning, terms, true)? {
+            state.copy_from(&leaning);
+            return Ok(Ok(found));
+        }
+    }
+    if let Some((journal, ratio)) = closed_film(model, state) {
+        obstacle = Obstacle {
+            message: format!(
+                "the search begins with a gap below zero, because the assembly puts the pin at {} of the clearance: {}: {}",
+                short(ratio, 4),
+                obstacle.origin.path,
+                obstacle.message
+            ),
+            origin: journal,
+            ..obstacle
+        };
+    }
+    Ok(Err(obstacle))
+}
+
+/// The journal with the most eccentric pin, and its ratio, if this pin lies outside of its clearance.
+fn closed_film(model: &Model, state: &State) -> Option<(Origin, f64)> {
+    let system = &model.compiled.system;
+    let ratios = eccentricity::film_ratios(model, &state.pose);
+    let (journal, ratio) = (system.journals.iter().zip(ratios))
+        .max_by(|(_, a), (_, b)| a.total_cmp(b))
+        .filter(|(_, ratio)| *ratio >= 1.0)?;
+    let element = &system.elements[journal.element as usize];
+    Some((element.origin.clone(), ratio))
+}
+
+/// Searches from a state. If there is an obstacle, the state does not change.
+fn searched(
+    model: &Model,
+    state: &mut State,
+    terms: Terms,
+    again: bool,
+) -> Result<Result<Equilibrium, Obstacle>, RuntimeError> {
     let mut trial = state.clone();
-    let solved = Balance::new(model, &trial, terms).and_then(|mut b| b.solve(&mut trial));
+    let solved = Balance::new(model, &trial, terms, again).and_then(|mut b| b.solve(&mut trial));
     match solved {
         Ok(equilibrium) => {
             if let Some(obstacle) = forbidden(model, &trial)? {
@@ -332,5 +396,20 @@ pub(crate) fn balanced(
         }
         Err(balance::Stop::Obstacle(obstacle)) => Ok(Err(obstacle)),
         Err(balance::Stop::Error(error)) => Err(error),
+    }
+}
+
+/// Refuses a state at which a field has no solution: no search can begin there.
+fn has_fields(model: &Model, state: &State) -> Result<(), RuntimeError> {
+    let mut dynamics = Dynamics::new(model);
+    dynamics.place(model, state.time, &state.pose, &state.velocity);
+    dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
+    match dynamics.evaluate(model) {
+        Err(
+            error @ RuntimeError::NotFinite {
+                because: Some(_), ..
+            },
+        ) => Err(error),
+        _ => Ok(()),
     }
 }

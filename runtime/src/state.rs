@@ -25,6 +25,12 @@ pub struct State {
 }
 
 impl State {
+    /// The rate (1/s) at which the motion covers its own size, by its velocities and accelerations.
+    pub fn pace(&self, model: &Model) -> f64 {
+        let acceleration = model.largest(&self.acceleration);
+        model.largest(&self.velocity).max(libm::sqrt(acceleration))
+    }
+
     /// All bodies at the origin, at rest.
     pub fn new(model: &Model) -> State {
         let mut pose = vec![0.0; model.poses];

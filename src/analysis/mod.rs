@@ -7,7 +7,7 @@ mod run;
 use crate::lint::{self, Finding};
 use crate::machine::{Machine, at};
 use crate::model::{Model, Parameter};
-use crate::places::{at_first, place, set_by};
+use crate::places::{place, set_by, span};
 use crate::program::{Bodies, Program};
 use crate::recorded_field::RecordedField;
 use crate::results::{Recording, Results};
@@ -15,6 +15,7 @@ use crate::simulation::{SimulationBuilder, run_error_with};
 use crate::timings::{Clock, Timings};
 use crate::{Error, Quantity, RuntimeError};
 use eng_compiler::elaborate::{AnalysisPlan, Structural};
+use eng_runtime::linearised::FrequencyResponse;
 use eng_runtime::start::turn::{Turned, turn};
 use eng_runtime::{
     Advance, Assembled, LinearModes, Pace, PeriodicSummary, RunSummary, Slow, StartReport, Verdict,
@@ -110,6 +111,8 @@ pub struct Outcome {
     pub periodic: Option<PeriodicSummary>,
     /// Modes of a linear analysis, which are also the rows of `results`; absent after a failure.
     pub modes: Option<LinearModes>,
+    /// The response over frequency, whose amplitudes and phases are the rows of `results`; absent after a failure.
+    pub response: Option<FrequencyResponse>,
     /// Whether all this comes from an earlier run, and nothing was computed.
     pub made_before: bool,
     /// Processor time of the phases, if the analysis is [`Analysis::timed`].
@@ -544,15 +547,12 @@ impl Analysis {
         let argument =
             argument.and_then(|wanted| self.plan.arguments.iter().find(|(name, _)| name == wanted));
         run_error_with(&self.model, cause, |message| {
-            let message = match note {
-                Some(note) => message.with_note(note),
-                None => message,
-            };
+            let message = message.note_if(note);
             if of_analysis {
                 return place(message, &self.plan.origin, "of this analysis");
             }
             if let Some((name, at)) = argument {
-                return at_first(message, *at, &format!("this {name}"));
+                return message.moved_to(span(*at), format!("this {name}"));
             }
             let Some(path) = path else {
                 return message;

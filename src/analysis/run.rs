@@ -6,13 +6,14 @@ use crate::error::Error;
 use crate::repetition::Repetition;
 use crate::results::{Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, Table};
 use crate::timings::{Clock, Timings};
+use eng_runtime::linearised::FrequencyResponse;
 use eng_runtime::{
     Advance, CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, RuntimeError,
     Sample, Slow, StartReport, Verdict, Warning, run_assemble, run_linear, run_periodic,
-    run_static, run_transient,
+    run_response, run_static, run_transient,
 };
 use eng_system::recorded::recorded;
-use eng_system::system::{AnalysisKind, Location, Origin, Rows};
+use eng_system::system::{AnalysisKind, Location, Origin, Response, Rows};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -23,6 +24,7 @@ struct Solved {
     summary: Option<RunSummary>,
     periodic: Option<PeriodicSummary>,
     modes: Option<LinearModes>,
+    response: Option<FrequencyResponse>,
 }
 
 impl Analysis {
@@ -97,6 +99,11 @@ impl Analysis {
                 recorder.modes(&found);
                 solved.modes = Some(found);
             }
+            AnalysisKind::Response(response) => {
+                let found = run_response(compiled, overrides, response, recorder)?;
+                recorder.response(&found, response);
+                solved.response = Some(found);
+            }
             AnalysisKind::Static(wanted) => run_static(compiled, overrides, wanted, recorder)?,
             AnalysisKind::Assemble(_) => run_assemble(compiled, overrides, recorder)?,
         }
@@ -115,6 +122,7 @@ impl Analysis {
             start: None,
             periodic: None,
             modes: None,
+            response: None,
             made_before: true,
             timings: None,
         })
@@ -175,6 +183,7 @@ impl Analysis {
             start: recorder.start,
             periodic: solved.periodic,
             modes: solved.modes,
+            response: solved.response,
             made_before: false,
             timings: recorder.clock.map(|(_, spent)| spent),
         };
@@ -192,7 +201,9 @@ impl Analysis {
     fn header(&self) -> Result<Results, Error> {
         let system = &self.model.compiled().system;
         let mut results = Results::new(self.name(), self.model.name());
-        if self.plan.kind.rows() == Rows::Modes {
+        if let AnalysisKind::Response(response) = &self.plan.kind {
+            crate::response::push_columns(&mut results, system, response)?;
+        } else if self.plan.kind.rows() == Rows::Modes {
             let bound = eng_runtime::model::Model::bind(self.model.compiled(), &self.overrides)
                 .map_err(|cause| self.error(cause))?;
             crate::modes::push_columns(&mut results, &bound)?;
@@ -319,6 +330,21 @@ impl Recorder<'_> {
             let kept = self
                 .table
                 .push(crate::modes::row(modes, index, mode).into_iter());
+            if self.keep(kept).is_break() {
+                return;
+            }
+        }
+    }
+
+    fn response(&mut self, found: &FrequencyResponse, response: &Response) {
+        for (key, value) in crate::response::metadata(found, response) {
+            let stated = self.table.set_metadata(key, value);
+            if self.keep(stated).is_break() {
+                return;
+            }
+        }
+        for row in crate::response::rows(found) {
+            let kept = self.table.push(row.into_iter());
             if self.keep(kept).is_break() {
                 return;
             }

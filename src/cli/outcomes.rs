@@ -9,7 +9,7 @@ use crate::figures;
 use crate::post::Run;
 use crate::program::Program;
 use crate::run::RunOutcome;
-use crate::tables::{SummaryTable, modes, state};
+use crate::tables::{SummaryTable, modes, response, state};
 use crate::timings;
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::path::Path;
@@ -128,12 +128,15 @@ impl<'a> Outcomes<'a> {
             let path = or_stop(results.write_csv(folder), console)?;
             wrote(&path, arguments, console)?;
         }
-        // for a sweep the table over its points is more useful; modes and a single state have no history
-        let moves = !results.are_modes() && !results.is_state();
-        if !arguments.no_plots && outcome.point.is_empty() && moves {
+        // for a sweep the table over its points is more useful; modes and a single state have no figure of their own
+        let drawn = results.are_samples() || results.are_responses();
+        if !arguments.no_plots && outcome.point.is_empty() && drawn {
             let failed = results.failure().is_some();
             let run = Run::new(results, &outcome.machine);
-            let wanted = figures::of_run(&run);
+            let wanted = match results.are_responses() {
+                true => figures::of_response(results),
+                false => figures::of_run(&run),
+            };
             draw_all(&wanted, &[run], failed, folder, arguments, console)?;
         }
         Ok(())
@@ -175,6 +178,8 @@ fn summary(outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop>
     }
     if results.are_modes() {
         write!(console.output, "{}", modes::table(results))?;
+    } else if results.are_responses() {
+        write!(console.output, "{}", response::text(results))?;
     }
     Ok(())
 }

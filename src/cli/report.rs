@@ -100,6 +100,7 @@ struct Read {
 #[derive(Default)]
 struct Found {
     in_time: Vec<Read>,
+    /// Modes and responses.
     of_modes: Vec<Read>,
     /// Names of the analyses without results.
     missing: Vec<String>,
@@ -123,6 +124,15 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
             motion: None,
             files: vec![or_stop(hashed(&path), console)?],
         };
+        if read.results.are_responses() {
+            writeln!(
+                console.errors,
+                "note: {name} is a frequency response: the page shows it in reports of the text; `eng results {}` lists its outputs",
+                path.display()
+            )?;
+            found.of_modes.push(read);
+            continue;
+        }
         if read.results.are_modes() {
             writeln!(
                 console.errors,

@@ -17,7 +17,7 @@ use crate::quantity::{Quantity, QuantityError};
 use crate::render::visible_name;
 use crate::results::{Last, Recording, Selection, stem_of, writable};
 use crate::run::{Event, RunOutcome, run_many};
-use crate::tables::{modes, sweep};
+use crate::tables::{modes, response, sweep};
 use crate::timings::{self, Clock};
 use eng_grammar::Diagnostics;
 use eng_system::Dimension;
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     if !arguments.no_plots {
         let compared: Vec<Run<'_>> = completed
             .iter()
-            .filter(|o| o.point.is_empty() && !o.results.are_modes() && !o.results.is_state())
+            .filter(|o| o.point.is_empty() && o.results.are_samples())
             .map(|o| Run::new(&o.results, &o.machine))
             .collect();
         // without the failed analyses these figures differ from those of all analyses, so their names mark
@@ -213,11 +213,16 @@ fn over_points(
     folder: &Path,
     console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
+    let name = sweep::name(family);
     let (mut table, text) = if family.iter().all(|o| o.results.are_modes()) {
-        let name = sweep::name(family);
         (
-            modes::campbell(name, family),
+            sweep::stacked(name, family),
             modes::campbell_text(name, family),
+        )
+    } else if family.iter().all(|o| o.results.are_responses()) {
+        (
+            sweep::stacked(name, family),
+            response::text_of_sweep(name, family),
         )
     } else {
         let table = sweep::table(family);

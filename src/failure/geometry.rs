@@ -59,10 +59,9 @@ pub(super) fn open_loop(
         };
     }
     let message = with_lengths(message, chain, system);
-    let message = match rows.first() {
-        Some(row) => with_markers(message, &row.origin, system),
-        None => message,
-    };
+    let message = message.with_each(rows.first(), |message, row| {
+        with_markers(message, &row.origin, system)
+    });
     let message = with_guesses(message, chain, system);
     let starts = starts(chain, system);
     let open = |at: &Location| rows.iter().any(|row| row.origin.used_at == Some(*at));
@@ -71,10 +70,9 @@ pub(super) fn open_loop(
         message.also(span(*at), format!("{}: it must hold exactly", of.path))
     });
     let message = with_angle(message, chain, system).with_help(PLACING);
-    let message = match drive_of(&starts, system) {
-        Some(drive) => with_drive(message, drive, rows, system),
-        None => message,
-    };
+    let message = message.with_each(drive_of(&starts, system), |message, drive| {
+        with_drive(message, drive, rows, system)
+    });
     message.with_help(match starts.is_empty() {
         true => GUESSING,
         false => "each `start` must hold exactly: remove one that the loop decides, or replace it by a `guess`, where the search only begins",
@@ -95,7 +93,7 @@ fn drive_of<'a>(starts: &[(&Origin, Location)], system: &'a System) -> Option<&'
     system.elements.iter().find(|e| {
         let class = system.classes.get(e.class as usize);
         e.role == Role::Dynamic
-            && class.is_some_and(|class| class.rows_over_time)
+            && class.is_some_and(|class| class.facts.rows_over_time)
             && e.markers
                 .iter()
                 .filter_map(body)
@@ -164,12 +162,11 @@ pub(super) fn start_velocity(
         message = with_markers(message, &row.origin, system);
         message = with_angle(message, chain, system);
     }
-    let message = match chain {
-        Some(chain) => with_axes(message, chain).with_help(format!(
+    let message = message.with_each(chain, |message, chain| {
+        with_axes(message, chain).with_help(format!(
             "check that the joints of {chain} allow this motion; an axis may be turned by 90°, or a bore parallel to the axis of the crank"
-        )),
-        None => message,
-    };
+        ))
+    });
     message.with_help("a driven part and its start velocity must agree; leave one of them out")
 }
 
@@ -188,11 +185,7 @@ pub(super) fn locked(
         }
     }
     let message = with_lengths(message, chain, system);
-    match chain {
-        Some(chain) => with_axes(message, chain),
-        None => message,
-    }
-    .with_help(
+    message.with_each(chain, with_axes).with_help(
         "change a length or an axis, or take a joint with fewer equations; forces play no part",
     )
 }
@@ -413,8 +406,5 @@ fn with_angle(message: Diagnostic, chain: Option<&Chain>, system: &System) -> Di
             paths.join(", ")
         ))
     });
-    match wrong {
-        Some(note) => message.with_note(note),
-        None => message,
-    }
+    message.note_if(wrong)
 }

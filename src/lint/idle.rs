@@ -23,7 +23,7 @@ impl Start<'_> {
             .rotations
             .iter()
             .any(|rotation| [rotation.turning, rotation.reference] == [0, 1]);
-        if !class.rows.is_empty() || !class.applies_load || !turned {
+        if !class.rows.is_empty() || !class.facts.applies_load || !turned {
             return None;
         }
         let [a, b] = markers.map(|marker| self.marker(marker));
@@ -83,7 +83,7 @@ impl Start<'_> {
         let rigid = [a, b]
             .iter()
             .all(|body| self.model.bodies[*body].modes() == 0);
-        if !class.rows.is_empty() || !class.applies_load || a == b || !rigid {
+        if !class.rows.is_empty() || !class.facts.applies_load || a == b || !rigid {
             return None;
         }
         self.welded_to(a).contains(&b).then(|| {

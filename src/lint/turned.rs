@@ -184,7 +184,7 @@ fn stated_speeds(model: &Model) -> Vec<Origin> {
     let Compiled { system, bind, .. } = &model.compiled;
     let speed = Dimension::ANGLE.over(Dimension::TIME);
     let states = |element: &&Element| match element.role {
-        Role::Dynamic => system.classes[element.class as usize].rows_over_time,
+        Role::Dynamic => system.classes[element.class as usize].facts.rows_over_time,
         Role::StartVelocity { .. } => true,
         _ => false,
     };

@@ -7,8 +7,10 @@ use super::{PostError, Run};
 use crate::results::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
 use crate::tables::shifted;
 use eng_system::expression::{Chosen, Expression, Function, Limit, Operator, Part};
-use eng_system::recorded::{FREQUENCY, MODE};
+use eng_system::recorded::{FREQUENCY, MODE, PHASE};
+use eng_system::significant::short;
 use eng_system::system::Extent;
+use std::f64::consts::TAU;
 use std::rc::Rc;
 
 /// Share of a frequency within which a mode counts as near it.
@@ -104,8 +106,8 @@ impl<'r> Evaluator<'r> {
     /// The samples of a run. In a cycle that repeats the angle counts from its beginning.
     pub fn samples(&self, analysis: &str) -> Result<Samples, PostError> {
         let run = self.run(analysis)?;
-        let modes = run.results.are_modes();
-        let kept = |path: &str| match modes {
+        let (modes, responses) = (run.results.are_modes(), run.results.are_responses());
+        let kept = |path: &str| match modes || responses {
             true => None,
             false => run.results.column(path).map(|c| c.values.clone()),
         };
@@ -113,6 +115,7 @@ impl<'r> Evaluator<'r> {
         let mut samples = Samples {
             analysis: analysis.to_owned(),
             time: match (modes, run.results.column(TIME)) {
+                _ if responses => rows(FREQUENCY)?,
                 (true, _) => rows(MODE)?,
                 (false, Some(_)) => rows(TIME)?,
                 // rows of a table over the points of a sweep
@@ -192,11 +195,64 @@ impl<'r> Evaluator<'r> {
                 let track = self.track(of)?;
                 Value::Number(amplitude(*limit, *window, &track)?)
             }
+            Expression::AtFrequency(frequency, of) => {
+                Value::Number(self.at_frequency(*frequency, of)?)
+            }
             Expression::Mode(chosen, of) => Value::Number(self.mode(*chosen, &self.track(of)?)?),
         })
     }
 
     /// The value in a column for one of the modes.
+    /// The value of a column at a frequency (Hz): of the cubic through its four neighbours over the logarithm of the
+    /// frequency. An amplitude is interpolated in logarithms too, and a phase goes the shorter way.
+    fn at_frequency(&self, frequency: f64, of: &Expression) -> Result<f64, PostError> {
+        let track = self.track(of)?;
+        let (frequencies, values) = (&track.samples.time, &track.values);
+        let (Some(low), Some(high)) = (frequencies.first(), frequencies.last()) else {
+            return Err(PostError::Few {
+                analysis: track.samples.analysis.clone(),
+                count: 0,
+            });
+        };
+        if !(*low..=*high).contains(&frequency) {
+            return Err(PostError::OutsideResponse {
+                analysis: track.samples.analysis.clone(),
+                frequency: limit_text(Limit::Frequency(frequency)),
+                range: format!("{} to {} Hz", short(*low, 6), short(*high, 6)),
+            });
+        }
+        let next = frequencies.partition_point(|f| *f < frequency);
+        let first = next
+            .saturating_sub(2)
+            .min(frequencies.len().saturating_sub(4));
+        let near = first..(first + 4).min(frequencies.len()).min(values.len());
+        let of_phase = matches!(of, Expression::Channel { path, .. } if path.ends_with(PHASE));
+        let own = &values[near.clone()];
+        let in_logarithms = !of_phase && own.iter().all(|y| *y > 0.0);
+        let about = own.first().copied().unwrap_or(f64::NAN);
+        let even = |y: f64| match (of_phase, in_logarithms) {
+            (true, _) => y - TAU * ((y - about) / TAU).round(),
+            (false, true) => libm::log(y),
+            (false, false) => y,
+        };
+        let along: Vec<f64> = frequencies[near]
+            .iter()
+            .map(|f| libm::log(f / frequency))
+            .collect();
+        // Lagrange's polynomials at zero
+        let mut found = 0.0;
+        for (j, y) in own.iter().enumerate() {
+            let others = along.iter().enumerate().filter(|(k, _)| *k != j);
+            let weight: f64 = others.map(|(_, x)| x / (x - along[j])).product();
+            found += weight * even(*y);
+        }
+        Ok(match (of_phase, in_logarithms) {
+            (true, _) => found - TAU * (found / TAU).round(),
+            (false, true) => libm::exp(found),
+            (false, false) => found,
+        })
+    }
+
     fn mode(&self, chosen: Chosen, track: &Track) -> Result<f64, PostError> {
         let analysis = &track.samples.analysis;
         let numbers = &track.samples.time;

@@ -79,6 +79,16 @@ pub enum PostError {
         /// The difference.
         detail: String,
     },
+    /// A frequency outside of a response.
+    #[error("{analysis} has no response at {frequency}: it reaches from {range}")]
+    OutsideResponse {
+        /// The analysis.
+        analysis: String,
+        /// The frequency.
+        frequency: String,
+        /// Its frequencies.
+        range: String,
+    },
     /// Samples without equal distances.
     #[error(
         "{0}: the samples are evenly spaced neither in time nor in crank angle; run it with a `sample:` at which they are"

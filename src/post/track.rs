@@ -11,7 +11,7 @@ use std::rc::Rc;
 pub(super) struct Samples {
     /// The analysis.
     pub analysis: String,
-    /// Time (s); the numbers of the modes for a linear analysis.
+    /// Time (s); the numbers of the modes for a linear analysis; the frequencies (Hz) of a response.
     pub time: Vec<f64>,
     /// Cycle angle (rad), if there is a cycle.
     pub angle: Option<Vec<f64>>,

@@ -138,10 +138,12 @@ pub struct Results {
     metadata: BTreeMap<String, String>,
 }
 
-/// Key of the metadata for the kind of rows, with its value for modes.
+/// Key of the metadata for the kind of rows. Samples of a motion have none.
 pub const ROWS: &str = "rows";
 /// See [`ROWS`].
 pub const MODES: &str = "modes";
+/// See [`ROWS`].
+pub const FREQUENCIES: &str = "frequencies";
 /// See [`ROWS`].
 pub const ONE_STATE: &str = "state";
 /// Columns of every mode.
@@ -240,6 +242,16 @@ impl Results {
     /// Whether the only row is a state: the assembled one, or the equilibrium.
     pub fn is_state(&self) -> bool {
         self.metadata.get(ROWS).map(String::as_str) == Some(ONE_STATE)
+    }
+
+    /// Whether rows are the frequencies of a response.
+    pub fn are_responses(&self) -> bool {
+        self.metadata.get(ROWS).map(String::as_str) == Some(FREQUENCIES)
+    }
+
+    /// Whether rows are samples of a motion.
+    pub fn are_samples(&self) -> bool {
+        !self.metadata.contains_key(ROWS)
     }
 
     /// Number of samples in each column.

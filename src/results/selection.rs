@@ -74,10 +74,11 @@ impl Selection {
         &self.patterns
     }
 
-    /// Whether each column is kept. Time and cycle are always kept, and the frequencies of modes too. A
+    /// Whether each column is kept. Time and cycle are always kept, and the frequencies of modes and responses too. A
     /// pattern that matches no column is an error.
     pub fn of(&self, results: &Results) -> Result<Vec<bool>, ResultsError> {
         let modes = results.are_modes();
+        let responses = results.are_responses();
         let paths = || results.columns().iter().map(|c| c.path.as_str());
         for pattern in &self.patterns {
             if !paths().any(|path| matches(pattern, path)) {
@@ -98,6 +99,7 @@ impl Selection {
                 self.patterns.is_empty()
                     || [TIME, CYCLE_ANGLE, CYCLE_SPEED].contains(&path)
                     || (modes && super::COLUMNS_OF_MODES.contains(&path))
+                    || (responses && path == super::FREQUENCY)
                     || self.patterns.iter().any(|pattern| matches(pattern, path))
             })
             .collect())

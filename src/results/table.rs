@@ -75,16 +75,18 @@ impl Table {
         if let Some(last) = recording.last
             && header.column(last.path()).is_none()
         {
-            return Err(ResultsError::Last(match header.are_modes() {
-                true => format!(
-                    "{} has no last part: its rows are modes, not samples; name the analyses in time by --analysis, or leave --last out",
-                    header.analysis()
-                ),
-                false => format!(
-                    "the last part can't be an angle: {} has no cycle",
-                    header.model()
-                ),
-            }));
+            return Err(ResultsError::Last(
+                match header.metadata().get(super::ROWS) {
+                    Some(rows) => format!(
+                        "{} has no last part: its rows are {rows}, not samples; name the analyses in time by --analysis, or leave --last out",
+                        header.analysis()
+                    ),
+                    None => format!(
+                        "the last part can't be an angle: {} has no cycle",
+                        header.model()
+                    ),
+                },
+            ));
         }
         let mut table = Table {
             rows: vec![Vec::new(); header.columns().len()],

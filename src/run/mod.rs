@@ -259,7 +259,8 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             let file = crate::results::file_stem(&name) + ".parquet";
             !folder.join(file).is_file()
         };
-        let moves = !system.bodies.is_empty() && !outcome.results.are_modes();
+        let of_motion = outcome.results.are_samples() || outcome.results.is_state();
+        let moves = !system.bodies.is_empty() && of_motion;
         if moves && analysis.recorded_to().is_some_and(gone) {
             facts.push("its motion is missing: run it without --resume to make it".to_owned());
         }
@@ -285,6 +286,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     if let Some(modes) = &outcome.modes {
         facts.extend(crate::modes::facts(modes));
         facts.extend(analysis.facts_of_matrices(modes));
+    }
+    if let Some(response) = &outcome.response {
+        facts.extend(crate::response::facts(response));
     }
     if let Some(summary) = &outcome.summary {
         let s = &summary.statistics;
@@ -314,8 +318,8 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         false => grid_errors(&machine, &outcome.motion),
     };
     facts.extend(errors.iter().map(GridError::text));
-    if outcome.results.are_modes() {
-        // modes have no orbits and no peaks
+    if outcome.results.are_modes() || outcome.results.are_responses() {
+        // these have no orbits and no peaks
         machine.journals.clear();
         machine.summaries.clear();
     }

@@ -2,6 +2,7 @@
 
 mod cycle;
 pub(crate) mod modes;
+pub(crate) mod response;
 pub(crate) mod state;
 mod summary;
 pub(crate) mod sweep;

@@ -2,7 +2,7 @@
 
 use super::Table;
 use crate::modes::{are_frozen, are_of_a_period, composition, values};
-use crate::results::{Column, Results};
+use crate::results::Results;
 use crate::run::RunOutcome;
 use eng_system::significant::significant;
 
@@ -78,50 +78,6 @@ fn mark(results: &Results) -> &'static str {
     } else {
         ""
     }
-}
-
-/// The modes of all points of a sweep, one below the other: the point's variables, then the columns of each.
-pub(crate) fn campbell(name: &str, family: &[&RunOutcome]) -> Results {
-    let Some(first) = family.first() else {
-        return Results::new("", "");
-    };
-    let mut table = first.results.without_columns();
-    let mut all = Results::new(name, table.model());
-    for (key, value) in table.metadata() {
-        // metadata of a single point are left out
-        if !key.starts_with("point.") && !key.starts_with("start") && key != "identity" {
-            all.set_metadata(key, value);
-        }
-    }
-    table = all;
-    // names differ and lengths are equal, so no column is refused
-    let mut push = |column: Column| {
-        let _ = table.push(column);
-    };
-    for (k, point) in first.point.iter().enumerate() {
-        let own = |o: &&RunOutcome| {
-            let value = o.point.get(k).map_or(f64::NAN, |p| p.value);
-            vec![value; o.results.samples()]
-        };
-        push(Column {
-            path: point.name.clone(),
-            dimension: point.dimension,
-            display: point.display.clone(),
-            frame: String::new(),
-            values: family.iter().flat_map(own).collect(),
-        });
-    }
-    for column in first.results.columns() {
-        let own = |o: &&RunOutcome| match values(&o.results, &column.path) {
-            Some(values) => values.to_vec(),
-            None => vec![f64::NAN; o.results.samples()],
-        };
-        push(Column {
-            values: family.iter().flat_map(own).collect(),
-            ..column.clone()
-        });
-    }
-    table
 }
 
 /// Frequencies and damping of the slowest oscillations, with a line for each point.

@@ -20,6 +20,23 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
+/// The largest magnitude, 0 of no number.
+pub fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// The largest magnitude of numbers over their scales.
+pub fn largest_scaled(values: &[f64], scales: &[f64]) -> f64 {
+    let pairs = values.iter().zip(scales);
+    pairs.fold(0.0, |most, (x, scale)| most.max((x / scale).abs()))
+}
+
+/// The largest difference between numbers of two lists.
+pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    let pairs = a.iter().zip(b);
+    pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
 /// `out += factor x`.
 #[inline]
 pub fn add_scaled(out: &mut [f64], factor: f64, x: &[f64]) {

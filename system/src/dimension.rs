@@ -182,6 +182,22 @@ impl DisplayUnit {
         }
     }
 
+    /// The unit of a change of a quantity in this unit per change of one in another unit. Changes have no shifted
+    /// zero.
+    pub fn over(&self, other: &DisplayUnit) -> DisplayUnit {
+        let symbol = match (self.symbol.as_str(), other.symbol.as_str()) {
+            (own, other) if own == other => "1".to_owned(),
+            (own, "1") => own.to_owned(),
+            (own, other) if other.contains(['*', '/']) => format!("{own}/({other})"),
+            (own, other) => format!("{own}/{other}"),
+        };
+        DisplayUnit {
+            symbol,
+            scale: self.scale / other.scale,
+            offset: 0.0,
+        }
+    }
+
     /// The shown number of an SI value.
     pub fn from_si(&self, si: f64) -> f64 {
         (si - self.offset) / self.scale

@@ -42,6 +42,8 @@ pub enum Expression {
     Amplitude(Limit, Window, Box<Expression>),
     /// The value in a column of a linear analysis for one of its modes.
     Mode(Chosen, Box<Expression>),
+    /// The value of a column of a response at a frequency (Hz).
+    AtFrequency(f64, Box<Expression>),
     /// 20·log₁₀ of a number or of each sample over a reference.
     Decibel(f64, Box<Expression>),
     /// One number from several: the sum, the smallest or the largest.
@@ -162,6 +164,7 @@ impl Expression {
             | Expression::Reduce(_, of)
             | Expression::Amplitude(_, _, of)
             | Expression::Mode(_, of)
+            | Expression::AtFrequency(_, of)
             | Expression::Decibel(_, of)
             | Expression::Not(of) => vec![of],
             Expression::Binary(_, left, right) | Expression::Resample(left, right) => {

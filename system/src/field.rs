@@ -56,6 +56,8 @@ pub struct KernelResult {
     pub count: u32,
     /// Its usual size where the first answer is 1 (SI). Static modes of flexible bodies follow from it.
     pub size: f64,
+    /// Whether it measures errors of the steps. Such a result does not repeat in a motion that repeats.
+    pub of_steps: bool,
 }
 
 /// A quantity in the cells of a kernel.
@@ -156,6 +158,7 @@ const fn result(name: &'static str, dimension: Dimension, count: u32, size: f64)
         dimension,
         count,
         size,
+        of_steps: false,
     }
 }
 
@@ -251,7 +254,10 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("last_wave_share", ONE, 1, 1.0),
         result("cavitated", ONE, 1, 1.0),
         result("content", ONE, 1, 1.0),
-        result("unexplained_flow", FLOW, 1, 1e-6),
+        KernelResult {
+            of_steps: true,
+            ..result("unexplained_flow", FLOW, 1, 1e-6)
+        },
         result("stiffness", of(0, 1, -2, 0), 4, 1.0),
         result("damping", of(0, 1, -1, 0), 4, 1.0),
     ],
@@ -392,7 +398,7 @@ impl FieldGrid {
 pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// A solver with memory of its own. `differentiated` states for each answer of the kernel's row whether
     /// its derivatives are read
-    /// ([`ElementClass::differentiated`](crate::system::ElementClass::differentiated)); of answers beyond its
+    /// ([`ClassFacts::differentiated`](crate::system::ClassFacts::differentiated)); of answers beyond its
     /// end they are.
     fn solver(&self, differentiated: &[bool]) -> Box<dyn FieldSolver>;
     /// Count of numbers that the field keeps from one moment to the next, such as the oil in the cells of a

@@ -1,5 +1,6 @@
 //! The columns that a run records of a system, in order.
 
+use crate::analysis::{Names, Response};
 use crate::system::{BodyInertia, Role, System};
 use crate::{Dimension, DisplayUnit};
 use std::f64::consts::PI;
@@ -37,7 +38,7 @@ pub const RIGID: &str = ".rigid";
 pub const POTENTIAL: &str = "potential.";
 /// Before the path of a part that loses energy: its share.
 pub const LOST: &str = "lost.";
-/// After a channel's path: its phase in a mode.
+/// After a channel's path: its phase in a mode, or against an input.
 pub const PHASE: &str = ".phase";
 
 /// A column of results without its numbers.
@@ -126,7 +127,7 @@ pub fn of_modes(system: &System) -> Vec<Recorded> {
             .iter()
             .filter(|element| {
                 let class = system.classes.get(element.class as usize);
-                element.role == Role::Dynamic && class.is_some_and(|class| class.applies_load)
+                element.role == Role::Dynamic && class.is_some_and(|class| class.facts.applies_load)
             })
             .map(|element| element.origin.path.as_str()),
     );
@@ -144,15 +145,40 @@ pub fn of_modes(system: &System) -> Vec<Recorded> {
             },
             frame: channel.frame.clone(),
         });
-        let phase = format!("{}{PHASE}", channel.path);
-        columns.push(Recorded::scalar(
-            &phase,
-            Dimension::ANGLE,
-            "deg",
-            PI / 180.0,
-        ));
+        columns.push(phase_of(&channel.path));
     }
     columns
+}
+
+/// The columns of a frequency response, in which each row is a frequency: the frequency, amplitude per unit of
+/// the input and phase of each output. `None` if the input or an output does not exist.
+pub fn of_response(system: &System, response: &Response) -> Option<Vec<Recorded>> {
+    let [inputs, outputs] = [
+        (Names::Inputs, &response.about.inputs),
+        (Names::Channels, &response.about.outputs),
+    ]
+    .map(|(names, stated)| names.indices(stated, &system.paths_of(names)).ok());
+    let input = system.inputs.get(*inputs?.first()?)?;
+    let input = system.parameters.get(input.parameter as usize)?;
+    let per_time = Dimension::ONE.over(Dimension::TIME);
+    let mut columns = vec![Recorded::scalar(FREQUENCY, per_time, "Hz", 1.0)];
+    for output in outputs? {
+        let channel = system.channels.get(output)?;
+        columns.push(Recorded {
+            path: channel.path.clone(),
+            dimension: channel.dimension.over(input.dimension),
+            display: channel.display.over(&input.display),
+            frame: channel.frame.clone(),
+        });
+        columns.push(phase_of(&channel.path));
+    }
+    Some(columns)
+}
+
+/// The column of a channel's phase.
+fn phase_of(path: &str) -> Recorded {
+    let path = format!("{path}{PHASE}");
+    Recorded::scalar(&path, Dimension::ANGLE, "deg", PI / 180.0)
 }
 
 fn cycle_speed() -> Recorded {

@@ -5,8 +5,8 @@
 //! text.
 
 pub use crate::analysis::{
-    Analysis, AnalysisKind, Extent, Integration, Linear, Names, Periodic, PointValue, Rows, Start,
-    StepControl, Transient,
+    Analysis, AnalysisKind, Extent, Integration, Linear, Names, Periodic, PointValue, Response,
+    Rows, Start, StepControl, Transient,
 };
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::layout::InputLayout;
@@ -242,24 +242,9 @@ pub struct Kink {
     pub defined_at: Option<Location>,
 }
 
-/// The data that all instances of one class of elements share. [`crate::code`] describes the functions of its
-/// code.
+/// Facts about the functions of a class of elements that spare their evaluation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ElementClass {
-    /// `Revolute`.
-    pub name: String,
-    /// The layout of its functions' inputs.
-    pub layout: InputLayout,
-    /// Constraint equations, one in each row.
-    pub rows: Vec<Row>,
-    /// Own unknowns.
-    pub states: Vec<StateInfo>,
-    /// Outputs in the order of the outputs function.
-    pub outputs: Vec<OutputInfo>,
-    /// Conditions in the order of the conditions function.
-    pub conditions: Vec<Condition>,
-    /// Kinks in the order of the kinks function.
-    pub kinks: Vec<Kink>,
+pub struct ClassFacts {
     /// Whether the rates of kink functions depend on accelerations, rates of states or signals.
     pub kinks_read_accelerations: bool,
     /// Number of the arguments of sines whose rates (rad/s) follow the kink functions: those in kink functions of the
@@ -278,6 +263,28 @@ pub struct ElementClass {
     /// Whether its loads, the rates of its states or the drives of its fields depend on each answer of its
     /// fields, so that the derivatives of this answer are needed. Outputs alone need its value.
     pub differentiated: Vec<bool>,
+}
+
+/// The data that all instances of one class of elements share. [`crate::code`] describes the functions of its
+/// code.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementClass {
+    /// `Revolute`.
+    pub name: String,
+    /// The layout of its functions' inputs.
+    pub layout: InputLayout,
+    /// Constraint equations, one in each row.
+    pub rows: Vec<Row>,
+    /// Own unknowns.
+    pub states: Vec<StateInfo>,
+    /// Outputs in the order of the outputs function.
+    pub outputs: Vec<OutputInfo>,
+    /// Conditions in the order of the conditions function.
+    pub conditions: Vec<Condition>,
+    /// Kinks in the order of the kinks function.
+    pub kinks: Vec<Kink>,
+    /// Dependencies of its functions.
+    pub facts: ClassFacts,
     /// Length of the tape between `linearize` and `tangent`.
     pub tape: u32,
 }
@@ -285,7 +292,7 @@ pub struct ElementClass {
 impl ElementClass {
     /// Number of outputs of its kinks function: four for each kink function, and the rates of the arguments of sines.
     pub fn kink_outputs(&self) -> usize {
-        4 * self.kinks.len() + self.kink_phases as usize
+        4 * self.kinks.len() + self.facts.kink_phases as usize
     }
 }
 
@@ -393,6 +400,8 @@ pub struct Channel {
     pub display: DisplayUnit,
     /// The axes it is in, as a path (`block.main[5]`, `ground`); empty for a scalar.
     pub frame: String,
+    /// Whether it measures errors of the steps. It need not repeat in a motion that repeats.
+    pub of_steps: bool,
 }
 
 /// The machine's cycle.

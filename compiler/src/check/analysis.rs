@@ -332,7 +332,9 @@ impl<'p> Checker<'p> {
 fn plain_type(takes: Takes) -> Type {
     let of = |dimension: Dimension| Type::Scalar(Quantity::hard(dimension));
     match takes {
-        Takes::Number | Takes::Start | Takes::Names(_) => Type::one(),
+        Takes::Number | Takes::Start => Type::one(),
+        // names have no type
+        Takes::Names(_) => Type::Error,
         Takes::Count => Type::Int,
         Takes::Time | Takes::Extent(_) => of(Dimension::TIME),
         Takes::Angle => of(Dimension::ANGLE),

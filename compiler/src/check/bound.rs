@@ -40,10 +40,8 @@ impl Called<'_> {
     }
 
     fn shown(&self, message: Diagnostic) -> Diagnostic {
-        match self.example {
-            Some(example) => message.with_help(format!("for instance `{example}`")),
-            None => message,
-        }
+        let shown = |example| format!("for instance `{example}`");
+        message.help_if(self.example.map(shown))
     }
 
     /// The message for parameters that have no argument.

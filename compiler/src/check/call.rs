@@ -494,9 +494,7 @@ impl<'p> Checker<'p> {
         }
         if let Some(first) = given.missing.first().and_then(|at| slots.get(*at)) {
             let mut message = called.missing(&given.missing, span);
-            if let Some(place) = first.span {
-                message = message.also(place, "declared here");
-            }
+            message = message.also_if(first.span, "declared here");
             if !first.ty.is_error() {
                 message =
                     message.with_note(format!("`{}` is {}", first.name, self.describe(&first.ty)));
@@ -689,9 +687,7 @@ impl<'p> Checker<'p> {
                 ),
             )
             .at(expr.span, format!("nothing states `{}`", extra.name));
-            if let Some(span) = extra.span {
-                message = message.also(span, "has no default");
-            }
+            message = message.also_if(extra.span, "has no default");
             self.report(message.with_help(format!(
                 "write `{class_name}({}: …)` here (in an analysis, the name of such a definition), or give the parameter a default",
                 extra.name

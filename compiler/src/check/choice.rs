@@ -132,10 +132,7 @@ impl<'p> Checker<'p> {
             format!("`{word}` is no word of the choice `{}`", choice.name.text),
         )
         .at(span, "not among its words");
-        let message = match nearest(word, words()) {
-            Some(near) => message.meant(span, near),
-            None => message,
-        };
+        let message = message.meant_if(span, nearest(word, words()));
         self.report(message.with_note(format!("its words are {}", listing(words(), 12))));
     }
 

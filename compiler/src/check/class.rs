@@ -446,12 +446,10 @@ impl<'p> Checker<'p> {
             declaration.kind_span,
             format!("declared as {}", with_article(kind_word(kind))),
         );
-        if let Some(declared) = self.declaration(id) {
-            message = message.also(
-                declared.name.span,
-                format!("defined as {}", with_article(found_word)),
-            );
-        }
+        message = message.also_if(
+            self.declaration(id).map(|declared| declared.name.span),
+            format!("defined as {}", with_article(found_word)),
+        );
         if let Some(right) = right {
             let title = format!("write `{right} {} = {class}(…)`", declaration.name.text);
             message = message.with_fix(title, declaration.kind_span, right);

@@ -357,14 +357,13 @@ impl<'p> Checker<'p> {
             .get(span.source)
             .and_then(|source| source.text.get(..span.start as usize))
             .and_then(|text| text.rfind(word));
-        match before {
-            Some(start) => message.with_fix(
+        message.with_each(before, |message, start| {
+            message.with_fix(
                 "write `const`",
                 Span::new(span.source, start, start + word.len()),
                 "const",
-            ),
-            None => message,
-        }
+            )
+        })
     }
 
     /// Checks a `const`, `param`, `let`, `state` or `output`, and gives its type.

@@ -296,9 +296,13 @@ impl<'p> Checker<'p> {
         let joined = match (a, b) {
             (Type::Int, Type::Int) => return Type::Int,
             (Type::Signal { rows, .. }, Type::Signal { rows: others, .. }) => {
-                // a list may hold modes of several analyses
-                let of_modes = [rows, others].map(|rows| matches!(rows, SignalRows::Modes(_)));
-                if of_modes != [true; 2] && self.common_rows(b_span, a, b).is_none() {
+                // a list may hold modes, or frequencies, of several analyses
+                let alike = matches!(
+                    (rows, others),
+                    (SignalRows::Modes(_), SignalRows::Modes(_))
+                        | (SignalRows::Frequencies(_), SignalRows::Frequencies(_))
+                );
+                if !alike && self.common_rows(b_span, a, b).is_none() {
                     return Type::Error;
                 }
                 let of_row = self.join((&a.row(), a_span), (&b.row(), b_span), what);

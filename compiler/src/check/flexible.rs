@@ -457,9 +457,7 @@ impl<'p> Checker<'p> {
             Diagnostic::error(codes::FLEXIBLE, format!("`{name}` is not known for {what}"))
                 .at(value.span, "not known")
                 .with_note(format!("known are {}", listing(known.iter().copied(), 12)));
-        if let Some(near) = nearest(name, known.iter().copied()) {
-            message = message.meant(value.span, near);
-        }
+        message = message.meant_if(value.span, nearest(name, known.iter().copied()));
         self.report(message);
     }
 

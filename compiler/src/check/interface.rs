@@ -59,10 +59,10 @@ impl<'p> Checker<'p> {
             let message =
                 Diagnostic::error(codes::INTERFACE, format!("`{}` is no interface", name.text))
                     .at(name.span, "an interface is expected here");
-            let message = match self.declaration(other) {
-                Some(other) => message.also(other.name.span, "defined here"),
-                None => message,
-            };
+            let message = message.also_if(
+                self.declaration(other).map(|other| other.name.span),
+                "defined here",
+            );
             return self.report(message);
         }
         let mut interfaces: Vec<&str> = self
@@ -494,13 +494,12 @@ impl<'p> Checker<'p> {
                 "tables, orbits and the start read these items of every journal",
             )
         };
-        let message = match self.program.interface_of(id) {
-            Some(other) => message.with_note(format!(
+        let message = message.with_each(self.program.interface_of(id), |message, other| {
+            message.with_note(format!(
                 "it fills `{}`, which is another interface",
                 self.class_name(other)
-            )),
-            None => message,
-        };
+            ))
+        });
         self.report(message.with_help(format!(
             "give parameters and outputs these names and write `: {name}` after the parameters, with `use {module}.{name}`; an element without a film is a `force`"
         )));

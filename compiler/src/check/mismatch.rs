@@ -35,10 +35,9 @@ impl Due {
     }
 
     fn label(&self, message: Diagnostic) -> Diagnostic {
-        match &self.declared {
-            Some((span, text)) => message.also(*span, text.clone()),
-            None => message,
-        }
+        message.with_each(&self.declared, |message, (span, text)| {
+            message.also(*span, text.clone())
+        })
     }
 }
 
@@ -525,9 +524,10 @@ impl<'p> Checker<'p> {
                 }
             }
             Some(unit) => {
-                if let Some(usual) = self.unit_for(due.unit.as_deref(), wanted) {
-                    message = message.with_help(self.other_unit(wanted, &usual, unit));
-                }
+                message = message.help_if(
+                    self.unit_for(due.unit.as_deref(), wanted)
+                        .map(|usual| self.other_unit(wanted, &usual, unit)),
+                );
             }
             None => {
                 message = message.with_help("multiply or divide by `1 rad` if you intend that");

@@ -62,5 +62,4 @@ impl<'p> Checker<'p> {
     }
 }
 
-const EXAMPLE: &str =
-    "for instance `linear(Model(), inputs: [brake], outputs: [speed, main[1..5].force])`";
+const EXAMPLE: &str = "names are such as `brake` or `[speed, main[1..5].force]`";

@@ -58,6 +58,11 @@ impl Checker<'_> {
                 .with_help(format!(
                     "take one of them: `mode({text}, 1)`, `mode({text}, 100 Hz)`, `minimum({text})`, …"
                 )),
+            (Type::Signal { rows: SignalRows::Frequencies(_), .. }, Shape::Number) => message
+                .with_note("a column of a response has a number at each frequency")
+                .with_help(format!(
+                    "take one of them: `at_frequency({text}, 100 Hz)`, `maximum({text})`, …"
+                )),
             (Type::Signal { .. }, Shape::Number) => message
                 .with_note("a signal is a number at each sample of a run")
                 .with_help(format!(
@@ -71,25 +76,30 @@ impl Checker<'_> {
         None
     }
 
-    /// Reports a signal of modes in a function that needs samples of a run.
+    /// Reports a signal of modes or frequencies in a function that needs samples of a run.
     pub(super) fn of_samples(&mut self, expr: &Expr, found: &Type, name: &str) -> Option<()> {
-        let Type::Signal {
-            rows: SignalRows::Modes(analysis),
-            ..
-        } = found
-        else {
+        let Type::Signal { rows, .. } = found else {
+            return Some(());
+        };
+        let (Some(analysis), words) = (rows.of_analysis(), rows.words()) else {
             return Some(());
         };
         let text = self.sources.text(expr.span);
-        self.report(
-            Diagnostic::error(
-                codes::REPORT_SHAPE,
-                format!("`{name}` takes samples of a run, and `{analysis}` gives modes"),
-            )
-            .at(expr.span, "a row for each mode, not for each sample")
-            .with_note("for modes there are `mode`, `minimum`, `maximum`, operators and, in a `campbell`, `modes:`")
-            .with_help(format!("for instance `mode({text}, 1)`, or of that near a frequency `mode({text}, 100 Hz)`")),
+        let message = Diagnostic::error(
+            codes::REPORT_SHAPE,
+            format!("`{name}` takes samples of a run, and `{analysis}` gives {words}"),
         );
+        let message = match rows {
+            SignalRows::Frequencies(_) => message
+                .at(expr.span, "a row for each frequency, not for each sample")
+                .with_note("for a response there are `at_frequency`, `minimum`, `maximum`, `maximum_at`, operators and the figures `bode` and `xy`")
+                .with_help(format!("for instance `at_frequency({text}, 100 Hz)`")),
+            _ => message
+                .at(expr.span, "a row for each mode, not for each sample")
+                .with_note("for modes there are `mode`, `minimum`, `maximum`, operators and, in a `campbell`, `modes:`")
+                .with_help(format!("for instance `mode({text}, 1)`, or of that near a frequency `mode({text}, 100 Hz)`")),
+        };
+        self.report(message);
         None
     }
 
@@ -103,6 +113,14 @@ impl Checker<'_> {
                     (SignalRows::Modes(first), SignalRows::Modes(second)) => (
                         format!("modes of `{first}` are combined with modes of `{second}`"),
                         "their numbers need not be those of the same modes",
+                    ),
+                    (SignalRows::Frequencies(first), SignalRows::Frequencies(second)) => (
+                        format!("frequencies of `{first}` are combined with those of `{second}`"),
+                        "each response has frequencies of its own about its resonances",
+                    ),
+                    (SignalRows::Frequencies(_), _) | (_, SignalRows::Frequencies(_)) => (
+                        format!("{} are combined with {}", first.words(), second.words()),
+                        "their rows are of different kinds",
                     ),
                     _ => (
                         "modes are combined with samples".to_owned(),
@@ -118,7 +136,7 @@ impl Checker<'_> {
         self.report(
             Diagnostic::error(codes::REPORT_SHAPE, title)
                 .at(span, label)
-                .with_help("make numbers of both before: `mode(x, 100 Hz)`, `rms(y)`"),
+                .with_help("make numbers of both before: `mode(x, 100 Hz)`, `at_frequency(x, 100 Hz)`, `rms(y)`"),
         );
         None
     }

@@ -150,12 +150,11 @@ impl<'p> Checker<'p> {
         let message = places.fold(message, |message, (place, _)| {
             message.also(place, "and here")
         });
-        let message = match before.map(text) {
-            Some(value) => message.with_note(format!(
+        let message = message.with_each(before.map(text), |message, value| {
+            message.with_note(format!(
                 "the unit of `{first}` ends before `{value}`, which is a value and no unit"
-            )),
-            None => message,
-        };
+            ))
+        });
         let message = message.with_fix(
             "write the whole unit before the values",
             number.span.to(right.span),

@@ -229,9 +229,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             codes::CHANNEL_TWICE,
             format!("two columns of the results are called {path}"),
         );
-        if let Some(span) = second {
-            message = message.at(span, "one of this");
-        }
+        message = message.at_if(second, "one of this");
         message = match first {
             Some(span) => message.also(span, "one of this"),
             None => message.with_note("it is a column of every run"),
@@ -304,14 +302,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                         outputs: outputs_of(&draft.meta, body),
                         conditions: draft.meta.conditions.clone(),
                         kinks: kinks_of(&made, &draft.meta),
-                        kinks_read_accelerations: made.kinks_read_accelerations,
-                        kink_phases: made.kink_phases,
-                        uses_twist: made.uses_twist,
-                        applies_load: made.applies_load,
-                        loads_over_time: made.loads_over_time,
-                        rows_over_time: made.rows_over_time,
-                        conditions_read_fields: made.conditions_read_fields,
-                        differentiated: made.differentiated.clone(),
+                        facts: made.facts.clone(),
                         tape: made.tape(),
                     });
                     shared.functions.push(made);

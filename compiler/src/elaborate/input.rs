@@ -286,7 +286,7 @@ impl<'a> Elaborator<'a, '_> {
                 node.is_some_and(|node| over_time[node.0 as usize])
             });
             if timed && let Some(class) = system.classes.get_mut(element.class as usize) {
-                class.loads_over_time = true;
+                class.facts.loads_over_time = true;
             }
         }
         program.moving = (0..)
@@ -307,12 +307,10 @@ impl<'a> Elaborator<'a, '_> {
             fixed.path.trim_start_matches("start of ")
         );
         let mut message = Diagnostic::error(codes::INPUT_DECIDES, title);
-        if let Some(at) = fixed.at {
-            message = message.at(
-                span_of(at),
-                format!("`{name}` decides {} here", fixed.decides),
-            );
-        }
+        message = message.at_if(
+            fixed.at.map(span_of),
+            format!("`{name}` decides {} here", fixed.decides),
+        );
         if let Some(declared) = input.and_then(|input| input.used_at) {
             message = message.also(span_of(declared), "declared as `input` here");
         }

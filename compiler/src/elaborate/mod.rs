@@ -188,17 +188,23 @@ pub(crate) struct Elaborator<'a, 'd> {
 impl<'a> Elaborator<'a, '_> {
     pub fn report(&mut self, mut diagnostic: Diagnostic) -> Reported {
         if let (codes::MOTION, Some((span, output))) = (diagnostic.code, &self.context.asked_from) {
-            diagnostic.moved_to(*span, format!("`{output}` moves"));
+            diagnostic = diagnostic.moved_to(*span, format!("`{output}` moves"));
         }
-        if let (true, Some((place, _))) = (
-            OF_VALUES.contains(&diagnostic.code),
-            self.context.uses.last(),
-        ) && diagnostic.labels.iter().all(|label| label.span != *place)
-        {
-            diagnostic = diagnostic.also(*place, "used here");
+        if OF_VALUES.contains(&diagnostic.code) {
+            diagnostic = self.with_use(diagnostic);
         }
         self.diagnostics.push(diagnostic);
         Reported
+    }
+
+    /// A message with the item or call that gives a text its values.
+    pub fn with_use(&self, diagnostic: Diagnostic) -> Diagnostic {
+        match self.context.uses.last() {
+            Some((place, _)) if diagnostic.labels.iter().all(|label| label.span != *place) => {
+                diagnostic.also(*place, "used here")
+            }
+            _ => diagnostic,
+        }
     }
 
     /// Notes the lints that a block accepts for the object of a path.

@@ -126,10 +126,7 @@ pub(crate) fn check_names(analysis: &Analysis, system: &System, diagnostics: &mu
             .find(|p| p.origin.path == name.path);
         diagnostics.push(match (names, parameter, paths.is_empty()) {
             (Names::Inputs, Some(parameter), _) => {
-                let message = match parameter.origin.used_at {
-                    Some(at) => message.also(span_of(at), "a parameter"),
-                    None => message,
-                };
+                let message = message.also_if(parameter.origin.used_at.map(span_of), "a parameter");
                 message.with_help("declare it as `input`: only inputs change while a model runs")
             }
             (Names::Inputs, None, true) => message

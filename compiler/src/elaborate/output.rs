@@ -9,6 +9,7 @@ use super::{
     location,
 };
 use crate::codes;
+use crate::ir::differentiate::reads;
 use crate::ir::{ClassBody, Graph, KinkPlace, Node, Op};
 use eng_grammar::ast::{self, BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
@@ -297,10 +298,19 @@ impl<'a> Elaborator<'a, '_> {
             bound_kinks,
             graph,
         };
+        let readings = element
+            .fields
+            .iter()
+            .flat_map(|field| field.kernel.readings);
+        let of_steps: Vec<bool> = readings
+            .flat_map(|row| (0..row.count).map(|_| row.of_steps))
+            .collect();
         let index = self.draft.elements.len() as u32;
         let first_channel = self.draft.channels.len() as u32;
         if matches!(role, Role::Dynamic | Role::Output) {
-            self.add_channels(index, role, &origin.path, &draft);
+            self.add_channels(index, role, &origin.path, &draft, |output| {
+                reads(&body.graph, body.outputs[output], &body.layout, &of_steps)
+            });
         }
         let behind = (index, draft.infos.len() as u32);
         let infos = self.followed_outputs(&followed, behind);
@@ -354,8 +364,15 @@ impl<'a> Elaborator<'a, '_> {
         Ok(index)
     }
 
-    /// The channels of an element's outputs.
-    fn add_channels(&mut self, element: u32, role: Role, of: &str, draft: &Draft) {
+    /// The channels of an element's outputs; `of_steps` tells which outputs measure errors of the steps.
+    fn add_channels(
+        &mut self,
+        element: u32,
+        role: Role,
+        of: &str,
+        draft: &Draft,
+        of_steps: impl Fn(usize) -> bool,
+    ) {
         for (i, info) in draft.infos.iter().enumerate() {
             let copied = draft.copied.iter().find(|(output, _)| *output == i);
             let frame = match (draft.frames[i], copied) {
@@ -378,6 +395,7 @@ impl<'a> Elaborator<'a, '_> {
                 dimension: info.dimension,
                 display: info.display.clone(),
                 frame,
+                of_steps: of_steps(i),
             });
         }
     }

@@ -422,9 +422,7 @@ impl<'a> Elaborator<'a, '_> {
                     codes::MOTION,
                     "only parameters are allowed here, and this reads a marker, which moves",
                 );
-                if let Some(span) = span {
-                    message = message.at(span, "the marker is read here");
-                }
+                message = message.at_if(span, "the marker is read here");
                 return Err(self.report(message.with_help(
                         "measure it in a class, which reads its markers, or in an output; a condition on the motion belongs in a class or in the block of a use",
                     )));
@@ -440,9 +438,7 @@ impl<'a> Elaborator<'a, '_> {
                         super::scalar::PROVISIONAL.markers
                     ),
                 );
-                if let Some(span) = span {
-                    message = message.at(span, "the limit is reached here");
-                }
+                message = message.at_if(span, "the limit is reached here");
                 Err(self.report(message.with_help("divide it into several elements or outputs")))
             }
         }

@@ -142,8 +142,11 @@ pub(super) fn does_not_exist(
 ) -> Diagnostic {
     let title = format!("`{path}` does not exist");
     let message = Diagnostic::error(codes::ABSENT, title).at(place, label);
-    match &declaration.condition {
-        Some(condition) => message.also(condition.span, "this does not hold"),
-        None => message,
-    }
+    message.also_if(
+        declaration
+            .condition
+            .as_ref()
+            .map(|condition| condition.span),
+        "this does not hold",
+    )
 }

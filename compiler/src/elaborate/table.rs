@@ -266,9 +266,7 @@ impl<'a> Elaborator<'a, '_> {
         let named = declared.and_then(|name| self.program.dimensions.get(name));
         let is_point = named.is_some_and(|named| named.point_of.is_some());
         // a zero in a unit with a shifted zero, such as -273.15 degC, is rounded
-        let largest = values
-            .iter()
-            .fold(0.0_f64, |most, value| most.max(value.abs()));
+        let largest = eng_system::dense::largest(values);
         let below = values.iter().position(|value| *value < -1e-9 * largest);
         let (true, Some(index)) = (is_point && result != Dimension::ANGLE, below) else {
             return Ok(());

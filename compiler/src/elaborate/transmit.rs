@@ -331,10 +331,7 @@ impl Elaborator<'_, '_> {
                     place.unwrap_or(body),
                     "the body is stiffer there than its mesh",
                 );
-                let message = match place {
-                    Some(_) => message.also(body, "the modes of the body"),
-                    None => message,
-                };
+                let message = message.also_if(place.map(|_| body), "the modes of the body");
                 self.diagnostics.push(
                     message
                     .with_note(format!("loads without a mode: {}", unserved.join(", ")))

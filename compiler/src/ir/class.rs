@@ -9,6 +9,7 @@ use super::kinks::{self, BoundKink, KinkKind, KinkPlace};
 use super::linearise::linearise;
 use super::optimise::optimise;
 use eng_system::layout::InputLayout;
+use eng_system::system::ClassFacts;
 use std::collections::BTreeMap;
 
 /// The lowered body of a class: values over the inputs of its [`InputLayout`].
@@ -63,22 +64,7 @@ pub struct ClassFunctions {
     pub kink_places: Vec<KinkPlace>,
     /// The kind of each kink function.
     pub kinds_of_kinks: Vec<KinkKind>,
-    /// Whether the rates of kink functions depend on accelerations.
-    pub kinks_read_accelerations: bool,
-    /// Number of the arguments of sines whose rates follow the kink functions.
-    pub kink_phases: u32,
-    /// Whether the loads or rates depend on twists.
-    pub uses_twist: bool,
-    /// Whether any load is not zero.
-    pub applies_load: bool,
-    /// Whether the loads or rates depend on time.
-    pub loads_over_time: bool,
-    /// Whether Φ depends on time.
-    pub rows_over_time: bool,
-    /// Whether the conditions depend on fields.
-    pub conditions_read_fields: bool,
-    /// Whether the residual depends on each answer of the fields.
-    pub differentiated: Vec<bool>,
+    pub facts: ClassFacts,
 }
 
 /// Entries of a marker's inputs that hold its pose: x, then R.
@@ -207,14 +193,16 @@ impl ClassBody {
             kinks: kinks.function(&self.name, &layout, &graph),
             kink_places: kinks.places,
             kinds_of_kinks: kinks.kinds,
-            kinks_read_accelerations: kinks.reads_accelerations,
-            kink_phases: kinks.phases,
-            uses_twist,
-            applies_load,
-            loads_over_time,
-            rows_over_time,
-            conditions_read_fields,
-            differentiated,
+            facts: ClassFacts {
+                kinks_read_accelerations: kinks.reads_accelerations,
+                kink_phases: kinks.phases,
+                uses_twist,
+                applies_load,
+                loads_over_time,
+                rows_over_time,
+                conditions_read_fields,
+                differentiated,
+            },
         })
     }
 

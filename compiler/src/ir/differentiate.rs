@@ -434,7 +434,7 @@ pub(crate) fn time_derivative_with(
                 None => Some(graph.input(layout.state_rate(state))),
             },
             Place::Fixed => changing.get(&input).copied(),
-            Place::Answer(_) | Place::Reading => return Err(DifferentiateError::Field),
+            Place::Answer(_) | Place::Reading(_) => return Err(DifferentiateError::Field),
             Place::Acceleration => return Err(DifferentiateError::Acceleration),
             Place::Signal => return Err(DifferentiateError::Signal),
             Place::Outside => return Err(DifferentiateError::Input(input)),
@@ -497,7 +497,17 @@ pub fn uses_fields(graph: &Graph, nodes: &[Node], layout: &InputLayout, readings
         .into_iter()
         .any(|i| match Place::of(layout, i) {
             Place::Answer(_) => !readings,
-            Place::Reading => true,
+            Place::Reading(_) => true,
+            _ => false,
+        })
+}
+
+/// Whether a node depends on one of these readings of fields.
+pub fn reads(graph: &Graph, node: Node, layout: &InputLayout, wanted: &[bool]) -> bool {
+    inputs_of(graph, &[node])
+        .into_iter()
+        .any(|i| match Place::of(layout, i) {
+            Place::Reading(reading) => wanted.get(reading as usize) == Some(&true),
             _ => false,
         })
 }
@@ -533,7 +543,7 @@ pub(crate) enum Place {
     /// An answer of a field.
     Answer(u32),
     /// A reading of a field.
-    Reading,
+    Reading(u32),
     /// Multipliers, rotation references, constants.
     Fixed,
     /// Accelerations and state rates.
@@ -571,7 +581,7 @@ impl Place {
         } else if (layout.answer(0)..layout.reading(0)).contains(&input) {
             Place::Answer(input - layout.answer(0))
         } else if (layout.reading(0)..layout.constant(0)).contains(&input) {
-            Place::Reading
+            Place::Reading(input - layout.reading(0))
         } else if input < layout.len() {
             Place::Fixed
         } else if input < layout.signal(0) {

@@ -169,9 +169,7 @@ impl Loader<'_> {
                 codes::USE_CIRCLE,
                 format!("modules use each other in a circle: {}", circle.join(" → ")),
             );
-            if let Some(span) = used_at {
-                message = message.at(span, "this closes the circle");
-            }
+            message = message.at_if(used_at, "this closes the circle");
             self.diagnostics.push(
                 message.with_help("put the common definitions into a third file that uses neither"),
             );
@@ -182,9 +180,7 @@ impl Loader<'_> {
                 codes::NO_MODULE,
                 format!("more than {DEEPEST} files use each other in a row"),
             );
-            if let Some(span) = used_at {
-                message = message.at(span, "not followed");
-            }
+            message = message.at_if(used_at, "not followed");
             self.diagnostics.push(message);
             return;
         }

@@ -69,6 +69,20 @@ fn twice(what: &str, first: &Name, again: &Name, diagnostics: &mut Diagnostics) 
     );
 }
 
+/// Reports a name without a definition, with the nearest name that has one, unless there are many messages.
+fn unknown<N: Into<String>>(
+    code: &'static str,
+    what: &str,
+    name: &Name,
+    near: impl FnOnce() -> Option<N>,
+    diagnostics: &mut Diagnostics,
+) {
+    let near = (diagnostics.len() <= EXPLAINED).then(near).flatten();
+    let title = format!("there is no {what} `{}`", name.text);
+    let message = Diagnostic::error(code, title).at(name.span, "not known");
+    diagnostics.push(message.meant_if(name.span, near));
+}
+
 impl Dimensions<'_> {
     fn named(&mut self, name: &str) -> Option<NamedDimension> {
         let item = match self.definitions.begin(name, self.diagnostics) {
@@ -135,19 +149,14 @@ impl Dimensions<'_> {
                 if self.definitions.contains(&name.text) {
                     return self.named(&name.text).map(|named| named.dimension);
                 }
-                let near = match self.diagnostics.len() > EXPLAINED {
-                    true => None,
-                    false => self.definitions.nearest(&name.text),
-                };
-                let mut message = Diagnostic::error(
+                let near = || self.definitions.nearest(&name.text);
+                unknown(
                     codes::UNKNOWN_TYPE,
-                    format!("there is no dimension `{}`", name.text),
-                )
-                .at(name.span, "not known");
-                if let Some(near) = near {
-                    message = message.meant(name.span, near);
-                }
-                self.diagnostics.push(message);
+                    "dimension",
+                    name,
+                    near,
+                    self.diagnostics,
+                );
                 None
             }
             TypeExprKind::Product(left, right) => {
@@ -231,18 +240,14 @@ impl Units<'_> {
     fn declared(&mut self, ty: &TypeExpr) -> Option<(Dimension, Option<String>)> {
         if let TypeExprKind::Name(name) = &ty.kind {
             let Some(named) = self.dimensions.get(&name.text) else {
-                let mut message = Diagnostic::error(
+                let near = || nearest(&name.text, self.dimensions.keys().map(String::as_str));
+                unknown(
                     codes::UNKNOWN_TYPE,
-                    format!("there is no dimension `{}`", name.text),
-                )
-                .at(name.span, "not known");
-                if self.diagnostics.len() <= EXPLAINED
-                    && let Some(near) =
-                        nearest(&name.text, self.dimensions.keys().map(String::as_str))
-                {
-                    message = message.meant(name.span, near);
-                }
-                self.diagnostics.push(message);
+                    "dimension",
+                    name,
+                    near,
+                    self.diagnostics,
+                );
                 return None;
             };
             let point = named.point_of.is_some().then(|| name.text.clone());
@@ -381,19 +386,9 @@ impl Units<'_> {
         };
         for factor in &expr.factors {
             if !self.definitions.contains(&factor.name.text) {
-                let near = match self.diagnostics.len() > EXPLAINED {
-                    true => None,
-                    false => self.definitions.nearest(&factor.name.text),
-                };
-                let mut message = Diagnostic::error(
-                    codes::UNKNOWN_UNIT,
-                    format!("there is no unit `{}`", factor.name.text),
-                )
-                .at(factor.name.span, "not known");
-                if let Some(near) = near {
-                    message = message.meant(factor.name.span, near);
-                }
-                self.diagnostics.push(message);
+                let name = &factor.name;
+                let near = || self.definitions.nearest(&name.text);
+                unknown(codes::UNKNOWN_UNIT, "unit", name, near, self.diagnostics);
                 return None;
             }
             let unit = self.named(&factor.name.text)?;

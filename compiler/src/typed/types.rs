@@ -391,6 +391,28 @@ pub enum SignalRows {
     State,
     /// Each mode of this linear analysis.
     Modes(Arc<str>),
+    /// Each frequency of this response.
+    Frequencies(Arc<str>),
+}
+
+impl SignalRows {
+    /// The analysis whose rows are no samples.
+    pub fn of_analysis(&self) -> Option<&str> {
+        match self {
+            SignalRows::Modes(analysis) | SignalRows::Frequencies(analysis) => Some(analysis),
+            SignalRows::Samples | SignalRows::State => None,
+        }
+    }
+
+    /// The plural of the rows, for messages.
+    pub fn words(&self) -> &'static str {
+        match self {
+            SignalRows::Modes(_) => "modes",
+            SignalRows::Frequencies(_) => "frequencies",
+            SignalRows::Samples => "samples",
+            SignalRows::State => "one state",
+        }
+    }
 }
 
 /// A class with some of its arguments: `Impedance(viscosity: 10 mPa*s)`.

@@ -93,6 +93,26 @@ const fn journal(class: &'static str, arguments: &'static str) -> Case {
     }
 }
 
+/// A crank whose angle is that of the cycle.
+const CYCLE: &str = "body crank { mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker flange = at([3, 9, -5] mm, z: [1, -1, 3]) }
+    cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
+
+/// A load over the cycle, and the angle of a shell.
+const GIVEN: &str = "fn round(angle: CrankAngle) -> Vector2<Force> = [8 kN*cos(angle - 0 deg), 5 kN*sin(angle - 0 deg)]
+fn swinging(angle: CrankAngle) -> Angle = 17 deg*sin(angle - 0 deg)";
+
+const fn given_load(class: &'static str) -> Case {
+    Case {
+        definitions: GIVEN,
+        parts: CYCLE,
+        ..journal(
+            class,
+            "pin: a.m, shell: b.m, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s, \
+             load: round, lean: swinging",
+        )
+    }
+}
+
 /// Two markers on the ground.
 const FRAMES: &str = "marker frame = at([3, 9, -5] mm, z: [1, -1, 3])
     marker base = at([40, 20, 10] mm, z: [2, 1, 1])";
@@ -203,8 +223,7 @@ pub const CASES: &[Case] = &[
         "",
     ),
     Case {
-        parts: "body crank { mass = 1 kg; inertia = [1, 1, 1] kg*m^2; marker flange = at([3, 9, -5] mm, z: [1, -1, 3]) }
-    cycle angle = rotation(crank.flange, ground) { period = 720 deg }",
+        parts: CYCLE,
         ..force(
             "GasPressure",
             "a.m, b.m, bore: 86 mm, pressure: p, firing: 180 deg, scale: 0.9",
@@ -374,6 +393,34 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         "HydraulicLashAdjuster",
         "a.m, b.m, diameter: 11 mm, gap: 6 um, seal: 8 mm, volume: 0.3 cc, supply: 3 bar, viscosity: 10 mPa*s",
     ),
+    Case {
+        definitions: "use std.journals.Roughness",
+        ..of(
+            "std.thrust",
+            "PlainThrust",
+            "a.m, b.m, inner_diameter: 1 m, outer_diameter: 2 m, end_float: 5 m, viscosity: 10 Pa*s,
+        roughness: Roughness(sigma: 0.8 m, asperity: 1e-3, modulus: 1 kPa, boundary_friction: 0.1)",
+        )
+    },
+    Case {
+        definitions: "use std.journals.Roughness",
+        ..of(
+            "std.thrust",
+            "TaperLandThrust",
+            "a.m, b.m, inner_diameter: 1 m, outer_diameter: 2 m, end_float: 5 m, viscosity: 10 Pa*s,
+        roughness: Roughness(sigma: 0.8 m, asperity: 1e-3, modulus: 1 kPa, boundary_friction: 0.1), pads: 6, pad_angle: 50 deg, depth: 400 mm, taper: 0.75",
+        )
+    },
+    Case {
+        module: "std.liners",
+        ..joint("PistonPlane")
+    },
+    of(
+        "std.liners",
+        "Skirt",
+        "a.m, b.m, bore: 6 m, side: -1, clearance: 10 mm, bottom: -400 mm, top: 200 mm, width: 300 mm, layer: 2000 Pa/m, heights: 2,
+        roughness: 500 mm, loss: 0.1 s/m, viscosity: 10 Pa*s, boundary_friction: 0.1",
+    ),
     journal(
         "Short",
         "pin: a.m, shell: b.m, diameter: 54 mm, width: 13 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s",
@@ -390,6 +437,8 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         "Film",
         "pin: a.m, shell: b.m, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10.5 mPa*s",
     ),
+    given_load("Mobility"),
+    given_load("SolvedMobility"),
     // the states of these tests are near absolute zero, where no oil of the library is liquid
     Case {
         definitions: "use std.oils.VogelOil\nconst flat = VogelOil(a: 1 mPa*s, b: 100 K, zero: 100 K)",
@@ -419,6 +468,11 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
 ];
 
 impl Case {
+    /// Whether the class acts on its markers. Laws of the mobility method follow a load that the text states.
+    pub fn acts(&self) -> bool {
+        !self.class.ends_with("Mobility")
+    }
+
     /// The model. Markers are oblique and beside the origins of their bodies.
     pub fn text(&self) -> String {
         let Case {

@@ -95,36 +95,37 @@ pub fn unit_interval(n: usize) -> Vec<(f64, f64)> {
     gauss_jacobi(n, 0.0)
 }
 
-/// `n`³ Gauss points of the hexahedron: exact to degree 2n − 1 in each coordinate.
-pub fn hexahedron(n: usize) -> Vec<Point> {
-    let line = legendre(n);
-    let mut points = Vec::with_capacity(n * n * n);
-    for &(z, wz) in &line {
-        for &(y, wy) in &line {
-            for &(x, wx) in &line {
-                points.push(Point {
-                    at: [x, y, z],
-                    weight: wx * wy * wz,
-                });
-            }
+/// The rule of one point, for a direction that an element does not have.
+const ONE: [LinePoint; 1] = [(0.0, 1.0)];
+
+/// The points of three rules, the first outermost, made of a place and a weight of each rule.
+fn lattice(rules: [&[LinePoint]; 3], point: impl Fn([LinePoint; 3]) -> Point) -> Vec<Point> {
+    let [outer, middle, inner] = rules;
+    let mut points = Vec::with_capacity(outer.len() * middle.len() * inner.len());
+    for &a in outer {
+        for &b in middle {
+            points.extend(inner.iter().map(|&c| point([a, b, c])));
         }
     }
     points
 }
 
+/// `n`³ Gauss points of the hexahedron: exact to degree 2n − 1 in each coordinate.
+pub fn hexahedron(n: usize) -> Vec<Point> {
+    let line = legendre(n);
+    lattice([&line, &line, &line], |[(z, wz), (y, wy), (x, wx)]| Point {
+        at: [x, y, z],
+        weight: wx * wy * wz,
+    })
+}
+
 /// `n`² Gauss points of the quadrilateral: exact to degree 2n − 1 in each coordinate.
 pub fn quadrilateral(n: usize) -> Vec<Point> {
     let line = legendre(n);
-    let mut points = Vec::with_capacity(n * n);
-    for &(y, wy) in &line {
-        for &(x, wx) in &line {
-            points.push(Point {
-                at: [x, y, 0.0],
-                weight: wx * wy,
-            });
-        }
-    }
-    points
+    lattice([&ONE, &line, &line], |[_, (y, wy), (x, wx)]| Point {
+        at: [x, y, 0.0],
+        weight: wx * wy,
+    })
 }
 
 /// The centre of the triangle, exact to degree 1.
@@ -148,16 +149,11 @@ pub fn triangle_3() -> Vec<Point> {
 
 /// A triangle rule of `n`² points, exact to degree 2n − 1.
 pub fn triangle(n: usize) -> Vec<Point> {
-    let mut points = Vec::with_capacity(n * n);
-    for &(r, wr) in &gauss_jacobi(n, 1.0) {
-        for &(s, ws) in &gauss_jacobi(n, 0.0) {
-            points.push(Point {
-                at: [r, s * (1.0 - r), 0.0],
-                weight: wr * ws,
-            });
-        }
-    }
-    points
+    let (along, across) = (gauss_jacobi(n, 1.0), gauss_jacobi(n, 0.0));
+    lattice([&ONE, &along, &across], |[_, (r, wr), (s, ws)]| Point {
+        at: [r, s * (1.0 - r), 0.0],
+        weight: wr * ws,
+    })
 }
 
 /// The centre of the tetrahedron, exact to degree 1.
@@ -188,19 +184,17 @@ pub fn tetrahedron_4() -> Vec<Point> {
 
 /// A tetrahedron rule of `n`³ points, exact to degree 2n − 1.
 pub fn tetrahedron(n: usize) -> Vec<Point> {
-    let mut points = Vec::with_capacity(n * n * n);
-    for &(r, wr) in &gauss_jacobi(n, 2.0) {
-        for &(s, ws) in &gauss_jacobi(n, 1.0) {
-            for &(t, wt) in &gauss_jacobi(n, 0.0) {
-                let rest = 1.0 - r;
-                points.push(Point {
-                    at: [r, s * rest, t * (1.0 - s) * rest],
-                    weight: wr * ws * wt,
-                });
+    let lines = [2.0, 1.0, 0.0].map(|power| gauss_jacobi(n, power));
+    lattice(
+        lines.each_ref().map(Vec::as_slice),
+        |[(r, wr), (s, ws), (t, wt)]| {
+            let rest = 1.0 - r;
+            Point {
+                at: [r, s * rest, t * (1.0 - s) * rest],
+                weight: wr * ws * wt,
             }
-        }
-    }
-    points
+        },
+    )
 }
 
 /// The wedge: a triangle rule times `n` Gauss points along t.
@@ -220,19 +214,11 @@ pub fn wedge(triangle: &[Point], n: usize) -> Vec<Point> {
 /// The pyramid: `n`³ points, exact to degree 2n − 1 in each of the collapsed coordinates; the weights hold
 /// the map's (1 − ζ)².
 pub fn pyramid(n: usize) -> Vec<Point> {
-    let line = legendre(n);
-    let mut points = Vec::with_capacity(n * n * n);
-    for &(z, wz) in &gauss_jacobi(n, 2.0) {
-        for &(y, wy) in &line {
-            for &(x, wx) in &line {
-                points.push(Point {
-                    at: [x, y, z],
-                    weight: wx * wy * wz,
-                });
-            }
-        }
-    }
-    points
+    let (line, up) = (legendre(n), gauss_jacobi(n, 2.0));
+    lattice([&up, &line, &line], |[(z, wz), (y, wy), (x, wx)]| Point {
+        at: [x, y, z],
+        weight: wx * wy * wz,
+    })
 }
 
 #[cfg(test)]

@@ -407,36 +407,17 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
         }
     }
     for tie in &mesh.ties {
-        let (id, good) = match tie {
-            Tie::Rigid {
-                id,
-                independent,
-                dependent,
-            } => (
-                *id,
-                known(*independent) && dependent.iter().all(|&(node, _)| known(node)),
-            ),
-            Tie::Averaging {
-                id,
-                reference,
-                independent,
-                ..
-            } => (
-                *id,
-                known(*reference)
-                    && independent
-                        .iter()
-                        .all(|&(node, weight, _)| known(node) && weight.is_finite()),
-            ),
-            Tie::Equation { id, terms } => (
-                *id,
-                terms.iter().all(|&(node, freedom, coefficient)| {
-                    known(node) && freedom < 6 && coefficient.is_finite()
-                }),
-            ),
+        let mut good = match tie {
+            Tie::Rigid { .. } => true,
+            Tie::Averaging { independent, .. } => {
+                (independent.iter()).all(|(_, weight, _)| weight.is_finite())
+            }
+            Tie::Equation { terms, .. } => (terms.iter())
+                .all(|(_, freedom, coefficient)| *freedom < 6 && coefficient.is_finite()),
         };
+        tie.each(|node, _| good &= known(node));
         if !good {
-            return Err(missing("tie", id));
+            return Err(missing("tie", tie.id()));
         }
     }
     if !mesh

@@ -3,7 +3,7 @@
 use super::check::{Role, list, role, wrong};
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
-use crate::mesh::{ABSENT, Mesh, Tie};
+use crate::mesh::{ABSENT, Mesh};
 use crate::sparse::SymmetricMatrix;
 
 /// Sets of nodes that are joined; each is named by its smallest node.
@@ -53,23 +53,9 @@ impl Pieces {
 
     fn join_ties(&mut self, mesh: &Mesh) {
         for tie in &mesh.ties {
-            match tie {
-                Tie::Rigid {
-                    independent,
-                    dependent,
-                    ..
-                } => self.join(
-                    std::iter::once(*independent).chain(dependent.iter().map(|(node, _)| *node)),
-                ),
-                Tie::Averaging {
-                    reference,
-                    independent,
-                    ..
-                } => self.join(
-                    std::iter::once(*reference).chain(independent.iter().map(|(node, ..)| *node)),
-                ),
-                Tie::Equation { terms, .. } => self.join(terms.iter().map(|(node, ..)| *node)),
-            }
+            let mut nodes = Vec::new();
+            tie.each(|node, _| nodes.push(node));
+            self.join(nodes.into_iter());
         }
     }
 

@@ -12,7 +12,7 @@ use super::connection;
 use super::freedoms::{FreedomMap, direction};
 use super::mass::Mass;
 use crate::error::{FlexibleError, Part};
-use crate::mesh::{Mesh, Support, Tie};
+use crate::mesh::{Mesh, Support};
 use crate::sparse::SymmetricMatrix;
 
 /// A symmetric matrix in SI, with the node's number and the component 0…5 (analysis frame) of each row.
@@ -120,32 +120,7 @@ fn tied(mesh: &Mesh) -> Vec<u8> {
         }
     };
     for tie in &mesh.ties {
-        match tie {
-            Tie::Rigid {
-                independent,
-                dependent,
-                ..
-            } => {
-                note(*independent, 0b11_1111);
-                dependent.iter().for_each(|(node, mask)| note(*node, *mask));
-            }
-            Tie::Averaging {
-                reference,
-                reference_components,
-                independent,
-                ..
-            } => {
-                note(*reference, *reference_components);
-                independent
-                    .iter()
-                    .for_each(|(node, _, mask)| note(*node, *mask));
-            }
-            Tie::Equation { terms, .. } => {
-                terms
-                    .iter()
-                    .for_each(|(node, component, _)| note(*node, 1 << component));
-            }
-        }
+        tie.each(&mut note);
     }
     tied
 }

@@ -57,34 +57,25 @@ impl Constraints {
             }
         };
         for tie in &mesh.ties {
-            let (tie, followers) = match tie {
+            tie.each(|node, _| turn(node));
+            let followers = match tie {
                 Tie::Rigid {
                     id,
                     independent,
                     dependent,
-                } => {
-                    turn(*independent);
-                    dependent.iter().for_each(|(node, _)| turn(*node));
-                    (*id, rigid(mesh, freedoms, *id, *independent, dependent)?)
-                }
+                } => rigid(mesh, freedoms, *id, *independent, dependent)?,
                 Tie::Averaging {
                     id,
                     reference,
                     reference_components,
                     independent,
                 } => {
-                    turn(*reference);
-                    independent.iter().for_each(|(node, ..)| turn(*node));
                     let reference = (*reference, *reference_components);
-                    let followers =
-                        averaging::followers(mesh, freedoms, *id, reference, independent)?;
-                    (*id, followers)
+                    averaging::followers(mesh, freedoms, *id, reference, independent)?
                 }
-                Tie::Equation { id, terms } => {
-                    terms.iter().for_each(|(node, ..)| turn(*node));
-                    (*id, vec![equation(freedoms, *id, terms)?])
-                }
+                Tie::Equation { id, terms } => vec![equation(freedoms, *id, terms)?],
             };
+            let tie = tie.id();
             for (freedom, sum) in followers {
                 if let Some(other) = rules.get(&freedom) {
                     return Err(wrong(

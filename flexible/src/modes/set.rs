@@ -5,6 +5,7 @@ use crate::error::FlexibleError;
 use crate::solve::dense::{subtract, symmetric_eigen};
 use crate::sparse::SymmetricOperator;
 use crate::sparse::product::TOGETHER;
+use eng_system::dense::largest;
 use serde::{Deserialize, Serialize};
 
 /// Part of a vector's K-norm below which it is dropped, if earlier vectors leave no more of it.
@@ -363,10 +364,6 @@ fn keep(
 fn energy(vector: &[f64], force: &[f64]) -> f64 {
     let energy: f64 = vector.iter().zip(force).map(|(x, f)| x * f).sum();
     energy.max(0.0)
-}
-
-fn largest(vector: &[f64]) -> f64 {
-    vector.iter().fold(0.0_f64, |w, x| w.max(x.abs()))
 }
 
 /// `sum += x`, the sum as long as x.

@@ -30,3 +30,19 @@ impl UnreadCards {
         self.cards.into_values().collect()
     }
 }
+
+/// The kind of content of a card or keyword, by lists of those that carry structure and of those that carry
+/// nothing. A name of the second list with a `.` at its end means all names with this beginning.
+pub(super) fn carries(name: &str, structure: &[&str], nothing: &[&str]) -> Carries {
+    if structure.contains(&name) {
+        return Carries::Structure;
+    }
+    let harmless = nothing.iter().any(|known| match known.strip_suffix('.') {
+        Some(start) => name.starts_with(start),
+        None => name == *known,
+    });
+    match harmless {
+        true => Carries::Nothing,
+        false => Carries::Unknown,
+    }
+}

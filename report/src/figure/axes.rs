@@ -100,6 +100,28 @@ impl Scaled {
         24.0 + LABEL + 18.0 + widths.fold(0.0, f64::max) + 12.0
     }
 
+    /// An axis of equal ratios from `low` to `high`, both above zero.
+    pub fn ratios(low: f64, high: f64, name: &str, unit: &str) -> Self {
+        let (low, high) = match low > 0.0 && high > low && high.is_finite() {
+            true => (low, high),
+            false => (1.0, 10.0),
+        };
+        let values = ticks::ratios(low, high);
+        Scaled {
+            numbers: values.iter().map(|value| ticks::shortest(*value)).collect(),
+            ticks: Ticks {
+                range: (libm::log10(low), libm::log10(high)),
+                values: values.into_iter().map(libm::log10).collect(),
+                step: 1.0,
+            },
+            factor: 1.0,
+            scale: Scale::Logarithmic,
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            kind: "plain",
+        }
+    }
+
     /// An axis of powers of ten, over the last `decades` below the largest value at most.
     pub fn decades(low: f64, high: f64, decades: usize, name: &str, unit: &str) -> Self {
         let (low, high) = if high > 0.0 && high.is_finite() {
@@ -168,9 +190,16 @@ impl Area {
     /// The names of the axes, below and left of the panel.
     pub fn label(&self, svg: &mut Svg<'_>, below: &str, left: &str) {
         let style = TextStyle::new(LABEL, Anchor::Middle);
-        let middle = (self.left + self.width / 2.0, self.top + self.height / 2.0);
-        svg.text(middle.0, self.bottom() + 56.0, below, style);
-        svg.text(24.0 + LABEL, middle.1, left, style.upwards());
+        let middle = self.left + self.width / 2.0;
+        svg.text(middle, self.bottom() + 56.0, below, style);
+        self.label_left(svg, left);
+    }
+
+    /// The name of the vertical axis.
+    pub fn label_left(&self, svg: &mut Svg<'_>, left: &str) {
+        let style = TextStyle::new(LABEL, Anchor::Middle);
+        let middle = self.top + self.height / 2.0;
+        svg.text(24.0 + LABEL, middle, left, style.upwards());
     }
 
     /// Begins a group with the data for the script of the page. [`Svg::end_group`] ends it.
@@ -203,6 +232,9 @@ impl Area {
             ("data-y-scale", y.scale.name().to_owned()),
             ("data-y-factor", format!("{}", y.factor)),
         ];
+        if x.scale == Scale::Logarithmic {
+            attributes.push(("data-x-scale", x.scale.name().to_owned()));
+        }
         attributes.extend(more.iter().cloned());
         svg.begin_group("panel", &attributes);
     }

@@ -51,10 +51,6 @@ pub struct FilmPanel {
 }
 
 impl FilmMap {
-    pub(crate) fn title(&self) -> &str {
-        &self.title
-    }
-
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let count = self.panels.len().max(1) as f64;
         let height = 110.0 + count * (PANEL + APART);

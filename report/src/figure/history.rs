@@ -109,15 +109,6 @@ pub struct History {
 }
 
 impl History {
-    /// The figure as SVG, 1200 pixels wide, a file of its own.
-    pub fn to_svg(&self) -> String {
-        self.draw(Target::PAPER)
-    }
-
-    pub(crate) fn title(&self) -> &str {
-        &self.title
-    }
-
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let horizontal = self.horizontal();
         let (vertical, exponent) = self.vertical();

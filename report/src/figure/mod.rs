@@ -7,6 +7,7 @@
 
 mod abscissa;
 mod axes;
+mod bode;
 mod decimate;
 mod film;
 mod font;
@@ -27,6 +28,7 @@ mod xy;
 
 pub use abscissa::Abscissa;
 pub use axes::Scale;
+pub use bode::{Bode, BodeCurve};
 pub use film::{FilmMap, FilmPanel};
 pub use font::FAMILY as FONT_FAMILY;
 pub use history::{Curve, History, Mark, Ordinate, Panel, journal_letter};
@@ -43,7 +45,7 @@ use palette::Theme;
 use svg::Target;
 
 macro_rules! figures {
-    ($($(#[$about:meta])* $kind:ident),* $(,)?) => {
+    ($($(#[$about:meta])* $kind:ident: $($title:ident).+),* $(,)?) => {
         /// Any picture.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Figure {
@@ -54,7 +56,7 @@ macro_rules! figures {
             /// Its title.
             pub fn title(&self) -> &str {
                 match self {
-                    $(Figure::$kind(figure) => figure.title()),*
+                    $(Figure::$kind(figure) => &figure.$($title).+),*
                 }
             }
 
@@ -65,7 +67,14 @@ macro_rules! figures {
             }
         }
 
-        $(impl From<$kind> for Figure {
+        $(impl $kind {
+            /// The figure as SVG, 1200 pixels wide, a file of its own.
+            pub fn to_svg(&self) -> String {
+                self.draw(Target::PAPER)
+            }
+        }
+
+        impl From<$kind> for Figure {
             fn from(figure: $kind) -> Figure {
                 Figure::$kind(figure)
             }
@@ -73,22 +82,24 @@ macro_rules! figures {
     };
 }
 
-// each kind has its title and its drawing
+// each kind with its title; it has a method `draw`
 figures!(
     /// Curves.
-    History,
+    History: title,
     /// Paths of pins.
-    Orbits,
+    Orbits: title,
     /// Polar diagrams.
-    Polar,
+    Polar: title,
     /// Spectra one behind the other.
-    Waterfall,
+    Waterfall: figure.title,
     /// Colours over speed and frequency.
-    Campbell,
+    Campbell: figure.title,
+    /// Amplitude and phase over frequency.
+    Bode: title,
     /// Curves of one quantity over another one.
-    Xy,
+    Xy: title,
     /// Colours over angle and width of bearings.
-    FilmMap,
+    FilmMap: title,
 );
 
 impl Figure {

@@ -41,15 +41,6 @@ pub struct Orbits {
 }
 
 impl Orbits {
-    /// The figure as SVG, a file of its own.
-    pub fn to_svg(&self) -> String {
-        self.draw(Target::PAPER)
-    }
-
-    pub(crate) fn title(&self) -> &str {
-        &self.title
-    }
-
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         self.sheet().draw(target)
     }

@@ -89,15 +89,6 @@ impl PolarCurve {
 }
 
 impl Polar {
-    /// The figure as SVG, a file of its own.
-    pub fn to_svg(&self) -> String {
-        self.draw(Target::PAPER)
-    }
-
-    pub(crate) fn title(&self) -> &str {
-        &self.title
-    }
-
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let largest = self
             .curves

@@ -43,6 +43,38 @@ pub(crate) fn inside(low: f64, high: f64, count: usize) -> Ticks {
     within(low, high, step)
 }
 
+/// Marks of an axis of equal ratios from `low` to `high`, both above zero: at 1, 2 and 5 times the powers of ten, at the
+/// powers alone beyond five decades, and at equal steps up to a ratio of 5.
+pub(crate) fn ratios(low: f64, high: f64) -> Vec<f64> {
+    if high / low < 5.0 {
+        return inside(low, high, 8).values;
+    }
+    let (first, last) = (libm::log10(low).floor(), libm::log10(high).ceil());
+    let of_decade: &[f64] = match last - first > 5.0 {
+        true => &[1.0],
+        false => &[1.0, 2.0, 5.0],
+    };
+    let decades = first as i32..=last as i32;
+    decades
+        .flat_map(|power| {
+            let unit = libm::pow(10.0, f64::from(power.abs()));
+            let unit = move |mark: &f64| if power < 0 { mark / unit } else { mark * unit };
+            of_decade.iter().map(unit)
+        })
+        .filter(|mark| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(mark))
+        .collect()
+}
+
+/// A number with the digits that it needs. A power of ten from 10⁵ on is written as such.
+pub(crate) fn shortest(value: f64) -> String {
+    let power = libm::log10(value).round();
+    if power >= 5.0 && (value / libm::pow(10.0, power) - 1.0).abs() < 1e-9 {
+        power_of_ten(power as i32)
+    } else {
+        format!("{value}")
+    }
+}
+
 /// Marks of a crank angle (°), at steps that divide a revolution, or at whole revolutions. There are at most
 /// `count` of them, except that two cycles of a four-stroke engine have a mark every 90°, as one cycle has.
 pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
@@ -198,6 +230,19 @@ mod tests {
         assert_eq!(inside(0.0, 3985.0, 10).range, (0.0, 4000.0));
         assert_eq!(inside(0.0, 3900.0, 10).range, (0.0, 3900.0));
         assert_eq!(crank_angle(0.0, 72_000.0, 13).step % 720.0, 0.0);
+    }
+
+    #[test]
+    fn ratios_have_marks_at_one_two_and_five() {
+        assert_eq!(
+            ratios(10.0, 2000.0),
+            [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0]
+        );
+        assert_eq!(ratios(0.15, 1.0), [0.2, 0.5, 1.0]);
+        assert_eq!(ratios(1e-2, 1e6).len(), 9);
+        assert_eq!(ratios(90.0, 110.0).first(), Some(&90.0));
+        assert_eq!(shortest(1e6), "10⁶");
+        assert_eq!(shortest(0.2), "0.2");
     }
 
     #[test]

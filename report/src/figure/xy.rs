@@ -39,15 +39,6 @@ pub struct Xy {
 }
 
 impl Xy {
-    /// The figure as SVG, 1200 pixels wide, a file of its own.
-    pub fn to_svg(&self) -> String {
-        self.draw(Target::PAPER)
-    }
-
-    pub(crate) fn title(&self) -> &str {
-        &self.title
-    }
-
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let all = |of: fn(&XyCurve) -> &Vec<f64>| self.curves.iter().flat_map(of).copied();
         let (low, high) = ticks::extent(all(|curve| &curve.x));

@@ -24,6 +24,16 @@
   };
   const angleStep = (raw) =>
     raw < 1 ? niceStep(raw) : [1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720].find((s) => raw <= s * (1 + 1e-9)) || 720 * niceStep(raw / 720);
+  // 1, 2 and 5 times the powers of ten
+  const ratios = (low, high) => {
+    const list = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++)
+      for (const mark of [1, 2, 5]) {
+        const value = Number(`${mark}e${power}`);
+        if (value >= low && value <= high) list.push(value);
+      }
+    return list;
+  };
   const written = (value, step) => {
     let decimals = 0;
     while (decimals < 9 && Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6 * step * 10 ** decimals) decimals += 1;
@@ -55,6 +65,7 @@
       this.y = numbers(data.y);
       this.data = data;
       this.log = data.yScale === "log";
+      this.logX = data.xScale === "log";
       this.equal = data.equal === "yes";
       this.fixedY = data.fixedY === "yes";
       this.factor = Number(data.yFactor || 1);
@@ -101,7 +112,8 @@
     // whole pixel → value
     valueX(x) {
       const pixel = (this.x[1] - this.x[0]) / this.width;
-      return rounded(this.x[0] + (x - this.left) * pixel, pixel);
+      const even = this.x[0] + (x - this.left) * pixel;
+      return this.logX ? 10 ** even : rounded(even, pixel);
     }
     evenY(y) { return this.y[1] - ((y - this.top) / this.height) * (this.y[1] - this.y[0]); }
     valueY(y, base) {
@@ -109,7 +121,10 @@
       const even = this.evenY(y);
       return this.log ? 10 ** even : rounded(even, (this.y[1] - this.y[0]) / this.height);
     }
-    pixelX(value) { return this.left + ((value - this.x[0]) / (this.x[1] - this.x[0])) * this.width; }
+    pixelX(value) {
+      const even = this.logX ? Math.log10(value) : value;
+      return this.left + ((even - this.x[0]) / (this.x[1] - this.x[0])) * this.width;
+    }
     pixelY(value) { return this.top + ((this.y[1] - value) / (this.y[1] - this.y[0])) * this.height; }
 
     contains([x, y]) {
@@ -170,13 +185,14 @@
         for (let i = Math.ceil(low / step - 1e-6); i * step <= high + 1e-6 * step && list.length < 40; i++) list.push(i * step);
         return [list, step];
       };
-      const [xs, xStep] = ticks(this.valueX(view.left), this.valueX(view.left + view.width), this.equal ? 5 : 9,
-        this.data.xKind === "angle" ? angleStep : niceStep);
+      const [from, to] = [this.valueX(view.left), this.valueX(view.left + view.width)];
+      const [xs, xStep] = this.logX && to / from >= 5 ? [ratios(from, to), null] :
+        ticks(from, to, this.equal ? 5 : 9, this.data.xKind === "angle" ? angleStep : niceStep);
       const bottom = this.top + this.height;
       for (const value of xs) {
         const at = this.shownX(this.pixelX(value));
         line(at, this.top, at, bottom);
-        if (numbered) text(at, bottom + (this.equal ? 19 : 24), "middle", written(value, xStep));
+        if (numbered) text(at, bottom + (this.equal ? 19 : 24), "middle", xStep === null ? short(value) : written(value, xStep));
       }
       if (this.fixedY) return made;
       const [ys, yStep] = ticks(this.evenY(view.top), this.evenY(view.top + view.height), this.equal ? 5 : 6,

@@ -9,6 +9,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{exponential, normalized, product, quaternion};
 use crate::state::{State, move_pose};
+use eng_system::dense::largest;
 use nalgebra::DVector;
 use std::collections::BTreeSet;
 
@@ -70,7 +71,7 @@ pub fn close(
         for (j, i) in active.iter().enumerate() {
             increment[*i] = step[j] * mobility[*i];
         }
-        let largest = increment.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        let largest = largest(&increment);
         if largest < 1e-15 {
             break;
         }

@@ -9,6 +9,7 @@ use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::model::Model;
 use crate::state::{State, move_pose};
+use eng_system::dense::largest_scaled;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
 
@@ -62,9 +63,7 @@ fn behind_corner(
         return Ok(None);
     }
     let rows = Rows::new(model, elements);
-    let scales = model.velocity_scales();
-    let pairs = moving.velocity.iter().zip(&scales);
-    let speed = pairs.fold(0.0_f64, |most, (v, s)| most.max((v / s).abs()));
+    let speed = model.largest(&moving.velocity);
     if speed == 0.0 {
         return Ok(None);
     }
@@ -136,11 +135,7 @@ fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     state.velocity.copy_from_slice(v.as_slice());
 
     let scales = model.velocity_scales();
-    let speed = state
-        .velocity
-        .iter()
-        .zip(&scales)
-        .fold(0.0_f64, |w, (v, s)| w.max((v / s).abs()));
+    let speed = largest_scaled(&state.velocity, &scales);
     let rates = constraints.rates(model, &at(state))?;
     let starts = exact.values(model, &at(state))?;
     let mut open = Vec::new();
@@ -198,8 +193,7 @@ fn keep_pins(
     let places: Vec<usize> = (0..rates.nrows()).filter(|row| row % 4 < 2).collect();
     let rates = rates.select(&places);
     let left = rates.times(v);
-    let scales = model.velocity_scales();
-    let speed = (v.iter().zip(&scales)).fold(0.0_f64, |most, (v, s)| most.max((v / s).abs()));
+    let speed = model.largest(v.as_slice());
     if left.amax() <= RESTS * speed * model.length {
         return Ok(none());
     }

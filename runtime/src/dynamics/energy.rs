@@ -59,7 +59,7 @@ impl Dynamics {
                 let rates = &mut scratch.tangents[..2 * rows];
                 elements::call(model, batch.class, Function::Velocity, inputs, rates)?;
                 // without time of its own, Φ̇ is G twist
-                if class.rows_over_time {
+                if class.facts.rows_over_time {
                     along_twists(model, batch, pair, scratch)?;
                 } else {
                     scratch.outputs[..rows].copy_from_slice(&scratch.tangents[..rows]);

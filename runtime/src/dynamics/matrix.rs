@@ -149,7 +149,7 @@ impl Filling<'_> {
         let layout = &class.layout;
         let markers = layout.markers as usize;
         let states = layout.states as usize;
-        let twists = if class.uses_twist {
+        let twists = if class.facts.uses_twist {
             6 * markers..12 * markers
         } else {
             0..0
@@ -174,7 +174,7 @@ impl Filling<'_> {
                     length: layout.residual_len() as usize,
                     drives: layout.drive(0) as usize,
                     answers: layout.answer_direction(0) as usize,
-                    uses_twist: class.uses_twist,
+                    uses_twist: class.facts.uses_twist,
                 };
                 self.element(batch, pair, lane)?;
                 self.surfaces(batch, pair, lane);

@@ -111,7 +111,7 @@ impl Unknowns<'_> {
     /// second derivatives of Φ.
     fn couples(self, index: usize) -> bool {
         let class = self.model.class(index);
-        class.applies_load || !class.rows.is_empty()
+        class.facts.applies_load || !class.rows.is_empty()
     }
 
     fn pattern(self) -> Pattern {

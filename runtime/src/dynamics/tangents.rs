@@ -48,7 +48,7 @@ impl Dynamics {
         let done = self.tangents(
             model,
             along,
-            |class| class.uses_twist,
+            |class| class.facts.uses_twist,
             InputLayout::twist_direction,
             |element, class, lane, tangent| {
                 let first = class.layout.rows as usize;
@@ -132,7 +132,7 @@ impl Dynamics {
     ) -> Result<(), RuntimeError> {
         for batch in &mut self.batches {
             let class = &model.compiled.system.classes[batch.class];
-            if !class.applies_load {
+            if !class.facts.applies_load {
                 continue;
             }
             let layout = class.layout;

@@ -5,6 +5,7 @@ use super::{Integrator, RESOLVED, Trial};
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
 use crate::model::{Model, STEP_SHARE};
+use eng_system::dense::{largest, largest_scaled};
 use eng_system::system::Origin;
 
 /// Contraction above which the matrix is computed again.
@@ -232,7 +233,7 @@ impl Integrator {
     /// valve, full corrections jump across the kink again and again. Halved corrections end on the side of
     /// the solution. Corrections at rounding are not halved, because their residuals are random.
     fn led_away(&self, iteration: &mut Iteration) -> bool {
-        let size = self.residual.iter().fold(0.0_f64, |w, r| w.max(r.abs()));
+        let size = largest(&self.residual);
         let larger = size > iteration.before
             && iteration.fills >= TROUBLED
             && iteration.step > iteration.goal.max(iteration.noise)
@@ -354,9 +355,7 @@ impl Integrator {
 
     /// Largest magnitude of velocities or accelerations, scaled.
     pub(super) fn largest(&self, x: &[f64]) -> f64 {
-        x.iter()
-            .zip(&self.scales)
-            .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
+        largest_scaled(x, &self.scales)
     }
 
     /// The error for a step without solution. It names the row with the largest residual.

@@ -4,6 +4,8 @@
 //! The numbers are stored by columns. Each column begins at a multiple of four, and the rows that fill
 //! it up are zero.
 
+use eng_system::dense::largest;
+
 /// Number of columns in a panel: those of a rigid body. The remaining columns follow panel by panel.
 const PANEL: usize = 6;
 /// Rows and columns of the kernel's tile.
@@ -46,10 +48,6 @@ fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y -= factor * x;
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0_f64, |w, x| w.max(x.abs()))
 }
 
 impl Front {

@@ -31,7 +31,7 @@ const SWEEPS: usize = 40;
 
 /// Balances the 1-norms of each row and column with powers of two: `A ← D⁻¹AD`. Returns D.
 /// (B. N. Parlett, C. Reinsch, Numer. Math. 13 (1969) 293.) Powers of two cause no rounding.
-fn balance(matrix: &mut DMatrix<f64>) -> Vec<f64> {
+pub(super) fn balance(matrix: &mut DMatrix<f64>) -> Vec<f64> {
     let n = matrix.nrows();
     let mut scales = vec![1.0; n];
     for _ in 0..SWEEPS {

@@ -105,7 +105,7 @@ pub fn parts_of(model: &Model) -> Vec<Part> {
 fn stores_of(model: &Model) -> (Vec<usize>, Vec<usize>) {
     let bodies = (0..model.bodies.len()).filter(|b| model.bodies[*b].modes() > 0);
     let elements = (0..model.elements.len())
-        .filter(|e| model.elements[*e].dynamic && model.class(*e).applies_load);
+        .filter(|e| model.elements[*e].dynamic && model.class(*e).facts.applies_load);
     (bodies.collect(), elements.collect())
 }
 
@@ -138,8 +138,7 @@ impl Ledger {
     pub fn new(model: &Model, state: &State) -> Result<Ledger, RuntimeError> {
         let (flexible, loaded) = stores_of(model);
         let mut dynamics = Dynamics::new(model);
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.set_state(model, state, &[]);
         let mut loads: Vec<Option<Load>> = vec![None; model.elements.len()];
         dynamics.load_derivatives(model, |index, by_pose, by_twist| {
             loads[index] = Some(Load {

@@ -15,6 +15,7 @@ use crate::linear::Pattern;
 use crate::model::Model;
 use crate::state::State;
 use crate::topology::undetermined;
+use eng_system::dense::{largest, largest_scaled};
 use eng_system::field::FieldKernel;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -199,17 +200,14 @@ fn add_reshaping(
     for (index, body) in model.bodies.iter().enumerate() {
         let first = body.velocity;
         let rates = &state.velocity[first + 6..first + body.width()];
-        let fastest = rates.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let fastest = largest(rates);
         if fastest == 0.0 {
             continue;
         }
         let frame = dynamics.frame(model, index);
         let width = body.width();
-        let largest = frame
-            .amplitudes
-            .iter()
-            .fold(0.0_f64, |most, x| most.max(x.abs()));
-        let reach = if largest > 0.0 { largest } else { 1.0 } / fastest;
+        let bent = largest(frame.amplitudes);
+        let reach = if bent > 0.0 { bent } else { 1.0 } / fastest;
         let mut at = |sign: f64| {
             let amplitudes: Vec<f64> = frame
                 .amplitudes
@@ -249,11 +247,7 @@ fn gradient_rates(
     basis: &DMatrix<f64>,
 ) -> Result<DMatrix<f64>, RuntimeError> {
     let scales = model.velocity_scales();
-    let size = |x: &[f64]| {
-        x.iter()
-            .zip(&scales)
-            .fold(0.0_f64, |most, (x, s)| most.max((x / s).abs()))
-    };
+    let size = |x: &[f64]| largest_scaled(x, &scales);
     let pace = match size(&state.velocity) {
         0.0 => 1.0,
         speed => speed,
@@ -309,8 +303,7 @@ impl Equations {
             });
         }
         let mut dynamics = Dynamics::new(model);
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
+        dynamics.set_state(model, state, &state.multipliers);
         dynamics.evaluate(model)?;
         if let Some(element) = dynamics.undecided() {
             let origin = &model.compiled.system.elements[element].origin;

@@ -40,6 +40,7 @@ mod equations;
 mod floquet;
 mod outputs;
 mod over_time;
+mod response;
 mod run;
 mod slow;
 mod state_space;
@@ -48,6 +49,7 @@ mod variation;
 pub use energies::{Part, Shares, parts_of, stores};
 pub use equations::Equations;
 pub use floquet::{Harmonics, Orbit, Repeating};
+pub use response::{FrequencyResponse, run_response};
 pub use run::run_linear;
 pub use state_space::StateSpace;
 

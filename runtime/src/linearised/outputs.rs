@@ -10,6 +10,7 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::outputs::Outputs;
 use crate::state::{State, move_pose};
+use eng_system::dense::largest_scaled;
 
 /// The longest move of a difference, as a share of the model's position tolerance (a thousandth of the
 /// smallest clearance). Films are linear over it to 1e-9, and rounding of positions of a metre causes 1e-7.
@@ -18,6 +19,9 @@ const REACH: f64 = 1.0 / 32.0;
 /// Rate of the fastest motion (rad/s) with the full move. A faster motion has a smaller move, so that its
 /// velocities remain small against those of a film.
 const FASTEST: f64 = 25_000.0;
+
+/// Move of a difference along states alone, as a share of their sizes.
+const STATES: f64 = 1e-5;
 
 /// A direction of motion, as the runtime's increments.
 #[derive(Clone, Debug)]
@@ -92,19 +96,20 @@ impl<'a> Probe<'a> {
 
     /// Derivatives of all channels (SI) per unit of the direction.
     pub fn along(&mut self, direction: &Direction) -> Result<Vec<f64>, RuntimeError> {
-        let size = |x: &[f64], scales: &[f64]| {
-            x.iter()
-                .zip(scales)
-                .fold(0.0_f64, |most, (x, s)| most.max((x / s).abs()))
-        };
-        let ones = vec![1.0; direction.states.len()];
-        let longest = size(&direction.place, &self.scales)
-            .max(size(&direction.velocity, &self.scales) / FASTEST);
-        let fallback = size(&direction.states, &ones);
+        let sizes: Vec<f64> = self
+            .model
+            .state_scales
+            .iter()
+            .zip(&self.state.states)
+            .map(|(scale, z)| scale.max(z.abs()))
+            .collect();
+        let longest = largest_scaled(&direction.place, &self.scales)
+            .max(largest_scaled(&direction.velocity, &self.scales) / FASTEST);
+        let fallback = largest_scaled(&direction.states, &sizes);
         let step = if longest > 0.0 {
             REACH * self.model.tolerance / (self.model.length * longest)
         } else if fallback > 0.0 {
-            1e-6 / fallback
+            STATES / fallback
         } else {
             return Ok(vec![0.0; self.outputs.values.len()]);
         };

@@ -95,8 +95,12 @@ pub(super) fn over_time(
 ) -> Result<f64, OverTime> {
     let dynamic = |e: &usize| model.elements[*e].dynamic;
     let all = || (0..model.elements.len()).filter(dynamic);
-    let loads: Vec<usize> = all().filter(|e| model.class(*e).loads_over_time).collect();
-    let drives: Vec<usize> = all().filter(|e| model.class(*e).rows_over_time).collect();
+    let loads: Vec<usize> = all()
+        .filter(|e| model.class(*e).facts.loads_over_time)
+        .collect();
+    let drives: Vec<usize> = all()
+        .filter(|e| model.class(*e).facts.rows_over_time)
+        .collect();
     if loads.is_empty() && drives.is_empty() {
         return Ok(0.0);
     }

@@ -469,7 +469,7 @@ fn check_shapes(
         (Function::Rotations, common, layout.rotations as usize),
         (
             Function::Kinks,
-            if class.kinks_read_accelerations {
+            if class.facts.kinks_read_accelerations {
                 layout.outputs_len() as usize
             } else {
                 common

@@ -1,6 +1,7 @@
 //! The differences of a cycle from the one before, and the rate at which they shrink.
 
 use crate::decay::{Decay, Mode};
+use eng_system::dense::largest;
 use eng_system::dimension::{BASES, Dimension};
 use eng_system::system::System;
 use std::collections::VecDeque;
@@ -44,6 +45,8 @@ pub struct Verdict {
 #[derive(Clone, Debug)]
 pub struct Comparison {
     dimensions: Vec<Dimension>,
+    /// Channels that measure errors of the steps; they need not repeat.
+    of_steps: Vec<bool>,
     /// Least swing of a length (m). The largest length, such as a stroke, would be no measure for a film.
     length: f64,
     /// Mass (kg) and size (m) of the model and the rate of its cycle (rad/s), which determine its loads.
@@ -60,12 +63,14 @@ impl Comparison {
         let dimensions = system.channels.iter().map(|c| c.dimension).collect();
         Comparison {
             scale,
+            of_steps: system.channels.iter().map(|c| c.of_steps).collect(),
             ..Comparison::of(dimensions, length)
         }
     }
 
     fn of(dimensions: Vec<Dimension>, length: f64) -> Comparison {
         Comparison {
+            of_steps: vec![false; dimensions.len()],
             dimensions,
             length,
             scale: [0.0; 3],
@@ -107,15 +112,15 @@ impl Comparison {
         let mut worst = None;
         for (channel, swing) in swings.iter().enumerate() {
             let newest = self.column(0, channel);
-            let largest = newest.iter().fold(0.0_f64, |w, d| w.max(d.abs()));
-            if largest == 0.0 {
+            let most = largest(&newest);
+            if most == 0.0 || self.of_steps[channel] {
                 continue;
             }
             if let Some(by) = self.growth(channel) {
                 verdict.growing.push(Growth { channel, by });
                 continue;
             }
-            let change = largest / swing;
+            let change = most / swing;
             if worst.is_none_or(|(_, most)| change > most) {
                 worst = Some((channel, change));
             }

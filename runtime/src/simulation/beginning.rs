@@ -7,6 +7,7 @@
 use super::Simulation;
 use crate::error::RuntimeError;
 use crate::state::State;
+use eng_system::dense::largest;
 use eng_system::system::StepControl;
 
 /// Distance after a kink of the motion, as a share of the time in which the motion covers its own size.
@@ -41,12 +42,7 @@ impl Simulation {
             return Ok(None);
         }
         let base = self.integrator.current.clone();
-        let scales = self.model.velocity_scales();
-        let largest = |x: &[f64]| {
-            let pairs = x.iter().zip(&scales);
-            pairs.fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
-        };
-        let pace = largest(&base.velocity).max(libm::sqrt(largest(&base.acceleration)));
+        let pace = base.pace(&self.model);
         let mut e = 0.0_f64;
         for kink in &here {
             if self.kinks.is_moment(*kink) || pace == 0.0 {
@@ -66,13 +62,16 @@ impl Simulation {
         let found = self.ahead(&base, e);
         self.stand()?;
         let Ok(behind) = found else { return Ok(None) };
-        let jumps = |a: &[f64], b: &[f64]| {
-            let size = a.iter().chain(b).fold(0.0_f64, |most, x| most.max(x.abs()));
-            a.iter().zip(b).any(|(a, b)| (a - b).abs() > JUMP * size)
-        };
+        let jumps = |a: &[f64], b: &[f64]| differ(a, b, JUMP);
         let found = jumps(&base.acceleration, &behind.acceleration)
             || jumps(&base.rates, &behind.rates)
             || jumps(&base.multipliers, &behind.multipliers);
         Ok(found.then_some(behind))
     }
+}
+
+/// Whether numbers of two lists differ by more than a share of the largest one.
+pub(super) fn differ(a: &[f64], b: &[f64], share: f64) -> bool {
+    let size = largest(a).max(largest(b));
+    a.iter().zip(b).any(|(a, b)| (a - b).abs() > share * size)
 }

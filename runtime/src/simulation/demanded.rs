@@ -226,14 +226,8 @@ impl Simulation {
 
     /// Evaluates the kink functions at a state.
     pub(super) fn place_kinks(&mut self, state: &State) -> Result<(), RuntimeError> {
-        self.place_at(state);
+        self.dynamics.set_state(&self.model, state, &[]);
         self.kinks.evaluate(&self.model, &self.dynamics, state)
-    }
-
-    fn place_at(&mut self, state: &State) {
-        self.dynamics
-            .place(&self.model, state.time, &state.pose, &state.velocity);
-        (self.dynamics).gather(&self.model, &state.states, &[], &state.rotations);
     }
 
     /// Refuses a kink at a time (s) after a motion, if a constraint demands a jump there: its difference does
@@ -264,12 +258,7 @@ impl Simulation {
         let [far, near] = &differences[..] else {
             return Ok(());
         };
-        let scales = self.model.velocity_scales();
-        let largest = |x: &[f64]| {
-            let pairs = x.iter().zip(&scales);
-            pairs.fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
-        };
-        let pace = largest(&base.velocity).max(libm::sqrt(largest(&base.acceleration)));
+        let pace = base.pace(&self.model);
         let least = [
             self.model.tolerance / self.model.length,
             VELOCITY.0 * pace + VELOCITY.1,
@@ -309,7 +298,7 @@ impl Simulation {
     /// where they are no numbers.
     fn demands(&mut self, element: usize, base: &State, e: f64) -> Option<Difference> {
         let state = self.moved(base, e);
-        self.place_at(&state);
+        self.dynamics.set_state(&self.model, &state, &[]);
         self.dynamics.evaluate_constraints(&self.model).ok()?;
         self.dynamics.rate_level(&self.model).ok()?;
         let first = self.model.elements[element].row;

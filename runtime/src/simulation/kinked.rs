@@ -1,6 +1,7 @@
 //! Steps that end at kinks, and fixed steps that pass them.
 
 use super::Simulation;
+use super::beginning::differ;
 use crate::acceleration::Factors;
 use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::integrator::Trial;
@@ -241,11 +242,9 @@ impl Simulation {
             return Ok(None);
         };
         far.time = behind;
-        let differ = |a: &[f64], b: &[f64]| {
-            let size = a.iter().chain(b).fold(0.0_f64, |most, x| most.max(x.abs()));
-            a.iter().zip(b).any(|(a, b)| (a - b).abs() > JUMP * size)
-        };
-        if !differ(&near.acceleration, &far.acceleration) && !differ(&near.rates, &far.rates) {
+        if !differ(&near.acceleration, &far.acceleration, JUMP)
+            && !differ(&near.rates, &far.rates, JUMP)
+        {
             return Ok(None);
         }
         self.begin_behind(&start, far).map(Some)
@@ -331,12 +330,7 @@ impl Simulation {
         if self.options.energy {
             self.powers[1] = self.dynamics.powers(&self.model, &start.multipliers)?.1;
         }
-        let scales = self.model.velocity_scales();
-        let largest = |x: &[f64]| {
-            let pairs = x.iter().zip(&scales);
-            pairs.fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
-        };
-        let pace = largest(&start.velocity).max(libm::sqrt(largest(&start.acceleration)));
+        let pace = start.pace(&self.model);
         if pace == 0.0 {
             return Ok(());
         }
@@ -367,6 +361,7 @@ impl Simulation {
                 )
             })
         };
+        let scales = self.model.velocity_scales();
         let moves = bent(&jerk, &a.acceleration, &start.acceleration, &scales);
         let states = bent(
             &state_jerk,
@@ -378,7 +373,7 @@ impl Simulation {
         if !moves && states {
             let changes = a.acceleration.iter().zip(&start.acceleration);
             let changes: Vec<f64> = changes.map(|(a, start)| a - start).collect();
-            self.jump_at_kink = largest(&changes);
+            self.jump_at_kink = self.model.largest(&changes);
         }
         if !states
             && let Some(kink) = self.at_kink
@@ -397,7 +392,9 @@ impl Simulation {
         self.system.normal(&self.model, &rates, &mut self.work);
         (self.integrator).renew(&jerk, &self.work, &multiplier_rate, &state_jerk);
         let factor = self.options.step.tolerance();
-        let error = self.integrator.coefficients.error.abs() * largest(&jerk) * self.model.length
+        let error = self.integrator.coefficients.error.abs()
+            * self.model.largest(&jerk)
+            * self.model.length
             / (STEP_SHARE * self.model.tolerance * factor);
         let longest = FIRST.1 * self.size.step.max(h);
         let allowed = if error > 0.0 {

@@ -291,8 +291,7 @@ impl Simulation {
         for (state, rate) in near.states.iter_mut().zip(&near.rates) {
             *state += time * rate;
         }
-        dynamics.place(model, near.time, &near.pose, &near.velocity);
-        dynamics.gather(model, &near.states, &near.multipliers, &near.rotations);
+        dynamics.set_state(model, &near, &near.multipliers);
         dynamics.evaluate(model).ok()?;
         Some([dynamics.wrenches(), dynamics.rates()].concat())
     }

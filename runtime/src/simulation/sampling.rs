@@ -4,6 +4,7 @@ use super::{Energy, Simulation};
 use crate::acceleration::Factors;
 use crate::error::{Moment, RuntimeError};
 use crate::state::{State, move_pose};
+use eng_system::dense::largest;
 
 /// Largest part of a step h along which a sample follows its own rates. It then differs from the interpolation by
 /// `½ (1e-4 h)² v̇`.
@@ -294,16 +295,9 @@ impl Simulation {
     pub fn output_drift(&mut self) -> Result<(f64, f64), RuntimeError> {
         let state = &self.completed;
         self.dynamics
-            .place(&self.model, state.time, &state.pose, &state.velocity);
-        self.dynamics.gather(
-            &self.model,
-            &state.states,
-            &state.multipliers,
-            &state.rotations,
-        );
+            .set_state(&self.model, state, &state.multipliers);
         self.dynamics.evaluate_constraints(&self.model)?;
         self.dynamics.rate_level(&self.model)?;
-        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
         Ok((
             largest(self.dynamics.constraints()),
             largest(self.dynamics.constraint_rates()),

@@ -9,6 +9,7 @@ use crate::integrator::Trial;
 use crate::model::STEP_SHARE;
 use crate::rotation::V3;
 use crate::state::{State, move_pose};
+use eng_system::dense::largest_scaled;
 use eng_system::system::{ConditionKind, Origin, StepControl};
 
 /// Largest change of an acceleration in the first step, as a share of its size.
@@ -91,14 +92,8 @@ impl Simulation {
             &mut self.integrator.current,
             moment,
         )?;
-        let scales = self.model.velocity_scales();
-        let largest = |x: &[f64]| {
-            x.iter()
-                .zip(&scales)
-                .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()))
-        };
-        let speed = largest(&self.integrator.current.velocity);
-        let acceleration = largest(&self.integrator.current.acceleration);
+        let speed = self.model.largest(&self.integrator.current.velocity);
+        let acceleration = self.model.largest(&self.integrator.current.acceleration);
         // A ten-thousandth of the time in which the motion covers about its own size.
         let pace = speed.max(libm::sqrt(acceleration));
         let mut offset = if pace > 0.0 { 1e-4 / pace } else { 1e-5 };
@@ -155,8 +150,7 @@ impl Simulation {
     /// The first step (s) of a motion under error control, with a factor on the tolerances.
     pub(super) fn first_step(&self, first: &FirstRates, factor: f64) -> f64 {
         let scales = self.model.velocity_scales();
-        let jerks = first.jerk.iter().zip(&scales);
-        let largest = jerks.fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()));
+        let largest = largest_scaled(&first.jerk, &scales);
         let error = self.integrator.coefficients.error.abs() * largest * self.model.length
             / (STEP_SHARE * self.model.tolerance * factor);
         let pace = first.pace;
@@ -227,8 +221,7 @@ impl Simulation {
                 stands = false;
                 break;
             };
-            let largest = (state.acceleration.iter().zip(&scales))
-                .fold(0.0_f64, |most, (a, scale)| most.max((a / scale).abs()));
+            let largest = largest_scaled(&state.acceleration, &scales);
             // the cycle's rate is linear in the velocities, so accelerations in their place give the cycle's
             // acceleration
             state.velocity.copy_from_slice(&state.acceleration);
@@ -251,13 +244,7 @@ impl Simulation {
     pub(super) fn stand(&mut self) -> Result<(), RuntimeError> {
         let state = &self.integrator.current;
         self.dynamics
-            .place(&self.model, state.time, &state.pose, &state.velocity);
-        self.dynamics.gather(
-            &self.model,
-            &state.states,
-            &state.multipliers,
-            &state.rotations,
-        );
+            .set_state(&self.model, state, &state.multipliers);
         self.dynamics.evaluate(&self.model)
     }
 
@@ -461,8 +448,7 @@ impl Simulation {
     fn defect_of_step(&mut self) -> Result<bool, RuntimeError> {
         let state = &self.integrator.current;
         let (model, dynamics) = (&self.model, &mut self.dynamics);
-        dynamics.place(model, state.time, &state.pose, &state.velocity);
-        dynamics.gather(model, &state.states, &[], &state.rotations);
+        dynamics.set_state(model, state, &[]);
         dynamics.rate_level(model)?;
         let rates = dynamics.constraint_rates();
         if !self.integrator.nearest_change(model, rates, &mut self.work) {

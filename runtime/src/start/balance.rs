@@ -33,20 +33,27 @@ use crate::model::Model;
 use crate::outputs::Watch;
 use crate::state::{State, move_pose};
 use describing::{locked, no_number, not_finite};
+use eng_system::dense::largest_difference;
 use eng_system::system::{Origin, Role};
 pub use holding::Terms;
 use nalgebra::{DMatrix, DVector};
 
 /// Share of a freedom's inertia times the square of the engine's pace, below which its stiffness counts as
-/// zero.
-const NEUTRAL: f64 = 1e-6;
+/// zero, in a first search and in later ones. The friction of a film that does not see a tilt gives the tilt a stiffness of
+/// some millionths, in which rounding is a large move.
+const NEUTRAL: [f64; 2] = [1e-6, 1e-3];
 /// Part of a film that an iterate must leave, and share of the clearance by which a pin may move outwards
 /// where its shell yields.
 const LEFT: f64 = 0.25;
 /// Largest move of an iterate, in the model's length or rad.
 const REACH: f64 = 0.2;
-/// Iterations of a portion.
-const ITERATIONS: usize = 25;
+/// Iterations of a portion, in a first search and in later ones.
+const ITERATIONS: [usize; 2] = [25, 60];
+/// Growth of the residual by which a step of a later search is too long, the factor that shortens it, and the least part of a
+/// step.
+const GROWTH: f64 = 1.5;
+const SHORTER: f64 = 0.3;
+const LEAST_PART: f64 = 1e-3;
 /// Smallest portion of the load.
 const PORTION: f64 = 1e-3;
 /// Scaled effort above which a freedom without stiffness counts as loaded.
@@ -103,6 +110,8 @@ fn stays(model: &Model, begin: &State, end: &State) -> bool {
 pub struct Balance<'a> {
     model: &'a Model,
     terms: Terms,
+    /// Whether an earlier search found nothing. Then steps that enlarge the residual become shorter.
+    again: bool,
     motion: SteadyMotion,
     dynamics: Dynamics,
     /// Angles, which a search at rest may turn by whole turns.
@@ -117,6 +126,8 @@ pub struct Balance<'a> {
     fixed: DMatrix<f64>,
     fixed_names: Vec<(Origin, bool)>,
     factors: Vec<f64>,
+    /// Freedoms, in scaled velocities: constraints and holds leave them.
+    movable: DMatrix<f64>,
     /// Rows of freedoms that nothing holds.
     neutral: DMatrix<f64>,
     freedoms: usize,
@@ -139,9 +150,23 @@ struct Place {
     efforts: DVector<f64>,
 }
 
+/// A step of a later search, which may become shorter.
+struct Taken {
+    from: Place,
+    step: DVector<f64>,
+    part: f64,
+    /// Residual before it.
+    norm: f64,
+}
+
 impl<'a> Balance<'a> {
     /// Divides the freedoms into moving, held and balanced ones, at an assembled state.
-    pub fn new(model: &'a Model, state: &State, terms: Terms) -> Result<Balance<'a>, Stop> {
+    pub fn new(
+        model: &'a Model,
+        state: &State,
+        terms: Terms,
+        again: bool,
+    ) -> Result<Balance<'a>, Stop> {
         let system = &model.compiled.system;
         let motion = SteadyMotion::new(model, state).map_err(|e| locked(model, e))?;
         let stated = Rows::new(
@@ -165,6 +190,7 @@ impl<'a> Balance<'a> {
         let mut balance = Balance {
             model,
             terms,
+            again,
             dynamics: Dynamics::new(model),
             watch: Watch::new(model, |_| true),
             values: vec![0.0; plan.pattern.rows.len()],
@@ -174,6 +200,7 @@ impl<'a> Balance<'a> {
             fixed: DMatrix::zeros(0, model.velocities),
             fixed_names: Vec::new(),
             factors: Vec::new(),
+            movable: DMatrix::zeros(model.velocities, 0),
             neutral: DMatrix::zeros(0, model.velocities),
             freedoms: 0,
             pace,
@@ -197,7 +224,56 @@ impl<'a> Balance<'a> {
         }
         balance.freedoms = free.ncols();
         balance.find_neutral(state, &free, pace)?;
+        balance.movable = free;
         Ok(balance)
+    }
+
+    /// The state with its bodies moved as its loads push them, until the thinnest film has an eccentricity ratio; `None`
+    /// if no film becomes so thin.
+    pub fn leaning(&mut self, state: &State, ratio: f64) -> Result<Option<State>, Stop> {
+        let model = self.model;
+        let place = Place {
+            state: state.clone(),
+            efforts: DVector::zeros(self.holding.len() + self.neutral.nrows()),
+        };
+        let residual = self
+            .residual(&place)?
+            .rows(0, model.velocities)
+            .into_owned();
+        let push = -(&self.movable * (self.movable.transpose() * residual));
+        let size = push.amax();
+        if !(size > 0.0 && size.is_finite()) {
+            return Ok(None);
+        }
+        let scales = self.motion.scales().iter();
+        let increment: Vec<f64> = scales
+            .zip(&push)
+            .map(|(scale, push)| scale * push / size)
+            .collect();
+        let mut leaning = state.clone();
+        let mut thinnest = |factor: f64| {
+            move_pose(model, &state.pose, &increment, factor, &mut leaning.pose);
+            film_ratios(model, &leaning.pose)
+                .into_iter()
+                .fold(0.0, f64::max)
+        };
+        let (mut low, mut high) = (0.0, 1e-9);
+        while thinnest(high) < ratio {
+            (low, high) = (high, 2.0 * high);
+            if high > REACH {
+                return Ok(None);
+            }
+        }
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            if thinnest(middle) < ratio {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        thinnest(low);
+        Ok(Some(leaning))
     }
 
     /// Scaled residual: balance, constraints, holds.
@@ -414,10 +490,7 @@ impl<'a> Balance<'a> {
             if self.terms.rest {
                 break;
             }
-            let moved = before
-                .iter()
-                .zip(&place.state.pose)
-                .fold(0.0_f64, |w, (a, b)| w.max((a - b).abs()));
+            let moved = largest_difference(&before, &place.state.pose);
             let (velocity, acceleration) = self
                 .motion
                 .rates(model, &place.state)
@@ -540,7 +613,8 @@ impl<'a> Balance<'a> {
         let n = model.velocities;
         let mut last = f64::INFINITY;
         let mut worst = None;
-        for _ in 0..ITERATIONS {
+        let mut taken: Option<Taken> = None;
+        for _ in 0..ITERATIONS[usize::from(self.again)] {
             let mut residual = match self.residual(place) {
                 Ok(residual) => residual,
                 Err(Stop::Obstacle(obstacle)) => {
@@ -552,6 +626,18 @@ impl<'a> Balance<'a> {
                 residual[i] -= offset[i];
             }
             worst = Some(self.worst(&residual));
+            let norm = residual.norm();
+            if let Some(taken) = &mut taken
+                && norm > GROWTH * taken.norm
+                && taken.part > LEAST_PART
+            {
+                taken.part *= SHORTER;
+                *place = taken.from.clone();
+                self.shift(place, &taken.step, taken.part);
+                self.follow_turns(place)?;
+                last = f64::INFINITY;
+                continue;
+            }
             let matrix = self.matrix(&place.state)?;
             let Some(step) = matrix.lu().solve(&(-residual)) else {
                 break;
@@ -561,8 +647,15 @@ impl<'a> Balance<'a> {
                 break;
             }
             found.iterations += 1;
+            let from = self.again.then(|| place.clone());
             let factor = self.advance(place, &step, size);
             self.follow_turns(place)?;
+            taken = from.map(|from| Taken {
+                from,
+                step,
+                part: factor,
+                norm,
+            });
             if factor == 1.0 {
                 if size <= goal || (size <= 1e3 * goal && size >= 0.5 * last) {
                     return Ok(None);

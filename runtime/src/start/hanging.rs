@@ -37,7 +37,7 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
     let pins = pins(model);
     let film = |e: usize| pins.iter().any(|pin| pin.element == e);
     let with_rows = |e: &usize| !model.class(*e).rows.is_empty();
-    let acts = |e: &usize| with_rows(e) || model.class(*e).applies_load;
+    let acts = |e: &usize| with_rows(e) || model.class(*e).facts.applies_load;
     let dynamic: Vec<usize> = (0..model.elements.len())
         .filter(|e| model.elements[*e].dynamic && acts(e))
         .collect();
@@ -49,7 +49,7 @@ pub fn hanging(assembled: &Assembled) -> Result<Option<Hanging>, RuntimeError> {
     let (mut values, mut matrix) = rows.gradients(model, &at(state), Along::Pose)?;
     rows.scale_gradients(model, &mut values, &mut matrix);
     let responds = |e: &usize| {
-        model.class(*e).applies_load && !film(*e) && model.elements[*e].markers.len() > 1
+        model.class(*e).facts.applies_load && !film(*e) && model.elements[*e].markers.len() > 1
     };
     if model.velocities == 6 * model.bodies.len()
         && !dynamic.iter().any(responds)

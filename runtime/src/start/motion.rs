@@ -33,6 +33,7 @@ use crate::error::RuntimeError;
 use crate::flexible::Work;
 use crate::model::Model;
 use crate::state::{State, move_pose};
+use eng_system::dense::largest_scaled;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
@@ -126,8 +127,8 @@ impl SteadyMotion {
                 .filter(|e| {
                     let class = model.class(*e);
                     model.elements[*e].dynamic
-                        && class.applies_load
-                        && class.uses_twist == damping
+                        && class.facts.applies_load
+                        && class.facts.uses_twist == damping
                         && !pins.iter().any(|pin| pin.element == *e)
                 })
                 .collect()
@@ -491,10 +492,7 @@ impl SteadyMotion {
 
     /// The rate (1/s) at which the motion covers its own size.
     pub fn pace(&self, velocity: &[f64]) -> f64 {
-        velocity
-            .iter()
-            .zip(&self.scales)
-            .fold(0.0_f64, |w, (v, s)| w.max((v / s).abs()))
+        largest_scaled(velocity, &self.scales)
     }
 }
 

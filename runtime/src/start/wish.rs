@@ -93,7 +93,7 @@ impl SteadyMotion {
         )?;
         let mut made = Vec::new();
         for by_twist in [true, false] {
-            if by_twist && !class.uses_twist {
+            if by_twist && !class.facts.uses_twist {
                 continue;
             }
             let mut matrix = DMatrix::zeros(wrenches, model.velocities);

@@ -1,5 +1,6 @@
 //! Figures of reports.
 
+mod bode;
 mod film;
 mod labels;
 mod orders;
@@ -40,6 +41,7 @@ pub(super) fn figure(
         Picture::Waterfall(waterfall) => drawer.waterfall(waterfall),
         Picture::Campbell(campbell) => drawer.campbell(campbell),
         Picture::Xy(xy) => drawer.xy(xy),
+        Picture::Bode(bode) => drawer.bode(bode),
         Picture::Film(map) => drawer.film(map),
     }
 }

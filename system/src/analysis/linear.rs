@@ -108,14 +108,7 @@ pub(super) const ROW: KindRow = KindRow {
     plan,
 };
 
-/// The state of the start is a balance, unless something else is stated; a transient to a later one begins as
-/// others do.
 fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
-    let after = given.extent("after");
-    let unstated = match after {
-        Some(_) => Start::Automatic,
-        None => Start::QuasiStatic,
-    };
     let [inputs, outputs] = ["inputs", "outputs"].map(|name| given.names(name));
     if inputs.is_some() != outputs.is_some() {
         let argument = if inputs.is_some() {
@@ -131,16 +124,34 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         });
     }
     Ok(AnalysisKind::Linear(Linear {
-        after,
-        integration: given.integration(unstated),
         // within its limits
         number: given.number("number").map(|x| x as u32),
         up_to: given.number("up_to").map(|hertz| TAU * hertz),
         over: given.extent("over"),
-        frozen: given.switch("frozen"),
         inputs: inputs.unwrap_or_default(),
         outputs: outputs.unwrap_or_default(),
+        ..state(given)
     }))
+}
+
+/// The linearisation about the stated state, with all modes and without matrices. The state of the start is a
+/// balance, unless something else is stated; a transient to a later one begins as others do.
+pub(super) fn state(given: &Given) -> Linear {
+    let after = given.extent("after");
+    let unstated = match after {
+        Some(_) => Start::Automatic,
+        None => Start::QuasiStatic,
+    };
+    Linear {
+        after,
+        integration: given.integration(unstated),
+        number: None,
+        up_to: None,
+        over: None,
+        frozen: given.switch("frozen"),
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+    }
 }
 
 impl Kind for Linear {

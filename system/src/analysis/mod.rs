@@ -11,6 +11,7 @@ mod equilibrium;
 mod linear;
 mod named;
 mod periodic;
+mod response;
 mod transient;
 
 pub use argument::{Apart, Argument, Counted, Given, Limit, Takes, Unplanned, Value};
@@ -19,6 +20,7 @@ pub use equilibrium::Static;
 pub use linear::Linear;
 pub use named::{Misnamed, Named, Names};
 pub use periodic::Periodic;
+pub use response::Response;
 pub use transient::Transient;
 
 use crate::dimension::{Dimension, DisplayUnit};
@@ -30,6 +32,7 @@ pub const KINDS: &[KindRow] = &[
     transient::ROW,
     periodic::ROW,
     linear::ROW,
+    response::ROW,
     equilibrium::ROW,
     assemble::ROW,
 ];
@@ -67,6 +70,8 @@ pub enum Rows {
     Cycle,
     /// Modes.
     Modes,
+    /// Frequencies of a vibration.
+    Frequencies,
     /// One state.
     State,
 }
@@ -120,11 +125,13 @@ pub enum AnalysisKind {
     Periodic(Periodic),
     /// Eigenvalues about a state.
     Linear(Linear),
+    /// Steady vibration over frequency.
+    Response(Response),
     /// The equilibrium.
     Static(Static),
 }
 
-dereferences!(AnalysisKind to Kind: Assemble Transient Periodic Linear Static);
+dereferences!(AnalysisKind to Kind: Assemble Transient Periodic Linear Response Static);
 
 /// A time or an angle of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -25,7 +25,10 @@ pub struct Argument {
 pub enum Takes {
     /// Signals along the ordinate, in the unit that `as` states.
     Ordinates,
-    /// Signals in their own unit, of a dimension if one is given.
+    /// The same, of samples or of the frequencies of a response.
+    OrdinatesOfRows,
+    /// Signals in their own unit, of a dimension if one is given. Without one they may have the frequencies of a
+    /// response as rows.
     Signals(Option<Dimension>),
     /// Signals whose amplitudes are drawn along the ordinate.
     Amplitudes,
@@ -33,6 +36,8 @@ pub enum Takes {
     AmplitudesOfRuns,
     /// Signals of several runs whose amplitudes are drawn; of one run if the named argument is given.
     AmplitudesOfRunsOr(&'static str),
+    /// Outputs of frequency responses, as recorded.
+    Responses,
     /// Journals.
     Journals,
     /// Journals whose films are solved on cells.

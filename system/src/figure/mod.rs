@@ -5,6 +5,7 @@
 //! checker reads the row and names no kind. `src/post/picture` draws each kind.
 
 mod argument;
+mod bode;
 mod campbell;
 mod film;
 mod history;
@@ -16,6 +17,7 @@ mod waterfall;
 mod xy;
 
 pub use argument::{Argument, Given, Journals, Recorded, Signals, Takes, Unplanned, Value};
+pub use bode::Bode;
 pub use campbell::Campbell;
 pub use film::FilmMap;
 pub use history::History;
@@ -40,6 +42,7 @@ pub const KINDS: &[FigureRow] = &[
     waterfall::ROW,
     campbell::ROW,
     xy::ROW,
+    bode::ROW,
     film::ROW,
 ];
 
@@ -118,8 +121,10 @@ pub enum Picture {
     Campbell(Campbell),
     /// Signals over other signals.
     Xy(Xy),
+    /// Amplitudes and phases over frequency.
+    Bode(Bode),
     /// Cells of films.
     Film(FilmMap),
 }
 
-dereferences!(Picture to Kind: History Spectrum Orbit Polar OrderTrack Waterfall Campbell Xy Film);
+dereferences!(Picture to Kind: History Spectrum Orbit Polar OrderTrack Waterfall Campbell Xy Bode Film);

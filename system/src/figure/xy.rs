@@ -26,7 +26,11 @@ pub(super) const ROW: FigureRow = FigureRow {
             Takes::Signals(None),
             "the signal along the abscissa, one for all or one for each of `y`",
         ),
-        place("y", Takes::Ordinates, "the signals along the ordinate"),
+        place(
+            "y",
+            Takes::OrdinatesOfRows,
+            "the signals along the ordinate",
+        ),
         CYCLES,
     ],
     plan,

@@ -50,6 +50,8 @@ pub(super) fn root_name(expr: &Expr) -> Option<&str> {
 pub(super) struct Found<'a> {
     pub plan: &'a AnalysisPlan,
     pub channels: Rc<Channels>,
+    /// The columns, if the analysis is a frequency response.
+    pub response: Rc<[Recorded]>,
     pub path: String,
 }
 
@@ -58,6 +60,9 @@ impl Found<'_> {
     pub fn rows(&self) -> SignalRows {
         match self.plan.analysis.kind.rows() {
             Rows::Modes => SignalRows::Modes(self.plan.analysis.origin.path.as_str().into()),
+            Rows::Frequencies => {
+                SignalRows::Frequencies(self.plan.analysis.origin.path.as_str().into())
+            }
             Rows::State => SignalRows::State,
             Rows::Samples | Rows::Cycle => SignalRows::Samples,
         }
@@ -82,10 +87,10 @@ impl Found<'_> {
 
     /// The recorded channels of the analysis.
     pub fn columns(&self) -> &[Recorded] {
-        if are_modes(self.plan) {
-            &self.channels.modes
-        } else {
-            &self.channels.samples
+        match self.plan.analysis.kind.rows() {
+            Rows::Modes => &self.channels.modes,
+            Rows::Frequencies => &self.response,
+            Rows::Samples | Rows::Cycle | Rows::State => &self.channels.samples,
         }
     }
 
@@ -108,7 +113,7 @@ impl Found<'_> {
 
 /// Whether an analysis gives modes instead of samples.
 pub(super) fn are_modes(plan: &AnalysisPlan) -> bool {
-    plan.analysis.kind.rows() == eng_system::analysis::Rows::Modes
+    plan.analysis.kind.rows() == Rows::Modes
 }
 
 /// Places of one or more analyses.
@@ -164,6 +169,7 @@ impl<'a> Reporter<'a, '_> {
             let channels = self.models.channels(plan)?;
             found.push(Found {
                 plan,
+                response: channels.response(plan),
                 channels,
                 path: String::new(),
             });
@@ -207,6 +213,7 @@ impl<'a> Reporter<'a, '_> {
                         next.extend(chosen.into_iter().map(|path| Found {
                             plan: place.plan,
                             channels: Rc::clone(&place.channels),
+                            response: Rc::clone(&place.response),
                             path,
                         }));
                     }

@@ -16,6 +16,23 @@ use eng_system::expression::{
     Chosen, Expression, Filter, Function, Limit, Member, Operator, Part, Reduction,
 };
 
+/// Whether a function takes the rows of a signal. The functions of modes and of frequencies refuse other rows in their
+/// own words.
+fn takes(results: OfResults, rows: &SignalRows) -> bool {
+    let frequencies = matches!(rows, SignalRows::Frequencies(_));
+    match results {
+        _ if rows.of_analysis().is_none() => true,
+        OfResults::Each(_) | OfResults::Fold(_) | OfResults::Decibel => true,
+        OfResults::Mode | OfResults::AtFrequency => true,
+        OfResults::Reduce(reduction) => match reduction {
+            Reduction::Minimum | Reduction::Maximum | Reduction::PeakToPeak => true,
+            Reduction::MinimumAt(_) | Reduction::MaximumAt(_) => frequencies,
+            Reduction::Mean | Reduction::RootMeanSquare => false,
+        },
+        _ => false,
+    }
+}
+
 impl<'a> Reporter<'a, '_> {
     /// A call; `None` after a message.
     pub(super) fn call(
@@ -36,7 +53,9 @@ impl<'a> Reporter<'a, '_> {
             return self.length(first, bound.option("floor"));
         }
         let of = self.expression(first)?;
-        if !function.takes_modes() {
+        if let Type::Signal { rows, .. } = &of.ty
+            && !takes(function.results, rows)
+        {
             self.checker.of_samples(first, &of.ty, name)?;
         }
         match function.results {
@@ -55,6 +74,7 @@ impl<'a> Reporter<'a, '_> {
                     }
                     OfResults::Amplitude => self.amplitude(of, &bound),
                     OfResults::Mode => self.mode(first, of, bound.option("at")?),
+                    OfResults::AtFrequency => self.at_frequency(first, of, bound.option("at")?),
                     OfResults::Filter => self.filtered(of, &bound),
                     OfResults::Last => {
                         let part = self.extent(bound.option("part")?, &of, "`part`")?;
@@ -101,6 +121,31 @@ impl<'a> Reporter<'a, '_> {
         let chosen = self.chosen_mode(at)?;
         let ty = of.ty.row();
         Some(of.mapped(ty, |of| Expression::Mode(chosen, Box::new(of))))
+    }
+
+    fn at_frequency(&mut self, first: &Expr, of: Typed, at: &'a Expr) -> Option<Typed> {
+        let Type::Signal {
+            rows: SignalRows::Frequencies(_),
+            ..
+        } = of.ty
+        else {
+            self.diagnose(
+                Diagnostic::error(
+                    codes::REPORT_SHAPE,
+                    "`at_frequency` takes a column of a `response` analysis",
+                )
+                .at(first.span, "no response")
+                .with_help("for a part of a motion there is `amplitude(x, 160 Hz)`"),
+            );
+            return None;
+        };
+        let quantity = Quantity::hard(Dimension::ONE.over(Dimension::TIME));
+        let frequency = self.constant(at, &quantity, "`at`")?;
+        if !(frequency > 0.0 && frequency.is_finite()) {
+            self.refuse(at, "`at`", "above zero")?;
+        }
+        let ty = of.ty.row();
+        Some(of.mapped(ty, |of| Expression::AtFrequency(frequency, Box::new(of))))
     }
 
     fn filtered(&mut self, of: Typed, bound: &Bound<'a>) -> Option<Typed> {
@@ -344,7 +389,16 @@ impl<'a> Reporter<'a, '_> {
         of: Typed,
     ) -> Option<Typed> {
         let placed = matches!(reduction, Reduction::MinimumAt(_) | Reduction::MaximumAt(_));
+        let of_response = matches!(
+            of.ty,
+            Type::Signal {
+                rows: SignalRows::Frequencies(_),
+                ..
+            }
+        );
         let by_time = match self.word(over, "`over`", &super::settings::OVER)? {
+            // its rows are over frequency alone
+            _ if of_response => true,
             Some(time) => {
                 if !time {
                     self.with_cycle(over.unwrap_or(expr), &of, "a crank angle")?;
@@ -354,9 +408,13 @@ impl<'a> Reporter<'a, '_> {
             None => placed && !self.has_cycle(&of)?,
         };
         let (quantity, level) = (of.quantity(), of.level.clone());
+        let place = match of_response {
+            true => Quantity::hard(Dimension::ONE.over(Dimension::TIME)),
+            false => place_of(by_time),
+        };
         let (reduction, quantity) = match reduction {
-            Reduction::MinimumAt(_) => (Reduction::MinimumAt(by_time), place_of(by_time)),
-            Reduction::MaximumAt(_) => (Reduction::MaximumAt(by_time), place_of(by_time)),
+            Reduction::MinimumAt(_) => (Reduction::MinimumAt(by_time), place),
+            Reduction::MaximumAt(_) => (Reduction::MaximumAt(by_time), place),
             Reduction::PeakToPeak => (reduction, quantity.difference()),
             Reduction::RootMeanSquare => {
                 let kind = Default::default();
@@ -368,8 +426,13 @@ impl<'a> Reporter<'a, '_> {
             Expression::Reduce(reduction, Box::new(of))
         });
         if placed {
-            let degree = self.checker.program.units.get("deg");
-            made.display = degree.filter(|_| !by_time).cloned().map(Into::into);
+            let unit = match (of_response, by_time) {
+                (true, _) => Some("Hz"),
+                (false, true) => None,
+                (false, false) => Some("deg"),
+            };
+            let unit = unit.and_then(|unit| self.checker.program.units.get(unit));
+            made.display = unit.cloned().map(Into::into);
         }
         // the largest of levels is a level
         if matches!(

@@ -17,7 +17,13 @@ use eng_system::expression::{Expression, Function, Member};
 use eng_system::figure::{
     self, Argument, Figure, FigureRow, Given, Journals, Signals, Takes, Unplanned, Value, Vector,
 };
-use eng_system::recorded::Recorded;
+use eng_system::recorded::{FREQUENCY, PHASE, Recorded};
+
+/// Whether a signal has the frequencies of a response as rows.
+fn of_response(ty: &Type) -> bool {
+    let frequencies = |rows: &SignalRows| matches!(rows, SignalRows::Frequencies(_));
+    matches!(ty, Type::Signal { rows, .. } if frequencies(rows))
+}
 
 impl<'a> Reporter<'a, '_> {
     /// A figure; `None` after a message.
@@ -43,11 +49,12 @@ impl<'a> Reporter<'a, '_> {
                 continue;
             };
             let value = match argument.takes {
-                Takes::Ordinates => {
+                Takes::Ordinates | Takes::OrdinatesOfRows => {
                     let mut panels = Vec::new();
                     let more = bound.more().filter(|_| argument.more);
                     for expr in std::iter::once(value).chain(more) {
-                        panels.push(self.panel(row, expr, display, panels.first())?);
+                        let takes = argument.takes;
+                        panels.push(self.panel((row, takes), expr, display, panels.first())?);
                     }
                     of = panels.first().map(|(typed, _)| typed.clone());
                     Value::Signals(panels.into_iter().map(|(_, signals)| signals).collect())
@@ -70,6 +77,7 @@ impl<'a> Reporter<'a, '_> {
                     of = Some(typed);
                     Value::Signals(vec![signals])
                 }
+                Takes::Responses => Value::Signals(vec![self.responses(row, value, display)?]),
                 Takes::Journals => Value::Journals(self.journals(row, value, display)?),
                 Takes::Films => self.films(row, value, display)?,
                 Takes::Vectors => {
@@ -210,9 +218,11 @@ impl<'a> Reporter<'a, '_> {
             Takes::Moment => self.moment(expr, &what),
             // arguments by place that nothing refers back from
             Takes::Ordinates
+            | Takes::OrdinatesOfRows
             | Takes::Amplitudes
             | Takes::AmplitudesOfRuns
             | Takes::AmplitudesOfRunsOr(_)
+            | Takes::Responses
             | Takes::Journals
             | Takes::Films
             | Takes::Vectors => None,
@@ -237,7 +247,7 @@ impl<'a> Reporter<'a, '_> {
     /// Signals of a panel, of the quantity of the first panel.
     fn panel(
         &mut self,
-        row: &FigureRow,
+        (row, takes): (&FigureRow, Takes),
         expr: &'a Expr,
         display: Option<&UnitExpr>,
         first: Option<&(Typed, Signals)>,
@@ -250,7 +260,9 @@ impl<'a> Reporter<'a, '_> {
             Shape::Signal,
             &format!("an argument of `{name}`"),
         )?;
-        self.checker.of_samples(expr, &panel.ty, name)?;
+        if takes == Takes::Ordinates || !of_response(&panel.ty) {
+            self.checker.of_samples(expr, &panel.ty, name)?;
+        }
         if let Some((first, _)) = first
             && panel.quantity().fits(&first.quantity()).is_err()
         {
@@ -375,6 +387,39 @@ impl<'a> Reporter<'a, '_> {
             orders.push(order);
         }
         Some(orders)
+    }
+
+    /// Outputs of frequency responses, as recorded, because only these have a phase.
+    fn responses(
+        &mut self,
+        row: &FigureRow,
+        expr: &'a Expr,
+        display: Option<&UnitExpr>,
+    ) -> Option<Signals> {
+        let of = self.expression(expr)?;
+        let what = format!("an argument of `{}`", row.name);
+        self.shaped(expr, &of, Shape::Signal, &what)?;
+        let recorded = |member: &Member| match &member.expression {
+            Expression::Channel { path, .. } => !path.ends_with(PHASE) && path != FREQUENCY,
+            _ => false,
+        };
+        let of_responses = of_response(&of.ty);
+        if !of_responses || !of.members.iter().all(recorded) {
+            let title = format!("`{}` takes outputs of `response` analyses", row.name);
+            let label = match of_responses {
+                true => "a number computed of them has no phase",
+                false => "of another analysis",
+            };
+            self.diagnose(
+                Diagnostic::error(codes::REPORT_SHAPE, title)
+                    .at(expr.span, label)
+                    .with_help(
+                        "such as `shaken.mount.force.z`; the phase is drawn below by itself",
+                    ),
+            );
+            return None;
+        }
+        self.shown(of, display, expr)
     }
 
     /// Journals, and their units, which the kind of figure decides.
@@ -509,7 +554,9 @@ impl<'a> Reporter<'a, '_> {
     ) -> Option<Typed> {
         let of = self.expression(expr)?;
         self.shaped(expr, &of, Shape::Signal, what)?;
-        self.checker.of_samples(expr, &of.ty, name)?;
+        if dimension.is_some() || !of_response(&of.ty) {
+            self.checker.of_samples(expr, &of.ty, name)?;
+        }
         if let Some(dimension) = dimension {
             let (found, due) = (of.quantity(), Quantity::hard(dimension));
             if let Err(misfit) = found.fits(&due) {

@@ -2,13 +2,15 @@
 
 use super::axes::Frames;
 use crate::elaborate::{AnalysisPlan, Structural};
-use crate::models::SharedModels;
+use crate::models::{SharedModel, SharedModels};
 use crate::program::DefinitionId;
 use crate::typed::TypedProgram;
 use eng_grammar::{Diagnostics, SourceMap};
+use eng_system::analysis::AnalysisKind;
 use eng_system::host::Host;
-use eng_system::recorded::{Recorded, of_modes, recorded};
+use eng_system::recorded::{Recorded, of_modes, of_response, recorded};
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// The recorded channels of a model.
 pub(super) struct Channels {
@@ -19,6 +21,7 @@ pub(super) struct Channels {
     pub journals: Vec<Journal>,
     pub cycle: bool,
     pub frames: Frames,
+    model: Arc<SharedModel>,
 }
 
 /// A journal of a model.
@@ -31,6 +34,18 @@ pub(super) struct Journal {
 }
 
 impl Channels {
+    /// The columns of a frequency response; none of another analysis, or of one whose input or outputs have a
+    /// mistake.
+    pub fn response(&self, plan: &AnalysisPlan) -> Rc<[Recorded]> {
+        let columns = match &plan.analysis.kind {
+            AnalysisKind::Response(response) => {
+                of_response(&self.model.elaborated.system, response)
+            }
+            _ => None,
+        };
+        columns.unwrap_or_default().into()
+    }
+
     /// The path of the marker along whose axes a component is recorded.
     pub fn frame(&self, path: &str) -> Option<&str> {
         let column = self.samples.iter().find(|column| column.path == path)?;
@@ -121,6 +136,7 @@ impl<'a> Models<'a> {
                     .collect(),
                 cycle: system.cycle.is_some(),
                 frames: Frames::of(system),
+                model: Arc::clone(&model),
             })
         });
         self.known

@@ -56,9 +56,7 @@ impl<'a> Reporter<'a, '_> {
             format!("{what} is one of {}", listing(words(), 12)),
         )
         .at(value.span, "none of these words");
-        if let Some(near) = nearest(word, words()) {
-            message = message.meant(value.span, near);
-        }
+        message = message.meant_if(value.span, nearest(word, words()));
         self.diagnose(message);
         None
     }

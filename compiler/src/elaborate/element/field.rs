@@ -179,13 +179,10 @@ impl<'a> Elaborator<'a, '_> {
                 if let Some(given) = given {
                     let value = self.integer(given, scope)?;
                     if !(low..=high).contains(&value) {
-                        return Err(self.report(
-                            Diagnostic::error(
-                                codes::FIELD,
-                                format!("`{}` of a field is {value}", argument.name),
-                            )
-                            .at(given.span, format!("it must be {low} to {high}")),
-                        ));
+                        let message = format!("`{}` of a field is {value}", argument.name);
+                        let message = Diagnostic::error(codes::FIELD, message)
+                            .at(given.span, format!("it must be {low} to {high}"));
+                        return Err(self.report(self.with_use(message)));
                     }
                     draft.wholes.push((argument.name, value));
                 }

@@ -135,10 +135,7 @@ impl<'a> Elaborator<'a, '_> {
             declaration.kind_span,
             format!("declared as {}", with_article(kind_word(declaration.kind))),
         );
-        let message = match self.passed_at(callee, scope) {
-            Some(argument) => message.also(argument, "passed here"),
-            None => message,
-        };
+        let message = message.also_if(self.passed_at(callee, scope), "passed here");
         let item = match found {
             Kind::Component => "part",
             _ => word,

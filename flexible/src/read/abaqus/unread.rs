@@ -126,11 +126,5 @@ const NOTHING: &[&str] = &[
 
 /// The kind of content of a keyword (without blanks).
 pub(super) fn carries(key: &str) -> Carries {
-    if STRUCTURE.contains(&key) {
-        Carries::Structure
-    } else if NOTHING.contains(&key) {
-        Carries::Nothing
-    } else {
-        Carries::Unknown
-    }
+    crate::read::unread::carries(key, STRUCTURE, NOTHING)
 }

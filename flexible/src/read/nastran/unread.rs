@@ -1,13 +1,13 @@
 //! The cards of a deck that have no place in a mesh, and the content that is lost with them.
 
 use super::lines::At;
-use crate::mesh::Carries;
 pub(super) use crate::read::unread::UnreadCards;
+use crate::read::unread::carries;
 
 impl UnreadCards {
     /// Counts a card that Eng does not read.
     pub(super) fn card(&mut self, name: &str, at: &At) {
-        self.note(name, at, carries(name));
+        self.note(name, at, carries(name, STRUCTURE, NOTHING));
     }
 }
 
@@ -26,8 +26,7 @@ const STRUCTURE: &[&str] = &[
     "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
 ];
 
-/// Cards of loads, requests and solution methods. A name with a `.` at its end means all names with this
-/// beginning.
+/// Cards of loads, requests and solution methods, for [`carries`].
 const NOTHING: &[&str] = &[
     "ACCEL", "ACCEL1", "AECOMP", "AEFACT", "AELIST", "AEPARM", "AERO", "AEROS", "AESTAT", "AESURF",
     "AESURFS", "AEFORCE", "AEPRESS", "ASSIGN", "BCPROP", "BCPROPS", "BLSEG", "BSURF", "BSURFS",
@@ -46,19 +45,3 @@ const NOTHING: &[&str] = &[
     "OUTPUT", "PARAM", "DCONSTR", "TOPVAR", "NLSTEP", "TABRNDG", "BCPARA", "BCTPARA", "BCRPARA",
     "DDVAL", "DSC",
 ];
-
-/// The kind of content of a card, by its name.
-fn carries(name: &str) -> Carries {
-    if STRUCTURE.contains(&name) {
-        return Carries::Structure;
-    }
-    let harmless = NOTHING.iter().any(|known| match known.strip_suffix('.') {
-        Some(start) => name.starts_with(start),
-        None => name == *known,
-    });
-    if harmless {
-        Carries::Nothing
-    } else {
-        Carries::Unknown
-    }
-}

@@ -14,15 +14,6 @@ pub struct Waterfall {
 }
 
 impl Waterfall {
-    /// The figure as SVG, 1200 pixels wide, a file of its own.
-    pub fn to_svg(&self) -> String {
-        self.draw(Target::PAPER)
-    }
-
-    pub(crate) fn title(&self) -> &str {
-        &self.figure.title
-    }
-
     pub(crate) fn draw(&self, target: Target<'_>) -> String {
         let figure = &self.figure;
         let map = &figure.map;

@@ -36,6 +36,7 @@ use crate::rotation::{V3, logarithm, product};
 use crate::simulation::Simulation;
 use crate::state::{State, move_pose};
 use crate::transient::Observer;
+use eng_system::dense::largest;
 use eng_system::significant::short;
 use eng_system::system::StepControl;
 use nalgebra::{DMatrix, DVector};
@@ -156,7 +157,6 @@ impl Round {
                 }
             }
         }
-        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
         let (off, size) = (
             largest(&states),
             largest(&from.states).max(largest(&to.states)),
@@ -264,11 +264,7 @@ impl Round {
         let rates = &self.first.basis * y + &self.first.basis_rate * x;
         let moves = self.first.in_body_axes(moves);
         let rates = self.first.in_body_axes(rates);
-        let scales = model.velocity_scales();
-        let farthest = aside
-            .iter()
-            .zip(&scales)
-            .fold(0.0_f64, |w, (x, s)| w.max((x / s).abs()));
+        let farthest = model.largest(aside.as_slice());
         let most = reach * model.tolerance / model.length;
         let factor = if farthest > most {
             most / farthest

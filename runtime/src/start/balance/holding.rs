@@ -246,7 +246,7 @@ impl Balance<'_> {
             .ok_or_else(|| not_finite(model))?;
         let right = svd.v_t.ok_or_else(|| not_finite(model))?;
         let weak: Vec<usize> = (0..right.nrows())
-            .filter(|i| svd.singular_values[*i] <= NEUTRAL)
+            .filter(|i| svd.singular_values[*i] <= NEUTRAL[usize::from(self.again)])
             .collect();
         self.neutral = right.select_rows(&weak) * free.moves.transpose();
         unit_rows(&mut self.neutral, 0.0);

@@ -105,7 +105,7 @@ impl Balance<'_> {
             .iter()
             .filter(|k| k.im.abs() <= ROUNDING * largest)
             .fold(0.0_f64, |w, k| w.min(k.re));
-        let rounding = (ROUNDING * largest).max(NEUTRAL * self.pace * self.pace);
+        let rounding = (ROUNDING * largest).max(NEUTRAL[0] * self.pace * self.pace);
         if least >= -rounding || !least.is_finite() {
             return Ok(None);
         }

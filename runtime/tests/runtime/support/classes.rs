@@ -33,8 +33,8 @@ impl Definition for Spherical {
             ));
             class.outputs.push(output(&format!("force.{axis}")));
         }
-        class.uses_twist = false;
-        class.applies_load = false;
+        class.facts.uses_twist = false;
+        class.facts.applies_load = false;
     }
 }
 
@@ -67,8 +67,8 @@ impl Definition for Revolute {
         class
             .conditions
             .push(condition(ConditionKind::Branch, "dot(a.z, b.z) > 0"));
-        class.uses_twist = false;
-        class.applies_load = false;
+        class.facts.uses_twist = false;
+        class.facts.applies_load = false;
     }
 }
 
@@ -120,8 +120,8 @@ impl Definition for Translational {
             condition(ConditionKind::Branch, "dot(a.z, b.z) > 0"),
             condition(ConditionKind::Branch, "dot(a.x, b.x) > 0"),
         ];
-        class.uses_twist = false;
-        class.applies_load = false;
+        class.facts.uses_twist = false;
+        class.facts.applies_load = false;
     }
 }
 
@@ -162,8 +162,8 @@ impl Definition for Drive {
             ConditionKind::Branch,
             "cos(rotation(a, b) - angle) > 0",
         )];
-        class.uses_twist = false;
-        class.applies_load = false;
+        class.facts.uses_twist = false;
+        class.facts.applies_load = false;
     }
 }
 
@@ -420,8 +420,8 @@ impl Definition for InPlane {
             row("dot(b.origin - a.origin, a.x) == 0", Dimension::LENGTH),
             row("dot(b.origin - a.origin, a.y) == 0", Dimension::LENGTH),
         ];
-        class.uses_twist = false;
-        class.applies_load = false;
+        class.facts.uses_twist = false;
+        class.facts.applies_load = false;
     }
 }
 

@@ -460,14 +460,16 @@ impl Builder {
             outputs: vec![],
             conditions: vec![],
             kinks: vec![],
-            kinks_read_accelerations: false,
-            kink_phases: 0,
-            uses_twist: true,
-            applies_load: true,
-            loads_over_time: true,
-            rows_over_time: true,
-            conditions_read_fields: false,
-            differentiated: vec![true; layout.answers as usize],
+            facts: ClassFacts {
+                kinks_read_accelerations: false,
+                kink_phases: 0,
+                uses_twist: true,
+                applies_load: true,
+                loads_over_time: true,
+                rows_over_time: true,
+                conditions_read_fields: false,
+                differentiated: vec![true; layout.answers as usize],
+            },
             tape: layout.len(),
         };
         definition.describe(&mut class);
@@ -535,6 +537,7 @@ impl Builder {
                 dimension: output.dimension,
                 display: output.display.clone(),
                 frame: String::new(),
+                of_steps: false,
             });
         }
         first

@@ -39,6 +39,7 @@ use crate::start::eccentricity::{
 };
 use crate::start::motion::{SteadyMotion, modal};
 use crate::state::{State, move_pose};
+use eng_system::dense::{largest, largest_difference};
 use eng_system::significant::short;
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
@@ -276,7 +277,7 @@ impl Follower {
             return Err(no_step());
         }
         let own = &correction[..model.velocities];
-        let size = own.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+        let size = largest(own);
         let scales = model.velocity_scales();
         let mut pose = step.here.pose.clone();
         let taken = unscaled(trial, &scales);
@@ -418,11 +419,8 @@ fn change(model: &Model, from: &State, to: &State) -> f64 {
     for body in &model.bodies {
         let shapes = body.pose + 7..body.pose + 7 + body.modes();
         let (a, b) = (&from.pose[shapes.clone()], &to.pose[shapes]);
-        let size = b.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
-        let off = a
-            .iter()
-            .zip(b)
-            .fold(0.0_f64, |w, (a, b)| w.max((a - b).abs()));
+        let size = largest(b);
+        let off = largest_difference(a, b);
         if size > 0.0 {
             change = change.max(off / size);
         }
@@ -528,7 +526,7 @@ impl Balance<'_> {
         let mut weights = vec![0.0; model.velocities];
         for body in &model.bodies {
             let shapes = &state.pose[body.pose + 7..body.pose + 7 + body.modes()];
-            let size = shapes.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
+            let size = largest(shapes);
             let v = body.velocity;
             weights[v..v + 3].fill(1e-3 / model.tolerance);
             weights[v + 3..v + 6].fill(1e-3 * model.length / model.tolerance);

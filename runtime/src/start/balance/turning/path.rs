@@ -11,6 +11,7 @@ use crate::outputs::{Outputs, Watch};
 use crate::rotation::{Quaternion, logarithm, product};
 use crate::start::motion::modal;
 use crate::state::State;
+use eng_system::dense::largest_scaled;
 use eng_system::significant::short;
 use std::f64::consts::TAU;
 
@@ -186,11 +187,7 @@ pub(super) fn turn_between(from: &[f64], to: &[f64]) -> crate::rotation::V3 {
 /// body with the largest deviation, and this deviation.
 fn returned<'a>(model: &'a Model, first: &State, now: &State) -> Result<(), (&'a str, f64)> {
     let scales = model.velocity_scales();
-    let pace = first
-        .velocity
-        .iter()
-        .zip(&scales)
-        .fold(0.0_f64, |w, (v, s)| w.max((v / s).abs()));
+    let pace = largest_scaled(&first.velocity, &scales);
     let mut worst = ("", 0.0);
     for body in &model.bodies {
         let (a, b) = (&first.pose[body.pose..], &now.pose[body.pose..]);

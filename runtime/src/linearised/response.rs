@@ -1,0 +1,262 @@
+//! Frequency response: the steady vibration of outputs under a sinusoidal input.
+//!
+//! With `u = Re e^{iωt}` the outputs of `ξ̇ = A ξ + B u`, `y = C ξ + D u` settle to `y = Re (H e^{iωt})`,
+//!
+//! ```text
+//! H(ω) = C (iω − A)⁻¹ B + D
+//! ```
+//!
+//! if no motion grows. A is balanced and brought to Hessenberg form once, `A = Q P Qᵀ`, so that each frequency takes
+//! an elimination with one entry below the diagonal: O(n²) for n coordinates (A. J. Laub, IEEE Trans. Autom. Control
+//! 26 (1981) 407).
+//!
+//! **Frequencies.** Equal ratios from the lowest to the highest. Between them a resonance of little damping would be
+//! missed. So every natural frequency has points of its own: at the peak of its amplitude, `|λ|√(1 − 2ζ²)`, and at
+//! multiples of the half width `ζ|λ|` beside it.
+
+use super::eigen::balance;
+use super::{LinearModes, Mode, StateSpace, run_linear};
+use crate::error::RuntimeError;
+use crate::transient::Observer;
+use eng_system::code::Compiled;
+use eng_system::system::Response;
+use nalgebra::{Complex, DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Distances of the points beside a resonance, in half widths.
+const BESIDE: [f64; 13] = [
+    -8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0,
+];
+/// Frequencies nearer to each other than this share are one.
+const ALIKE: f64 = 1e-12;
+/// Share of |λ| below which a mode has no damping: its damping is rounding.
+const UNDAMPED: f64 = 1e-9;
+
+/// A frequency response.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrequencyResponse {
+    /// The modes and matrices of the linearised motion.
+    pub modes: LinearModes,
+    /// Frequencies (Hz), increasing.
+    pub frequencies: Vec<f64>,
+    /// H of every output at each frequency (SI).
+    pub outputs: Vec<Vec<Complex<f64>>>,
+    /// Natural frequencies within the range that have no damping (Hz). The response has no bound there.
+    pub undamped: Vec<f64>,
+}
+
+/// The response of an analysis. `observer` gets start, progress and warnings, and no samples.
+///
+/// # Errors
+/// Those of [`run_linear`]; a motion that grows, so that no vibration is steady.
+pub fn run_response(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    response: &Response,
+    observer: &mut dyn Observer,
+) -> Result<FrequencyResponse, RuntimeError> {
+    let modes = run_linear(compiled, overrides, &response.about, observer)?;
+    if let Some(mode) = modes.modes.iter().find(|mode| mode.grows()) {
+        let part = mode.leading(1).first().map(|(part, _)| *part);
+        return Err(RuntimeError::Grows {
+            moment: modes.moment,
+            frequency: mode.frequency(),
+            growth: mode.value.re,
+            part: part.and_then(|part| modes.parts.get(part).map(ToString::to_string)),
+        });
+    }
+    let (frequencies, undamped) = frequencies(&modes.modes, response.range, response.points);
+    let outputs = match &modes.matrices {
+        Some(matrices) => Transfer::new(matrices).at_all(&frequencies),
+        None => None,
+    };
+    let Some(outputs) = outputs else {
+        return Err(RuntimeError::Eigenvalues {
+            size: modes.freedoms,
+            what: "the response is no number".to_owned(),
+        });
+    };
+    Ok(FrequencyResponse {
+        modes,
+        frequencies,
+        outputs,
+        undamped,
+    })
+}
+
+/// The frequencies (Hz) of a response, and the natural frequencies without damping among them.
+fn frequencies(modes: &[Mode], [low, high]: [f64; 2], points: u32) -> (Vec<f64>, Vec<f64>) {
+    let decades = libm::log10(high / low);
+    let count = (decades * f64::from(points)).ceil().max(1.0) as u32;
+    let mut all: Vec<f64> = (0..=count)
+        .map(|k| low * libm::pow(high / low, f64::from(k) / f64::from(count)))
+        .collect();
+    if let Some(last) = all.last_mut() {
+        *last = high;
+    }
+    let mut undamped = Vec::new();
+    for mode in modes.iter().filter(|mode| mode.oscillates()) {
+        let (size, ratio) = (mode.undamped_frequency(), mode.damping_ratio());
+        if ratio < UNDAMPED {
+            if (low..=high).contains(&size) {
+                undamped.push(size);
+            }
+            continue;
+        }
+        let peak = 1.0 - 2.0 * ratio * ratio;
+        if peak > 0.0 {
+            let width = ratio * size;
+            all.extend(BESIDE.map(|distance| libm::sqrt(peak) * size + distance * width));
+        }
+    }
+    all.retain(|f| (low..=high).contains(f));
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|b, a| *b - *a <= ALIKE * *b);
+    // at such a frequency itself the response has no bound
+    let near = |f: f64| undamped.iter().any(|u| (f - u).abs() <= UNDAMPED * u);
+    all.retain(|f| !near(*f));
+    (all, undamped)
+}
+
+/// The matrices with A in Hessenberg form.
+struct Transfer {
+    hessenberg: DMatrix<f64>,
+    b: DVector<f64>,
+    c: DMatrix<f64>,
+    d: DVector<f64>,
+}
+
+impl Transfer {
+    /// The form of matrices with one input, the first one.
+    fn new(matrices: &StateSpace) -> Transfer {
+        let mut a = matrices.a.clone();
+        let mut b = matrices.b.column(0).into_owned();
+        let mut c = matrices.c.clone();
+        let scales = balance(&mut a);
+        for (k, scale) in scales.iter().enumerate() {
+            b[k] /= scale;
+            c.column_mut(k).scale_mut(*scale);
+        }
+        if a.nrows() > 0 {
+            let (q, hessenberg) = a.hessenberg().unpack();
+            (a, b, c) = (hessenberg, q.tr_mul(&b), c * q);
+        }
+        Transfer {
+            hessenberg: a,
+            b,
+            c,
+            d: matrices.d.column(0).into_owned(),
+        }
+    }
+
+    /// H at frequencies (Hz); `None` if one of its numbers is not finite.
+    fn at_all(&self, frequencies: &[f64]) -> Option<Vec<Vec<Complex<f64>>>> {
+        frequencies.iter().map(|f| self.at(TAU * f)).collect()
+    }
+
+    /// H at an angular frequency (rad/s), by elimination with the larger of two rows as pivot.
+    fn at(&self, omega: f64) -> Option<Vec<Complex<f64>>> {
+        let n = self.hessenberg.nrows();
+        let mut matrix = self.hessenberg.map(|x| Complex::new(-x, 0.0));
+        for k in 0..n {
+            matrix[(k, k)].im += omega;
+        }
+        let mut x = self.b.map(|x| Complex::new(x, 0.0));
+        for k in 0..n.saturating_sub(1) {
+            if matrix[(k + 1, k)].norm() > matrix[(k, k)].norm() {
+                for j in k..n {
+                    matrix.swap((k, j), (k + 1, j));
+                }
+                x.swap_rows(k, k + 1);
+            }
+            if matrix[(k + 1, k)] == Complex::new(0.0, 0.0) {
+                continue;
+            }
+            let factor = matrix[(k + 1, k)] / matrix[(k, k)];
+            for j in k + 1..n {
+                let above = matrix[(k, j)];
+                matrix[(k + 1, j)] -= factor * above;
+            }
+            let above = x[k];
+            x[k + 1] -= factor * above;
+        }
+        for k in (0..n).rev() {
+            let mut rest = x[k];
+            for j in k + 1..n {
+                rest -= matrix[(k, j)] * x[j];
+            }
+            x[k] = rest / matrix[(k, k)];
+        }
+        let outputs: Vec<Complex<f64>> = (0..self.d.len())
+            .map(|row| {
+                let c = self.c.row(row);
+                let moved = c.iter().zip(x.iter());
+                moved.map(|(c, x)| *x * *c).sum::<Complex<f64>>() + self.d[row]
+            })
+            .collect();
+        let finite = |h: &Complex<f64>| h.re.is_finite() && h.im.is_finite();
+        outputs.iter().all(finite).then_some(outputs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Moment;
+    use crate::linearised::Coefficients;
+
+    /// Random numbers of a fixed sequence, −1…1.
+    fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
+        move || {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    #[test]
+    fn the_hessenberg_form_gives_the_response_of_the_full_matrix() {
+        for n in [1, 2, 7, 30] {
+            let mut next = numbers(n as u64);
+            let mut matrix = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| next());
+            let matrices = StateSpace {
+                moment: Moment {
+                    time: 0.0,
+                    cycle_angle: None,
+                },
+                coefficients: Coefficients::Constant,
+                freedoms: 0,
+                states: n,
+                // coordinates of very different size
+                a: {
+                    let plain = matrix(n, n);
+                    DMatrix::from_fn(n, n, |i, j| {
+                        plain[(i, j)] * libm::pow(10.0, (i as f64 - j as f64) / 3.0)
+                    })
+                },
+                b: matrix(n, 1),
+                c: matrix(3, n),
+                d: matrix(3, 1),
+            };
+            let transfer = Transfer::new(&matrices);
+            for omega in [0.01, 0.7, 40.0] {
+                let mut full = matrices.a.map(|x| Complex::new(-x, 0.0));
+                for k in 0..n {
+                    full[(k, k)].im += omega;
+                }
+                let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
+                let moved = full.lu().solve(&complex(&matrices.b)).unwrap();
+                let due = complex(&matrices.c) * moved + complex(&matrices.d);
+                let found = transfer.at(omega).unwrap();
+                let size = due.norm();
+                for (found, due) in found.iter().zip(due.iter()) {
+                    assert!(
+                        (found - due).norm() < 1e-11 * size,
+                        "{n} {omega}: {found} {due}"
+                    );
+                }
+            }
+        }
+    }
+}
