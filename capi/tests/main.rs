@@ -1,5 +1,7 @@
 //! The tests of the library for C and FMI, as one program.
 
+#![expect(unsafe_code, reason = "calls of the functions for C")]
+
 mod coupled;
 mod fmu;
 mod from_c;

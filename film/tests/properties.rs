@@ -736,10 +736,7 @@ fn openings_count_as_lands_in_shear() {
         ),
     ] {
         let (torque, lines) = shear(&[opening], 3.0 * cell);
-        assert!(
-            (torque / whole - 1.0).abs() < 1e-12,
-            "{opening:?}"
-        );
+        assert!((torque / whole - 1.0).abs() < 1e-12, "{opening:?}");
         if share == 1.0 / 6.0 && opening.on == Part::Shell {
             let groove: Vec<f64> = lines.into_iter().filter(|z| z.abs() < 2.1e-3).collect();
             assert_eq!(groove.len(), 2, "{groove:?}");

@@ -78,19 +78,23 @@ pub(super) fn description(about: &About<'_>, version: Version) -> String {
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let _ = writeln!(
         text,
-        "<fmiModelDescription fmiVersion=\"{number}\" modelName=\"{model}\" {tokened}=\"{token}\" generationTool=\"Eng {}\" variableNamingConvention=\"{naming}\">",
+        "<fmiModelDescription fmiVersion=\"{number}\" modelName=\"{model}\" {tokened}=\"{token}\" \
+             generationTool=\"Eng {}\" variableNamingConvention=\"{naming}\">",
         env!("CARGO_PKG_VERSION")
     );
     let linear = |known: &Described| known.interpolation == Interpolation::Linear;
     let _ = match version {
         Version::Two => writeln!(
             text,
-            "  <CoSimulation modelIdentifier=\"{model}\" canHandleVariableCommunicationStepSize=\"true\" canInterpolateInputs=\"{}\" canNotUseMemoryManagementFunctions=\"true\" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"/>",
+            "  <CoSimulation modelIdentifier=\"{model}\" canHandleVariableCommunicationStepSize=\"true\" \
+             canInterpolateInputs=\"{}\" canNotUseMemoryManagementFunctions=\"true\" \
+             canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"/>",
             variables.iter().any(linear)
         ),
         Version::Three => writeln!(
             text,
-            "  <CoSimulation modelIdentifier=\"{model}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"/>"
+            "  <CoSimulation modelIdentifier=\"{model}\" canHandleVariableCommunicationStepSize=\"true\" \
+             canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"/>"
         ),
     };
     units(&mut text, variables);

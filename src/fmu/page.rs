@@ -19,7 +19,8 @@ pub(super) fn page(model: &str, file: &str, subject: &Subject, variables: &[Desc
     };
     let _ = writeln!(
         text,
-        "<p>Made of {} by Eng {}, {}. All values are in SI units. A simulation begins at 0 s. Limits are open: the limits themselves are refused.</p>",
+        "<p>Made of {} by Eng {}, {}. All values are in SI units. \
+         A simulation begins at 0 s. Limits are open: the limits themselves are refused.</p>",
         escaped(file),
         env!("CARGO_PKG_VERSION"),
         escaped(&of)

@@ -63,58 +63,8 @@ pub(super) fn described(
     bound: &Bound,
     selected: &Selected,
 ) -> Result<Vec<Described>, FmuError> {
-    let (infos, inputs, channels) = (model.parameters(), model.inputs(), model.channels());
-    let is_input = |path: &str| inputs.iter().any(|input| input.path == path);
-    let mut found = Vec::new();
-    let parameters: Vec<&str> = (infos.iter().map(|info| info.path.as_str()))
-        .filter(|path| !is_input(path))
-        .collect();
-    let stated = match selected.parameters.is_empty() {
-        false => chosen("parameter", &selected.parameters, &parameters)
-            .map_err(|missing| explained(program, model, missing))?,
-        true => {
-            let free = free(model, bound);
-            let known = (0..).zip(&infos).filter(|(index, _)| free.contains(index));
-            known
-                .map(|(_, info)| info.path.as_str())
-                .filter(|path| !is_input(path))
-                .collect()
-        }
-    };
-    let paths: Vec<&str> = inputs.iter().map(|input| input.path.as_str()).collect();
-    let driven = match selected.inputs.is_empty() {
-        false => chosen("input", &selected.inputs, &paths)
-            .map_err(|missing| explained(program, model, missing))?,
-        true => (inputs.iter().filter(|input| input.signal.is_none()))
-            .map(|input| input.path.as_str())
-            .collect(),
-    };
-    for (kind, wanted) in [(Kind::Parameter, stated), (Kind::Input, driven)] {
-        for (info, value) in infos
-            .iter()
-            .zip(&bound.parameters)
-            .filter(|(info, _)| wanted.contains(&info.path.as_str()))
-        {
-            let input = inputs.iter().find(|input| input.path == info.path);
-            if let Some(signal) = input.and_then(|input| input.signal.as_ref()) {
-                return Err(FmuError::Refused(format!(
-                    "{} is driven by {signal} in the text, so that an importer cannot set it",
-                    info.path
-                )));
-            }
-            found.push(Described {
-                variable: Variable {
-                    path: info.path.clone(),
-                    kind,
-                },
-                dimension: info.dimension,
-                display: info.display.clone(),
-                limits: info.limits,
-                start: Some(*value),
-                interpolation: input.map_or(Interpolation::Hold, |input| input.interpolation),
-            });
-        }
-    }
+    let mut found = set_by_importers(program, model, bound, selected)?;
+    let channels = model.channels();
     let paths: Vec<&str> = channels
         .iter()
         .map(|channel| channel.path.as_str())
@@ -123,23 +73,17 @@ pub(super) fn described(
         false => chosen("output", &selected.outputs, &paths)?,
         true => own_outputs(model),
     };
-    if read.is_empty() {
-        return Err(FmuError::Refused(
-            "the model states no output: choose channels with --outputs; `eng results` lists those of a run".to_owned(),
-        ));
-    }
+    let given = found.len();
     for channel in channels
         .iter()
         .filter(|channel| read.contains(&channel.path.as_str()))
     {
-        if let Some(twin) = found
+        // the values of an input are a channel, too
+        if found
             .iter()
-            .find(|known| known.variable.path == channel.path)
+            .any(|known| known.variable.path == channel.path)
         {
-            return Err(FmuError::Refused(format!(
-                "{} is a parameter or an input and an output: choose one of them",
-                twin.variable.path
-            )));
+            continue;
         }
         found.push(Described {
             variable: Variable {
@@ -153,12 +97,77 @@ pub(super) fn described(
             interpolation: Interpolation::Hold,
         });
     }
-    let cubic = |known: &&Described| known.interpolation == Interpolation::Cubic;
-    if let Some(known) = found.iter().find(cubic) {
-        return Err(FmuError::Refused(format!(
-            "{} has `interpolation: cubic`, whose values cannot jump between two steps as those of an importer do: declare it with `hold` or `linear`",
-            known.variable.path
-        )));
+    if found.len() == given {
+        return Err(FmuError::Refused(
+            "the model states no output: choose channels with --outputs; `eng results` lists those of a run"
+                .to_owned(),
+        ));
+    }
+    Ok(found)
+}
+
+/// The chosen parameters, then the chosen inputs.
+fn set_by_importers(
+    program: &Program,
+    model: &Model,
+    bound: &Bound,
+    selected: &Selected,
+) -> Result<Vec<Described>, FmuError> {
+    let (infos, inputs) = (model.parameters(), model.inputs());
+    let is_input = |path: &str| inputs.iter().any(|input| input.path == path);
+    let known = |path: &&str| !is_input(path);
+    let paths = infos.iter().map(|info| info.path.as_str());
+    let parameters: Vec<&str> = paths.filter(known).collect();
+    let stated = match selected.parameters.is_empty() {
+        false => chosen("parameter", &selected.parameters, &parameters),
+        true => {
+            let free = free(model, bound);
+            let free = (0..).zip(&infos).filter(|(index, _)| free.contains(index));
+            Ok(free
+                .map(|(_, info)| info.path.as_str())
+                .filter(known)
+                .collect())
+        }
+    };
+    let paths: Vec<&str> = inputs.iter().map(|input| input.path.as_str()).collect();
+    let driven = match selected.inputs.is_empty() {
+        false => chosen("input", &selected.inputs, &paths),
+        true => {
+            let free = inputs.iter().filter(|input| input.signal.is_none());
+            Ok(free.map(|input| input.path.as_str()).collect())
+        }
+    };
+    let mut found = Vec::new();
+    for (kind, wanted) in [(Kind::Parameter, stated), (Kind::Input, driven)] {
+        let wanted = wanted.map_err(|missing| explained(program, model, missing))?;
+        for (info, value) in infos.iter().zip(&bound.parameters) {
+            if !wanted.contains(&info.path.as_str()) {
+                continue;
+            }
+            let input = inputs.iter().find(|input| input.path == info.path);
+            let (path, interpolation) = (&info.path, input.map(|input| input.interpolation));
+            if let Some(signal) = input.and_then(|input| input.signal.as_ref()) {
+                return Err(FmuError::Refused(format!(
+                    "{path} is driven by {signal} in the text, so that an importer cannot set it"
+                )));
+            }
+            if interpolation == Some(Interpolation::Cubic) {
+                return Err(FmuError::Refused(format!(
+                    "{path} has `interpolation: cubic`, whose values cannot jump between two steps as those of an importer do: declare it with `hold` or `linear`"
+                )));
+            }
+            found.push(Described {
+                variable: Variable {
+                    path: path.clone(),
+                    kind,
+                },
+                dimension: info.dimension,
+                display: info.display.clone(),
+                limits: info.limits,
+                start: Some(*value),
+                interpolation: interpolation.unwrap_or_default(),
+            });
+        }
     }
     Ok(found)
 }

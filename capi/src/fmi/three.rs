@@ -1,6 +1,5 @@
 //! The functions of FMI 3.0. Texts, references and values are memory of the importer, by the rules of the standard.
 #![expect(unsafe_code, reason = "functions for importers, and their memory")]
-#![expect(non_snake_case, reason = "names of the standard")]
 
 use super::instance::{self, ERROR, Instance, Log, OK, refuse};
 use crate::edge::{self, Refused};
@@ -216,7 +215,7 @@ unsafe fn counted(
         return work();
     }
     let refused = Refused(format!(
-        "{references} variables have {references} values, not {values}"
+        "{values} values for {references} value references: each variable is one number"
     ));
     // SAFETY: by the promise of the caller
     unsafe { instance::call(instance, |_| Err(refused)) }

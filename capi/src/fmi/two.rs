@@ -1,6 +1,5 @@
 //! The functions of FMI 2.0. Texts, references and values are memory of the importer, by the rules of the standard.
 #![expect(unsafe_code, reason = "functions for importers, and their memory")]
-#![expect(non_snake_case, reason = "names of the standard")]
 
 use super::instance::{self, ERROR, Instance, Log, OK, refuse};
 use super::three::category;
