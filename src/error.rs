@@ -79,6 +79,12 @@ pub enum Error {
         /// A name with a similar spelling.
         nearest: Option<String>,
     },
+    /// A simulation of an analysis that takes no steps.
+    #[error("{analysis} takes no steps in time; name a transient or periodic analysis")]
+    NoSteps {
+        /// The analysis.
+        analysis: String,
+    },
     /// No such element, body, marker, parameter or output.
     #[error("there is no {path} in the model{}", hint(nearest))]
     NoItem {

@@ -61,6 +61,7 @@ mod explained;
 mod failure;
 mod fields;
 mod figures;
+pub mod fmu;
 mod grid_error;
 mod lint;
 mod machine;

@@ -14,6 +14,7 @@ use eng_grammar::ast::{BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::code::Compiled;
 use eng_system::host::HostError;
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -275,6 +276,26 @@ impl Program {
     /// The canonical paths of the files opened so far: the model, the files that it uses, its data.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         self.inner.sources.opened()
+    }
+
+    /// The files.
+    pub(crate) fn sources(&self) -> &Sources {
+        &self.inner.sources
+    }
+
+    /// Keeps reductions in a folder, with the facts of all meshes of the file. Returns the hashes of the meshes and matrices,
+    /// in hexadecimal digits, by their names.
+    pub(crate) fn keep_bodies(
+        &self,
+        reductions: &[Reduction],
+        folder: &Path,
+    ) -> std::io::Result<BTreeMap<String, String>> {
+        let keep = self.inner.sources.clone().with_cache(folder);
+        reductions
+            .iter()
+            .try_for_each(|reduction| reduction.save(&keep))?;
+        self.inner.looks.save(&keep)?;
+        Ok(self.inner.looks.files())
     }
 
     /// The texts that messages point into.

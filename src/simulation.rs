@@ -6,6 +6,7 @@ use eng_grammar::{Diagnostic, Diagnostics};
 use eng_runtime::inputs::Point;
 use eng_runtime::linearised::{LinearModes, StateSpace, Wanted};
 use eng_runtime::{Energy, Options, Reading, RuntimeError, Statistics};
+use eng_system::code::Bound;
 use eng_system::system::{Start, StepControl};
 
 /// Parameters and options of a simulation before its start.
@@ -26,14 +27,28 @@ impl Model {
 impl SimulationBuilder {
     pub(crate) fn new(model: Model) -> SimulationBuilder {
         let overrides = vec![None; model.compiled().system.parameters.len()];
+        let options = Options {
+            start: Start::Automatic,
+            ..Options::default()
+        };
+        SimulationBuilder::with(model, overrides, options)
+    }
+
+    pub(crate) fn with(
+        model: Model,
+        overrides: Vec<Option<f64>>,
+        options: Options,
+    ) -> SimulationBuilder {
         SimulationBuilder {
             model,
             overrides,
-            options: Options {
-                start: Start::Automatic,
-                ..Options::default()
-            },
+            options,
         }
+    }
+
+    /// Its model.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// Sets a parameter; the dimension must fit.
@@ -72,10 +87,14 @@ impl SimulationBuilder {
     /// # Errors
     /// Parameters that the model refuses.
     pub fn parameter_values(&self) -> Result<Vec<f64>, Error> {
+        Ok(self.bound()?.parameters)
+    }
+
+    /// The values of all slots and parameters.
+    pub(crate) fn bound(&self) -> Result<Bound, Error> {
         let compiled = self.model.compiled();
         let bound = compiled.bind.bind(&self.overrides, &compiled.system.tables);
-        let bound = bound.map_err(|cause| run_error(&self.model, cause.into()))?;
-        Ok(bound.parameters)
+        bound.map_err(|cause| run_error(&self.model, cause.into()))
     }
 
     /// Spectral radius at infinite frequency, 0…1 (default 0.8). 1 gives no damping and is refused with

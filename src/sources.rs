@@ -14,6 +14,8 @@ pub struct Sources {
     cache: Option<PathBuf>,
     /// Texts of an editor, by the paths of their files.
     unsaved: Arc<BTreeMap<PathBuf, String>>,
+    /// Hashes of files that are absent: their reductions are in the cache.
+    sealed: Arc<BTreeMap<String, [u8; 32]>>,
     /// The opened files of the folder. No output may replace one of them.
     opened: Arc<Mutex<BTreeSet<PathBuf>>>,
 }
@@ -42,6 +44,7 @@ impl Sources {
             kind: Kind::Folder(canonical),
             cache: None,
             unsaved: Arc::default(),
+            sealed: Arc::default(),
             opened: Arc::default(),
         })
     }
@@ -57,6 +60,7 @@ impl Sources {
             kind: Kind::Texts(Arc::new(texts.into_iter().collect())),
             cache: None,
             unsaved: Arc::default(),
+            sealed: Arc::default(),
             opened: Arc::default(),
         }
     }
@@ -78,6 +82,44 @@ impl Sources {
     ) -> Sources {
         self.unsaved = Arc::new(texts.into_iter().collect());
         self
+    }
+
+    /// Takes the hashes of meshes and matrices that are not in the folder, because the cache has their reductions.
+    pub(crate) fn with_sealed(
+        mut self,
+        hashes: impl IntoIterator<Item = (String, [u8; 32])>,
+    ) -> Sources {
+        self.sealed = Arc::new(hashes.into_iter().collect());
+        self
+    }
+
+    /// The hash of an absent file.
+    pub(crate) fn sealed(&self, name: &str) -> Option<[u8; 32]> {
+        self.sealed.get(name).copied()
+    }
+
+    /// Names, relative to the folder, and contents of the files opened so far.
+    pub(crate) fn contents(&self) -> Result<Vec<(String, Vec<u8>)>, HostError> {
+        let folder = match &self.kind {
+            Kind::Texts(texts) => {
+                let texts = texts.iter();
+                return Ok(texts
+                    .map(|(name, text)| (name.clone(), text.clone().into_bytes()))
+                    .collect());
+            }
+            Kind::Folder(folder) => folder,
+        };
+        let read = self.opened().into_iter().map(|path| {
+            let inner = path.strip_prefix(folder).unwrap_or(&path);
+            let parts: Vec<_> = inner
+                .components()
+                .map(|part| part.as_os_str().to_string_lossy())
+                .collect();
+            let name = parts.join("/");
+            let bytes = std::fs::read(&path).map_err(|error| refused(&name, &error))?;
+            Ok((name, bytes))
+        });
+        read.collect()
     }
 
     pub(crate) fn cache(&self) -> Option<&Path> {

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The crates with the folders of their sources.
-const CRATES: [(&str, &str); 9] = [
+const CRATES: [(&str, &str); 10] = [
     ("eng", "src"),
     ("eng-grammar", "grammar/src"),
     ("eng-system", "system/src"),
@@ -17,6 +17,7 @@ const CRATES: [(&str, &str); 9] = [
     ("eng-runtime", "runtime/src"),
     ("eng-report", "report/src"),
     ("eng-python", "python/src"),
+    ("eng-capi", "capi/src"),
 ];
 
 /// Most lines of a function.

@@ -98,7 +98,7 @@
 )]
 
 pub mod animation;
-mod escape;
+pub mod escape;
 pub mod figure;
 pub mod page;
 pub mod signal;

@@ -11,7 +11,7 @@ use crate::places::{place, set_by, span};
 use crate::program::{Bodies, Program};
 use crate::recorded_field::RecordedField;
 use crate::results::{Recording, Results};
-use crate::simulation::run_error_with;
+use crate::simulation::{SimulationBuilder, run_error_with};
 use crate::timings::{Clock, Timings};
 use crate::{Error, Quantity, RuntimeError};
 use eng_compiler::elaborate::{AnalysisPlan, Structural};
@@ -244,6 +244,23 @@ impl Analysis {
     /// Parameters that the model refuses.
     pub fn parameter_values(&self) -> Result<Vec<f64>, Error> {
         Ok(self.bound()?.parameters)
+    }
+
+    /// A simulation of its model with its parameters, steps and start, which a program steps.
+    ///
+    /// # Errors
+    /// A kind of analysis that takes no steps.
+    pub fn simulation(&self) -> Result<SimulationBuilder, Error> {
+        match self.plan.kind.integration() {
+            Some(integration) => {
+                let options = eng_runtime::Options::from(*integration);
+                let (model, overrides) = (self.model.clone(), self.overrides.clone());
+                Ok(SimulationBuilder::with(model, overrides, options))
+            }
+            None => Err(Error::NoSteps {
+                analysis: self.name().to_owned(),
+            }),
+        }
     }
 
     /// Its kind.

@@ -40,6 +40,11 @@ pub(super) enum Command {
     /// Reads the results of `eng run`. The file has tables, figures, an animation, stresses of flexible
     /// bodies and the provenance. It needs no other file and no network.
     Report(ReportArguments),
+    /// Build an FMU of a model for other simulation tools, or the library for C
+    ///
+    /// An FMU (FMI 2.0 or 3.0, co-simulation) has the model with all that it uses, and the library of Eng. The other tool sets
+    /// parameters and inputs, takes steps and reads outputs: see `docs/fmi.md`. The library for C is `libeng` with `eng.h`.
+    Build(BuildArguments),
     /// Reduce the flexible bodies of a model and print their mass, modes and frequencies
     Reduce(ReduceArguments),
     /// List the contents of result files: channels with unit, frame and range, samples, time, origin
@@ -112,6 +117,61 @@ pub(super) struct ManualArguments {
     /// Write into this folder
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct BuildArguments {
+    /// The model's file; the library for C needs none
+    #[arg(value_name = "MODEL")]
+    pub model: Option<PathBuf>,
+    /// The thing to build
+    #[arg(long, value_enum)]
+    pub to: BuildTarget,
+    /// Version of the standard
+    #[arg(long, value_enum, default_value_t = FmiVersion::Three)]
+    pub fmi: FmiVersion,
+    /// Name of the model in the file [default: the only one]
+    #[arg(long = "model", value_name = "NAME")]
+    pub name: Option<String>,
+    /// Take the model of this analysis, with its parameters, steps and start
+    #[arg(long, value_name = "NAME", conflicts_with = "name")]
+    pub analysis: Option<String>,
+    /// Inputs that the other tool sets, by patterns [default: all that no function of time drives]
+    #[arg(long, value_name = "PATTERN", value_parser = pattern)]
+    pub inputs: Vec<String>,
+    /// Channels that the other tool reads, by patterns: `speed,main[*].force.*` [default: the model's outputs]
+    #[arg(long, value_name = "PATTERN", value_parser = pattern)]
+    pub outputs: Vec<String>,
+    /// Parameters that the other tool sets before the start, by patterns [default: all that the text does not compute
+    /// from others]
+    #[arg(long, value_name = "PATTERN", value_parser = pattern)]
+    pub parameters: Vec<String>,
+    /// Write this file [default: NAME.fmu]; the library and its header go into this folder [default: the current one]
+    #[arg(long, value_name = "PATH")]
+    pub out: Option<PathBuf>,
+    /// The library of Eng [default: beside the command, or as ENG_LIBRARY names it]
+    #[arg(long, value_name = "FILE")]
+    pub library: Option<PathBuf>,
+}
+
+/// A thing that `eng build` makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum BuildTarget {
+    /// A functional mock-up unit for co-simulation
+    Fmu,
+    /// The library and the header for C
+    Library,
+}
+
+/// A version of the standard for FMUs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FmiVersion {
+    /// FMI 2.0
+    #[value(name = "2")]
+    Two,
+    /// FMI 3.0
+    #[value(name = "3")]
+    Three,
 }
 
 #[derive(Debug, Args)]

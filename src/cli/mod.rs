@@ -4,6 +4,7 @@
 //! figures; it does not use this module. Only this module and `main.rs` print.
 
 mod arguments;
+mod build;
 mod check;
 mod explain;
 mod export;
@@ -99,6 +100,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
     let done = match &arguments.command {
         Command::Run(run) => run::run(run, console),
         Command::Check(check) => check::check(check, console),
+        Command::Build(build) => build::build(build, console),
         Command::Reduce(reduce) => reduce::reduce(reduce, console),
         Command::Results(listing) => results::results(listing, console),
         Command::Export(export) => export::export(export, console),

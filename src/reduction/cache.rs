@@ -59,8 +59,19 @@ impl Files for Recorded<'_> {
 /// The beginning of the names of files in a provenance.
 const FILE: &str = "file ";
 
+/// Names and hashes of the files among the entries of a provenance.
+pub(super) fn named(entries: &[(String, String)]) -> impl Iterator<Item = (String, String)> + '_ {
+    let files = entries
+        .iter()
+        .filter_map(|(name, hash)| Some((name.strip_prefix(FILE)?, hash)));
+    files.map(|(name, hash)| (name.to_owned(), hash.clone()))
+}
+
 /// The hash of a file's contents.
 fn hash_of(sources: &Sources, name: &str) -> Option<[u8; 32]> {
+    if let Some(hash) = sources.sealed(name) {
+        return Some(hash);
+    }
     let mut bytes = Vec::new();
     sources.open(name).ok()?.read_to_end(&mut bytes).ok()?;
     Some(content_hash(&bytes))

@@ -11,6 +11,7 @@ use eng_flexible::store::Key;
 use eng_grammar::{Diagnostic, Severity};
 use eng_system::flexible::{FlexibleSource, MarkerPlace, ModeTerm};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The answers of a body's files to the questions of a check. Only bodies without an error have one.
@@ -116,6 +117,23 @@ impl Looks {
         };
         sense::bare_markers(&look.outline.turns, source, turned)?;
         Ok(look.outline.clone())
+    }
+
+    /// Keeps all in the cache of sources.
+    pub(crate) fn save(&self, sources: &Sources) -> std::io::Result<()> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known
+            .iter()
+            .try_for_each(|look| cache::save(sources, &**look))
+    }
+
+    /// The hashes of the meshes and matrices that were read, in hexadecimal digits, by their names.
+    pub(crate) fn files(&self) -> BTreeMap<String, String> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known
+            .iter()
+            .flat_map(|look| cache::named(&look.files))
+            .collect()
     }
 
     fn find(&self, sources: &Sources, key: &Key) -> Option<Arc<Look>> {

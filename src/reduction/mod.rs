@@ -95,6 +95,11 @@ fn rigid_loads(report: &Report) -> Vec<&str> {
 }
 
 impl Reduction {
+    /// Keeps it in the cache of sources.
+    pub(crate) fn save(&self, sources: &Sources) -> std::io::Result<()> {
+        cache::save(sources, &*self.stored)
+    }
+
     /// The key of the reduction: the hash of request and files.
     pub(crate) fn key(&self) -> String {
         self.stored.key.text()

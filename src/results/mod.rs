@@ -28,6 +28,7 @@ pub use listing::{Kind, Listed, listed};
 pub use recording::Recording;
 pub(crate) use recording::{failed_twin, interrupted, stem_of};
 pub use resume_point::{KeptWarning, ResumePoint};
+pub(crate) use selection::matches;
 pub use selection::{Last, Selection};
 pub(crate) use table::{Begun, STATE, Table};
 pub(crate) use trail::Trail;

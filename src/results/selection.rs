@@ -119,7 +119,7 @@ impl Selection {
 
 /// Whether a path matches a pattern. On a mismatch the match returns to the last `*`, which then takes one
 /// more character.
-fn matches(pattern: &str, path: &str) -> bool {
+pub(crate) fn matches(pattern: &str, path: &str) -> bool {
     let pattern: Vec<char> = pattern.chars().collect();
     let path: Vec<char> = path.chars().collect();
     let (mut p, mut t) = (0, 0);
