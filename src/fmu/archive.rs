@@ -49,6 +49,9 @@ impl Drop for Staged {
     }
 }
 
+/// Duration and interval of samples (s), if the text states them as times.
+type Experiment = (Option<f64>, Option<f64>);
+
 impl Export<'_> {
     /// Writes the archive. Before, it opens the model from the resources alone, as an importer does.
     ///
@@ -116,8 +119,8 @@ impl Export<'_> {
         Ok(self.written(&variables, model))
     }
 
-    /// A simulation as the text states it, with duration and interval (s) of its samples.
-    fn prepared(&self) -> Result<(SimulationBuilder, (Option<f64>, Option<f64>)), FmuError> {
+    /// A simulation as the text states it.
+    fn prepared(&self) -> Result<(SimulationBuilder, Experiment), FmuError> {
         match &self.subject {
             Subject::Model(name) => Ok((self.program.model(name)?.simulation(), (None, None))),
             Subject::Analysis(name) => {
