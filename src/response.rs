@@ -6,6 +6,7 @@
 //! | an output's path | its amplitude per unit of the input |
 //! | `….phase` | its phase against the input; positive: the output is ahead |
 
+use crate::counted::counted;
 use crate::modes::{coefficients, linearised_at};
 use crate::results::{Column, FREQUENCIES, ROWS, Results, ResultsError};
 use eng_runtime::linearised::FrequencyResponse;
@@ -13,6 +14,9 @@ use eng_system::analysis::Response;
 use eng_system::recorded::of_response;
 use eng_system::significant::short;
 use eng_system::system::System;
+
+/// The largest number of frequencies that a line names.
+const NAMED: usize = 6;
 
 /// Columns without values, in the order of [`row`].
 pub(crate) fn push_columns(
@@ -63,11 +67,15 @@ pub(crate) fn metadata(
 /// Lines about the response: the modes about the state, and resonances without damping.
 pub(crate) fn facts(found: &FrequencyResponse) -> Vec<String> {
     let mut facts = crate::modes::facts(&found.modes);
-    facts.extend(found.undamped.iter().map(|frequency| {
-        format!(
-            "the mode at {} Hz has no damping: the response has no bound there, and its largest amplitude in the table and the figure is that of the nearest point",
-            short(*frequency, 6)
-        )
-    }));
+    let named: Vec<String> = found.undamped.iter().map(|f| short(*f, 6)).collect();
+    let shown = match named.len() {
+        0 => return facts,
+        n if n > NAMED => format!("{} and {} more", named[..NAMED].join(", "), n - NAMED),
+        _ => named.join(", "),
+    };
+    facts.push(format!(
+        "{} without damping at {shown} Hz: the response has no bound there, and its largest amplitude is that of the nearest point",
+        counted(named.len(), "mode", "modes")
+    ));
     facts
 }

@@ -83,7 +83,13 @@ fn numbers(page: &str) -> Vec<(String, usize, Quantity)> {
 
 /// The numbers of a README are the values of the report, to half of their last of three digits.
 fn compare(name: &str, analyses: &[&str], due: usize) {
-    let folder = root().join("examples").join(name);
+    let page = read(&root().join("examples").join(name).join("README.md"));
+    compare_page(name, name, &page, analyses, due);
+}
+
+/// The numbers of a page, or of a part of it, and the report of a file of this folder.
+fn compare_page(folder: &str, name: &str, page: &str, analyses: &[&str], due: usize) {
+    let folder = root().join("examples").join(folder);
     let sources = Sources::folder(&folder).expect("a folder");
     let program = eng::check(&sources, &format!("{name}.eng")).into_program();
     let program = program.unwrap_or_else(|report| panic!("{report}"));
@@ -100,7 +106,7 @@ fn compare(name: &str, analyses: &[&str], due: usize) {
         .collect();
     let runs: Vec<Run<'_>> = runs.iter().map(|(r, m)| Run::new(r, m)).collect();
     let report = evaluate(&program.reports()[0], &runs);
-    let rows = numbers(&read(&folder.join("README.md")));
+    let rows = numbers(page);
     assert_eq!(rows.len(), due, "{name}: {rows:?}");
     for (value, place, number) in rows {
         let found = report
@@ -122,7 +128,13 @@ fn the_inline_four_has_its_numbers() {
 
 #[test]
 fn the_concept_has_its_numbers() {
-    compare("concept", &["fired"], 4);
+    let page = read(&root().join("examples/concept/README.md"));
+    let (films, quick) = page
+        .split_once("\n## ")
+        .expect("a part of the quick engine");
+    compare_page("concept", "concept", films, &["fired"], 4);
+    let speeds = ["quick[1]", "quick[7]", "quick[13]"];
+    compare_page("concept", "quick", quick, &speeds, 5);
 }
 
 #[test]
@@ -147,8 +159,15 @@ fn the_start_of_the_fan_has_its_numbers() {
 
 #[test]
 fn the_mounts_have_their_numbers() {
-    let analyses = ["rubber[3]", "rubber[13]", "hydraulic[3]", "hydraulic[13]"];
-    compare("mounts", &analyses, 4);
+    let analyses = [
+        "rubber[3]",
+        "rubber[13]",
+        "hydraulic[3]",
+        "hydraulic[13]",
+        "rubber_pushed",
+        "fluid_pushed",
+    ];
+    compare("mounts", &analyses, 8);
 }
 
 #[test]
@@ -185,4 +204,24 @@ fn the_split_v6_has_its_numbers() {
 #[test]
 fn the_slapping_piston_has_its_numbers() {
     compare("piston_slap", &["slap[1]", "slap[2]", "slap[3]"], 5);
+}
+
+#[test]
+fn the_thrust_bearing_has_its_numbers() {
+    compare("thrust", &["press[1]", "press[2]", "press[3]"], 5);
+}
+
+#[test]
+fn the_balancer_has_its_numbers() {
+    compare("balancer", &["bare", "level", "raised"], 4);
+}
+
+#[test]
+fn the_chain_has_its_numbers() {
+    compare("timing", &["soft[4]", "firm[4]"], 5);
+}
+
+#[test]
+fn the_squeezer_has_its_numbers() {
+    compare("squeezer", &["squeeze"], 4);
 }

@@ -3,6 +3,7 @@
 use crate::library_run::{
     close, column, compared, integral, integrate, line, run, statistics, stop,
 };
+use crate::library_thrust::sliding_pad;
 use eng::results::Results;
 use nalgebra::{
     DMatrix, Matrix2x3, Matrix3, Matrix3x6, Matrix4, Matrix6, RowVector3, Vector2, Vector3,
@@ -604,5 +605,190 @@ fn a_piston_slaps_as_another_integrator_says() {
             ("heat", 1e-2),
         ];
         follows(&results, &due, &paths);
+    }
+}
+
+/// The thrust bearing under the clutch: load and heat of both faces by Reynolds' equation on cells at the gaps of the run. The law leaves
+/// out a part of the drag of the pressure.
+#[test]
+fn a_clutch_presses_the_pads_as_reynolds_equation_says() {
+    let text = include_str!("../examples/thrust/thrust.eng");
+    for (place, rpm, heat_share) in [(1, 700.0, 0.06), (2, 2500.0, 0.025), (3, 6000.0, 0.015)] {
+        let results = run(text, &format!("press[{place}]"));
+        let time = column(&results, "time");
+        let held = time.iter().position(|t| *t > 0.199).expect("a sample");
+        let gap = column(&results, "thrust.minimum_film")[held];
+        let radius = 0.0365;
+        let length = radius * 50.0_f64.to_radians();
+        let speed = radius * rpm * TAU / 60.0;
+        // SAE 5W-30 at 100 degC
+        let viscosity = 0.074928e-3 * (1070.5_f64 / 220.04).exp();
+        let faces = [gap, 180e-6 - gap].map(|gap| {
+            // the mean gap of rough surfaces that do not penetrate
+            let mean = (gap + gap.hypot(0.8 * 0.6e-6 + 18e-9)) / 2.0;
+            let pad = [length, 0.011, mean, 25e-6, 0.8, viscosity];
+            let (coarse, fine) = (sliding_pad(pad, 50), sliding_pad(pad, 100));
+            [0, 1].map(|k| 6.0 * speed * (fine[k] + (fine[k] - coarse[k]) / 3.0))
+        });
+        close("load", faces[0][0] - faces[1][0], 2000.0, 2e-4);
+        let ring = (0.042_f64.powi(4) - 0.031_f64.powi(4)) / (4.0 * radius.powi(3) * 0.011);
+        let heat = (faces[0][1] + faces[1][1]) * ring * speed;
+        close(
+            "heat",
+            column(&results, "thrust.power_loss")[held],
+            heat,
+            heat_share,
+        );
+    }
+}
+
+/// The row of four: second and fourth order of its force, which the shafts balance in part, and the couple of two shafts at two heights,
+/// the force of one of them times the distance.
+#[test]
+fn balance_shafts_take_the_second_order() {
+    let text = include_str!("../examples/balancer/balancer.eng");
+    let full = 4.0 * 0.58 * 0.046 * (5500.0 * TAU / 60.0_f64).powi(2);
+    let (second, fourth) = orders_of_a_slider(46.0 / 150.0);
+    let share = 1e-2 * full * second;
+    let bare = [
+        ("upward", 2.0, C::new(full * second, 0.0)),
+        ("upward", 4.0, C::new(full * fourth, 0.0)),
+        ("across", 2.0, C::new(0.0, 0.0)),
+    ];
+    lines_are(&run(text, "bare"), &bare, share);
+    let balanced = [
+        ("upward", 2.0, C::new(0.0, 0.0)),
+        ("upward", 4.0, C::new(full * fourth, 0.0)),
+        ("across", 2.0, C::new(0.0, 0.0)),
+    ];
+    let runs = ["level", "raised"].map(|analysis| run(text, analysis));
+    let rolls = runs.each_ref().map(|results| {
+        lines_are(results, &balanced, share);
+        let angle = column(results, "cycle.angle");
+        let phases: Vec<f64> = angle.iter().map(|angle| 2.0 * angle).collect();
+        line(column(results, "roll").iter().copied(), &phases)
+    });
+    // the raised shaft pushes by half of the second order, against y at first
+    let due = C::new(0.0, full * second / 2.0 * 0.09);
+    let couple = rolls[1] - rolls[0];
+    println!("couple {couple} for {due}");
+    assert!(
+        (couple - due).norm() < 3e-3 * due.norm(),
+        "{couple} for {due}"
+    );
+}
+
+/// A pulley of the example `timing`: centre, radius, angle, and the rates of centre and angle.
+#[derive(Clone, Copy)]
+struct Pulley {
+    center: Vector2<f64>,
+    radius: f64,
+    angle: f64,
+    velocity: Vector2<f64>,
+    spin: f64,
+}
+
+/// A span from one pulley to another: its tension, and the forces and torques of the chain on both, from the points at which the chain
+/// touches. `side` is 1 on the left. The radius of a pulley at the back of the chain is negative. `begin` is the span as assembled.
+fn span(
+    begin: [Pulley; 2],
+    now: [Pulley; 2],
+    side: f64,
+    damping: f64,
+) -> (f64, [(Vector2<f64>, f64); 2]) {
+    let touching = |[a, b]: [Pulley; 2]| {
+        let arm = b.center - a.center;
+        let along = arm / arm.norm();
+        let sine = (a.radius - b.radius) / arm.norm();
+        let left = Vector2::new(-along.y, along.x);
+        let normal = along * sine + left * (side * (1.0 - sine * sine).sqrt());
+        let free = arm + normal * (b.radius - a.radius);
+        (normal, free)
+    };
+    let ((old_normal, old), (normal, free)) = (touching(begin), touching(now));
+    // the normal turns by less than half a turn
+    let turned = (old_normal.x * normal.y - old_normal.y * normal.x).atan2(old_normal.dot(&normal));
+    let [a, b] = now;
+    let wound = a.radius * (a.angle - turned) - b.radius * (b.angle - turned);
+    let stretch = free.norm() - old.norm() + side * wound;
+    let along = free / free.norm();
+    let rate =
+        along.dot(&(b.velocity - a.velocity)) + side * (a.radius * a.spin - b.radius * b.spin);
+    let tension = (500.0 + 6e5 / old.norm() * stretch + damping * rate).max(0.0);
+    let pull = along * tension;
+    let on = |pulley: Pulley, force: Vector2<f64>| {
+        let lever = normal * pulley.radius;
+        (force, lever.x * force.y - lever.y * force.x)
+    };
+    (tension, [on(a, pull), on(b, -pull)])
+}
+
+/// Crank, cam and roller of the example `timing`. The state has the angles of cam and roller and the way of the roller, and their rates.
+fn pulleys(t: f64, y: &[f64; 6], omega: f64) -> [Pulley; 3] {
+    let swing = 0.4_f64.to_radians();
+    let pulley = |x: f64, place: f64, radius, angle, rise, spin| Pulley {
+        center: Vector2::new(x, place),
+        radius,
+        angle,
+        velocity: Vector2::new(0.0, rise),
+        spin,
+    };
+    let crank = omega * t + swing * (2.0 * omega * t).sin();
+    let crank_spin = omega + 2.0 * omega * swing * (2.0 * omega * t).cos();
+    [
+        pulley(0.0, 0.0, 0.024, crank, 0.0, crank_spin),
+        pulley(0.22, 0.0, 0.048, y[0], 0.0, y[3]),
+        pulley(0.105, -0.034 + y[2], -0.02, y[1], y[5], y[4]),
+    ]
+}
+
+/// Tensions of the three spans, and the torques on cam and roller and the force on the roller along its guide.
+fn chain(t: f64, y: &[f64; 6], omega: f64) -> ([f64; 3], [f64; 3]) {
+    let begin = pulleys(0.0, &[0.0; 6], omega);
+    let [crank, cam, roller] = pulleys(t, y, omega);
+    let (tight, [_, on_cam]) = span([begin[0], begin[1]], [crank, cam], 1.0, 150.0);
+    let (low, [_, on_roller]) = span([begin[0], begin[2]], [crank, roller], -1.0, 300.0);
+    let (high, [also_cam, also_roller]) = span([begin[1], begin[2]], [cam, roller], 1.0, 300.0);
+    let pushed = on_roller.0.y + also_roller.0.y;
+    (
+        [tight, low, high],
+        [on_cam.1 + also_cam.1, on_roller.1 + also_roller.1, pushed],
+    )
+}
+
+/// The chain at 4000 rpm, slack and tight: the cycle that another integrator reaches, with forces from the points of touch.
+#[test]
+fn a_chain_runs_as_another_integrator_says() {
+    let text = include_str!("../examples/timing/timing.eng");
+    let omega = 4000.0 * TAU / 60.0;
+    for (analysis, damping, tolerance) in [("soft[4]", 50.0, 1e-2), ("firm[4]", 3e3, 2e-3)] {
+        let motion = |t: f64, y: &[f64; 6]| {
+            let crank = pulleys(t, y, omega)[0].angle;
+            let load = 5.0 + 14.0 * (2.0 * crank).cos() + 5.0 * (4.0 * crank).cos();
+            let (_, [on_cam, on_roller, pushed]) = chain(t, y, omega);
+            let spring = 1e4 * (0.0803 - 0.06 - y[2]) - damping * y[5];
+            [
+                y[3],
+                y[4],
+                y[5],
+                (on_cam - load) / 2.4e-3,
+                on_roller / 2e-5,
+                (pushed + spring) / 0.22,
+            ]
+        };
+        let results = run(text, analysis);
+        let time = column(&results, "time");
+        let mut y = [0.0, 0.0, 0.0, omega / 2.0, -1.2 * omega, 0.0];
+        y = integrate(&motion, y, 0.0, time[0] / 60_000.0, 60_000);
+        let mut due = Vec::new();
+        for k in 0..time.len() {
+            let (tensions, _) = chain(time[k], &y, omega);
+            due.push([y[0] - omega * time[k] / 2.0, y[2], tensions[0], tensions[2]]);
+            if let Some(next) = time.get(k + 1) {
+                y = integrate(&motion, y, time[k], (next - time[k]) / 20.0, 20);
+            }
+        }
+        let paths = ["cam_error", "guide.travel", "tight.load", "high.load"];
+        follows(&results, &due, &paths.map(|path| (path, tolerance)));
     }
 }

@@ -253,6 +253,32 @@ fn bristles_stick_and_slip_as_another_integrator_says() {
     assert!(load > 2.7 && load <= 3.0, "{load}");
 }
 
+/// A steel roller at rest under its load, and its largest depth in an elastic impact: `m v^2/2 = 9/19 F depth` with Palmgren's load.
+#[test]
+fn a_roller_is_pressed_as_palmgren_says() {
+    let load = |depth: f64| (1e3 * depth / 3.84e-5 * 12.0_f64.powf(0.8)).powf(10.0 / 9.0);
+    let law = "CylinderOnPlane(ball.origin, plate, reach: 10 mm, length: 12 mm)";
+    let text =
+        thrown(law, "0 m/s", "1 ms", "1 us").replace("[0, 0, 0] m/s^2", "[0, 0, -9810] m/s^2");
+    let text = text.replace(
+        "analysis run = transient(Throw(), duration: 1 ms, sample: 1 us)",
+        "analysis run = static(Throw())",
+    );
+    close(
+        "rest",
+        load(-last(&run(&text, "run"), "contact.gap")),
+        981.0,
+        1e-6,
+    );
+    let results = run(&thrown(law, "2 m/s", "1 ms", "0.2 us"), "run");
+    let depth = -column(&results, "contact.gap")
+        .iter()
+        .copied()
+        .fold(f64::MAX, f64::min);
+    close("impact", 9.0 / 19.0 * load(depth) * depth, 0.2, 1e-3);
+    close("speed", last(&results, "speed"), 2.0, 1e-4);
+}
+
 #[test]
 fn wrong_numbers_are_refused() {
     for (law, says) in [

@@ -185,3 +185,113 @@ fn functions_have_their_values() {
         assert!(value(path).abs() < 1e-15, "{path}: {}", value(path));
     }
 }
+
+/// A ball joint with square trunnions moves as a cardan joint whose trunnions have these directions.
+#[test]
+fn square_axes_and_a_ball_are_a_cardan_joint() {
+    let moved = |joints: &str| {
+        let text = format!(
+            "use std.joints.{{Perpendicular, Spherical, Universal}}
+            model Shaft {{
+                gravity = [3, -9.81, 2] m/s^2
+                marker frame = at([0, 0, 0] mm, x: [1, 0, 0], z: [0, 0, 1])
+                marker turned = at([0, 0, 0] mm, x: [0, 1, 0], z: [0, 0, 1])
+                body shaft {{
+                    mass = 2 kg
+                    inertia = [3, 4, 2] g*m^2
+                    center_of_mass = [10, 20, 60] mm
+                    marker cross = at(origin, x: [1, 0, 0], z: [0, 0, 1])
+                    marker trunnion = at(origin, x: [0, 1, 0], z: [1, 0, 0])
+                }}
+                {joints}
+                output tip = shaft.origin.angular_velocity in ground as rad/s
+            }}
+            analysis run = transient(Shaft(), duration: 60 ms, sample: 10 ms)"
+        );
+        let results = run(&text, "run");
+        ["tip.x", "tip.y", "tip.z"].map(|path| last(&results, path))
+    };
+    // a.x stays square to b.y in both
+    let cardan = moved("joint cross = Universal(shaft.cross, frame)");
+    let square = moved(
+        "joint ball = Spherical(shaft.cross, frame)
+        joint cross = Perpendicular(shaft.trunnion, turned)",
+    );
+    for (found, due) in square.into_iter().zip(cardan) {
+        close("spin", found, due, 1e-6);
+    }
+}
+
+/// Two shafts that meet at 30 degrees: equal speeds and torques, while a cardan joint would change the speed by 15 %.
+#[test]
+fn a_homokinetic_joint_keeps_the_speed() {
+    let text = "use std.joints.{Homokinetic, PointOnLine, Revolute}
+        use std.drives.PrescribedRotation
+        use std.drivelines.RotationalDamper
+        model Shafts {
+            gravity = [0, 0, 0] m/s^2
+            marker first = [0, 0, -100] mm
+            marker second = at([50, 0, 86.60254037844386] mm, x: [0.8660254037844386, 0, -0.5], z: [0.5, 0, 0.8660254037844386])
+            body input { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker seat = [0, 0, -100] mm; marker end = origin }
+            body output_shaft {
+                mass = 1 kg
+                inertia = [1, 1, 1] g*m^2
+                marker end = origin
+                marker seat = [0, 0, 100] mm
+                guess rotation = [0, 30, 0] deg
+            }
+            joint bearing = Revolute(input.seat, first)
+            joint other = PointOnLine(output_shaft.seat, second)
+            joint cross = Homokinetic(output_shaft.end, input.end)
+            drive turn = PrescribedRotation(input.seat, first, speed: 600 rpm)
+            force load = RotationalDamper(output_shaft.seat, second, damping: 0.1 N*m*s/rad)
+            output turned = dot(output_shaft.seat.angular_velocity, second.z) as rad/s
+        }
+        analysis run = transient(Shafts(), duration: 100 ms, sample: 3 ms)";
+    let results = run(text, "run");
+    let speed = 20.0 * PI;
+    for (k, turned) in column(&results, "turned").iter().enumerate() {
+        assert!((turned / speed - 1.0).abs() < 1e-9, "{turned}");
+        let torque = column(&results, "turn.torque.z")[k];
+        assert!((torque / (0.1 * speed) - 1.0).abs() < 1e-7, "{torque}");
+    }
+    close("tilt", last(&results, "cross.tilt"), PI / 6.0, 1e-9);
+}
+
+/// A follower of 0.2 kg in a groove, and a block of 3 kg that a drive moves: forces and torque by Newton's equation.
+#[test]
+fn cams_and_drives_impose_a_travel() {
+    let text = "use std.joints.{GrooveCam, Revolute, Translational}
+        use std.drives.{ConstantSpeed, PrescribedTravel}
+        fn lift(turn: Angle) -> Length = 5 mm*(1 + cos(turn))
+        fn way(t: Time) -> Length = 20 mm*sin(50 rad/s*t)
+        model Cam {
+            gravity = [0, 0, -9.81] m/s^2
+            marker guide = [0, 0, 0] mm
+            marker rail = [200, 0, 0] mm
+            marker axle = at([0, 0, -40] mm, z: [0, 1, 0])
+            body cam { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker main = at(origin, z: [0, 1, 0]) }
+            body follower { mass = 0.2 kg; inertia = [1, 1, 1] g*m^2; marker stem = origin }
+            body block { mass = 3 kg; inertia = [1, 1, 1] g*m^2; marker seat = origin }
+            drive turn = ConstantSpeed(cam.main, axle, speed: 100 rad/s, initial: 20 deg)
+            joint slide = Translational(follower.stem, guide)
+            joint groove = GrooveCam(follower.stem, guide, cam.main, axle, profile: lift, base: 2 mm)
+            joint rails = Translational(block.seat, rail)
+            drive push = PrescribedTravel(block.seat, rail, travel_at: way)
+        }
+        analysis run = transient(Cam(), duration: 80 ms, sample: 1 ms)";
+    let results = run(text, "run");
+    let time = column(&results, "time");
+    for (k, t) in time.iter().enumerate() {
+        let angle = 20.0_f64.to_radians() + 100.0 * t;
+        let force = 0.2 * (9.81 - 5e-3 * 1e4 * angle.cos());
+        let value = |path: &str| column(&results, path)[k];
+        let travel = 2e-3 + 5e-3 * (1.0 + angle.cos());
+        assert!((value("groove.travel") - travel).abs() < 1e-9);
+        assert!((value("groove.force.z") - force).abs() < 1e-4, "{t}");
+        let torque = force * -5e-3 * angle.sin();
+        assert!((value("turn.torque.z") - torque).abs() < 1e-5, "{t}");
+        let pushed = 3.0 * (9.81 - 0.02 * 2500.0 * (50.0 * t).sin());
+        assert!((value("push.force.z") - pushed).abs() < 1e-3, "{t}");
+    }
+}

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Modules of classes. Those of oils, materials and units define values.
-const MODULES: [&str; 14] = [
+const MODULES: [&str; 15] = [
     "joints",
     "drives",
     "forces",
@@ -22,6 +22,7 @@ const MODULES: [&str; 14] = [
     "layouts",
     "cylinder",
     "engine",
+    "quick",
 ];
 
 /// Paths of interfaces and of a class that Rust knows, each with its reason. No member of them is named but the markers

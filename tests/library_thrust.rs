@@ -107,7 +107,7 @@ fn a_weight_rests_on_asperities() {
 
 /// Load and torque over speed, of one pad by Reynolds' equation on cells: its length and width, gap at the land, depth and
 /// share of the taper, and viscosity.
-fn sliding_pad(pad: [f64; 6], along: usize) -> [f64; 2] {
+pub fn sliding_pad(pad: [f64; 6], along: usize) -> [f64; 2] {
     let [length, width, gap, depth, taper, viscosity] = pad;
     let across = along / 5;
     let (dx, dz) = (length / along as f64, width / across as f64);

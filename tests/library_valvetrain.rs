@@ -229,3 +229,62 @@ fn a_valve_spring_surges() {
     close("surge", first, rate / 2.0, 1e-2);
     close("load", last(&run(text, "rest"), "spring.load"), 300.0, 1e-6);
 }
+
+/// A roller of 12 mm on a disc of 20 mm whose centre is 5 mm beside its axle: the plunger of 0.3 kg moves as the slide of a slider-crank
+/// whose rod is as long as both radii. Force along the normal, and torque on the cam by virtual work.
+#[test]
+fn a_roller_rides_on_an_eccentric_disc() {
+    let text = "use std.valvetrain.RollerCam
+        use std.joints.Translational
+        use std.drives.ConstantSpeed
+        use std.forces.LinearSpring
+        fn rise(angle: Angle) -> Length = 5 mm*cos(angle) + sqrt((32 mm)^2 - (5 mm*sin(angle))^2) - 27 mm
+        model Disc {
+            gravity = [0, 0, 0] m/s^2
+            marker axle = [0, 0, 0] mm
+            marker bore = at([0, 0, 0] mm, z: [1, 0, 0])
+            marker top = [90, 0, 0] mm
+            body cam { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker main = origin }
+            body plunger { mass = 0.3 kg; inertia = [1, 1, 1] g*m^2; marker axis = at(origin, z: [1, 0, 0]); marker roller = origin }
+            drive turn = ConstantSpeed(cam.main, axle, speed: 60 rad/s, initial: 30 deg)
+            joint guide = Translational(plunger.axis, bore) { branch travel > 0 mm }
+            force spring = LinearSpring(plunger.roller, top, stiffness: 20 N/mm, free_length: 80 mm)
+            force contact = RollerCam(plunger.roller, cam.main, base: 27 mm, profile: rise, stiffness: 200 N/um, damping: 6 kN*s/m)
+            start guide.travel = 36 mm
+        }
+        analysis run = transient(Disc(), duration: 250 ms, sample: 1 ms)";
+    let results = run(text, "run");
+    let time = column(&results, "time");
+    let mut checked = 0;
+    for (k, t) in time.iter().enumerate().filter(|(_, t)| **t > 0.1) {
+        let (angle, omega) = (30.0_f64.to_radians() + 60.0 * t, 60.0);
+        let (sin, cos) = angle.sin_cos();
+        let root = (0.032_f64.powi(2) - (0.005 * sin).powi(2)).sqrt();
+        let travel = 0.005 * cos + root;
+        let lean = 0.005 * sin / root;
+        // the slope of the travel by the angle, and its second derivative
+        let slope = -0.005 * sin - 0.005 * cos * lean;
+        let bend = -0.005 * cos
+            - 0.005_f64.powi(2)
+                * ((cos * cos - sin * sin) / root + (0.005 * sin * cos).powi(2) / root.powi(3));
+        let along = 0.3 * bend * omega * omega + 20e3 * (0.08 - (0.09 - travel));
+        let value = |path: &str| column(&results, path)[k];
+        // the contact is up to 2.7 um deep
+        assert!((value("guide.travel") - travel).abs() < 4e-6, "{t}");
+        let load = along / lean.atan().cos();
+        assert!(
+            (value("contact.load") / load - 1.0).abs() < 1e-3,
+            "{t}: {} {load}",
+            value("contact.load")
+        );
+        let torque = along * slope;
+        assert!(
+            (value("turn.torque.z") - torque).abs() < 2e-3 * 1.5,
+            "{t}: {} {torque}",
+            value("turn.torque.z")
+        );
+        assert!((value("contact.pressure_angle").abs() - lean.abs().atan()).abs() < 2e-4);
+        checked += 1;
+    }
+    assert!(checked > 100);
+}

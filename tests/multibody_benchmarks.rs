@@ -77,7 +77,7 @@ fn converges(model: &Model, end: f64, steps: u32, due: &[(&str, f64)], tolerance
 fn the_squeezing_mechanism_moves_as_published() {
     let reference = reference(include_str!("reference/andrews.json"));
     let values = &reference["rederived"]["values"]["0.03"];
-    let model = model(include_str!("benchmarks/andrews.eng"), "Andrews");
+    let model = model(include_str!("../examples/squeezer/squeezer.eng"), "Andrews");
     let due = [
         ("beta", "q1"),
         ("theta", "q2"),

@@ -333,7 +333,7 @@ fn films_of_a_v_twin_are_near_those_of_the_transient_engine() {
             "{TWIN}
 use std.engine.Engine
 use std.gas.closed_cycle
-use std.journals.{{Reynolds, SolvedMobility}}
+use std.journals.{{Impedance, Mobility, Reynolds, SolvedMobility}}
 const angles = [2*(i - 180)*1 deg for i in 0..359]
 fn gas = closed_cycle(bore: 80 mm, stroke: 80 mm, rod_length: 140 mm, compression_ratio: 10, heat: 1 kJ, begin: -20 deg,
     duration: 50 deg)
@@ -384,11 +384,11 @@ analysis films = periodic(Films(), change: 1 %, sample: 2 deg)
     }
 }
 
-/// A row of four at 3000 rpm without pressure, whose throws have this moment (g m).
-fn row_of_four(moment: f64) -> Results {
+/// A row of four at 3000 rpm without pressure. Its throws have this moment (g m), and there are counterweights.
+fn row_of_four(moment: f64, weights: &str) -> Results {
     let text = format!(
         "use std.cylinder.{{Rod, diametral}}
-use std.engine.{{Crank, ThrowCrank}}
+use std.engine.{{Counterweight, Crank, ThrowCrank}}
 use std.layouts.inline
 use std.oils.SAE_10W40
 use std.quick.QuickEngine
@@ -403,7 +403,7 @@ model Row {{
         pin_diameter: 48 mm, pin_width: 24 mm, pin_clearance: diametral(50 um), oil: SAE_10W40, oil_temperature: 105 degC,
         rod: Rod(mass: 0.62 kg, center: 41 mm, inertia: [0.12, 3.0, 3.1] g*m^2), piston_mass: 0.45 kg, speed: 3000 rpm,
         crankshaft: ThrowCrank(crank: Crank(mass: 20 kg, inertia: [250, 260, 42] g*m^2), moment: {moment:?} g*m),
-        pressure: still,
+        pressure: still, counterweights: [{weights}],
     )
 }}
 analysis run = transient(Row(), duration: 2 rev, sample: 5 deg)
@@ -416,8 +416,8 @@ analysis run = transient(Row(), duration: 2 rev, sample: 5 deg)
 /// load the outer mains by half of a throw, the middle one by two halves of equal throws, and the others not at all.
 #[test]
 fn a_row_of_four_shakes_by_its_pistons_alone() {
-    let results = row_of_four(30.0);
-    let bare = row_of_four(0.0);
+    let results = row_of_four(30.0, "");
+    let bare = row_of_four(0.0, "");
     let angle = column(&results, "cycle.angle");
     let [x, y] = ["x", "y"].map(|axis| column(&results, &format!("engine.shaking.{axis}")));
     let (r, l, speed) = (0.043_f64, 0.143_f64, 3000.0 * TAU / 60.0);
@@ -440,17 +440,41 @@ fn a_row_of_four_shakes_by_its_pistons_alone() {
     println!("shaking {size:.0} N: {miss:.1e} N off, {across:.1e} N across");
     assert!(miss < 1e-6 * size && across < 1e-9 * size);
     let throw = 30e-3 * speed * speed;
-    for (main, halves) in [(1, 1.0), (2, 0.0), (3, -2.0), (4, 0.0), (5, 1.0)] {
+    loads_differ(
+        &results,
+        &bare,
+        [0.5, 0.0, -1.0, 0.0, 0.5].map(|part| part * throw),
+    );
+    // a counterweight of this moment at each throw, one of them a tenth of the distance of mains nearer to main 2
+    let weights: Vec<String> = [9.2, 0.0, 0.0, 0.0]
+        .iter()
+        .zip(1..)
+        .map(|(offset, throw)| {
+            format!(
+                "Counterweight(throw: {throw}, mass: 0.5 kg, radius: 60 mm, offset: {offset:?} mm)"
+            )
+        })
+        .collect();
+    let balanced = row_of_four(30.0, &weights.join(", "));
+    loads_differ(
+        &balanced,
+        &bare,
+        [0.1, -0.1, 0.0, 0.0, 0.0].map(|part| part * throw),
+    );
+}
+
+/// The loads of five mains differ by these forces (N), which turn with throw 1.
+fn loads_differ(of: &Results, from: &Results, by: [f64; 5]) {
+    let angle = column(of, "cycle.angle");
+    for (main, force) in (1..).zip(by) {
         for (axis, along) in [("x", f64::cos as fn(f64) -> f64), ("y", f64::sin)] {
             let path = format!("engine.main[{main}].force.{axis}");
-            let (with, without) = (column(&results, &path), column(&bare, &path));
-            for ((angle, with), without) in angle.iter().zip(with).zip(without) {
-                let due = -halves * throw / 2.0 * along(*angle);
-                let found = with - without;
-                assert!(
-                    (found - due).abs() < 1e-8 * throw,
-                    "{path}: {found} for {due}"
-                );
+            let pairs = column(of, &path).iter().zip(column(from, &path));
+            for (angle, (one, other)) in angle.iter().zip(pairs) {
+                // the film's force on the pin is against the load
+                let due = -force * along(*angle);
+                let found = one - other;
+                assert!((found - due).abs() < 1e-6, "{path}: {found} for {due}");
             }
         }
     }

@@ -349,21 +349,35 @@ fn is_line(opening: &Opening, angle: f64, z: f64) -> bool {
 }
 
 /// Cells for each stretch between edges, so that the largest cell becomes as small as it can. A stretch of length zero
-/// keeps one.
+/// keeps one. Stretches that are the same from both ends get the same cells: else a symmetric bearing would tilt.
 fn share(stretches: &[f64], cells: usize) -> Vec<usize> {
     let mut shares = vec![1; stretches.len()];
-    for _ in stretches.len()..cells {
-        let size = |at: &usize| stretches[*at] / shares[*at] as f64;
-        let largest = (0..stretches.len()).reduce(|best, at| {
-            if size(&at) > size(&best) * (1.0 + 1e-9) {
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (a + b);
+    let (count, middle) = (stretches.len(), stretches.len() / 2);
+    let mirrored = (0..middle).all(|at| near(stretches[at], stretches[count - 1 - at]));
+    let mut left = cells.saturating_sub(count);
+    while left > 0 {
+        let size = |at: usize| stretches[at] / shares[at] as f64;
+        let Some(largest) = (0..count).reduce(|best, at| {
+            if size(at) > size(best) * (1.0 + 1e-9) {
                 at
             } else {
                 best
             }
-        });
-        if let Some(largest) = largest {
-            shares[largest] += 1;
+        }) else {
+            break;
+        };
+        let other = count - 1 - largest;
+        if mirrored && other != largest && left > 1 {
+            shares[other] += 1;
+            left -= 1;
+        } else if mirrored && other != largest && count % 2 == 1 {
+            // one cell for two stretches: the middle takes it
+            shares[middle] += 1;
+            break;
         }
+        shares[largest] += 1;
+        left -= 1;
     }
     shares
 }

@@ -298,13 +298,9 @@ impl<'a> Elaborator<'a, '_> {
             bound_kinks,
             graph,
         };
-        let readings = element
-            .fields
-            .iter()
-            .flat_map(|field| field.kernel.readings);
-        let of_steps: Vec<bool> = readings
-            .flat_map(|row| (0..row.count).map(|_| row.of_steps))
-            .collect();
+        let readings = (element.fields.iter()).flat_map(|field| field.kernel.readings);
+        let of_steps = readings.flat_map(|row| (0..row.count).map(|_| row.of_steps));
+        let of_steps: Vec<bool> = of_steps.collect();
         let index = self.draft.elements.len() as u32;
         let first_channel = self.draft.channels.len() as u32;
         if matches!(role, Role::Dynamic | Role::Output) {

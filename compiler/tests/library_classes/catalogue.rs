@@ -180,6 +180,19 @@ pub const CASES: &[Case] = &[
         arguments: "a.m, b.m, length: 20 mm",
         ..joint("Bifilar")
     },
+    joint("Perpendicular"),
+    joint("Homokinetic"),
+    Case {
+        arguments: "a.m, frame, b.m, base, profile: wave, base: 3 mm",
+        definitions: "fn wave(turn: Angle) -> Length = 40 mm*cos(3*turn)",
+        parts: FRAMES,
+        ..joint("GrooveCam")
+    },
+    drive(
+        "PrescribedTravel",
+        "a.m, b.m, travel_at: way",
+        "fn way(t: Time) -> Length = 40 mm*sin(30 rad/s * t)",
+    ),
     drive(
         "PrescribedRotation",
         "a.m, b.m, speed: 3000 rpm, initial: 20 deg",
@@ -291,6 +304,11 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
     },
     of(
         "std.contacts",
+        "CylinderOnPlane",
+        "a.m, b.m, reach: 3 m, length: 12 mm, loss: 1e-3 s/m",
+    ),
+    of(
+        "std.contacts",
         "EndStop",
         "a.m, b.m, reach: 3 m, stiffness: 10 N/mm, damping: 5 N*s/m, soft_depth: 1 m",
     ),
@@ -388,6 +406,16 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         soft_depth: 1 m, base: 3 m",
         )
     },
+    Case {
+        definitions: "use std.valvetrain.harmonic_lift",
+        parts: PLANE,
+        poses: Poses::Planar,
+        ..of(
+            "std.valvetrain",
+            "RollerCam",
+            "a.m, b.m, base: 3 m, profile: harmonic_lift(lift: 400 mm, half: 170 deg), stiffness: 20 N/mm, damping: 3 N*s/m, soft_depth: 1 m",
+        )
+    },
     of(
         "std.valvetrain",
         "HydraulicLashAdjuster",
@@ -408,7 +436,7 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
             "std.thrust",
             "TaperLandThrust",
             "a.m, b.m, inner_diameter: 1 m, outer_diameter: 2 m, end_float: 5 m, viscosity: 10 Pa*s,
-        roughness: Roughness(sigma: 0.8 m, asperity: 1e-3, modulus: 1 kPa, boundary_friction: 0.1), pads: 6, pad_angle: 50 deg, depth: 400 mm, taper: 0.75",
+        roughness: Roughness(sigma: 0.8 m, asperity: 1e-3, modulus: 1 kPa, boundary_friction: 0.1), pads: 6, pad_angle: 52 deg, depth: 650 mm, taper: 0.72",
         )
     },
     Case {

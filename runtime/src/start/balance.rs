@@ -20,7 +20,7 @@ mod holding;
 mod stability;
 mod turning;
 
-use super::eccentricity::{film_ratios, yielding};
+use super::eccentricity::{end_ratios, film_ratios, half_widths, yielding};
 use super::motion::SteadyMotion;
 use super::picking::{split, unit_rows};
 use super::{Equilibrium, JournalStart, Obstacle};
@@ -56,8 +56,9 @@ const SHORTER: f64 = 0.3;
 const LEAST_PART: f64 = 1e-3;
 /// Smallest portion of the load.
 const PORTION: f64 = 1e-3;
-/// Scaled effort above which a freedom without stiffness counts as loaded.
-const UNHELD: f64 = 1e-6;
+/// Scaled effort above which a freedom without stiffness counts as loaded, in a first search and in later ones, which leave
+/// freedoms with some stiffness in place.
+const UNHELD: [f64; 2] = [1e-6, 1e-12];
 /// Move (m, or of a quaternion) up to which a balance counts as the stated position.
 const STAYS: f64 = 1e-6;
 /// Most rounds in which velocities and accelerations are computed again.
@@ -112,6 +113,8 @@ pub struct Balance<'a> {
     terms: Terms,
     /// Whether an earlier search found nothing. Then steps that enlarge the residual become shorter.
     again: bool,
+    /// Half of the width of each film (m).
+    half_widths: Vec<f64>,
     motion: SteadyMotion,
     dynamics: Dynamics,
     /// Angles, which a search at rest may turn by whole turns.
@@ -191,6 +194,7 @@ impl<'a> Balance<'a> {
             model,
             terms,
             again,
+            half_widths: half_widths(model),
             dynamics: Dynamics::new(model),
             watch: Watch::new(model, |_| true),
             values: vec![0.0; plan.pattern.rows.len()],
@@ -253,7 +257,7 @@ impl<'a> Balance<'a> {
         let mut leaning = state.clone();
         let mut thinnest = |factor: f64| {
             move_pose(model, &state.pose, &increment, factor, &mut leaning.pose);
-            film_ratios(model, &leaning.pose)
+            end_ratios(model, &self.half_widths, &leaning.pose)
                 .into_iter()
                 .fold(0.0, f64::max)
         };
@@ -669,7 +673,7 @@ impl<'a> Balance<'a> {
             }
         }
         // The obstacle is a film that has nearly vanished; without one, the row with the largest residual.
-        let ratios = film_ratios(model, &place.state.pose);
+        let ratios = end_ratios(model, &self.half_widths, &place.state.pose);
         let yields = yielding(model);
         let thinnest = ratios
             .iter()
@@ -723,20 +727,22 @@ impl<'a> Balance<'a> {
 
     /// The part of an increment that leaves enough of every film and stays below [`REACH`].
     fn allowed(&self, pose: &[f64], increment: &[f64], size: f64, trial: &mut [f64]) -> f64 {
-        let before = film_ratios(self.model, pose);
+        let ratios = |pose: &[f64]| end_ratios(self.model, &self.half_widths, pose);
+        let before = ratios(pose);
         let yields = yielding(self.model);
         let mut factor = (REACH / size).min(1.0);
         for _ in 0..40 {
             move_pose(self.model, pose, increment, factor, trial);
-            let inside = before
-                .iter()
-                .zip(film_ratios(self.model, trial))
-                .zip(&yields)
-                .all(|((old, new), yields)| match yields {
-                    _ if new <= *old => true,
-                    true => new - old <= LEFT,
-                    false => 1.0 - new >= LEFT * (1.0 - old),
-                });
+            let inside =
+                before
+                    .iter()
+                    .zip(ratios(trial))
+                    .zip(&yields)
+                    .all(|((old, new), yields)| match yields {
+                        _ if new <= *old => true,
+                        true => new - old <= LEFT,
+                        false => 1.0 - new >= LEFT * (1.0 - old),
+                    });
             if inside {
                 break;
             }

@@ -67,6 +67,51 @@ pub(super) fn rates_of_eccentricities(
     rates
 }
 
+/// Rates of the axes of pins, seen from their shells: x and y of each (1/s).
+pub(super) fn rates_of_axes(
+    model: &Model,
+    pins: &[Wish],
+    pose: &[f64],
+    velocity: &[f64],
+) -> Vec<f64> {
+    let mut rates = Vec::new();
+    for wish in pins {
+        let seen = rows::marker(model, wish.shell, pose, velocity);
+        let place = rows::marker(model, wish.pin, pose, velocity);
+        // angular velocities are along the axes of their markers
+        let turning =
+            place.rotation * place.angular_velocity - seen.rotation * seen.angular_velocity;
+        let axis: V3 = place.rotation.column(2).into();
+        let rate = seen.rotation.transpose() * turning.cross(&axis);
+        rates.extend([rate.x, rate.y]);
+    }
+    rates
+}
+
+/// Derivative of [`rates_of_axes`] with respect to velocities: two rows (x, y) for each pin.
+pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(2 * pins.len(), model.velocities);
+    for (i, wish) in pins.iter().enumerate() {
+        let seen = rows::marker(model, wish.shell, &state.pose, &state.velocity);
+        let place = rows::marker(model, wish.pin, &state.pose, &state.velocity);
+        let axis: V3 = place.rotation.column(2).into();
+        let sides = [(wish.pin, 1.0, &place), (wish.shell, -1.0, &seen)];
+        for (marker, sign, own) in sides {
+            let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
+                continue;
+            };
+            for w in 0..jacobian.ncols() {
+                let turning = V3::new(jacobian[(3, w)], jacobian[(4, w)], jacobian[(5, w)]);
+                let turning = own.rotation * turning;
+                let rate = seen.rotation.transpose() * turning.cross(&axis);
+                matrix[(2 * i, first + w)] += sign * rate.x;
+                matrix[(2 * i + 1, first + w)] += sign * rate.y;
+            }
+        }
+    }
+    matrix
+}
+
 /// Derivative of the eccentricity rates of pins (seen from their shells) with respect to velocities: two rows
 /// (x, y) for each pin.
 pub(super) fn eccentricity_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
@@ -125,6 +170,50 @@ pub fn yielding(model: &Model) -> Vec<bool> {
         .map(|journal| {
             let kernels = model.kernels.get(journal.element as usize);
             kernels.is_some_and(|kernels| kernels.iter().any(|kernel| kernel.yields()))
+        })
+        .collect()
+}
+
+/// Half of the width of every journal's film (m); zero of a law without a field, which does not see a tilt.
+pub(super) fn half_widths(model: &Model) -> Vec<f64> {
+    let journals = model.compiled.system.journals.iter();
+    let half = |element: usize| {
+        let grid = model.kernels.get(element)?.first()?.grid();
+        Some((grid.across.last()? - grid.across.first()?) / 2.0)
+    };
+    journals
+        .map(|journal| half(journal.element as usize).unwrap_or(0.0))
+        .collect()
+}
+
+/// The largest distance of a pin's axis from that of its shell over the width of the film, over c, of every journal. The
+/// film has half of this width on both sides of the shell's origin.
+pub(super) fn end_ratios(model: &Model, half_widths: &[f64], pose: &[f64]) -> Vec<f64> {
+    let rest = vec![0.0; model.velocities];
+    let of = |marker| rows::marker(model, marker, pose, &rest);
+    let journals = model.compiled.system.journals.iter().zip(half_widths);
+    journals
+        .enumerate()
+        .map(|(at, (journal, half))| {
+            let Some((pin, shell)) = pin_and_shell(model, at) else {
+                return 0.0;
+            };
+            let (pin, shell) = (of(pin), of(shell));
+            let arm = arm(&pin, &shell);
+            let axis: V3 = shell.rotation.transpose() * V3::from(pin.rotation.column(2));
+            let at_end = |z: f64| {
+                let along = if axis.z == 0.0 {
+                    0.0
+                } else {
+                    (z - arm.z) / axis.z
+                };
+                libm::hypot(arm.x + along * axis.x, arm.y + along * axis.y)
+            };
+            let distance = match *half {
+                0.0 => libm::hypot(arm.x, arm.y),
+                half => at_end(half).max(at_end(-half)),
+            };
+            distance / model.slot(journal.clearance)
         })
         .collect()
 }

@@ -8,13 +8,14 @@
 //! 1. velocities stated by `start` that are not zero;
 //! 2. the rate of each eccentricity, seen from its shell: zero;
 //! 3. modal rates: zero;
-//! 4. velocities that `start` states to be zero;
-//! 5. velocities stated by `guess`;
-//! 6. relative rates of dampers, then of springs (the rows of their forces' derivatives): zero;
-//! 7. the remaining freedoms: least kinetic energy.
+//! 4. the rate of the axis of each pin, seen from its shell: zero, where eccentricities leave it, as on one film;
+//! 5. velocities that `start` states to be zero;
+//! 6. velocities stated by `guess`;
+//! 7. relative rates of dampers, then of springs (the rows of their forces' derivatives): zero;
+//! 8. the remaining freedoms: least kinetic energy.
 //!
 //! Along a path that is known at all angles of a period ([`SteadyMotion::along_path`]) the velocities are
-//! those of the path. The least scaled change makes the constraints, 1 and 4 hold.
+//! those of the path. The least scaled change makes the constraints, 1 and 5 hold.
 //!
 //! Stated zeros come after the films for this reason: a shaft that is stated to turn about the ground's axis
 //! alone tilts by microradians in its bearings, and then turns about its own axis. Otherwise its pins would
@@ -24,7 +25,6 @@
 //! same combinations give the velocities by a linear system. The steady acceleration is the rate of these
 //! velocities along the motion itself.
 
-use super::eccentricity::rates_of_eccentricities;
 use super::picking::{DETERMINED, free_of, split_above, unit_rows};
 use super::wish::{Wish, stated};
 use crate::assembly::at;
@@ -137,8 +137,9 @@ impl SteadyMotion {
         let [moving, still, guessed] = stated(model, state)?;
         let wishes = vec![
             moving,
-            Wish::Pins(pins),
+            Wish::Pins(pins.clone()),
             Wish::Own(modal(model)),
+            Wish::Axes(pins),
             still,
             guessed,
             Wish::Loads(dampers),
@@ -262,33 +263,31 @@ impl SteadyMotion {
     ) -> Result<DMatrix<f64>, NoMotion> {
         let n = model.velocities;
         let (matrix, _, films) = self.equations(model, state)?;
-        let Some((first, level)) = films else {
-            return Ok(DMatrix::zeros(n, n));
-        };
-        let pins = pins(model);
-        let mut rates = DMatrix::zeros(2 * pins.len(), n);
+        let mut rhs = DMatrix::zeros(n, n);
+        if films.is_empty() {
+            return Ok(rhs);
+        }
         let mut pose = state.pose.clone();
         let mut increment = vec![0.0; n];
-        for j in 0..n {
-            let step = DIFFERENCE * self.scales[j];
-            increment[j] = step;
-            for sign in [1.0, -1.0] {
-                move_pose(model, &state.pose, &increment, sign, &mut pose);
-                for (i, rate) in rates_of_eccentricities(model, &pins, &pose, velocity)
-                    .iter()
-                    .enumerate()
-                {
-                    rates[(i, j)] += sign * rate / (2.0 * DIFFERENCE);
+        for (first, level) in films {
+            let mut rates = DMatrix::zeros(level.factors.len(), n);
+            for j in 0..n {
+                increment[j] = DIFFERENCE * self.scales[j];
+                for sign in [1.0, -1.0] {
+                    move_pose(model, &state.pose, &increment, sign, &mut pose);
+                    let moved = level.wish.film_rates(model, &pose, velocity);
+                    for (i, rate) in moved.into_iter().flatten().enumerate() {
+                        rates[(i, j)] += sign * rate / (2.0 * DIFFERENCE);
+                    }
                 }
+                increment[j] = 0.0;
             }
-            increment[j] = 0.0;
+            for (i, factor) in level.factors.iter().enumerate() {
+                rates.row_mut(i).scale_mut(-factor);
+            }
+            rhs.rows_mut(first, level.pick.nrows())
+                .copy_from(&(&level.pick * rates));
         }
-        for (i, factor) in level.factors.iter().enumerate() {
-            rates.row_mut(i).scale_mut(-factor);
-        }
-        let mut rhs = DMatrix::zeros(n, n);
-        rhs.rows_mut(first, level.pick.nrows())
-            .copy_from(&(&level.pick * rates));
         matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)
     }
 
@@ -381,13 +380,10 @@ impl SteadyMotion {
         for level in self.kept_levels() {
             let mut values = match &level.wish {
                 Wish::Stated(rows, chosen) => rows.values(model, &at(state))?.select_rows(chosen),
-                Wish::Pins(pins) => DVector::from_vec(rates_of_eccentricities(
-                    model,
-                    pins,
-                    &state.pose,
-                    &state.velocity,
-                )),
-                Wish::Own(_) | Wish::Loads(_) => continue,
+                wish => match wish.film_rates(model, &state.pose, &state.velocity) {
+                    Some(rates) => DVector::from_vec(rates),
+                    None => continue,
+                },
             };
             for (value, factor) in values.iter_mut().zip(&level.factors) {
                 *value *= factor;
@@ -397,15 +393,15 @@ impl SteadyMotion {
         Ok(DVector::from_vec(out))
     }
 
-    /// The equations of the velocities: matrix and right side, and the first row of the films' level.
+    /// The equations of the velocities: matrix and right side, and the first row of each level of films.
     #[allow(clippy::type_complexity)]
     fn equations(
         &self,
         model: &Model,
         state: &State,
-    ) -> Result<(DMatrix<f64>, DVector<f64>, Option<(usize, &Level)>), NoMotion> {
+    ) -> Result<(DMatrix<f64>, DVector<f64>, Vec<(usize, &Level)>), NoMotion> {
         let n = model.velocities;
-        let mut films = None;
+        let mut films = Vec::new();
         let mut matrix = DMatrix::zeros(n, n);
         let mut rhs = DVector::zeros(n);
         let (values, gradients) = self.constraint_rows(model, state)?;
@@ -428,8 +424,8 @@ impl SteadyMotion {
             }
             let (values, rows) = self.wished(model, state, &level.wish)?;
             let (values, rows) = weighed(values, rows, &level.factors);
-            if matches!(level.wish, Wish::Pins(_)) {
-                films = Some((first, level));
+            if matches!(level.wish, Wish::Pins(_) | Wish::Axes(_)) {
+                films.push((first, level));
             }
             first = take(&(&level.pick * rows), &(&level.pick * values));
         }

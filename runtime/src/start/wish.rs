@@ -1,6 +1,8 @@
 //! Sources of velocities of a steady motion: stated velocities, pins in shells, dampers and springs.
 
-use super::eccentricity::{eccentricity_rates, marker_jacobian};
+use super::eccentricity::{
+    axis_rates, eccentricity_rates, marker_jacobian, rates_of_axes, rates_of_eccentricities,
+};
 use super::motion::{SteadyMotion, rows_of};
 use crate::assembly::at;
 use crate::assembly::rows::{self, Along, Rows};
@@ -24,7 +26,20 @@ pub(super) enum Wish {
     Own(Vec<usize>),
     /// Pins that rest in their shells.
     Pins(Vec<rows::Wish>),
+    /// Pins whose axes rest in their shells.
+    Axes(Vec<rows::Wish>),
     Loads(Vec<usize>),
+}
+
+impl Wish {
+    /// The rates that a wish of films wants to be zero; `None` of another wish.
+    pub fn film_rates(&self, model: &Model, pose: &[f64], velocity: &[f64]) -> Option<Vec<f64>> {
+        match self {
+            Wish::Pins(pins) => Some(rates_of_eccentricities(model, pins, pose, velocity)),
+            Wish::Axes(pins) => Some(rates_of_axes(model, pins, pose, velocity)),
+            Wish::Stated(..) | Wish::Own(_) | Wish::Loads(_) => None,
+        }
+    }
 }
 
 impl SteadyMotion {
@@ -48,6 +63,7 @@ impl SteadyMotion {
                 f64::from(u8::from(chosen[i] == j))
             })),
             Wish::Pins(pins) => homogeneous(eccentricity_rates(model, pins, state)),
+            Wish::Axes(pins) => homogeneous(axis_rates(model, pins, state)),
             Wish::Loads(elements) => {
                 let mut parts = Vec::new();
                 for element in elements {

@@ -58,7 +58,7 @@ impl Balance<'_> {
             } else {
                 "it moves freely, and nothing holds it against its load"
             };
-            (effort.abs() > UNHELD).then(|| Obstacle {
+            (effort.abs() > UNHELD[usize::from(self.again)]).then(|| Obstacle {
                 origin: body.origin.clone(),
                 message: message.to_owned(),
                 carried: 0.0,
