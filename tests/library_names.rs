@@ -25,20 +25,19 @@ const MODULES: [&str; 15] = [
     "quick",
 ];
 
-/// Paths of interfaces and of a class that Rust knows, each with its reason. No member of them is named but the markers
-/// of the weld.
+/// Paths of interfaces that Rust knows, each with its reason. No member of them is named.
 const KNOWN: [(&str, &str); 3] = [
     // the start treats pins in films by rules of their own, and orbits are drawn of them
     ("compiler/src/program.rs", "JournalLaw"),
     // firing angles mark figures and give the orders of an engine; lints compare them with the dead centres
     ("compiler/src/program.rs", "GasLaw"),
     // `support` of a flexible body: no text states the joint to the ground, so elaboration makes it. An element needs a
-    // class, and with that of the library its equations and outputs are written once
-    ("compiler/src/program.rs", "Fixed"),
+    // class, and with the joint of the library that fills this interface its equations are written once
+    ("compiler/src/program.rs", "Weld"),
 ];
 
 /// Names of the library that are words of the language, too: members of reactions and of the cycle, attributes of
-/// bodies and of meshes, words of flexible bodies and figures, operations, the parameters of the weld.
+/// bodies and of meshes, words of flexible bodies and figures, operations, parameters of `dot`.
 const WORDS: [&str; 14] = [
     "a",
     "b",

@@ -14,8 +14,9 @@ use eng_grammar::{SourceId, Span};
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Module and class of the weld between the ground and a flexible body with supports.
-pub const WELD: (&str, &str) = ("std.joints", "Fixed");
+/// Module and interface of the weld between the ground and a flexible body with supports. The joint of this module that fills it
+/// has no other parameters.
+pub const WELD: (&str, &str) = ("std.joints", "Weld");
 /// Module and interface of film laws. A class that fills it is a journal for the start, the tolerance, tables
 /// and figures.
 pub const JOURNAL_LAW: (&str, &str) = ("std.journals", "JournalLaw");
@@ -130,7 +131,14 @@ impl Program {
 
     /// The class that holds a flexible body with supports on the ground, if a text has one.
     pub fn weld(&self) -> Option<DefinitionId> {
-        self.of_library(WELD)
+        let interface = self.of_library(WELD)?;
+        let items = &self.modules.get(interface.module as usize)?.file.items;
+        let mut definitions =
+            (0..items.len() as u32).map(|item| DefinitionId { item, ..interface });
+        definitions.find(|id| {
+            let joint = (self.declaration(*id)).is_some_and(|d| d.kind == ast::Kind::Joint);
+            joint && self.fills(*id, interface)
+        })
     }
 
     /// The interface of film laws; `None` if no module uses it.

@@ -412,7 +412,7 @@ pub enum RuntimeError {
         /// Residual of that row.
         size: f64,
         /// Its unit.
-        unit: &'static str,
+        unit: String,
     },
     /// A tolerance is smaller than the rounding error of the solution.
     #[error(

@@ -115,7 +115,7 @@ impl<'m> SummaryTable<'m> {
     pub fn span(&self) -> &'static str {
         match self.last_cycle {
             true => "over the last cycle",
-            false => "over the whole run",
+            false => "over the samples of the whole run",
         }
     }
 

@@ -17,6 +17,14 @@ pub(super) struct Parameter<'s> {
     pub by_name: bool,
 }
 
+/// Names of parameters as messages show them. Those of a function type have no names; `argument 2` is no code.
+pub(super) fn as_shown(names: &str) -> String {
+    match names.contains("`argument ") {
+        true => names.replace('`', ""),
+        false => names.to_owned(),
+    }
+}
+
 /// The name and the parameters of a function, class or word that a text calls.
 #[derive(Debug)]
 pub(super) struct Called<'s> {
@@ -49,7 +57,7 @@ impl Called<'_> {
         let names = missing.iter().filter_map(|at| self.parameters.get(*at));
         let names = match self.more {
             true => "at least one argument".to_owned(),
-            false => listing(names.map(|parameter| parameter.name), 12),
+            false => as_shown(&listing(names.map(|parameter| parameter.name), 12)),
         };
         let title = format!("`{}` needs {names}", self.name);
         let message = Diagnostic::error(codes::MISSING_ARGUMENT, title);

@@ -1,7 +1,7 @@
 //! Calls of functions, tables and records; arguments of any call.
 
 use super::Checker;
-use super::bound::{Called, Parameter};
+use super::bound::{Called, Parameter, as_shown};
 use super::declare::written_unit;
 use super::member::Member;
 use super::mismatch::Due;
@@ -496,8 +496,8 @@ impl<'p> Checker<'p> {
             let mut message = called.missing(&given.missing, span);
             message = message.also_if(first.span, "declared here");
             if !first.ty.is_error() {
-                message =
-                    message.with_note(format!("`{}` is {}", first.name, self.describe(&first.ty)));
+                let name = as_shown(&format!("`{}`", first.name));
+                message = message.with_note(format!("{name} is {}", self.describe(&first.ty)));
             }
             self.report(message);
         }
@@ -524,7 +524,8 @@ impl<'p> Checker<'p> {
         let what = if callee.is_empty() {
             slot.name.clone()
         } else {
-            format!("`{}` of `{callee}`", slot.name)
+            let name = as_shown(&format!("`{}`", slot.name));
+            format!("{name} of `{callee}`")
         };
         let mut due = Due::new(what);
         if let Some(span) = slot.span {

@@ -6,7 +6,8 @@ use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
 use crate::model::{Model, STEP_SHARE};
 use eng_system::dense::{largest, largest_scaled};
-use eng_system::system::Origin;
+use eng_system::system::{Origin, StateInfo};
+use eng_system::{Dimension, DisplayUnit};
 
 /// Contraction above which the matrix is computed again.
 const CONTRACTION_LIMIT: f64 = 0.3;
@@ -379,7 +380,8 @@ impl Integrator {
         }
     }
 
-    fn row_name(&self, model: &Model, row: usize) -> (Origin, String, &'static str) {
+    /// The owner of a row, its equation and the unit of its residual.
+    fn row_name(&self, model: &Model, row: usize) -> (Origin, String, String) {
         const COMPONENTS: [&str; 6] = [
             "force x", "force y", "force z", "torque x", "torque y", "torque z",
         ];
@@ -390,23 +392,22 @@ impl Integrator {
                     let component = row - body.velocity;
                     let name = COMPONENTS.get(component).copied().unwrap_or("modal force");
                     let unit = if component < 3 { "N" } else { "N m" };
-                    return (body.origin.clone(), format!("balance of {name}"), unit);
+                    let equation = format!("balance of {name}");
+                    return (body.origin.clone(), equation, unit.to_owned());
                 }
             }
         } else if row < first_row {
-            if let Some((origin, name)) = state_name(model, row - model.velocities) {
-                return (
-                    origin.clone(),
-                    format!("der({name})"),
-                    "SI units per second",
-                );
+            if let Some((origin, state)) = state_of(model, row - model.velocities) {
+                let rate = state.dimension.over(Dimension::TIME);
+                let unit = DisplayUnit::si(rate).symbol;
+                return (origin.clone(), format!("der({})", state.name), unit);
             }
         } else if let Some((element, local)) = model.row_owner(row - first_row) {
             let named = model.named_row(element, local, 0.0);
             let unit = if named.is_length { "m" } else { "rad" };
-            return (named.origin, named.equation, unit);
+            return (named.origin, named.equation, unit.to_owned());
         }
-        (Origin::default(), String::new(), "")
+        (Origin::default(), String::new(), String::new())
     }
 
     /// Local error over tolerance, filtered; see the head of this module.
@@ -489,8 +490,8 @@ impl Integrator {
             return (Origin::default(), None);
         };
         if let Some(state) = index.checked_sub(model.velocities) {
-            return state_name(model, state).map_or((Origin::default(), None), |(origin, name)| {
-                (origin.clone(), Some(name.to_owned()))
+            return state_of(model, state).map_or((Origin::default(), None), |(origin, state)| {
+                (origin.clone(), Some(state.name.clone()))
             });
         }
         let body = model
@@ -501,8 +502,8 @@ impl Integrator {
     }
 }
 
-/// The element that a state of the model belongs to, and the state's name.
-fn state_name(model: &Model, state: usize) -> Option<(&Origin, &str)> {
+/// The element that a state of the model belongs to, and the state.
+fn state_of(model: &Model, state: usize) -> Option<(&Origin, &StateInfo)> {
     model.elements.iter().enumerate().find_map(|(index, e)| {
         let info = model
             .class(index)
@@ -510,6 +511,6 @@ fn state_name(model: &Model, state: usize) -> Option<(&Origin, &str)> {
             .get(state.checked_sub(e.state)?)
             .filter(|_| e.dynamic)?;
         let origin = &model.compiled.system.elements[index].origin;
-        Some((origin, info.name.as_str()))
+        Some((origin, info))
     })
 }

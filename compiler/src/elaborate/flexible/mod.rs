@@ -376,16 +376,12 @@ impl<'a> Elaborator<'a, '_> {
             let Ok(class) = class else { continue };
             let path = format!("{path}.support");
             let ground = self.ground_at(origin, format!("ground at {path}"), span);
-            let bound = vec![
-                (
-                    "a".to_owned(),
-                    super::Argument::Value(Value::Marker(origin)),
-                ),
-                (
-                    "b".to_owned(),
-                    super::Argument::Value(Value::Marker(ground)),
-                ),
-            ];
+            let markers = [origin, ground].map(|m| super::Argument::Value(Value::Marker(m)));
+            let names = class
+                .parameters
+                .iter()
+                .map(|parameter| parameter.name.text.clone());
+            let bound = names.zip(markers).collect();
             let caller = self.module_scopes[class.definition.module as usize];
             let made = self.element_of_class(&class, bound, None, caller, path, span);
             self.bench.element = None;
