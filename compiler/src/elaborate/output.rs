@@ -2,7 +2,7 @@
 
 use super::body::index_text;
 use super::element::{Class, Draft, is_marker};
-use super::scalar::{ElementBuilder, PROVISIONAL, Scalar, Stage, compact_input};
+use super::scalar::{ElementBuilder, FieldDraft, PROVISIONAL, Scalar, Stage, compact_input};
 use super::value::{Axes, ScopeId, Shown, Value};
 use super::{
     ClassMeta, Elaborator, ElementDraft, ElementSource, Entry, Eval, OutputShape, Reported,
@@ -42,6 +42,14 @@ impl Columns {
             frame: None,
         }
     }
+}
+
+/// Whether each number that is read of an element's fields measures errors of the steps.
+fn of_steps(fields: &[FieldDraft]) -> Vec<bool> {
+    let readings = fields.iter().flat_map(|field| field.kernel.readings);
+    readings
+        .flat_map(|row| (0..row.count).map(|_| row.of_steps))
+        .collect()
 }
 
 impl<'a> Elaborator<'a, '_> {
@@ -298,13 +306,7 @@ impl<'a> Elaborator<'a, '_> {
             bound_kinks,
             graph,
         };
-        let readings = element
-            .fields
-            .iter()
-            .flat_map(|field| field.kernel.readings);
-        let of_steps: Vec<bool> = readings
-            .flat_map(|row| (0..row.count).map(|_| row.of_steps))
-            .collect();
+        let of_steps = of_steps(&element.fields);
         let index = self.draft.elements.len() as u32;
         let first_channel = self.draft.channels.len() as u32;
         if matches!(role, Role::Dynamic | Role::Output) {
