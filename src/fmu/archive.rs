@@ -1,6 +1,6 @@
 //! The archive of an FMU.
 
-use super::description::{About, Version, description};
+use super::description::{About, Experiment, Version, description};
 use super::variables::{Described, Selected, described};
 use super::{BODIES, FmuError, Kind, MANIFEST, Manifest, Subject, TEXTS, at, open, page};
 use crate::results::replace_file;
@@ -117,7 +117,7 @@ impl Export<'_> {
     }
 
     /// A simulation as the text states it, with duration and interval (s) of its samples.
-    fn prepared(&self) -> Result<(SimulationBuilder, (Option<f64>, Option<f64>)), FmuError> {
+    fn prepared(&self) -> Result<(SimulationBuilder, Experiment), FmuError> {
         match &self.subject {
             Subject::Model(name) => Ok((self.program.model(name)?.simulation(), (None, None))),
             Subject::Analysis(name) => {

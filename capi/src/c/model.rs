@@ -224,8 +224,9 @@ macro_rules! names {
         ) -> c_int {
             status(|| {
                 // SAFETY: by the promise of the caller
-                let (model, path) =
-                    unsafe { (edge::shared(model, "model")?, edge::text(path, "path")?) };
+                let model = unsafe { edge::shared(model, "model")? };
+                // SAFETY: by the promise of the caller
+                let path = unsafe { edge::text(path, "path")? };
                 let found = model.0.$field.index(path).or_else(|missing| {
                     // the model's own message names the nearest path
                     let own = model.0.prototype.model().$found(path);
