@@ -1,6 +1,6 @@
 //! The archive of an FMU.
 
-use super::description::{About, Version, description};
+use super::description::{About, Experiment, Version, description};
 use super::variables::{Described, Selected, described};
 use super::{BODIES, FmuError, Kind, MANIFEST, Manifest, Subject, TEXTS, at, open, page};
 use crate::results::replace_file;
@@ -48,9 +48,6 @@ impl Drop for Staged {
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
-
-/// Duration and interval of samples (s), if the text states them as times.
-type Experiment = (Option<f64>, Option<f64>);
 
 impl Export<'_> {
     /// Writes the archive. Before, it opens the model from the resources alone, as an importer does.
@@ -119,7 +116,7 @@ impl Export<'_> {
         Ok(self.written(&variables, model))
     }
 
-    /// A simulation as the text states it.
+    /// A simulation as the text states it, with duration and interval (s) of its samples.
     fn prepared(&self) -> Result<(SimulationBuilder, Experiment), FmuError> {
         match &self.subject {
             Subject::Model(name) => Ok((self.program.model(name)?.simulation(), (None, None))),

@@ -17,14 +17,16 @@ pub enum Version {
     Three,
 }
 
-/// What a description says besides its variables.
+/// Duration and interval of the samples of an analysis (s), if they are times.
+pub(super) type Experiment = (Option<f64>, Option<f64>);
+
+/// The contents of a description.
 #[derive(Clone, Debug)]
 pub(super) struct About<'a> {
     pub model: &'a str,
     pub token: &'a str,
     pub variables: &'a [Described],
-    /// Duration and interval of the samples of the analysis (s).
-    pub experiment: (Option<f64>, Option<f64>),
+    pub experiment: Experiment,
 }
 
 /// An attribute, or nothing without a value.
