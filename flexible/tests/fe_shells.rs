@@ -330,6 +330,10 @@ fn shells_on_the_faces_of_a_solid_pull_with_it() {
         .into_iter()
         .flatten()
     {
+        // nodes in the middle of the solid's faces would be free along the normal of a membrane
+        if kind == TRIANGLE6 && section.is_membrane() {
+            continue;
+        }
         let solid = match is_quadratic(kind) {
             true => ElementKind::Hexahedron20,
             false => ElementKind::Hexahedron8,
