@@ -254,7 +254,7 @@ eng_grammar::codes! {
     UNREAD = "E0733", "a mesh holds stiffness, mass or constraints that are not read",
         "A body that is reduced without them would be another one. Unknown cards and keywords count, too. Replace them in the file by cards that Eng reads, state them in the model, or take matrices of the code that reads them. If the body does not need them, list them in `ignore`.",
         "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }",
-        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s, ignore: [\"CBUSH\"]) }";
+        "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s, ignore: [\"CBEND\"]) }";
     ELEMENT_RULE = "E0734", "an element's own rule is not reproduced",
         "Codes integrate elements of one shape in several ways: reduced with artificial stiffness against hourglasses, with incompatible modes, hybrid. Frequencies differ by some per cent up to a half. Eng does not silently replace a rule that it does not reproduce digit by digit: change the type in the file, or state `element_rules = exact` for full integration.",
         "flexible rod { mesh = calculix(\"c3d8r.inp\", units: si) }",
@@ -262,7 +262,7 @@ eng_grammar::codes! {
     IGNORED_NOTHING = "W0733", "`ignore` of a mesh names a card that the file does not hold",
         "The file has no card or keyword of this name: a spelling mistake, or the file has changed. Names are those of the message that stopped the reduction.",
         "flexible rod { mesh = nastran(\"rod.bdf\", units: si, ignore: [\"CBUHS\"]) }",
-        "flexible rod { mesh = nastran(\"rod.bdf\", units: si, ignore: [\"CBUSH\"]) }";
+        "flexible rod { mesh = nastran(\"rod.bdf\", units: si, ignore: [\"CBEND\"]) }";
     DECK_SUPPORT = "W0734", "the supports of a deck are not used",
         "The deck holds nodes (SPC, *BOUNDARY), but the body takes its supports from the text, and without any it is free. `support = deck` uses the supports of the deck. `ignore` leaves them out without a message.",
         "flexible block { mesh = nastran(\"block.bdf\", units: si) }",

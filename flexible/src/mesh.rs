@@ -317,17 +317,52 @@ pub struct PointMass {
     pub matrix: [[f64; 6]; 6],
 }
 
-/// A spring between two freedoms, or a freedom and the ground.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// The components of a vector in the basic frame along the axes of a node's analysis frame.
+pub(crate) fn along_axes(
+    nodes: &[Node],
+    frames: &[Frame],
+    node: u32,
+    vector: [f64; 3],
+) -> [f64; 3] {
+    let own = nodes.get(node as usize).and_then(|node| node.frame);
+    match own.and_then(|frame| frames.get(frame as usize)) {
+        Some(Frame { rotation, .. }) => [0, 1, 2].map(|axis: usize| {
+            let along = rotation.iter().zip(vector);
+            along.map(|(row, x)| row[axis] * x).sum()
+        }),
+        None => vector,
+    }
+}
+
+/// A spring. Its extension is a sum of displacements and rotations.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
     /// The file's number.
     pub id: u64,
-    /// Stiffness: force or torque per extension.
+    /// Stiffness: force per extension.
     pub stiffness: f64,
-    /// Index of the node and freedom 0…5 in the node's analysis frame.
-    pub first: (u32, u8),
-    /// The other end; `None` means the ground.
-    pub second: Option<(u32, u8)>,
+    /// The terms of the extension: index of the node, freedom 0…5 in the node's analysis frame, coefficient (1 of
+    /// displacements, a length of rotations).
+    pub terms: Vec<(u32, u8, f64)>,
+    /// Whether it holds to the ground.
+    pub grounded: bool,
+}
+
+impl Spring {
+    /// A spring between two freedoms, or a freedom and the ground: force or torque per difference.
+    pub fn between(id: u64, stiffness: f64, first: (u32, u8), second: Option<(u32, u8)>) -> Self {
+        let ends = [(Some(first), 1.0), (second, -1.0)];
+        let terms = ends.into_iter().filter_map(|(end, sign)| {
+            let (node, freedom) = end?;
+            Some((node, freedom, sign))
+        });
+        Spring {
+            id,
+            stiffness,
+            terms: terms.collect(),
+            grounded: second.is_none(),
+        }
+    }
 }
 
 /// A rule that makes freedoms depend on others. Components are bits 0…5 of freedoms 1…6 in the node's

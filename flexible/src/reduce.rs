@@ -565,7 +565,7 @@ fn at_node(error: FlexibleError, reduction: &Reduction) -> FlexibleError {
 
 /// A body without support moves with its frame, and the ground of its mesh would move with it.
 fn refuse_grounded_springs(mesh: &Mesh) -> Result<(), FlexibleError> {
-    let grounded = |spring: &&Spring| spring.second.is_none() && spring.stiffness != 0.0;
+    let grounded = |spring: &&Spring| spring.grounded && spring.stiffness != 0.0;
     match mesh.springs.iter().find(grounded) {
         None => Ok(()),
         Some(spring) => Err(FlexibleError::Structure {

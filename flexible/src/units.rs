@@ -74,11 +74,11 @@ impl Mesh {
             }
         }
         for spring in &mut self.springs {
-            // unit of the force on freedom i of the first end per unit of freedom j of the second
-            let second = spring.second.map_or(spring.first.1, |(_, freedom)| freedom);
-            let scale = freedom_scale(usize::from(spring.first.1), length)
-                * freedom_scale(usize::from(second), length);
-            spring.stiffness *= force / length * scale;
+            // u [m] = length · u [file]; the coefficient of a rotation is a length
+            spring.stiffness *= force / length;
+            for (_, freedom, coefficient) in &mut spring.terms {
+                *coefficient *= freedom_scale(usize::from(*freedom), length);
+            }
         }
         for tie in &mut self.ties {
             if let Tie::Equation { terms, .. } = tie {

@@ -261,7 +261,7 @@ C, 1
 *BOUNDARY
 2, 1, 6
 *END STEP
-*TIE, NAME=t
+*GAP, NAME=t
 a, b
 *FANCY NEW KEYWORD
 1, 2
@@ -310,10 +310,10 @@ a, b
             ("*BOUNDARY of other fields", 1, Carries::Nothing),
             ("*CLOAD in a *STEP", 1, Carries::Nothing),
             ("*FANCY NEW KEYWORD", 1, Carries::Unknown),
+            ("*GAP", 1, Carries::Structure),
             ("*INCLUDE in a *STEP", 1, Carries::Nothing),
             ("*STATIC in a *STEP", 2, Carries::Nothing),
             ("*STEP", 2, Carries::Nothing),
-            ("*TIE", 1, Carries::Structure),
         ]
     );
 }
@@ -603,22 +603,30 @@ fn masses_inertias_and_springs() {
     let springs = mesh
         .springs
         .iter()
-        .map(|spring| (spring.id, spring.stiffness, spring.first, spring.second));
-    let (one, two, four) = (index(&mesh, 1), index(&mesh, 2), index(&mesh, 4));
+        .map(|spring| (spring.id, spring.stiffness, spring.terms.clone()));
+    let [one, two, three, four] = [1, 2, 3, 4].map(|id| index(&mesh, id));
+    let half = 1.0 / 2.0f64.sqrt();
     assert_eq!(
         springs.collect::<Vec<_>>(),
         [
-            (22, 100.0, (one, 1), None),
-            (23, 200.0, (one, 0), Some((two, 2))),
-            (24, 300.0, (one, 1), Some((four, 1))),
+            (22, 100.0, vec![(one, 1, 1.0)]),
+            (23, 200.0, vec![(one, 0, 1.0), (two, 2, -1.0)]),
+            (24, 300.0, vec![(one, 1, 1.0), (four, 1, -1.0)]),
+            (
+                25,
+                300.0,
+                vec![
+                    (one, 0, half),
+                    (one, 1, half),
+                    (three, 0, -half),
+                    (three, 1, -half)
+                ]
+            ),
         ]
     );
     assert_eq!(
         unread(&mesh),
-        [
-            ("MASS elements without *MASS", 1, Carries::Structure),
-            ("SPRINGA along no axis", 1, Carries::Structure),
-        ]
+        [("MASS elements without *MASS", 1, Carries::Structure),]
     );
 }
 

@@ -334,18 +334,9 @@ fn springs_act_along_their_frames() {
     });
     mesh.nodes[1].frame = Some(0);
     let soft = 1e3;
-    mesh.springs.push(Spring {
-        id: 7,
-        stiffness: soft,
-        first: (1, 0),
-        second: None,
-    });
-    mesh.springs.push(Spring {
-        id: 8,
-        stiffness: 250.0,
-        first: (1, 5),
-        second: Some((0, 5)),
-    });
+    mesh.springs.push(Spring::between(7, soft, (1, 0), None));
+    mesh.springs
+        .push(Spring::between(8, 250.0, (1, 5), Some((0, 5))));
     let (structure, reduction) = cantilever(&mesh);
     let free = line([0.5, 0.0, 0.0], 1, section(0.0), [0.0, 1.0, 0.0]);
     let (plain, _) = cantilever(&free);

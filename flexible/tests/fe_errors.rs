@@ -160,13 +160,8 @@ fn indices_out_of_range_are_refused() {
     assert!(refused(|mesh| mesh.connectivity[3] = u32::MAX).contains("node 4 of element 1"));
     assert!(refused(|mesh| mesh.connectivity.truncate(15)).contains("element 2 has no nodes"));
     assert!(
-        refused(|mesh| mesh.springs.push(Spring {
-            id: 5,
-            stiffness: 1.0,
-            first: (0, 6),
-            second: None,
-        }))
-        .contains("spring 5")
+        refused(|mesh| mesh.springs.push(Spring::between(5, 1.0, (0, 6), None)))
+            .contains("spring 5")
     );
     assert!(
         refused(|mesh| mesh.ties.push(Tie::Equation {
@@ -230,8 +225,8 @@ proptest! {
                 6 => mesh.springs.push(Spring {
                     id: 1,
                     stiffness: value,
-                    first: (node, (place % 8) as u8),
-                    second: Some((place as u32 % 7, 2)),
+                    terms: vec![(node, (place % 8) as u8, 1.0), (place as u32 % 7, 2, value)],
+                    grounded: place % 2 == 0,
                 }),
                 7 => mesh.ties.push(Tie::Rigid {
                     id: 2,

@@ -138,7 +138,7 @@ fn a_pulled_strip_of_two_layers_bends() {
     let [e1, e2] = [140e9, 10e9];
     let mut layer = carbon([0.0, 0.0]);
     layer.sheet = SheetElasticity::orthotropic([e1, e2, 0.0, 5e9], [4e9, 3e9]);
-    for kind in [QUAD, TRIANGLE] {
+    for kind in [QUAD, TRIANGLE, QUAD8, TRIANGLE6] {
         let mut mesh = sheet(kind, [10, 2], ShellSection::plate(t), |[i, j]| {
             [i * length / 10.0, j * width / 2.0, 0.0]
         });
@@ -152,12 +152,8 @@ fn a_pulled_strip_of_two_layers_bends() {
         // the layers narrow differently, so the edge must be free to turn about x
         supports.extend(held(&[at(&mesh, [0.0, 0.5 * width, 0.0])], 0b101010));
         supports.extend(held(&nodes_where(&mesh, |_| true), 0b001000));
-        let tip = nodes_where(&mesh, |x| x[0] > length - 1e-9);
-        let forces: Vec<_> = [0.25, 0.5, 0.25]
-            .iter()
-            .zip(&tip)
-            .map(|(f, node)| (*node, 0, 100.0 * f))
-            .collect();
+        let end = |x: [f64; 3]| x[0] > length - 1e-9;
+        let (tip, forces) = (middle(&mesh, end), along_edge(&mesh, end, 0, 100.0));
         let (structure, found) = pushed(&mesh, &supports, &forces);
         let (a, b, d) = (
             0.5 * (e1 + e2) * t,
@@ -166,7 +162,7 @@ fn a_pulled_strip_of_two_layers_bends() {
         );
         let force = 100.0 / width;
         let curvature = -b * force / (a * d - b * b);
-        let tip = |k: u8| found[structure.freedoms.freedom(tip[1], k).unwrap()];
+        let tip = |k: u8| found[structure.freedoms.freedom(tip, k).unwrap()];
         assert!(
             agrees(tip(2), -0.5 * curvature * length * length, 1e-9),
             "{kind:?}: {}",
@@ -250,14 +246,10 @@ fn a_sandwich_shears_in_its_core() {
             ..mesh.materials[0].clone()
         });
         let clamped = held(&nodes_where(&mesh, |x| x[0] < 1e-9), 0b111111);
-        let tip = nodes_where(&mesh, |x| x[0] > length - 1e-9);
-        let forces: Vec<_> = [0.25, 0.5, 0.25]
-            .iter()
-            .zip(&tip)
-            .map(|(f, node)| (*node, 2, *f))
-            .collect();
+        let end = |x: [f64; 3]| x[0] > length - 1e-9;
+        let (tip, forces) = (middle(&mesh, end), along_edge(&mesh, end, 2, 1.0));
         let (structure, found) = pushed(&mesh, &clamped, &forces);
-        let moved = found[structure.freedoms.freedom(tip[1], 2).unwrap()];
+        let moved = found[structure.freedoms.freedom(tip, 2).unwrap()];
         let exact = (length * length * length / (3.0 * inertia) + length / shear) / width;
         assert!(agrees(moved, exact, 2e-3), "{kind:?}: {}", moved / exact);
     }
@@ -330,6 +322,7 @@ fn a_supported_cross_ply_has_its_frequencies() {
     exact.sort_by(f64::total_cmp);
     for kind in KINDS {
         let errors = [8u32, 16, 32].map(|cells| {
+            let cells = halved(kind, cells);
             let n = f64::from(cells);
             let mut mesh = sheet(kind, [cells; 2], ShellSection::plate(t), |[i, j]| {
                 [length * i / n, width * j / n, 0.0]

@@ -29,12 +29,12 @@ fn plate(
 fn compare(
     name: &str,
     published: &[f64],
-    tolerance: [f64; 3],
+    tolerance: [f64; 5],
     found: impl Fn(Form, u32) -> Vec<f64>,
 ) {
     for (kind, tolerance) in KINDS.into_iter().zip(tolerance) {
         for cells in [8, 16, 32] {
-            let found = found(kind, cells);
+            let found = found(kind, halved(kind, cells));
             let shares: Vec<f64> = found.iter().zip(published).map(|(f, e)| f / e).collect();
             println!("{name} {kind:?} {cells}: {shares:.4?}");
             let worst = shares.iter().map(|x| (x - 1.0).abs()).fold(0.0, f64::max);
@@ -51,11 +51,16 @@ fn compare(
 #[test]
 fn a_free_thin_square_plate() {
     let published = [1.622, 2.360, 2.922, 4.190, 4.190, 7.356];
-    compare("FV12", &published, [0.006, 0.006, 0.006], |kind, cells| {
-        let mesh = plate(kind, [cells; 2], 0.05, |[x, y]| [10.0 * x, 10.0 * y]);
-        let flat = held(&nodes_where(&mesh, |_| true), 0b100011);
-        lowest(&mesh, &flat, 9)[3..].to_vec()
-    });
+    compare(
+        "FV12",
+        &published,
+        [0.006, 0.006, 0.006, 0.002, 0.002],
+        |kind, cells| {
+            let mesh = plate(kind, [cells; 2], 0.05, |[x, y]| [10.0 * x, 10.0 * y]);
+            let flat = held(&nodes_where(&mesh, |_| true), 0b100011);
+            lowest(&mesh, &flat, 9)[3..].to_vec()
+        },
+    );
 }
 
 /// FV16, a cantilevered thin square plate. The published numbers are upper bounds of a Ritz series: the limits here are
@@ -63,7 +68,7 @@ fn a_free_thin_square_plate() {
 #[test]
 fn a_cantilevered_thin_square_plate() {
     let published = [0.421, 1.029, 2.582, 3.306, 3.753, 6.555];
-    compare("FV16", &published, [0.01, 0.01, 0.01], |kind, cells| {
+    compare("FV16", &published, [0.01; 5], |kind, cells| {
         let mesh = plate(kind, [cells; 2], 0.05, |[x, y]| [10.0 * x, 10.0 * y]);
         let mut supports = held(&nodes_where(&mesh, |_| true), 0b100011);
         supports.extend(held(&nodes_where(&mesh, |x| x[0] < 1e-9), 0b111111));
@@ -75,42 +80,52 @@ fn a_cantilevered_thin_square_plate() {
 #[test]
 fn a_clamped_thick_rhombic_plate() {
     let published = [133.95, 201.41, 265.81, 282.74, 334.45];
-    compare("FV22", &published, [0.022, 0.022, 0.022], |kind, cells| {
-        let lean = FRAC_PI_4.cos();
-        let mesh = plate(kind, [cells; 2], 1.0, |[x, y]| {
-            [10.0 * (x + lean * y), 10.0 * lean * y]
-        });
-        let edge = |x: [f64; 3]| {
-            let (along, up) = (x[0] - x[1], x[1]);
-            let inside = |x: f64, end: f64| (1e-6..=end - 1e-6).contains(&x);
-            !inside(along, 10.0) || !inside(up, 10.0 * lean)
-        };
-        let mut supports = held(&nodes_where(&mesh, |_| true), 0b100011);
-        supports.extend(held(&nodes_where(&mesh, edge), 0b111111));
-        lowest(&mesh, &supports, 5)
-    });
+    compare(
+        "FV22",
+        &published,
+        [0.022, 0.022, 0.022, 0.01, 0.01],
+        |kind, cells| {
+            let lean = FRAC_PI_4.cos();
+            let mesh = plate(kind, [cells; 2], 1.0, |[x, y]| {
+                [10.0 * (x + lean * y), 10.0 * lean * y]
+            });
+            let edge = |x: [f64; 3]| {
+                let (along, up) = (x[0] - x[1], x[1]);
+                let inside = |x: f64, end: f64| (1e-6..=end - 1e-6).contains(&x);
+                !inside(along, 10.0) || !inside(up, 10.0 * lean)
+            };
+            let mut supports = held(&nodes_where(&mesh, |_| true), 0b100011);
+            supports.extend(held(&nodes_where(&mesh, edge), 0b111111));
+            lowest(&mesh, &supports, 5)
+        },
+    );
 }
 
 /// FV32, a cantilevered tapered membrane.
 #[test]
 fn a_cantilevered_tapered_membrane() {
     let published = [44.623, 130.03, 162.70, 246.05, 379.90, 391.44];
-    compare("FV32", &published, [0.003, 0.012, 0.006], |kind, cells| {
-        let mesh = plate(kind, [2 * cells, cells], 0.05, |[x, y]| {
-            [10.0 * x, (y - 0.5) * (5.0 - 4.0 * x)]
-        });
-        let mut supports = held(&nodes_where(&mesh, |_| true), 0b011100);
-        supports.extend(held(&nodes_where(&mesh, |x| x[0] < 1e-9), 0b111111));
-        lowest(&mesh, &supports, 6)
-    });
+    compare(
+        "FV32",
+        &published,
+        [0.003, 0.012, 0.006, 0.002, 0.002],
+        |kind, cells| {
+            let mesh = plate(kind, [2 * cells, cells], 0.05, |[x, y]| {
+                [10.0 * x, (y - 0.5) * (5.0 - 4.0 * x)]
+            });
+            let mut supports = held(&nodes_where(&mesh, |_| true), 0b011100);
+            supports.extend(held(&nodes_where(&mesh, |x| x[0] < 1e-9), 0b111111));
+            lowest(&mesh, &supports, 6)
+        },
+    );
 }
 
 /// LE3: a quarter of a hemisphere of radius 10 m, pulled out and pushed in by 2 kN at its edge.
 #[test]
 fn a_hemisphere_with_point_loads() {
-    for (kind, tolerance) in KINDS.into_iter().zip([0.006, 0.01, 0.02]) {
+    for (kind, tolerance) in KINDS.into_iter().zip([0.006, 0.01, 0.02, 0.006, 0.006]) {
         for cells in [4u32, 8, 16] {
-            let mesh = octant(kind, cells);
+            let mesh = octant(kind, halved(kind, cells));
             let mut supports = held(&nodes_where(&mesh, |x| x[1].abs() < 1e-9), 0b101010);
             supports.extend(held(&nodes_where(&mesh, |x| x[0].abs() < 1e-9), 0b110001));
             supports.extend(held(&[at(&mesh, [0.0, 0.0, 10.0])], 0b000100));
@@ -172,5 +187,10 @@ fn octant(form: Form, cells: u32) -> Mesh {
             add_cell(&mut mesh, form, 0, quad);
         }
     }
+    raise(&mut mesh, form, |mesh, ends| {
+        let place = between(mesh, ends);
+        let radius = dot(&place, &place).sqrt();
+        place.map(|x| 10.0 * x / radius)
+    });
     mesh
 }

@@ -17,8 +17,7 @@ fn offset(offset: f64) -> ShellShape {
     }
 }
 
-/// A strip along x without Poisson's ratio, clamped at x = 0; and the nodes of its other end with their shares of
-/// a force.
+/// A strip along x without Poisson's ratio.
 fn strip(kind: Form, cells: u32, [length, width]: [f64; 2], section: ShellSection) -> Mesh {
     let n = f64::from(cells);
     let mut mesh = sheet(kind, [cells, 2], section, |[i, j]| {
@@ -32,13 +31,11 @@ fn strip(kind: Form, cells: u32, [length, width]: [f64; 2], section: ShellSectio
 /// the shape functions do.
 fn tip(mesh: &Mesh, length: f64, component: u8, load: f64) -> [f64; 6] {
     let clamped = held(&nodes_where(mesh, |x| x[0] < 1e-9), 0b111111);
-    let tip = nodes_where(mesh, |x| x[0] > length - 1e-9);
-    let forces = [0.25, 0.5, 0.25].iter().zip(&tip);
-    let forces: Vec<_> = forces
-        .map(|(f, node)| (*node, component, f * load))
-        .collect();
+    let end = |x: [f64; 3]| x[0] > length - 1e-9;
+    let forces = along_edge(mesh, end, component, load);
     let (structure, found) = pushed(mesh, &clamped, &forces);
-    std::array::from_fn(|k| found[structure.freedoms.freedom(tip[1], k as u8).unwrap()])
+    let tip = middle(mesh, end);
+    std::array::from_fn(|k| found[structure.freedoms.freedom(tip, k as u8).unwrap()])
 }
 
 #[test]
@@ -113,6 +110,7 @@ fn rigid_motions_of_offset_and_tapered_shells_cost_nothing() {
             add_node(&mut mesh, place);
         }
         add_cell(&mut mesh, kind, 0, [0, 1, 2, 3]);
+        raise(&mut mesh, kind, between);
         let shape = ShellShape {
             offsets: [0.1, 0.05, -0.02, 0.03],
             thickness: Some([0.01, 0.02, 0.03, 0.015]),
@@ -172,17 +170,20 @@ fn two_offset_strips_bend_as_flanges() {
             let mut mesh = strip(kind, cells, [length, width], ShellSection::plate(thickness));
             shaped(&mut mesh, offset(beside));
             mesh.shell_shapes.push(offset(-beside));
-            for mut element in mesh.elements.clone() {
-                element.id += 1000;
-                element.shell = Some(1);
-                mesh.elements.push(element);
+            for element in mesh.elements.clone() {
+                let nodes = mesh.nodes_of(&element).to_vec();
+                add_element(&mut mesh, element.kind, 0, &nodes);
+                if let Some(added) = mesh.elements.last_mut() {
+                    added.variant = element.variant;
+                    added.shell = Some(1);
+                }
             }
             mesh
         };
         let shear = 0.5 * 1.2 * length / (0.5 * YOUNG * width * thickness);
         let exact = length * length * length / (3.0 * YOUNG * inertia) + shear;
         let errors = [16u32, 32, 64, 128].map(|cells| {
-            let mesh = flanges(cells);
+            let mesh = flanges(halved(kind, cells));
             let [_, _, found, ..] = tip(&mesh, length, 2, 1.0);
             (found / exact - 1.0).abs()
         });
@@ -285,14 +286,14 @@ fn an_orthotropic_sheet_stretches_along_any_axis() {
     let cross =
         poisson / e1 * (c.powi(4) + s.powi(4)) - (1.0 / e1 + 1.0 / e2 - 1.0 / g) * c * c * s * s;
     // drilling rotations of the membrane want moments at the ends: see the laminates for their energy
-    for kind in [QUAD, TRIANGLE] {
+    for kind in [QUAD, TRIANGLE, QUAD8, TRIANGLE6] {
         let axes = [
             ShellAxis::Direction([c, s, 0.7], 0.0),
             ShellAxis::Direction([1.0, 0.0, -0.2], angle),
             ShellAxis::Side(angle),
         ];
         // the first sides of triangles have several directions
-        for axis in &axes[..if kind == QUAD { 3 } else { 2 }] {
+        for axis in &axes[..if kind.0.corner_count() == 4 { 3 } else { 2 }] {
             let mut mesh = sheet(kind, [4, 3], ShellSection::plate(thickness), |[i, j]| {
                 [i * length / 4.0, j * width / 3.0, 0.0]
             });
@@ -310,10 +311,8 @@ fn an_orthotropic_sheet_stretches_along_any_axis() {
             supports.extend(held(&nodes_where(&mesh, |_| true), 0b011100));
             let mut forces = Vec::new();
             for (end, sign) in [(0.0, -1.0), (length, 1.0)] {
-                let edge = nodes_where(&mesh, |x| (x[0] - end).abs() < 1e-9);
-                for (node, share) in edge.iter().zip([1.0, 2.0, 2.0, 1.0]) {
-                    forces.push((*node, 0, sign * share / 6.0 * 1e3));
-                }
+                let edge = |x: [f64; 3]| (x[0] - end).abs() < 1e-9;
+                forces.extend(along_edge(&mesh, edge, 0, sign * 1e3));
             }
             let (structure, found) = pushed(&mesh, &supports, &forces);
             let corner = at(&mesh, [length, width, 0.0]);

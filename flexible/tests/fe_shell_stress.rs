@@ -101,9 +101,7 @@ fn a_cantilever_has_the_stress_of_a_beam() {
         });
         mesh.materials[0].poisson = 0.0;
         let clamped = held(&nodes_where(&mesh, |x| x[0] < 1e-9), 0b111111);
-        let tip = nodes_where(&mesh, |x| x[0] > length - 1e-9);
-        let forces = [0.25, 0.5, 0.25].iter().zip(&tip);
-        let forces: Vec<_> = forces.map(|(f, node)| (*node, 2, 8.0 * f)).collect();
+        let forces = along_edge(&mesh, |x| x[0] > length - 1e-9, 2, 8.0);
         let (structure, found) = pushed(&mesh, &clamped, &forces);
         let all = stresses(&mesh, &structure, &found);
         for x in [0.25, 0.5, 0.75] {
@@ -132,7 +130,7 @@ fn sides_of_a_fold_keep_their_stress_and_turned_normals_do_not_mix_surfaces() {
     for kind in KINDS {
         let mut mesh = sheet(kind, [2, 2], ShellSection::plate(0.01), |[i, j]| {
             match i > 1.0 {
-                true => [1.0, j, 1.0],
+                true => [1.0, j, i - 1.0],
                 false => [i, j, 0.0],
             }
         });

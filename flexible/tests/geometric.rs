@@ -620,12 +620,12 @@ fn a_mesh_without_stresses_is_refused() {
         }),
     });
     for component in 0..3 {
-        mesh.springs.push(eng_flexible::mesh::Spring {
-            id: u64::from(component) + 1,
-            stiffness: 1e5,
-            first: (first, component),
-            second: None,
-        });
+        mesh.springs.push(eng_flexible::mesh::Spring::between(
+            u64::from(component) + 1,
+            1e5,
+            (first, component),
+            None,
+        ));
     }
     let full = assemble(&mesh, &Rules::default()).unwrap();
     let reduction = Reduction::new(&mesh, &full, &[]).unwrap();

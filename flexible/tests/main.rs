@@ -4,6 +4,7 @@
 
 mod abaqus_mutations;
 mod abaqus_structure;
+mod abaqus_tied;
 mod elastic_surface;
 mod element_variants;
 mod every_reader;

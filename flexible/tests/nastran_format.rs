@@ -397,7 +397,7 @@ fn numbers_and_fields_that_are_wrong() {
 fn cards_that_are_not_read_are_counted() {
     let mesh = mesh(&format!(
         "{CORNERS}FORCE,1,1,,1.,0.,0.,1.
-CBUSH,5,5,1,2
+CBEND,5,5,1,2
 FORCE,1,2,,1.,0.,0.,1.
 PLOTEL,1,1,2
 MYCARD,1
@@ -409,7 +409,7 @@ PLOAD4,1,1,1.
     assert_eq!(
         unread(&mesh),
         [
-            ("CBUSH", 1, Carries::Structure),
+            ("CBEND", 1, Carries::Structure),
             ("FORCE", 2, Carries::Nothing),
             ("MYCARD", 1, Carries::Unknown),
             ("PARAM", 1, Carries::Nothing),

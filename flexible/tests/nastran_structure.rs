@@ -1,7 +1,9 @@
 //! Masses, springs, ties, supports, interface and sets of the Nastran reader, by hand.
 
+use crate::fe_meshes::{agrees, solve};
 use crate::nastran_deck::*;
 use eng_flexible::Place;
+use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::mesh::{Carries, Spring, Support, Tie};
 
 /// Six grid points; 6 has an analysis frame with x = y, y = −x.
@@ -129,12 +131,7 @@ CELAS1,5,8,6,3
 CELAS2,6,1.,1,1,100
 "
     ));
-    let spring = |id, stiffness, first, second| Spring {
-        id,
-        stiffness,
-        first,
-        second,
-    };
+    let spring = Spring::between;
     assert_eq!(
         mesh.springs,
         [
@@ -149,6 +146,152 @@ CELAS2,6,1.,1,1,100
         unread(&mesh),
         [("CELAS2 at scalar points", 1, Carries::Structure)]
     );
+}
+
+/// K2 at a quarter of the way from grid point 1 to 2 is in 2's turned frame, too; K1 and K4 need no axes.
+#[test]
+fn bushings_act_at_one_place() {
+    let mesh = mesh(&format!(
+        "{GRIDS}PBUSH,7,K,10.,20.,,,,60.\n,,B,1.,2.\n,,GE,.01
+PBUSH,8,K,5.,,,7.
+CBUSH,1,7,1,2,,,,0\n,.25
+CBUSH,2,8,2,3
+CBUSH,3,8,6,,,,,2
+CBUSH,4,7,1,6,0.,0.,1.
+"
+    ));
+    assert_eq!(unread(&mesh), []);
+    let of = |id: u64| {
+        let own = mesh.springs.iter().filter(move |spring| spring.id == id);
+        own.map(|spring| (spring.stiffness, spring.terms.clone(), spring.grounded))
+            .collect::<Vec<_>>()
+    };
+    let first = of(1);
+    assert_eq!(
+        first[..2],
+        [
+            (10.0, vec![(0, 0, -1.0), (1, 0, 1.0)], false),
+            (
+                20.0,
+                vec![(0, 1, -1.0), (0, 5, -0.25), (1, 1, 1.0), (1, 5, -0.75)],
+                false
+            ),
+        ]
+    );
+    assert_eq!(first.len(), 3);
+    assert_eq!(
+        of(2),
+        [
+            (5.0, vec![(1, 0, -1.0), (2, 0, 1.0)], false),
+            (7.0, vec![(1, 3, -1.0), (2, 3, 1.0)], false),
+        ]
+    );
+    // grid point 6 and the bushing have the same axes
+    let [along, about] = &of(3)[..] else {
+        panic!("{:?}", of(3));
+    };
+    assert_eq!((along.0, about.0, along.2), (5.0, 7.0, true));
+    assert_eq!(
+        (&along.1[..], &about.1[..]),
+        (&[(5, 0, -1.0)][..], &[(5, 3, -1.0)][..])
+    );
+    // no rigid motion stretches a bushing that is not grounded
+    for (_, terms, grounded) in [of(1), of(2), of(4)].concat() {
+        assert!(!grounded);
+        for motion in 0..6 {
+            let mut extension = 0.0;
+            for (node, freedom, factor) in &terms {
+                let node = &mesh.nodes[*node as usize];
+                let unit = |k: usize| [0, 1, 2].map(|i| if i == k { 1.0 } else { 0.0 });
+                let (u, turn) = match motion {
+                    0..3 => (unit(motion), [0.0; 3]),
+                    _ => {
+                        let ([a, b, c], [x, y, z]) = (unit(motion - 3), node.position);
+                        ([b * z - c * y, c * x - a * z, a * y - b * x], [a, b, c])
+                    }
+                };
+                let vector = if *freedom < 3 { u } else { turn };
+                let axis = usize::from(freedom % 3);
+                let along: f64 = match node.frame {
+                    Some(frame) => {
+                        let rotation = mesh.frames[frame as usize].rotation;
+                        (0..3).map(|i| rotation[i][axis] * vector[i]).sum()
+                    }
+                    None => vector[axis],
+                };
+                extension += factor * along;
+            }
+            assert!(extension.abs() < 1e-14, "{motion}: {terms:?} {extension}");
+        }
+    }
+}
+
+/// A force F at the arm r beyond a bushing moves its end by F/K₂ + F r²/K₆.
+#[test]
+fn a_bushing_yields_and_turns() {
+    let mesh = mesh(
+        "GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+CONM2,5,2,,1.,,,,,+
++,1.,,1.,,,1.
+PBUSH,7,K,1.+5,2.+4,3.+4,50.,60.,70.
+CBUSH,1,7,1,2,,,,0
+,.25
+",
+    );
+    let structure = assemble(&mesh, &Rules::default()).unwrap();
+    let reduction = Reduction::new(&mesh, &structure, &[support(0, 63)]).unwrap();
+    let mut force = vec![0.0; structure.freedoms.size()];
+    let at = |component: u8| structure.freedoms.freedom(1, component).unwrap();
+    force[at(1)] = 3.0;
+    let found = solve(&structure, &reduction, &force);
+    let exact = 3.0 / 2e4 + 3.0 * 0.75 * 0.75 / 70.0;
+    assert!(agrees(found[at(1)], exact, 1e-12), "{}", found[at(1)]);
+    assert!(agrees(found[at(5)], 3.0 * 0.75 / 70.0, 1e-12));
+}
+
+#[test]
+fn bushings_without_axes_or_stiffness_are_refused() {
+    let told = |cards: &str| problem(&format!("{GRIDS}{cards}")).problem;
+    let cases = [
+        (
+            "PBUSH,7,K,1.,2.\nCBUSH,1,7,1,2\n",
+            "bushing 1 has K2, K3, K5 or K6, and no axes",
+        ),
+        (
+            "PBUSH,7,K,1.\nCBUSH,1,7,1\n",
+            "bushing 1 has both ends at one place, or one end, and no axes",
+        ),
+        (
+            "PBUSH,7,K,1.\nCBUSH,1,7,1,2,1.,0.,0.\n",
+            "bushing 1: its orientation vector lies along it",
+        ),
+        (
+            "CBUSH,1,7,1,2\n",
+            "bushing 1 uses property 7, which is missing",
+        ),
+        (
+            "PBUSH,7,K,1.\nPBUSH,7,K,2.\n",
+            "property 7 of bushings is defined twice",
+        ),
+        ("PBUSH,7,X,1.\n", "a line of PBUSH begins with \"X\""),
+        (
+            "PBUSH,7,K,1.\nCBUSH,1,7\n",
+            "bushing 1 has no end at a grid point",
+        ),
+    ];
+    for (cards, expected) in cases {
+        let found = told(cards);
+        assert!(found.contains(expected), "{found}");
+    }
+    let lost = mesh(&format!(
+        "{GRIDS}PBUSH,7,K,1.\n,,M,2.\nCBUSH,1,7,1,2\n,,4,1.\n"
+    ));
+    let expected = [
+        ("CBUSH with OCID", 1, Carries::Structure),
+        ("mass of PBUSH", 1, Carries::Structure),
+    ];
+    assert_eq!(unread(&lost), expected);
 }
 
 #[test]

@@ -389,7 +389,7 @@ impl<'p> Checker<'p> {
                             format!("`{name}` of `{}` is a list of texts", word.word),
                         )
                         .at(value.span, "no list")
-                        .with_help(format!("for instance `{name}: [\"CBUSH\", \"*TIE\"]`")),
+                        .with_help(format!("for instance `{name}: [\"CBEND\", \"*GAP\"]`")),
                     );
                     return;
                 };

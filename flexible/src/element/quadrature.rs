@@ -147,6 +147,26 @@ pub fn triangle_3() -> Vec<Point> {
         .to_vec()
 }
 
+/// The symmetric triangle rule of seven inner points (J. Radon, Monatsh. Math. Phys. 52, 1948), exact to degree
+/// 5.
+pub fn triangle_7() -> Vec<Point> {
+    let root = 15.0f64.sqrt();
+    let mut points = vec![([1.0 / 3.0; 2], 9.0 / 80.0)];
+    for sign in [-1.0, 1.0] {
+        let near = (6.0 + sign * root) / 21.0;
+        let far = 1.0 - 2.0 * near;
+        let weight = (155.0 + sign * root) / 2400.0;
+        points.extend([[near, near], [far, near], [near, far]].map(|at| (at, weight)));
+    }
+    points
+        .into_iter()
+        .map(|([r, s], weight)| Point {
+            at: [r, s, 0.0],
+            weight,
+        })
+        .collect()
+}
+
 /// A triangle rule of `n`² points, exact to degree 2n − 1.
 pub fn triangle(n: usize) -> Vec<Point> {
     let (along, across) = (gauss_jacobi(n, 1.0), gauss_jacobi(n, 0.0));
@@ -273,6 +293,7 @@ mod tests {
         let mut rules: Vec<(Vec<Point>, u32)> =
             (1..=5).map(|n| (triangle(n), 2 * n as u32 - 1)).collect();
         rules.push((triangle_3(), 2));
+        rules.push((triangle_7(), 5));
         for (rule, degree) in rules {
             for (a, b) in (0..=degree).flat_map(|a| (0..=degree - a).map(move |b| (a, b))) {
                 let exact = factorial(a) * factorial(b) / factorial(a + b + 2);

@@ -147,10 +147,11 @@ impl Parts {
             start.push(nodes.len());
         }
         for spring in &mesh.springs {
-            if let Some((second, _)) = spring.second {
-                nodes.extend([spring.first.0, second]);
-                start.push(nodes.len());
-            }
+            let mut own: Vec<u32> = spring.terms.iter().map(|(node, ..)| *node).collect();
+            own.sort_unstable();
+            own.dedup();
+            nodes.extend(own);
+            start.push(nodes.len());
         }
         Pattern::new(freedoms, &start, &nodes)
     }
@@ -336,9 +337,9 @@ impl System<'_> {
             };
             let present = present(self.mesh, self.freedoms, element);
             let places = present.places(self.mesh);
-            let plate = Plate::new(&sheet, &places);
+            let plate = Plate::new(&sheet);
             let drilling = element.variant == Variant::Drilling;
-            let shell = Shell::new(element.kind, &places, drilling, &plate);
+            let shell = Shell::new(element.kind, &present, &places, drilling, &plate);
             match shell.matrices(rules.mass) {
                 Ok(matrices) => self.add_shell(present.nodes(), &matrices, mass),
                 Err(area) => faults.push((element.id, area)),
@@ -379,8 +380,8 @@ impl System<'_> {
                         self.add_stiffness(row, column, value);
                         let inertia = match (i.checked_sub(3), j.checked_sub(3)) {
                             (Some(i), Some(j)) => Some(matrices.rotary[a][b][i][j]),
-                            (None, Some(j)) => matrices.coupling.map(|c| c[a][b][i][j]),
-                            (Some(i), None) => matrices.coupling.map(|c| c[b][a][j][i]),
+                            (None, Some(j)) => matrices.coupling.as_ref().map(|c| c[a][b][i][j]),
+                            (Some(i), None) => matrices.coupling.as_ref().map(|c| c[b][a][j][i]),
                             (None, None) => None,
                         };
                         if let Some(inertia) = inertia {
@@ -428,15 +429,11 @@ impl System<'_> {
         }
     }
 
-    /// Springs k (d₁·q₁ − d₂·q₂) along the components' directions d in basic axes.
+    /// Springs k Σ c d·q along the components' directions d in basic axes.
     fn add_springs(&mut self) {
         for spring in &self.mesh.springs {
-            let mut terms: Vec<(usize, f64)> = Vec::with_capacity(6);
-            let ends = [(Some(spring.first), 1.0), (spring.second, -1.0)];
-            for (end, sign) in ends {
-                let Some((node, component)) = end else {
-                    continue;
-                };
+            let mut terms: Vec<(usize, f64)> = Vec::with_capacity(12);
+            for &(node, component, sign) in &spring.terms {
                 let direction = direction(self.mesh, node, component);
                 let first = self.freedoms.of(node).start + 3 * usize::from(component / 3);
                 for (axis, x) in direction.into_iter().enumerate() {

@@ -60,11 +60,7 @@ pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
         (kind, section, material) if !kind.is_solid() && kind != ElementKind::Beam2 => {
             match (section, material) {
                 (Section::Shell(section), Some(material)) => {
-                    let sheet = Sheet::new(mesh, element, section, material)?;
-                    Some(match kind == kind.linear() {
-                        true => Role::Shell(sheet),
-                        false => Role::Coat(sheet.mass(kind.corner_count())),
-                    })
+                    Some(Role::Shell(Sheet::new(mesh, element, section, material)?))
                 }
                 (Section::Shell(section), None) => Some(match section.mass_per_area {
                     0.0 => Role::Facet,
@@ -388,12 +384,10 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
         }
     }
     for spring in &mesh.springs {
-        let ends = [Some(spring.first), spring.second];
-        if !ends
-            .iter()
-            .flatten()
-            .all(|&(node, freedom)| known(node) && freedom < 6)
-        {
+        let sound = |&(node, freedom, factor): &(u32, u8, f64)| {
+            known(node) && freedom < 6 && factor.is_finite()
+        };
+        if !spring.terms.iter().all(sound) {
             return Err(missing("spring", spring.id));
         }
         if !(spring.stiffness >= 0.0 && spring.stiffness.is_finite()) {

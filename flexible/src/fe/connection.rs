@@ -123,14 +123,13 @@ pub(super) fn check(mesh: &Mesh, freedoms: &FreedomMap) -> Result<(), FlexibleEr
         }
     }
     for spring in &mesh.springs {
-        let ends = [Some(spring.first), spring.second];
-        pieces.join(ends.into_iter().flatten().map(|(node, _)| node));
+        pieces.join(spring.terms.iter().map(|(node, ..)| *node));
     }
     pieces.join_ties(mesh);
     pieces.finish(
         mesh,
         freedoms,
-        "attach these nodes by ties, or remove them; shells without a material and shells of six or eight nodes have mass but no stiffness",
+        "attach these nodes by ties, or remove them; shells without a material have mass but no stiffness",
     )
 }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::check::{Role, role, wrong};
 use super::form;
 use super::rules::StiffnessRule;
+use super::shell;
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, Mesh, PointMass, Tie};
 
@@ -17,7 +18,7 @@ use crate::mesh::{ABSENT, Mesh, PointMass, Tie};
 /// a spring or an equation. An unused node, such as a point that only gives a direction, has no freedoms.
 ///
 /// Inner nodes follow those of the mesh. They belong to solids whose form has functions inside the element
-/// ([`super::form::Form`]), with three amplitudes (m) each. They do not move in a rigid motion, and no tie,
+/// ([`super::form::Form`]) and to shells of eight nodes, with three amplitudes (m) each. They do not move in a rigid motion, and no tie,
 /// support or marker names them.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(
@@ -58,28 +59,32 @@ impl FreedomMap {
             need(point.node, if is_isotropic(point) { 3 } else { 6 });
         }
         for spring in &mesh.springs {
-            for (node, component) in [Some(spring.first), spring.second].into_iter().flatten() {
+            for &(node, component, _) in &spring.terms {
                 need(node, needs(component));
             }
         }
         Self::with_ties(mesh, count)?.with_inner(mesh, rule)
     }
 
-    /// Adds the inner nodes of solids.
+    /// Adds the inner nodes of solids and shells.
     fn with_inner(mut self, mesh: &Mesh, rule: StiffnessRule) -> Result<Self, FlexibleError> {
         let mut inner = Vec::new();
         for element in &mesh.elements {
-            if let Some(Role::Solid(_)) = role(mesh, element) {
-                let count = form::form(mesh, element, rule)?.inner_count();
-                if count > 0 {
-                    inner.push((element.first, count));
+            let count = match role(mesh, element) {
+                Some(Role::Solid(_)) => form::form(mesh, element, rule)?.inner_count(),
+                Some(Role::Shell(sheet)) => {
+                    shell::inner_count(element.kind, sheet.section.is_membrane())
                 }
+                _ => 0,
+            };
+            if count > 0 {
+                inner.push((element.first, count));
             }
         }
         inner.sort_unstable();
         if inner.windows(2).any(|pair| pair[0].0 == pair[1].0) {
             return Err(wrong(
-                "two solids share the list of their nodes, and have modes of their own inside"
+                "two elements share the list of their nodes, and have modes of their own inside"
                     .into(),
                 "give each element a list of its own",
             ));

@@ -81,6 +81,12 @@ impl Present {
         &self.nodes[..self.count - self.inner]
     }
 
+    /// Local numbers of the existing nodes, ascending.
+    pub(super) fn locals(&self) -> impl Iterator<Item = usize> {
+        let own = self.count - self.inner;
+        self.local.iter().take(own).map(|local| usize::from(*local))
+    }
+
     /// The shape functions of the existing nodes, in their order.
     pub(super) fn shape(&self, full: &Shape) -> Shape {
         let mut shape = *full;

@@ -108,23 +108,7 @@ impl ElementRecovery {
         let form = form::form(mesh, element, rules.stiffness)?;
         let integration = rules::stiffness_points(element.kind, form);
         let at: Vec<[f64; 3]> = integration.iter().map(|point| point.at).collect();
-        let corner = extrapolation(element.kind, &at);
-        let edges = element.kind.midside_edges();
-        let corners = element.kind.corner_count();
-        recovery.extrapolation = mesh
-            .nodes_of(element)
-            .iter()
-            .enumerate()
-            .filter(|(_, node)| **node != crate::mesh::ABSENT)
-            .map(|(local, _)| match local.checked_sub(corners) {
-                None => corner[local].clone(),
-                Some(edge) => {
-                    let [a, b] = edges[edge];
-                    let pairs = corner[a].iter().zip(&corner[b]);
-                    pairs.map(|(x, y)| 0.5 * (x + y)).collect()
-                }
-            })
-            .collect();
+        recovery.extrapolation = nodal_extrapolation(element.kind, mesh.nodes_of(element), &at);
         Ok(Some(recovery))
     }
 
@@ -257,9 +241,32 @@ fn strain_points(
         .collect()
 }
 
+/// For each node that is there the factors of the values at points: those of [`extrapolation`] at corners, and
+/// the mean of its ends at the middle of a side.
+pub(super) fn nodal_extrapolation(
+    kind: ElementKind,
+    nodes: &[u32],
+    points: &[[f64; 3]],
+) -> Vec<Vec<f64>> {
+    let corner = extrapolation(kind, points);
+    let edges = kind.midside_edges();
+    let corners = kind.corner_count();
+    let own = nodes.iter().enumerate();
+    own.filter(|(_, node)| **node != crate::mesh::ABSENT)
+        .map(|(local, _)| match local.checked_sub(corners) {
+            None => corner[local].clone(),
+            Some(edge) => {
+                let [a, b] = edges[edge];
+                let pairs = corner[a].iter().zip(&corner[b]);
+                pairs.map(|(x, y)| 0.5 * (x + y)).collect()
+            }
+        })
+        .collect()
+}
+
 /// For each corner the factors of the values at points: the least-squares fit of the corners' linear
 /// functions, or the mean where there are fewer points than corners.
-pub(super) fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
+fn extrapolation(kind: ElementKind, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
     let corners = kind.corner_count();
     if points.len() < corners {
         return vec![vec![1.0 / points.len().max(1) as f64; points.len()]; corners];

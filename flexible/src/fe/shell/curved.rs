@@ -26,7 +26,7 @@ pub(in crate::fe) fn too_curved(mesh: &Mesh) -> Option<String> {
         let Some(normal) = normal(mesh, element) else {
             continue;
         };
-        let nodes = mesh.nodes_of(element);
+        let nodes = corners(mesh, element);
         for (i, first) in nodes.iter().enumerate() {
             let second = nodes.get(i + 1).or(nodes.first()).unwrap_or(first);
             let edge = [*first.min(second), *first.max(second)];
@@ -37,7 +37,7 @@ pub(in crate::fe) fn too_curved(mesh: &Mesh) -> Option<String> {
         }
     }
     let locks = |(element, normal, thickness): &(&Element, Vector, f64)| {
-        let nodes = mesh.nodes_of(element);
+        let nodes = corners(mesh, element);
         let mut longest = 0.0f64;
         let mut angle = 0.0f64;
         for (i, first) in nodes.iter().enumerate() {
@@ -62,6 +62,11 @@ pub(in crate::fe) fn too_curved(mesh: &Mesh) -> Option<String> {
              bend too stiffly. Refine the mesh, or take CTRIA3 or CQUAD4"
         )
     })
+}
+
+fn corners<'a>(mesh: &'a Mesh, element: &Element) -> &'a [u32] {
+    let nodes = mesh.nodes_of(element);
+    nodes.get(..element.kind.corner_count()).unwrap_or(nodes)
 }
 
 fn place(mesh: &Mesh, node: u32) -> Option<Vector> {

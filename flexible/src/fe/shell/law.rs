@@ -1,10 +1,10 @@
 //! Forces and moments of a shell as functions of its strains.
 
 use super::laminate::{self, Ply};
-use super::{NODES, Places, STRAINS};
+use super::{CORNERS, STRAINS};
 use crate::element::MOST_NODES;
 use crate::fe::sheet::Sheet;
-use crate::fe::vector::{Vector, dot, subtract};
+use crate::fe::vector::{Vector, dot};
 use crate::mesh::{Layup, Material, ShellAxis, ShellShape};
 
 /// Of a section without shear flexibility: the bending stiffness by the shear stiffness and the element's
@@ -43,10 +43,10 @@ impl Face {
 /// section's axes: `N = t A ε + t² B κ`, `M = t² B ε + t³/12 D κ`, `Q = t S γ`.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::fe) struct Plate {
-    /// Thickness at the nodes (m).
-    thickness: [f64; NODES],
-    /// From the nodes to the middle surface along the normal (m).
-    pub offsets: [f64; NODES],
+    /// Thickness at the corners (m); linear between them.
+    thickness: [f64; CORNERS],
+    /// From the corners to the middle surface along the normal (m); linear between them.
+    pub offsets: [f64; CORNERS],
     stretching: Plane,
     coupling: Plane,
     bending: Plane,
@@ -55,9 +55,9 @@ pub(in crate::fe) struct Plate {
     /// Surfaces on which stresses are found, in the section's axes.
     faces: Vec<Face>,
     membrane: bool,
-    /// The first axis of the section (its part in the surface), and its turn about the normal (rad). An
-    /// isotropic section has none.
-    axis: Option<(Vector, f64)>,
+    /// The first axis of the section (its part in the surface; without one, that of the element's side),
+    /// and its turn about the normal (rad). An isotropic section has none.
+    axis: Option<(Option<Vector>, f64)>,
     /// Density ρ (kg/m³) over the height ζ t: `∫ ρ dζ`, `∫ ρ ζ dζ`, `12 ∫ ρ ζ² dζ`.
     density: [f64; 3],
     mass_per_area: f64,
@@ -121,8 +121,7 @@ impl Turn {
 }
 
 impl Plate {
-    /// Of a shell with its nodes at `places`.
-    pub fn new(sheet: &Sheet<'_>, places: &Places) -> Self {
+    pub fn new(sheet: &Sheet<'_>) -> Self {
         let Sheet {
             section, material, ..
         } = *sheet;
@@ -142,7 +141,7 @@ impl Plate {
             offsets, thickness, ..
         } = shape;
         let mut plate = Plate {
-            thickness: thickness.unwrap_or([section.thickness; NODES]),
+            thickness: thickness.unwrap_or([section.thickness; CORNERS]),
             offsets,
             stretching: elasticity(material).0,
             coupling: [[0.0; 3]; 3],
@@ -166,8 +165,8 @@ impl Plate {
         }
         if sheet.is_directed() {
             plate.axis = Some(match shape.axis {
-                ShellAxis::Side(turn) => (subtract(places[1], places[0]), turn),
-                ShellAxis::Direction(direction, turn) => (direction, turn),
+                ShellAxis::Side(turn) => (None, turn),
+                ShellAxis::Direction(direction, turn) => (Some(direction), turn),
             });
         }
         plate
@@ -199,7 +198,7 @@ impl Plate {
         self.membrane
     }
 
-    /// Thickness (m) at a place with these shape functions.
+    /// Thickness (m) at a place with these functions of the corners.
     fn thickness(&self, values: &[f64; MOST_NODES]) -> f64 {
         let [first, others @ ..] = &self.thickness;
         if others.iter().all(|other| other == first) {
@@ -209,7 +208,7 @@ impl Plate {
     }
 
     /// Mass per area (kg/m²), its first moment (kg/m) and rotary inertia per area (kg) about the middle surface,
-    /// at a place with these shape functions.
+    /// at a place with these functions of the corners.
     pub fn inertia(&self, values: &[f64; MOST_NODES]) -> [f64; 3] {
         let thickness = self.thickness(values);
         let [own, first, second] = self.density;
@@ -222,8 +221,9 @@ impl Plate {
     }
 
     /// The turn of the section's axes from those of the element.
-    fn turn(&self, axes: &[Vector; 3]) -> Option<Turn> {
+    fn turn(&self, axes: &[Vector; 3], side: Vector) -> Option<Turn> {
         let (axis, turn) = self.axis?;
+        let axis = axis.unwrap_or(side);
         let [x, y] = [dot(axis, axes[0]), dot(axis, axes[1])];
         let length = libm::hypot(x, y);
         let (x, y) = (x / length, y / length);
@@ -231,11 +231,11 @@ impl Plate {
         Some(Turn(c * x - s * y, s * x + c * y))
     }
 
-    /// The surfaces on which stresses are found, from the lower to the upper, at a place with these shape functions
-    /// and axes. Their heights are in m.
-    pub fn faces(&self, values: &[f64; MOST_NODES], axes: &[Vector; 3]) -> Vec<Face> {
+    /// The surfaces on which stresses are found, from the lower to the upper, at a place with these functions of the corners
+    /// and axes, and with this side of the element. Their heights are in m.
+    pub fn faces(&self, values: &[f64; MOST_NODES], axes: &[Vector; 3], side: Vector) -> Vec<Face> {
         let thickness = self.thickness(values);
-        let turn = self.turn(axes);
+        let turn = self.turn(axes, side);
         let turned = |matrix: &Plane| turn.map_or(*matrix, |turn| turn.plane(matrix));
         let own = self.faces.iter().map(|face| Face {
             height: thickness * face.height,
@@ -245,12 +245,18 @@ impl Plate {
         own.collect()
     }
 
-    /// The law at a place with these shape functions and axes (two tangents, normal), in an element whose size
-    /// has this square (m²). An isotropic plate has the membrane stiffness `E t/(1 − ν²)`, that of bending
+    /// The law at a place with these functions of the corners and axes (two tangents, normal), and with this side of the
+    /// element, in an element whose size has this square (m²). An isotropic plate has the membrane stiffness `E t/(1 − ν²)`, that of bending
     /// `b E t³/(12 (1 − ν²))` with the section's factor b, and that of shear `k G t` with its factor k.
-    pub fn law(&self, values: &[f64; MOST_NODES], axes: &[Vector; 3], square: f64) -> Law {
+    pub fn law(
+        &self,
+        values: &[f64; MOST_NODES],
+        axes: &[Vector; 3],
+        side: Vector,
+        square: f64,
+    ) -> Law {
         let thickness = self.thickness(values);
-        let turn = self.turn(axes);
+        let turn = self.turn(axes, side);
         let turned = |matrix: &Plane| turn.map_or(*matrix, |turn| turn.plane(matrix));
         let (stretching, bending) = (turned(&self.stretching), turned(&self.bending));
         let cube = thickness * thickness * thickness / 12.0;

@@ -15,7 +15,7 @@ use crate::fe::check::{self, Role, role};
 use crate::fe::freedoms::FreedomMap;
 use crate::fe::sheet::Sheet;
 use crate::fe::solid::Present;
-use crate::fe::stress::{Components, extrapolation};
+use crate::fe::stress::{Components, nodal_extrapolation};
 use crate::fe::vector::{Vector, dot};
 use crate::mesh::{Element, Layup, Mesh, Variant};
 
@@ -121,6 +121,8 @@ pub(in crate::fe) fn shell_stresses(
 /// A shell, ready for recovery.
 struct Recovery {
     nodes: Vec<u32>,
+    /// The start of its nodes in the mesh's connectivity, by which its inner node is found.
+    first: u32,
     normal: Vector,
     /// Number of surfaces.
     faces: usize,
@@ -133,9 +135,9 @@ impl Recovery {
     fn new(mesh: &Mesh, element: &Element, sheet: &Sheet<'_>) -> Result<Self, FlexibleError> {
         let present = Present::new(element.kind, mesh.nodes_of(element));
         let places = present.places(mesh);
-        let plate = Plate::new(sheet, &places);
+        let plate = Plate::new(sheet);
         let drilling = element.variant == Variant::Drilling;
-        let shell = Shell::new(element.kind, &places, drilling, &plate);
+        let shell = Shell::new(element.kind, &present, &places, drilling, &plate);
         let points = shell
             .points()
             .map_err(|area| folded(&[(element.id, area)]))?;
@@ -145,26 +147,29 @@ impl Recovery {
             .collect();
         let with_faces = |point: ShellPoint| {
             let [r, s] = point.at;
-            let shape = Shape::at(element.kind, [r, s, 0.0]);
-            let faces = plate.faces(&shape.values, &point.axes);
+            let shape = Shape::at(element.kind.linear(), [r, s, 0.0]);
+            let faces = plate.faces(&shape.values, &point.axes, point.side);
             (point, faces)
         };
         let points: Vec<_> = points.into_iter().map(with_faces).collect();
         let first = points.first();
         Ok(Recovery {
             nodes: present.nodes().to_vec(),
+            first: element.first,
             normal: first.map_or([0.0; 3], |(point, _)| point.axes[2]),
             faces: first.map_or(0, |(_, faces)| faces.len()),
             points,
-            extrapolation: extrapolation(element.kind, &at),
+            extrapolation: nodal_extrapolation(element.kind, mesh.nodes_of(element), &at),
         })
     }
 
     /// Stresses (Pa) by node and face.
     fn at_nodes(&self, freedoms: &FreedomMap, full: &[f64]) -> Vec<Vec<Components>> {
         let mut own = [0.0; WIDTH];
-        for (node, own) in self.nodes.iter().zip(own.chunks_exact_mut(6)) {
-            for (x, freedom) in own.iter_mut().zip(freedoms.of(*node)) {
+        let nodes = self.nodes.iter().copied();
+        let all = nodes.chain(freedoms.inner_of(self.first));
+        for (node, own) in all.zip(own.chunks_exact_mut(6)) {
+            for (x, freedom) in own.iter_mut().zip(freedoms.of(node)) {
                 *x = full.get(freedom).copied().unwrap_or(0.0);
             }
         }

@@ -90,7 +90,8 @@ pub(super) fn points(
     let plane = Plane::new(places)?;
     let centre = Shape::at(ElementKind::Triangle3, [1.0 / 3.0, 1.0 / 3.0, 0.0]);
     let square = 2.0 * plane.area;
-    let law = plate.law(&centre.values, &plane.axes, square);
+    let along = subtract(places[1], places[0]);
+    let law = plate.law(&centre.values, &plane.axes, along, square);
     let sides = Side::all(&plane, &law.0);
     let membrane = Membrane::new(&plane, &law.0, drilling);
     let point = |side: usize| {
@@ -116,8 +117,9 @@ pub(super) fn points(
         ShellPoint {
             area: plane.area / 3.0,
             rows,
-            law: plate.law(&shape.values, &plane.axes, square),
+            law: plate.law(&shape.values, &plane.axes, along, square),
             axes: plane.axes,
+            side: along,
             at: [weight[1], weight[2]],
         }
     };

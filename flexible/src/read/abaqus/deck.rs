@@ -328,9 +328,6 @@ impl Deck {
                 if pending.len() >= needed {
                     let fields = std::mem::take(pending);
                     let label = self.element(*shape, &fields, &row.at)?;
-                    if matches!(shape, Shape::Shell(kind) if *kind != kind.linear()) {
-                        self.unread.note(name, &row.at, Carries::Structure);
-                    }
                     if let Some(set) = set {
                         set.add(label);
                     }

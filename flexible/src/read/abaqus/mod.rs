@@ -29,6 +29,7 @@ mod shapes;
 mod shells;
 mod supports;
 mod surfaces;
+mod tied;
 mod ties;
 mod unread;
 
@@ -66,7 +67,7 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
     surfaces::fill(&mut model, unread)?;
     elements::make(&mut model, &mut mesh, &deck.materials, unread)?;
     points::make(&model, &mut mesh, unread)?;
-    mesh.ties = ties::ties(&model, unread)?;
+    ties::make(&mut model, &mut mesh, unread)?;
     let mut cards = HoldingCards::default();
     mesh.supports = supports::supports(&model, &mut cards, unread)?;
     mesh.support_cards = cards.into_list();

@@ -4,8 +4,8 @@ use super::model::{Model, Row};
 use super::scope::Block;
 use super::shapes::{Shape, SpringKind};
 use crate::error::FileProblem;
-use crate::fe::vector::subtract;
-use crate::mesh::{Carries, Mesh, PointMass, Spring};
+use crate::fe::vector::{scale, subtract};
+use crate::mesh::{Carries, Mesh, PointMass, Spring, along_axes};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::{from_axes, norm, product};
 
@@ -126,7 +126,7 @@ fn mass(
 }
 
 /// `*SPRING`: freedoms (none for an axial spring), then the stiffness. Freedoms are those of the nodes, in
-/// their own frames. An axial spring is read if it is along an axis.
+/// their own frames.
 fn spring(
     model: &Model,
     mesh: &mut Mesh,
@@ -156,8 +156,10 @@ fn spring(
             )
         })?;
     let stiffness = values.real(0, "the stiffness")?;
-    let (first, second) = match (kind, model.row_nodes(row)) {
-        (SpringKind::Ground, &[node]) if !turned => ((node, freedoms.freedom(0)?), None),
+    let spring = match (kind, model.row_nodes(row)) {
+        (SpringKind::Ground, &[node]) if !turned => {
+            Spring::between(row.id, stiffness, (node, freedoms.freedom(0)?), None)
+        }
         (SpringKind::Freedoms, &[a, b]) if !turned => {
             let first = freedoms.freedom(0)?;
             let second = if freedoms.text(1).is_empty() {
@@ -165,25 +167,26 @@ fn spring(
             } else {
                 freedoms.freedom(1)?
             };
-            ((a, first), Some((b, second)))
+            Spring::between(row.id, stiffness, (a, first), Some((b, second)))
         }
         (SpringKind::Axial, &[a, b]) => {
             let along = subtract(model.position(b), model.position(a));
             let length = norm(along);
-            let axis = along
-                .iter()
-                .position(|x| length > 0.0 && (x.abs() - length).abs() <= 1e-12 * length);
-            let plain = [a, b].iter().all(|node| {
-                let node = model.nodes.get(*node as usize);
-                node.is_some_and(|node| node.frame.is_none())
-            });
-            match axis {
-                Some(axis) if plain => ((a, axis as u8), Some((b, axis as u8))),
-                _ => {
-                    let name = "SPRINGA along no axis";
-                    unread.note(name, &row.at, Carries::Structure);
-                    return Ok(());
-                }
+            if length == 0.0 {
+                return Err(row.at.problem(
+                    format!("the spring {} has no length, and so no axis", row.label),
+                    "move one of its nodes, or write a SPRING2 with its freedoms",
+                ));
+            }
+            Spring {
+                id: row.id,
+                stiffness,
+                terms: axial(
+                    (model, &*mesh),
+                    scale(1.0 / length, along),
+                    [(a, 1.0), (b, -1.0)],
+                ),
+                grounded: false,
             }
         }
         _ => {
@@ -192,11 +195,24 @@ fn spring(
             return Ok(());
         }
     };
-    mesh.springs.push(Spring {
-        id: row.id,
-        stiffness,
-        first,
-        second,
-    });
+    mesh.springs.push(spring);
     Ok(())
+}
+
+/// The displacements of nodes along an axis, each times its sign.
+fn axial(
+    (model, mesh): (&Model, &Mesh),
+    axis: [f64; 3],
+    ends: [(u32, f64); 2],
+) -> Vec<(u32, u8, f64)> {
+    let mut terms = Vec::with_capacity(6);
+    for (node, sign) in ends {
+        let components = along_axes(&model.nodes, &mesh.frames, node, axis);
+        for (k, factor) in (0_u8..).zip(components) {
+            if factor.abs() > 1e-12 {
+                terms.push((node, k, sign * factor));
+            }
+        }
+    }
+    terms
 }

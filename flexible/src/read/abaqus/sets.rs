@@ -113,7 +113,7 @@ pub(super) fn sets(model: &Model) -> BTreeMap<String, Set> {
             entry.1 = Set::new(nodes.clone(), entry.1.elements().to_vec());
         }
         for (name, (written, surface)) in &placed.surfaces {
-            let nodes = surface.iter().map(|(node, _)| *node).collect();
+            let nodes = surface.nodes.iter().map(|(node, _)| *node).collect();
             let set = Set::new(nodes, Vec::new());
             if !own.contains_key(name) {
                 own.insert(name.clone(), (written.clone(), set.clone()));

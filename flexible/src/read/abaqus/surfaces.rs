@@ -6,15 +6,21 @@ use super::lines::{Row, key};
 use super::model::Model;
 use super::scope::Block;
 use super::shapes::Shape;
+use super::tied::Face;
 use crate::element::around;
 use crate::error::FileProblem;
 use crate::fe::vector::{cross, subtract};
-use crate::mesh::{Carries, ElementKind};
+use crate::mesh::Carries;
 use crate::read::unread::UnreadCards;
 use crate::read::vector::norm;
 
-/// Nodes, sorted, each with its weight: its area, or the number in a surface of `TYPE=NODE`.
-pub(super) type Surface = Vec<(u32, f64)>;
+/// A surface of faces or nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Surface {
+    /// Nodes, sorted, each with its weight: its area, or the number in a surface of `TYPE=NODE`.
+    pub nodes: Vec<(u32, f64)>,
+    pub faces: Vec<Face>,
+}
 
 /// Corners of a face, sorted. `u32::MAX` replaces the fourth corner of a triangle.
 type FaceKey = [u32; 4];
@@ -52,6 +58,7 @@ fn surface(
     let keyword = &block.keyword;
     let rows = block.rows.iter().filter(|row| !row.is_blank());
     let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
+    let mut faces = Vec::new();
     match keyword.choice("TYPE").as_str() {
         "NODE" => {
             for row in rows {
@@ -63,7 +70,7 @@ fn surface(
         }
         "" | "ELEMENT" if !keyword.has("COMBINE") && !keyword.has("CROP") => {
             for row in rows {
-                add_faces(model, place, row, inner, &mut weights)?;
+                add_faces(model, place, row, inner, (&mut weights, &mut faces))?;
             }
         }
         _ => {
@@ -76,7 +83,10 @@ fn surface(
             return Ok(None);
         }
     }
-    Ok(Some(weights.into_iter().collect()))
+    Ok(Some(Surface {
+        nodes: weights.into_iter().collect(),
+        faces,
+    }))
 }
 
 /// Adds the faces of a line, which names an element or set and the face of each element. Without a face it
@@ -86,7 +96,7 @@ fn add_faces(
     place: usize,
     row: &Row,
     inner: &mut Option<Vec<FaceKey>>,
-    weights: &mut BTreeMap<u32, f64>,
+    (weights, faces): (&mut BTreeMap<u32, f64>, &mut Vec<Face>),
 ) -> Result<(), FileProblem> {
     let face = key(row.text(1));
     for index in model.rows_of(place, row.text(0), &row.at)? {
@@ -133,23 +143,14 @@ fn add_faces(
             _ => vec![*number('S').and_then(|i| all.get(i)).ok_or_else(wrong)?],
         };
         for face in chosen {
-            add_face(model, kind, nodes, face, weights);
+            let ring = around(kind, nodes, face);
+            for (node, share) in shares(&ring, |node| model.position(node)) {
+                *weights.entry(node).or_insert(0.0) += share;
+            }
+            faces.extend(Face::new(&ring));
         }
     }
     Ok(())
-}
-
-fn add_face(
-    model: &Model,
-    kind: ElementKind,
-    nodes: &[u32],
-    corners: &[usize],
-    weights: &mut BTreeMap<u32, f64>,
-) {
-    let ring = around(kind, nodes, corners);
-    for (node, share) in shares(&ring, |node| model.position(node)) {
-        *weights.entry(node).or_insert(0.0) += share;
-    }
 }
 
 /// Shares the length of an edge among its nodes.
@@ -246,6 +247,7 @@ fn share(polygon: &[u32], place: impl Fn(u32) -> [f64; 3], shares: &mut Vec<(u32
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::ElementKind;
 
     #[test]
     fn shares_of_a_square_of_eight_nodes() {

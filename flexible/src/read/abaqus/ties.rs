@@ -1,5 +1,5 @@
 //! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*KINEMATIC COUPLING`, `*RIGID BODY`, `*MPC`,
-//! `*EQUATION`.
+//! `*EQUATION`, `*TIE`.
 
 use std::collections::BTreeMap;
 
@@ -8,9 +8,10 @@ use super::model::Model;
 use super::scope::{Block, label};
 use super::shapes::Shape;
 use super::surfaces::Surface;
+use super::tied::{Request, doubt, tied};
 use crate::error::FileProblem;
 use crate::fe::vector::subtract;
-use crate::mesh::{Carries, Tie};
+use crate::mesh::{Carries, Frame, Mesh, Tie};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::norm;
 
@@ -24,48 +25,43 @@ struct Ties<'m, 'u> {
     unread: &'u mut UnreadCards,
     /// Nodes whose rotations an element uses.
     turning: Vec<bool>,
+    frames: &'m [Frame],
     made: Vec<Tie>,
+    /// New places of nodes.
+    moved: Vec<(u32, [f64; 3])>,
+    doubts: Vec<String>,
 }
 
 /// The ties of a mesh, numbered in the order of the file from 1.
-pub(super) fn ties(model: &Model, unread: &mut UnreadCards) -> Result<Vec<Tie>, FileProblem> {
+pub(super) fn make(
+    model: &mut Model,
+    mesh: &mut Mesh,
+    unread: &mut UnreadCards,
+) -> Result<(), FileProblem> {
     let mut ties = Ties {
         model,
         unread,
         turning: turning(model),
+        frames: &mesh.frames,
         made: Vec::new(),
+        moved: Vec::new(),
+        doubts: Vec::new(),
     };
-    let mut waiting: Option<(usize, &Block)> = None;
-    for (place, block) in model.blocks() {
-        let keyword = &block.keyword;
-        match keyword.key.as_str() {
-            "KINEMATIC" | "DISTRIBUTING" => {
-                let Some((_, coupling)) = waiting.take().filter(|(of, _)| *of == place) else {
-                    return Err(keyword.problem(
-                        "no *COUPLING precedes it",
-                        "put it right after its *COUPLING",
-                    ));
-                };
-                ties.coupling(place, coupling, block)?;
-                continue;
-            }
-            "COUPLING" => {
-                if let Some((_, coupling)) = waiting.replace((place, block)) {
-                    return Err(bare(coupling));
-                }
-                continue;
-            }
-            "KINEMATICCOUPLING" => ties.kinematic_by_nodes(place, block)?,
-            "RIGIDBODY" => ties.rigid_body(place, block)?,
-            "MPC" => ties.constraints(place, block)?,
-            "EQUATION" => ties.equations(place, block)?,
-            _ => continue,
+    ties.read()?;
+    let Ties {
+        made,
+        moved,
+        doubts,
+        ..
+    } = ties;
+    for (node, place) in moved {
+        if let Some(node) = model.nodes.get_mut(node as usize) {
+            node.position = place;
         }
     }
-    match waiting {
-        Some((_, coupling)) => Err(bare(coupling)),
-        None => Ok(ties.made),
-    }
+    mesh.ties = made;
+    mesh.doubts.extend(doubts);
+    Ok(())
 }
 
 fn bare(coupling: &Block) -> FileProblem {
@@ -94,6 +90,43 @@ fn turning(model: &Model) -> Vec<bool> {
 }
 
 impl Ties<'_, '_> {
+    /// Reads all keywords of ties.
+    fn read(&mut self) -> Result<(), FileProblem> {
+        let mut waiting: Option<(usize, &Block)> = None;
+        let model = self.model;
+        for (place, block) in model.blocks() {
+            let keyword = &block.keyword;
+            match keyword.key.as_str() {
+                "KINEMATIC" | "DISTRIBUTING" => {
+                    let Some((_, coupling)) = waiting.take().filter(|(of, _)| *of == place) else {
+                        return Err(keyword.problem(
+                            "no *COUPLING precedes it",
+                            "put it right after its *COUPLING",
+                        ));
+                    };
+                    self.coupling(place, coupling, block)?;
+                    continue;
+                }
+                "COUPLING" => {
+                    if let Some((_, coupling)) = waiting.replace((place, block)) {
+                        return Err(bare(coupling));
+                    }
+                    continue;
+                }
+                "KINEMATICCOUPLING" => self.kinematic_by_nodes(place, block)?,
+                "RIGIDBODY" => self.rigid_body(place, block)?,
+                "MPC" => self.constraints(place, block)?,
+                "EQUATION" => self.equations(place, block)?,
+                "TIE" => self.tie(place, block)?,
+                _ => continue,
+            }
+        }
+        match waiting {
+            Some((_, coupling)) => Err(bare(coupling)),
+            None => Ok(()),
+        }
+    }
+
     fn id(&self) -> u64 {
         self.made.len() as u64 + 1
     }
@@ -118,10 +151,11 @@ impl Ties<'_, '_> {
             };
             let centre = self.model.position(reference);
             surface
+                .nodes
                 .retain(|(node, _)| norm(subtract(self.model.position(*node), centre)) <= radius);
         }
-        surface.retain(|(node, _)| *node != reference);
-        if surface.is_empty() {
+        surface.nodes.retain(|(node, _)| *node != reference);
+        if surface.nodes.is_empty() {
             return Err(keyword.problem(
                 &format!("its surface {name} has no nodes"),
                 "check the surface and the influence radius",
@@ -130,7 +164,11 @@ impl Ties<'_, '_> {
         let components = components(&kind.rows)?.unwrap_or(ALL);
         let own_axes = keyword.has("ORIENTATION");
         if kind.keyword.key == "KINEMATIC" {
-            let nodes = surface.iter().map(|(node, _)| *node).collect::<Vec<_>>();
+            let nodes = surface
+                .nodes
+                .iter()
+                .map(|(node, _)| *node)
+                .collect::<Vec<_>>();
             self.spider(reference, &nodes, components, own_axes, coupling);
             return Ok(());
         }
@@ -155,6 +193,7 @@ impl Ties<'_, '_> {
             reference,
             reference_components: components,
             independent: surface
+                .nodes
                 .into_iter()
                 .map(|(node, weight)| (node, weight, TRANSLATIONS))
                 .collect(),
@@ -176,6 +215,56 @@ impl Ties<'_, '_> {
                 "add its *SURFACE, or *INCLUDE the file that holds it",
             )
         })
+    }
+
+    /// `*TIE`: `slave surface, master surface`.
+    fn tie(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
+        let keyword = &block.keyword;
+        if keyword.has("CYCLICSYMMETRY") || keyword.has("MULTIPLIER") {
+            let name = "*TIE of a sector or a multiplier";
+            self.unread.note(name, &keyword.at, Carries::Structure);
+            return Ok(());
+        }
+        let tolerance = match keyword.get("POSITIONTOLERANCE") {
+            Some(text) => Some(crate::read::number::real(text).ok_or_else(|| {
+                keyword.problem(
+                    &format!("POSITION TOLERANCE is \"{text}\", not a number"),
+                    "give a number, or remove POSITION TOLERANCE",
+                )
+            })?),
+            None => None,
+        };
+        for row in block.rows.iter().filter(|row| !row.is_blank()) {
+            let [follows, leads] = [row.text(0), row.text(1)];
+            let slave = self.surface(place, follows, block)?;
+            let master = self.surface(place, leads, block)?;
+            if master.faces.is_empty() {
+                return Err(keyword.problem(
+                    &format!("its second surface {leads} has no faces"),
+                    "name a surface of element faces second; its nodes lead those of the first",
+                ));
+            }
+            let nodes: Vec<u32> = slave.nodes.iter().map(|(node, _)| *node).collect();
+            let request = Request {
+                nodes: &nodes,
+                faces: &master.faces,
+                tolerance,
+                adjust: keyword.choice("ADJUST") != "NO",
+                turning: (!keyword.has("NOROTATION")).then_some(self.turning.as_slice()),
+            };
+            let tied = tied(self.model, self.frames, &request, self.id());
+            if tied.far == nodes.len() {
+                return Err(keyword.problem(
+                    &format!("no node of {follows} is near enough to {leads}"),
+                    "check the surfaces and the units, or state a larger POSITION TOLERANCE",
+                ));
+            }
+            self.doubts
+                .extend(doubt(block, follows, &tied, nodes.len()));
+            self.made.extend(tied.ties);
+            self.moved.extend(tied.moved);
+        }
+        Ok(())
     }
 
     /// Adds nodes that follow a reference node rigidly. Components are along the global frame.

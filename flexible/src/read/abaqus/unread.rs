@@ -26,6 +26,7 @@ pub(super) const KEPT: &[&str] = &[
     "SPRING",
     "SURFACE",
     "SYSTEM",
+    "TIE",
     "TRANSFORM",
 ];
 
@@ -66,7 +67,6 @@ const STRUCTURE: &[&str] = &[
     "SUBMODEL",
     "SUBSTRUCTUREPROPERTY",
     "SURFACESECTION",
-    "TIE",
     "TRANSVERSESHEARSTIFFNESS",
     "UEL",
     "UELPROPERTY",

@@ -16,7 +16,7 @@ use crate::mesh::{BeamAxes, Carries, ElementKind, Node};
 
 /// The orientation of a section about its beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Orientation {
+pub(super) enum Orientation {
     /// A vector from end A.
     Vector([f64; 3]),
     /// A grid point (`G0`).
@@ -208,7 +208,7 @@ fn index(count: usize, card: &Card) -> Result<u32, FileProblem> {
 }
 
 /// An integer alone in the first field is a grid point, anything else a vector.
-fn orientation(card: &Card, fields: &[String; 3]) -> Result<Orientation, FileProblem> {
+pub(super) fn orientation(card: &Card, fields: &[String; 3]) -> Result<Orientation, FileProblem> {
     let [first, second, third] = fields;
     let grid = number::integer(first).and_then(|id| u64::try_from(id).ok());
     if let Some(grid) = grid
@@ -279,10 +279,29 @@ pub(super) struct Around<'a> {
 }
 
 impl Around<'_> {
-    fn position(&self, node: u32) -> [f64; 3] {
+    /// The place of a node.
+    pub fn position(&self, node: u32) -> [f64; 3] {
         self.nodes
             .get(node as usize)
             .map_or([0.0; 3], |node| node.position)
+    }
+
+    /// The direction of an orientation at node `a`, in the basic frame; zero if any will do.
+    pub fn direction(
+        &self,
+        orientation: &Orientation,
+        a: u32,
+        user: &dyn Fn() -> String,
+        at: &At,
+    ) -> Result<[f64; 3], FileProblem> {
+        match *orientation {
+            Orientation::Vector(vector) => self.basic_of(a, vector, user, at),
+            Orientation::Grid(grid) => {
+                let grid = self.lookup.require(grid, user, at)?;
+                Ok(subtract(self.position(grid), self.position(a)))
+            }
+            Orientation::Any => Ok([0.0; 3]),
+        }
     }
 
     /// A vector given in the analysis frame of a node, in the basic frame.
@@ -316,15 +335,9 @@ pub(super) fn axes(
     let user = || format!("element {id}");
     let along = subtract(around.position(b), around.position(a));
     let orientation = match beam.orientation {
-        Orientation::Vector(vector) if beam.orientation_axes == Axes::Analysis => {
-            around.basic_of(a, vector, &user, at)?
-        }
-        Orientation::Vector(vector) => vector,
-        Orientation::Grid(grid) => {
-            let grid = around.lookup.require(grid, &user, at)?;
-            subtract(around.position(grid), around.position(a))
-        }
+        Orientation::Vector(vector) if beam.orientation_axes == Axes::Basic => vector,
         Orientation::Any => across(along),
+        ref given => around.direction(given, a, &user, at)?,
     };
     let mut offsets = [[0.0; 3]; 2];
     let ends = beam.offsets.into_iter().zip(beam.offset_axes).zip([a, b]);
@@ -369,7 +382,7 @@ fn no_axes(id: u64, along: [f64; 3], at: &At) -> FileProblem {
 
 /// A vector perpendicular to another: the perpendicular part of the basic axis with the smallest component
 /// along it.
-fn across(along: [f64; 3]) -> [f64; 3] {
+pub(super) fn across(along: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = along.map(f64::abs);
     let axis = if x <= y && x <= z {
         [1.0, 0.0, 0.0]

@@ -300,12 +300,10 @@ impl Masses {
                     let name = format!("{} at scalar points", card.name);
                     unread.note(&name, &card.at, Carries::Structure);
                 }
-                [first, ref rest @ ..] => springs.push(Spring {
-                    id: card.id,
-                    stiffness,
-                    first,
-                    second: rest.first().copied(),
-                }),
+                [first, ref rest @ ..] => {
+                    let second = rest.first().copied();
+                    springs.push(Spring::between(card.id, stiffness, first, second));
+                }
                 [] => {}
             }
         }

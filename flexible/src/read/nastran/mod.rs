@@ -15,6 +15,7 @@
 //! of the deck.
 
 mod beams;
+mod bushes;
 mod card;
 mod continuation;
 mod elements;
@@ -40,8 +41,9 @@ use crate::read::builder::{NewElement, add_element};
 use crate::read::held::HoldingCards;
 use crate::read::{Files, number, vector};
 use beams::{Around, BeamDefaults, Beams};
+use bushes::Bushes;
 use card::{Card, IdRange};
-use elements::{Elements, Extra, Family};
+use elements::{Elements, Extra};
 use frames::{Shape, SystemCard, Systems};
 use grids::{GridCard, GridDefaults, Lookup};
 use lines::whole;
@@ -90,6 +92,7 @@ struct Deck {
     waiting_beams: Vec<Card>,
     properties: Properties,
     masses: Masses,
+    bushes: Bushes,
     ties: Ties,
     supports: Supports,
     sets: Sets,
@@ -158,6 +161,7 @@ impl Deck {
             _ => {
                 return Ok(self.properties.read(card, &mut self.unread)?
                     || self.masses.read(card, &mut self.unread)?
+                    || self.bushes.read(card, &mut self.unread)?
                     || self.supports.read(card)?
                     || self.ties.read(card)?
                     || self.sets.read(card)?);
@@ -240,6 +244,14 @@ impl Deck {
             self.mass_scale,
         )?;
         mesh.springs = self.masses.springs(&lookup, &mut self.unread)?;
+        let around = Around {
+            nodes: &mesh.nodes,
+            grids: &grids,
+            systems: &systems,
+            lookup: &lookup,
+        };
+        let bushes = self.bushes.springs(&around, &mesh.frames)?;
+        mesh.springs.extend(bushes);
         let equations = self.supports.equations(case.mpc.as_ref())?;
         let selected = |set: u64| equations.as_ref().is_none_or(|sets| sets.contains(&set));
         mesh.ties = self.ties.ties(
@@ -307,20 +319,8 @@ impl Deck {
                 },
                 _ => made.property(card.family, card.property, own, card.id, &card.at)?,
             };
-            let stiff = made
-                .properties
-                .all
-                .get(property as usize)
-                .is_some_and(|property| property.material.is_some());
-            let quadratic = card.kind != card.kind.linear();
-            if card.family == Family::Shell && stiff && quadratic {
-                for name in card.kind.description().names.nastran.iter().take(1) {
-                    self.unread.note(name, &card.at, Carries::Structure);
-                }
-            }
             let shape = match &shell {
                 Some(fields) => fields.shape(
-                    card.kind,
                     (thickness, made.is_directed(property), beside),
                     systems,
                     (card.id, &card.at),

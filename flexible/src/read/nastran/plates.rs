@@ -6,14 +6,13 @@ use super::frames::Systems;
 use super::lines::At;
 use super::number;
 use super::unread::UnreadCards;
-use crate::element::ElementKind;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, Layup, SheetElasticity, ShellAxis, ShellSection, ShellShape};
 
 /// `THETA` or `MCID`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Axis {
-    /// Angle (°) from the side G1–G2.
+    /// Angle (°) from the side G1–G2, with mid-side nodes from the line of constant η.
     Angle(f64),
     /// The x axis of this coordinate system.
     System(u64),
@@ -112,7 +111,6 @@ impl ShellFields {
     /// `directed`: it needs no axes. The middle surface of its property is `beside` the reference plane.
     pub fn shape(
         &self,
-        kind: ElementKind,
         (thickness, directed, beside): (Thickness, bool, f64),
         systems: &Systems,
         (element, at): (u64, &At),
@@ -134,7 +132,7 @@ impl ShellFields {
         let shape = ShellShape {
             offsets: [self.offset + beside; 4],
             thickness: match thickness {
-                Thickness::Varying(_, own) if kind == kind.linear() => Some(own),
+                Thickness::Varying(_, own) => Some(own),
                 _ => None,
             },
             axis,
