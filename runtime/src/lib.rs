@@ -88,7 +88,7 @@ pub use kinks::Overlooked;
 pub use linearised::{LinearModes, run_linear};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{
-    CscView, Energy, Jump, Jumping, Options, Pace, Reading, Simulation, Slow, StepReport, Warning,
+    Energy, Jump, Jumping, Options, Pace, Reading, Simulation, Slow, StepReport, Warning,
 };
 pub use start::{StartReport, Turning, Unstable};
 pub use topology::TopologyReport;
