@@ -325,7 +325,7 @@ impl Simulation {
         })
     }
 
-    /// The [`checkpoint::fingerprint`] of its model.
+    /// The `checkpoint::fingerprint` of its model.
     fn fingerprint(&self) -> u64 {
         *(self.fingerprint).get_or_init(|| checkpoint::fingerprint(&self.model))
     }
@@ -394,7 +394,7 @@ impl Simulation {
 
     /// The numbers with which the fields were solved at the state of the last outputs: see [`Sample::fields`].
     ///
-    /// [`Sample::fields`]: crate::transient::Sample::fields
+    /// [`Sample::fields`]: crate::Sample::fields
     pub fn sampled_fields(&self) -> Vec<f64> {
         self.outputs.fields()
     }
