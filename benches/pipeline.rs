@@ -5,7 +5,7 @@
 //! also shows its real-time factor: its own time over the time in the model.
 
 use eng::Sources;
-use eng_runtime::linear::{BlockLu, LinearSolver, PatternBuilder};
+use eng_runtime::linear::{BlockLu, LinearSolver};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -106,22 +106,15 @@ fn measure(example: &str, model: &str, analyses: &[&str]) -> Outcome<()> {
             }
         }),
     );
-    let matrix = runtime.jacobian(STEP, &unknowns)?;
-    let mut pattern = PatternBuilder::new(matrix.size);
-    for column in 0..matrix.size {
-        for k in matrix.columns[column]..matrix.columns[column + 1] {
-            pattern.reserve(matrix.rows[k]..matrix.rows[k] + 1, column..column + 1);
-        }
-    }
-    let pattern = pattern.finish();
-    let mut solver = BlockLu::new(&pattern);
-    println!("  {size} unknowns, {} entries", matrix.values.len());
+    let (pattern, values) = runtime.jacobian(STEP, &unknowns)?;
+    let mut solver = BlockLu::new(pattern);
+    println!("  {size} unknowns, {} entries", values.len());
     show(
         "factorisation",
         50,
         time(21, || {
             for _ in 0..50 {
-                let _ = solver.factor(matrix.values);
+                let _ = solver.factor(values);
             }
         }),
     );

@@ -5,7 +5,7 @@
 //! factorisations alternate. `-- laws` compares the laws of the main bearings alone.
 
 use eng::Sources;
-use eng_runtime::linear::{BlockLu, LinearSolver, Pattern, SparseLu};
+use eng_runtime::linear::{BlockLu, LinearSolver, SparseLu};
 use eng_runtime::{Options, Simulation};
 use eng_system::code::Compiled;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
@@ -306,13 +306,8 @@ fn measure(name: &str, compiled: &Compiled) -> Outcome<()> {
     time("residual and Jacobian", 2, || {
         let _ = simulation.jacobian(STEP, &unknowns);
     });
-    let matrix = simulation.jacobian(STEP, &unknowns)?;
-    let values = matrix.values.to_vec();
-    let pattern = Pattern {
-        size: matrix.size,
-        columns: matrix.columns.to_vec(),
-        rows: matrix.rows.to_vec(),
-    };
+    let (pattern, values) = simulation.jacobian(STEP, &unknowns)?;
+    let (pattern, values) = (pattern.clone(), values.to_vec());
     println!("  {size} unknowns, {} entries", values.len());
     let mut general = SparseLu::new(&pattern)?;
     let mut blocks = BlockLu::new(&pattern);

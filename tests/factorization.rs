@@ -25,21 +25,14 @@ fn matrix(simulation: &mut eng::Simulation, step: f64) -> (Pattern, Vec<f64>) {
     let runtime = simulation.runtime();
     let mut unknowns = vec![0.0; runtime.unknowns()];
     runtime.predicted(step, &mut unknowns).unwrap();
-    let view = runtime.jacobian(step, &unknowns).unwrap();
-    let pattern = Pattern {
-        size: view.size,
-        columns: view.columns.to_vec(),
-        rows: view.rows.to_vec(),
-    };
-    (pattern, view.values.to_vec())
+    let (pattern, values) = runtime.jacobian(step, &unknowns).unwrap();
+    (pattern.clone(), values.to_vec())
 }
 
 fn dense(pattern: &Pattern, values: &[f64]) -> DMatrix<f64> {
-    let mut a = DMatrix::zeros(pattern.size, pattern.size);
-    for column in 0..pattern.size {
-        for k in pattern.columns[column]..pattern.columns[column + 1] {
-            a[(pattern.rows[k], column)] = values[k];
-        }
+    let mut a = DMatrix::zeros(pattern.size(), pattern.size());
+    for (row, column, value) in pattern.entries(values) {
+        a[(row, column)] = value;
     }
     a
 }
@@ -53,7 +46,7 @@ fn check(example: &str, model: &str, step: f64, between: usize, places: usize) {
         blocks.factor(&values).unwrap();
         assert_eq!(blocks.fallbacks(), 0, "{example}, place {place}");
         let reference = a.clone().full_piv_lu();
-        let b = DVector::from_fn(pattern.size, |i, _| ((7 * i + 3) % 11) as f64 - 5.0);
+        let b = DVector::from_fn(pattern.size(), |i, _| ((7 * i + 3) % 11) as f64 - 5.0);
         let expected = reference.solve(&b).expect("a sound matrix");
         let mut x = b.clone();
         blocks.solve(x.as_mut_slice());
@@ -67,15 +60,12 @@ fn check(example: &str, model: &str, step: f64, between: usize, places: usize) {
 
         // an equation stated twice is refused by both methods
         let columns_of = |row: usize| -> Vec<usize> {
-            (0..pattern.size)
-                .filter(|c| {
-                    let rows = &pattern.rows[pattern.columns[*c]..pattern.columns[*c + 1]];
-                    rows.contains(&row)
-                })
+            (0..pattern.size())
+                .filter(|c| pattern.rows_of(*c).contains(&row))
                 .filter(|c| *c != row && *c + 1 != row && *c != row + 1)
                 .collect()
         };
-        let second = (1..pattern.size)
+        let second = (1..pattern.size())
             .rev()
             .find(|row| columns_of(*row) == columns_of(row - 1))
             .expect("a joint of two equations");
@@ -83,9 +73,9 @@ fn check(example: &str, model: &str, step: f64, between: usize, places: usize) {
         let mut twice = a.clone();
         let row = twice.row(first).clone_owned();
         twice.set_row(second, &row);
-        let twice: Vec<f64> = (0..pattern.size)
-            .flat_map(|c| (pattern.columns[c]..pattern.columns[c + 1]).map(move |k| (k, c)))
-            .map(|(k, c)| twice[(pattern.rows[k], c)])
+        let twice: Vec<f64> = pattern
+            .places()
+            .map(|(_, row, column)| twice[(row, column)])
             .collect();
         assert_eq!(blocks.factor(&twice), Err(LinearError::Singular));
         let mut general = SparseLu::new(&pattern).unwrap();

@@ -52,12 +52,10 @@ impl Case {
         let mut at = vec![0.0; n];
         // a longer step looks at the short move too: its velocities then change little against the squeeze of the films
         runtime.predicted(STEP, &mut at).expect("a prediction");
-        let view = runtime.jacobian(step, &at).expect("a matrix");
+        let (pattern, values) = runtime.jacobian(step, &at).expect("a matrix");
         let mut exact = vec![vec![0.0; n]; n];
-        for (c, column) in exact.iter_mut().enumerate() {
-            for k in view.columns[c]..view.columns[c + 1] {
-                column[view.rows[k]] = view.values[k];
-            }
+        for (row, column, value) in pattern.entries(values) {
+            exact[column][row] = value;
         }
         let norms = (0..n)
             .map(|row| exact.iter().map(|c| c[row] * c[row]).sum::<f64>().sqrt())

@@ -28,10 +28,10 @@
 )]
 
 pub mod element;
-pub mod error;
+mod error;
 pub mod fe;
 pub mod foreign;
-pub mod geometric;
+mod geometric;
 pub mod invariants;
 pub mod markers;
 pub mod mesh;
@@ -45,7 +45,7 @@ pub mod solve;
 pub mod sparse;
 pub mod stack;
 pub mod store;
-pub mod surface;
+mod surface;
 pub mod units;
 pub mod write;
 

@@ -24,15 +24,27 @@ pub const RIGID: usize = 6;
 /// A dense matrix, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dense {
-    /// Number of rows.
-    pub rows: usize,
-    /// Number of columns.
-    pub columns: usize,
-    /// Rows one after the other.
-    pub values: Vec<f64>,
+    rows: usize,
+    columns: usize,
+    values: Vec<f64>,
 }
 
 impl Dense {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Rows one after the other.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// A matrix of zeros.
     pub fn zero(rows: usize, columns: usize) -> Dense {
         Dense {

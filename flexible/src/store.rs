@@ -282,13 +282,13 @@ impl StoredBody {
             return Some("shapes of another size than modes and freedoms".into());
         }
         let surface = &self.surface;
-        let indices = surface.triangles.as_flattened().iter();
+        let indices = surface.triangles().as_flattened().iter();
         let known = indices
-            .chain(surface.lines.as_flattened())
+            .chain(surface.lines().as_flattened())
             .all(|node| (*node as usize) < nodes);
         let elements = self.mesh.elements.len();
-        let owned = surface.elements.len() == surface.triangles.len()
-            && surface.elements.iter().all(|e| (*e as usize) < elements);
+        let owned = surface.elements().len() == surface.triangles().len()
+            && surface.elements().iter().all(|e| (*e as usize) < elements);
         (!known || !owned).then(|| "a surface of another mesh".into())
     }
 }

@@ -10,15 +10,27 @@ use std::collections::BTreeMap;
 /// So the drawn face bends with all its nodes.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Surface {
-    /// Corners of each triangle, anticlockwise as seen from outside.
-    pub triangles: Vec<[u32; 3]>,
-    /// Index of the element that each triangle belongs to.
-    pub elements: Vec<u32>,
-    /// Ends of beams.
-    pub lines: Vec<[u32; 2]>,
+    triangles: Vec<[u32; 3]>,
+    elements: Vec<u32>,
+    lines: Vec<[u32; 2]>,
 }
 
 impl Surface {
+    /// Corners of each triangle, anticlockwise as seen from outside.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Index of the element that each triangle belongs to.
+    pub fn elements(&self) -> &[u32] {
+        &self.elements
+    }
+
+    /// Ends of beams.
+    pub fn lines(&self) -> &[[u32; 2]] {
+        &self.lines
+    }
+
     /// The surface of a mesh. Elements with missing nodes are left out.
     pub fn new(mesh: &Mesh) -> Surface {
         let mut surface = Surface::default();

@@ -216,7 +216,7 @@ fn the_worse_surface_is_shown() {
         let nodes: Vec<u32> = (0..9).collect();
         let recovery = Recovery::of_stored(&stored).unwrap();
         let modal = recovery.stress_at_nodes(&nodes).unwrap();
-        assert_eq!(modal.nodes, nodes);
+        assert_eq!(modal.nodes(), nodes);
         let mut found = Vec::new();
         for (a, b) in [(1.0, 2.0), (1.0, -2.0), (-3.0, 1.0)] {
             modal.stress(&[a, b], &mut found).unwrap();

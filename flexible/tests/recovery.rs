@@ -74,7 +74,7 @@ fn uniform_strain_is_uniform_stress_in_every_solid() {
         let modal = recovery.stress_at_nodes(&nodes).unwrap();
         let mut values = Vec::new();
         modal.stress(&a, &mut values).unwrap();
-        assert_eq!(values.len(), modal.nodes.len());
+        assert_eq!(values.len(), modal.nodes().len());
         assert!(values.len() >= nodes.len().min(mesh.elements.len()));
         let full = recovery.displacements(&a).unwrap();
         for element in &mesh.elements {
@@ -187,7 +187,7 @@ fn with_static_modes_stresses_are_those_of_the_whole_model() {
         // all nodes but the two centres
         assert_eq!(values.len(), nodes.len() - 2);
         let mut worst = 0.0_f64;
-        for (node, value) in modal.nodes.iter().zip(&values) {
+        for (node, value) in modal.nodes().iter().zip(&values) {
             for (x, y) in value.iter().zip(stresses[*node as usize].unwrap()) {
                 worst = worst.max((x - y).abs());
             }
@@ -337,8 +337,7 @@ fn the_envelope_keeps_the_largest_and_its_time() {
     for (time, [x, y]) in [(0.1, [3.0, 5.0]), (0.2, [-7.0, 5.0]), (0.3, [6.0, 1.0])] {
         envelope.update(time, &[uniaxial(x), uniaxial(y)]).unwrap();
     }
-    assert_eq!(envelope.von_mises, [7.0, 5.0]);
-    assert_eq!(envelope.time, [0.2, 0.1]);
+    assert!(envelope.peaks().eq([(7.0, 0.2), (5.0, 0.1)]));
     assert!(envelope.update(0.4, &[uniaxial(1.0)]).is_err());
 }
 
@@ -388,7 +387,7 @@ fn the_surface_is_closed_and_looks_outwards() {
         let place = |node: u32| mesh.nodes[node as usize].position;
         let mut volume = 0.0;
         let mut edges = std::collections::BTreeMap::new();
-        for &[a, b, c] in &surface.triangles {
+        for &[a, b, c] in surface.triangles() {
             let (p, q, r) = (place(a), place(b), place(c));
             let cross = [
                 q[1] * r[2] - q[2] * r[1],
@@ -406,7 +405,7 @@ fn the_surface_is_closed_and_looks_outwards() {
             assert_eq!(*count, 1, "{kind:?}");
             assert!(edges.contains_key(&(*to, *from)), "{kind:?}");
         }
-        assert_eq!(surface.elements.len(), surface.triangles.len());
+        assert_eq!(surface.elements().len(), surface.triangles().len());
         let nodes = surface.nodes();
         assert_eq!(nodes, nodes_where(&mesh, on_cube));
     }

@@ -108,7 +108,7 @@ fn a_crankshaft_is_stored_read_and_recovered() {
         recovery.stress_at_nodes(&nodes).unwrap()
     });
     // every node of the surface is a solid's
-    assert_eq!(modal.nodes.len(), nodes.len());
+    assert_eq!(modal.nodes().len(), nodes.len());
     let a: Vec<f64> = (0..n).map(|k| 1e-4 / (1.0 + k as f64)).collect();
     let mut values = Vec::new();
     timed("stresses of a moment", || {

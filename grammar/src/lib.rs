@@ -19,8 +19,8 @@
 
 pub mod ast;
 pub mod codes;
-pub mod diagnostic;
-pub mod span;
+mod diagnostic;
+mod span;
 
 mod build;
 mod format;

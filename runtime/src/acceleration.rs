@@ -81,13 +81,6 @@ pub struct AccelerationSystem {
     pose: Vec<f64>,
 }
 
-/// The place of an entry among the values of a pattern that has it.
-fn place(pattern: &Pattern, row: usize, column: usize) -> usize {
-    let begin = pattern.columns[column];
-    let rows = &pattern.rows[begin..pattern.columns[column + 1]];
-    begin + rows.partition_point(|r| *r < row)
-}
-
 impl AccelerationSystem {
     /// Plans the system of a model and analyses its pattern.
     pub fn new(model: &Model) -> Result<AccelerationSystem, RuntimeError> {
@@ -117,20 +110,18 @@ impl AccelerationSystem {
             .iter()
             .map(|b| pattern.block(b.velocity, b.velocity..b.velocity + b.width()))
             .collect();
-        let rows_of_g = model.velocities..size;
-        let transposed = rows_of_g.flat_map(|column| {
-            let places = pattern.columns[column]..pattern.columns[column + 1];
-            let own = places.filter(|k| pattern.rows[*k] < model.velocities);
-            let pattern = &pattern;
-            own.map(move |k| [k, place(pattern, column, pattern.rows[k])])
-        });
-        let transposed = transposed.collect();
+        let n = model.velocities;
+        let transposed = pattern
+            .places()
+            .filter(|(_, row, column)| *row < n && *column >= n)
+            .map(|(from, row, column)| [from, pattern.place(column, row)])
+            .collect();
         let solver = BlockLu::new(&pattern);
         let mut scales = model.velocity_scales();
         scales.extend(model.row_scales().iter().map(|s| 1.0 / s));
         let width = model.bodies.iter().map(|b| b.width()).max().unwrap_or(0);
         Ok(AccelerationSystem {
-            values: vec![0.0; pattern.rows.len()],
+            values: vec![0.0; pattern.count()],
             solver: Box::new(solver),
             rhs: vec![0.0; size],
             mass: vec![0.0; width * width],
@@ -207,7 +198,7 @@ impl AccelerationSystem {
         let (pattern, values) = (&self.pattern, &mut self.values);
         // the entries of a body stand one after the other in a column of Gᵀ
         dynamics.body_gradients(model, |row, first, line| {
-            let begin = place(pattern, first, offset + row);
+            let begin = pattern.place(first, offset + row);
             for (value, g) in values[begin..].iter_mut().zip(line) {
                 *value += g;
             }
@@ -215,10 +206,8 @@ impl AccelerationSystem {
         for [from, to] in &self.transposed {
             self.values[*to] = self.values[*from];
         }
-        for column in 0..self.pattern.size {
-            for k in self.pattern.columns[column]..self.pattern.columns[column + 1] {
-                self.values[k] *= self.scales[column] * self.scales[self.pattern.rows[k]];
-            }
+        for (place, row, column) in self.pattern.places() {
+            self.values[place] *= self.scales[column] * self.scales[row];
         }
         Ok(())
     }

@@ -241,7 +241,7 @@ impl Integrator {
     ) -> Result<Integrator, RuntimeError> {
         let plan = MatrixPlan::new(model);
         let solver = BlockLu::new(&plan.pattern);
-        let size = plan.pattern.size;
+        let size = plan.pattern.size();
         let mut scales = model.velocity_scales();
         let state_peak: Vec<f64> = start
             .states
@@ -270,7 +270,7 @@ impl Integrator {
             state_peak,
             goal,
             statistics: Statistics::default(),
-            values: vec![0.0; plan.pattern.rows.len()],
+            values: vec![0.0; plan.pattern.count()],
             plan,
             solver: Box::new(solver),
             factored_step: None,

@@ -9,18 +9,18 @@
 //! | [`model`], [`state`] | numbers of one parameter set; the state on R³ × SO(3) × Rⁿ |
 //! | [`body`], [`chain`], [`shape`] | kinds of bodies: inertia, markers, generalised forces |
 //! | [`inputs`] | numbers that a program sets while a model runs |
-//! | [`surface`] | elastic surfaces of flexible bodies under fields |
+//! | `surface` | elastic surfaces of flexible bodies under fields |
 //! | [`joint`] | the kind of joint that a class of elements makes |
-//! | [`elements`], [`dynamics`] | calls of element code; residual and exact matrix |
+//! | `elements`, [`dynamics`] | calls of element code; residual and exact matrix |
 //! | [`linear`] | sparse factorisation behind a trait |
-//! | [`singular`] | singular values of dense matrices |
-//! | [`assembly`], [`mod@topology`], [`assembled`], [`mod@loose`] | positions; freedom and redundancy; both of a model; unheld bodies |
+//! | `singular` | singular values of dense matrices |
+//! | [`assembly`], `topology`, `assembled`, [`mod@loose`] | positions; freedom and redundancy; both of a model; unheld bodies |
 //! | [`mod@start`] | the quasi-static start of a turning engine |
-//! | [`acceleration`] | projection of outputs, accelerations and reactions |
-//! | [`integrator`], [`control`] | generalised-α on the Lie group; step sizes |
-//! | [`mod@equilibrium`] | the state in which all loads balance; the assembled position as a result |
+//! | `acceleration` | projection of outputs, accelerations and reactions |
+//! | [`integrator`], `control` | generalised-α on the Lie group; step sizes |
+//! | `equilibrium` | the state in which all loads balance; the assembled position as a result |
 //! | [`linearised`] | eigenvalues and modes about a state |
-//! | [`simulation`], [`transient`], [`periodic`], [`checkpoint`] | the types that a user works with |
+//! | `simulation`, `transient`, `periodic`, `checkpoint` | the types that a user works with |
 
 #![forbid(unsafe_code)]
 // Tests may call the standard library's functions, to compare with them.
@@ -39,18 +39,18 @@
 // A loop over one index of several arrays reads like its formula.
 #![allow(clippy::needless_range_loop)]
 
-pub mod acceleration;
-pub mod assembled;
+mod acceleration;
+mod assembled;
 pub mod assembly;
 pub mod body;
 pub mod chain;
-pub mod checkpoint;
-pub mod control;
-pub mod crew;
-pub mod decay;
+mod checkpoint;
+mod control;
+mod crew;
+mod decay;
 pub mod dynamics;
-pub mod elements;
-pub mod equilibrium;
+mod elements;
+mod equilibrium;
 pub mod error;
 mod field;
 pub mod flexible;
@@ -58,23 +58,23 @@ mod frame;
 pub mod inputs;
 pub mod integrator;
 pub mod joint;
-pub mod kinks;
+mod kinks;
 pub mod linear;
 pub mod linearised;
 pub mod loose;
-pub mod memory;
+mod memory;
 pub mod model;
-pub mod outputs;
-pub mod periodic;
+mod outputs;
+mod periodic;
 pub mod rotation;
 pub mod shape;
-pub mod simulation;
-pub mod singular;
+mod simulation;
+mod singular;
 pub mod start;
 pub mod state;
-pub mod surface;
-pub mod topology;
-pub mod transient;
+mod surface;
+mod topology;
+mod transient;
 
 pub use assembled::Assembled;
 pub use decay::{CycleReport, Mode};
@@ -88,7 +88,7 @@ pub use kinks::Overlooked;
 pub use linearised::{FrequencyResponse, LinearModes, run_linear, run_response};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{
-    CscView, Energy, Jump, Jumping, Options, Pace, Reading, Simulation, Slow, StepReport, Warning,
+    Energy, Jump, Jumping, Options, Pace, Reading, Simulation, Slow, StepReport, Warning,
 };
 pub use start::{StartReport, Turning, Unstable};
 pub use topology::TopologyReport;

@@ -20,19 +20,17 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Columns of a sparse square matrix with sorted rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pattern {
-    /// Rows and columns.
-    pub size: usize,
     /// Beginning of each column, and the end.
-    pub columns: Vec<usize>,
+    columns: Vec<usize>,
     /// Row of each entry.
-    pub rows: Vec<usize>,
+    rows: Vec<usize>,
 }
 
 /// A block of a pattern: the entry where each of its columns begins; its rows follow each other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Block {
     /// Entry of the first row, one a column.
-    pub starts: Vec<usize>,
+    starts: Vec<usize>,
 }
 
 impl Block {
@@ -48,9 +46,7 @@ impl Block {
             }
         }
     }
-}
 
-impl Block {
     /// Adds `factor` times the transpose of a row-major block, whose rows are as long as this block is high.
     pub fn add_transposed(&self, values: &mut [f64], block: &[f64], factor: f64) {
         let Some(height) = block.len().checked_div(self.starts.len()) else {
@@ -91,24 +87,43 @@ impl PatternBuilder {
             rows.extend(column.iter().copied());
             columns.push(rows.len());
         }
-        Pattern {
-            size: self.columns.len(),
-            columns,
-            rows,
-        }
+        Pattern { columns, rows }
     }
 }
 
 impl Pattern {
+    /// Number of rows, and of columns.
+    pub fn size(&self) -> usize {
+        self.columns.len() - 1
+    }
+
+    /// Number of entries.
+    pub fn count(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Rows of the entries of a column, rising.
+    pub fn rows_of(&self, column: usize) -> &[usize] {
+        &self.rows[self.columns[column]..self.columns[column + 1]]
+    }
+
+    /// The place of an entry that the pattern has.
+    pub fn place(&self, row: usize, column: usize) -> usize {
+        self.columns[column] + self.rows_of(column).partition_point(|r| *r < row)
+    }
+
     /// The places of a reserved block whose first row is `row`.
     pub fn block(&self, row: usize, columns: std::ops::Range<usize>) -> Block {
-        let starts = columns
-            .map(|c| {
-                let rows = &self.rows[self.columns[c]..self.columns[c + 1]];
-                self.columns[c] + rows.partition_point(|r| *r < row)
-            })
-            .collect();
+        let starts = columns.map(|column| self.place(row, column)).collect();
         Block { starts }
+    }
+
+    /// Place, row and column of each entry.
+    pub fn places(&self) -> impl Iterator<Item = (usize, usize, usize)> {
+        let columns = self.columns.windows(2).enumerate();
+        columns.flat_map(move |(column, ends)| {
+            (ends[0]..ends[1]).map(move |place| (place, self.rows[place], column))
+        })
     }
 
     /// Row, column and value of each place.
@@ -116,21 +131,15 @@ impl Pattern {
         &'a self,
         values: &'a [f64],
     ) -> impl Iterator<Item = (usize, usize, f64)> + 'a {
-        let columns = self.columns.windows(2).enumerate();
-        columns
-            .flat_map(|(column, ends)| (ends[0]..ends[1]).map(move |place| (column, place)))
-            .filter_map(|(column, place)| {
-                Some((*self.rows.get(place)?, column, *values.get(place)?))
-            })
+        self.places()
+            .filter_map(|(place, row, column)| Some((row, column, *values.get(place)?)))
     }
 
     /// `out = A x`.
     pub fn multiply(&self, values: &[f64], x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        for (c, xc) in x.iter().enumerate() {
-            for k in self.columns[c]..self.columns[c + 1] {
-                out[self.rows[k]] += values[k] * xc;
-            }
+        for (place, row, column) in self.places() {
+            out[row] += values[place] * x[column];
         }
     }
 }

@@ -134,19 +134,6 @@ pub struct Warning {
     pub moment: Moment,
 }
 
-/// A square sparse matrix by columns.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CscView<'a> {
-    /// Rows and columns.
-    pub size: usize,
-    /// Start of each column in `rows` and `values`, and the end of the last.
-    pub columns: &'a [usize],
-    /// Row of each entry.
-    pub rows: &'a [usize],
-    /// Value of each entry.
-    pub values: &'a [f64],
-}
-
 /// A simulation. It owns its state, so simulations in several threads give the same bits.
 #[derive(Debug)]
 pub struct Simulation {
@@ -338,7 +325,7 @@ impl Simulation {
         })
     }
 
-    /// The [`checkpoint::fingerprint`] of its model.
+    /// The `checkpoint::fingerprint` of its model.
     fn fingerprint(&self) -> u64 {
         *(self.fingerprint).get_or_init(|| checkpoint::fingerprint(&self.model))
     }
@@ -407,7 +394,7 @@ impl Simulation {
 
     /// The numbers with which the fields were solved at the state of the last outputs: see [`Sample::fields`].
     ///
-    /// [`Sample::fields`]: crate::transient::Sample::fields
+    /// [`Sample::fields`]: crate::Sample::fields
     pub fn sampled_fields(&self) -> Vec<f64> {
         self.outputs.fields()
     }
@@ -479,20 +466,14 @@ impl Simulation {
         Ok(())
     }
 
-    /// Derivative of [`Simulation::residual`] with respect to the scaled unknowns.
-    pub fn jacobian(&mut self, step: f64, unknowns: &[f64]) -> Result<CscView<'_>, RuntimeError> {
+    /// Derivative of [`Simulation::residual`] with respect to the scaled unknowns: its pattern and values.
+    pub fn jacobian(
+        &mut self,
+        step: f64,
+        unknowns: &[f64],
+    ) -> Result<(&Pattern, &[f64]), RuntimeError> {
         self.try_unknowns(step, unknowns, true)?;
-        let Pattern {
-            size,
-            columns,
-            rows,
-        } = self.integrator.pattern();
-        Ok(CscView {
-            size: *size,
-            columns,
-            rows,
-            values: self.integrator.values(),
-        })
+        Ok((self.integrator.pattern(), self.integrator.values()))
     }
 
     /// Evaluates the residual of a step h (s) at scaled unknowns, and the matrix if it is `filled`.

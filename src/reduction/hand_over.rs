@@ -154,7 +154,7 @@ impl Reduction {
     /// Names of coordinates and markers, for people and programs.
     fn description(&self, stem: &str, motion: &SmallMotion) -> BodyFile {
         let frame = ["x", "y", "z", "rotation x", "rotation y", "rotation z"];
-        let modes = 1..=motion.mass.rows.saturating_sub(RIGID);
+        let modes = 1..=motion.mass.rows().saturating_sub(RIGID);
         let coordinates = frame.into_iter().map(str::to_owned);
         let coordinates = coordinates.chain(modes.map(|mode| format!("mode {mode}")));
         let markers = self.body.markers.iter();
@@ -191,7 +191,12 @@ impl Reduction {
         let places = nodes.clone().flat_map(|node| node.position);
         // numbers of nodes are exact below 2^53
         let numbers = nodes.map(|node| node.id as f64);
-        let square = |matrix: &Dense| (vec![matrix.rows, matrix.columns], matrix.values.clone());
+        let square = |matrix: &Dense| {
+            (
+                vec![matrix.rows(), matrix.columns()],
+                matrix.values().to_vec(),
+            )
+        };
         let all = [
             ("mass", square(&motion.mass)),
             ("stiffness", square(&motion.stiffness)),
@@ -199,8 +204,8 @@ impl Reduction {
             (
                 "motion",
                 (
-                    vec![self.body.markers.len(), 6, motion.motion.columns],
-                    motion.motion.values.clone(),
+                    vec![self.body.markers.len(), 6, motion.motion.columns()],
+                    motion.motion.values().to_vec(),
                 ),
             ),
             (

@@ -115,7 +115,7 @@ impl Looks {
                 self.make(key, &files, mesh, source)?
             }
         };
-        sense::bare_markers(&look.outline.turns, source, turned)?;
+        sense::bare_markers(look.outline.turns(), source, turned)?;
         Ok(look.outline.clone())
     }
 

@@ -408,7 +408,7 @@ fn deforming(
         triangles,
         stands_for,
     } = thin(
-        &stored.surface.triangles,
+        stored.surface.triangles(),
         &|node| place(stored, node),
         (most as usize).max(100),
     );
@@ -425,7 +425,7 @@ fn deforming(
             moving.len()
         ));
     }
-    if !stored.surface.lines.is_empty() {
+    if !stored.surface.lines().is_empty() {
         notes.push(format!("{path}: beams are not drawn."));
     }
     let all = shapes(stored, &kept);

@@ -72,7 +72,7 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
         let fields = envelope_of(&envelope, nodes.len());
         let triangles = stored
             .surface
-            .triangles
+            .triangles()
             .iter()
             .map(|t| t.map(|node| nodes.binary_search(&node).map_or(0, |at| at as u32)))
             .collect();
@@ -99,7 +99,7 @@ pub fn write_series(entry: &Entry, folder: &Path) -> Result<Option<PathBuf>, Rep
             let amplitudes = body.amplitudes.get(index).map_or(&[][..], Vec::as_slice);
             modal.stress(amplitudes, &mut found)?;
             // nodes that belong to no solid would show a stress of zero
-            let stress = if modal.nodes.len() == nodes.len() {
+            let stress = if modal.nodes().len() == nodes.len() {
                 &found[..]
             } else {
                 &[]

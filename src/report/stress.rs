@@ -32,21 +32,15 @@ pub(super) fn peaks(
 ) -> Result<Vec<Peak>, ReportError> {
     let recovery = Recovery::of_stored(stored)?;
     let modal = recovery.stress_at_nodes(nodes)?;
-    let mut envelope = Envelope::new(modal.nodes.len());
+    let mut envelope = Envelope::new(modal.nodes().len());
     let mut stresses = Vec::new();
     for (time, amplitudes) in times.iter().zip(amplitudes) {
         modal.stress(amplitudes, &mut stresses)?;
         envelope.update(*time, &stresses)?;
     }
-    Ok(modal
-        .nodes
-        .iter()
-        .zip(envelope.von_mises.iter().zip(&envelope.time))
-        .map(|(node, (stress, time))| Peak {
-            node: *node,
-            stress: *stress,
-            time: *time,
-        })
+    let peaks = modal.nodes().iter().zip(envelope.peaks());
+    Ok(peaks
+        .map(|(&node, (stress, time))| Peak { node, stress, time })
         .collect())
 }
 

@@ -722,9 +722,7 @@ pub(super) fn slots_of_function(signature: &Signature) -> Vec<Slot> {
 
 fn has_variables(ty: &Type) -> bool {
     match ty {
-        Type::Scalar(quantity) | Type::Vector { quantity, .. } => {
-            !quantity.dim.variables.is_empty()
-        }
+        Type::Scalar(quantity) | Type::Vector { quantity, .. } => !quantity.dim.is_known(),
         Type::List { element, .. } | Type::Range(element) => has_variables(element),
         _ => false,
     }
@@ -763,11 +761,10 @@ pub(super) fn solve(parameter: &Type, found: &Type, solution: &mut Solution) {
 }
 
 fn solve_quantity(parameter: &Quantity, found: &Quantity, solution: &mut Solution) {
-    let alone =
-        parameter.dim.base.is_one() && matches!(parameter.dim.variables.as_slice(), [(_, 60)]);
+    let alone = parameter.dim.base.is_one() && matches!(parameter.dim.variables(), [(_, 60)]);
     let unsolved: Vec<(u32, i32)> = parameter
         .dim
-        .variables
+        .variables()
         .iter()
         .copied()
         .filter(|(number, _)| solution.get(*number).is_none())
@@ -794,7 +791,7 @@ fn solve_quantity(parameter: &Quantity, found: &Quantity, solution: &mut Solutio
         }
         [] if alone => {
             // An argument with a more definite quantity decides the variable.
-            if let [(number, _)] = parameter.dim.variables.as_slice()
+            if let [(number, _)] = parameter.dim.variables()
                 && let Some(old) = solution.get(*number)
             {
                 match old.join(found) {

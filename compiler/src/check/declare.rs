@@ -208,7 +208,7 @@ impl<'p> Checker<'p> {
     /// The kind of a value declared by a dimension that is no point. If the dimension has points, the value
     /// is a difference of them, whatever the name of the dimension.
     fn kind_of(&self, dim: &Dim) -> PointKind {
-        let has_points = dim.variables.is_empty()
+        let has_points = dim.is_known()
             && self
                 .program
                 .dimensions

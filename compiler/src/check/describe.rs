@@ -79,7 +79,7 @@ impl Checker<'_> {
 
     /// `Length`, `Energy or Torque`, `kg/s^4`, `D^2*Length`.
     pub(super) fn dimension_name(&self, dim: &Dim) -> String {
-        if dim.variables.is_empty() {
+        if dim.is_known() {
             if dim.base.is_one() {
                 return "number".to_owned();
             }
@@ -91,7 +91,7 @@ impl Checker<'_> {
             };
         }
         let mut text = String::new();
-        for (number, exponent) in &dim.variables {
+        for (number, exponent) in dim.variables() {
             if !text.is_empty() {
                 text.push('*');
             }
@@ -113,7 +113,7 @@ impl Checker<'_> {
     /// The name with the SI base units: `Pressure (kg/m/s^2)`.
     pub(super) fn quantity_in_full(&self, quantity: &Quantity) -> String {
         let name = self.quantity_name(quantity);
-        if !quantity.dim.variables.is_empty() {
+        if !quantity.dim.is_known() {
             return name;
         }
         let si = quantity.dim.base.to_string();
@@ -134,12 +134,12 @@ impl Checker<'_> {
     /// The base dimension by which a exceeds b.
     pub(super) fn surplus(&self, a: &Quantity, b: &Quantity) -> Option<String> {
         let ratio = a.dim.over(&b.dim);
-        (ratio.variables.is_empty() && is_base(ratio.base)).then(|| self.dimension_name(&ratio))
+        (ratio.is_known() && is_base(ratio.base)).then(|| self.dimension_name(&ratio))
     }
 
     /// The unit in the declaration itself, or a usual one.
     pub(super) fn unit_for(&self, own: Option<&str>, wanted: &Quantity) -> Option<String> {
-        if !wanted.dim.variables.is_empty() {
+        if !wanted.dim.is_known() {
             return None;
         }
         own.filter(|unit| {

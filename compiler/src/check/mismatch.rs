@@ -108,7 +108,7 @@ impl<'p> Checker<'p> {
             other => other.quantity(),
         };
         let wanted = dimension
-            .filter(|quantity| unit_of(expr).is_some() && quantity.dim.variables.is_empty())
+            .filter(|quantity| unit_of(expr).is_some() && quantity.dim.is_known())
             .map(|quantity| quantity.dim.base);
         let due = match expected {
             Type::List { element, .. } => element.as_ref(),
@@ -445,7 +445,7 @@ impl<'p> Checker<'p> {
         )
         .at(expr.span, format!("this is {found_text}"))
         .with_note(self.expected_and_found(wanted, found));
-        if wanted.dim.variables.is_empty() && found.dim.variables.is_empty() {
+        if wanted.dim.is_known() && found.dim.is_known() {
             if wanted.dim.is_one() && unit_of(expr).is_some() {
                 message = message.with_help("omit the unit");
             } else if let Some(unit) = unit_of(expr)
@@ -506,9 +506,7 @@ impl<'p> Checker<'p> {
         let speed = Dimension::ANGLE.over(Dimension::TIME);
         match unit_of(expr) {
             Some(unit)
-                if wanted.dim.base == speed
-                    && wanted.dim.variables.is_empty()
-                    && unit_text(unit) == "Hz" =>
+                if wanted.dim.base == speed && wanted.dim.is_known() && unit_text(unit) == "Hz" =>
             {
                 message = message.with_help(
                     "turns per second are `rev/s`, turns per minute `rpm`; `rad/s` is the SI unit",

@@ -55,7 +55,7 @@ impl<'p> Checker<'p> {
         let argument = rest.first().map(|x| self.infer(scope, &x.value));
         if function.name == "solve" {
             let declared = signature.parameters.first().map(|p| p.ty.clone());
-            let known = declared.filter(|ty| each(ty).is_some_and(|q| q.dim.variables.is_empty()));
+            let known = declared.filter(|ty| each(ty).is_some_and(|q| q.dim.is_known()));
             return match (is_solvable(&value), known.or(argument)) {
                 (true, Some(unknown)) if is_solvable(&unknown) => unknown,
                 _ => {
@@ -65,7 +65,7 @@ impl<'p> Checker<'p> {
                 }
             };
         }
-        let by = of_parameter.filter(|quantity| quantity.dim.variables.is_empty());
+        let by = of_parameter.filter(|quantity| quantity.dim.is_known());
         let by = by.or_else(|| argument.and_then(|ty| ty.quantity()));
         match (value.quantity(), by) {
             (Some(of), Some(by)) => derivative_type(function, &of, &by),
@@ -142,7 +142,7 @@ impl<'p> Checker<'p> {
         let parameter = signature.parameters.first();
         let by = parameter.and_then(|parameter| parameter.ty.quantity());
         let quantities = signature.result.quantity().zip(by);
-        let Some((of, by)) = quantities.filter(|(_, by)| by.dim.variables.is_empty()) else {
+        let Some((of, by)) = quantities.filter(|(_, by)| by.dim.is_known()) else {
             return self.no_number(function, value, &Type::Function(signature));
         };
         self.findings.bound.insert(span);

@@ -321,7 +321,7 @@ impl<'p> Checker<'p> {
                 self.quantity_in_full(&unit)
             ));
             let message = match self.usual_unit(&quantity) {
-                Some(usual) if quantity.dim.variables.is_empty() => {
+                Some(usual) if quantity.dim.is_known() => {
                     message.with_help(format!("for instance `as {usual}`"))
                 }
                 _ => message,

@@ -336,7 +336,7 @@ fn each(ty: &Type) -> Option<Dimension> {
         Type::List { element, .. } => each(element),
         other => {
             let quantity = other.quantity()?;
-            (quantity.dim.variables.is_empty()).then_some(quantity.dim.base)
+            (quantity.dim.is_known()).then_some(quantity.dim.base)
         }
     }
 }

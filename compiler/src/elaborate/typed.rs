@@ -25,7 +25,7 @@ impl<'a> Elaborator<'a, '_> {
     /// is that of a plain number if the value has no numbers.
     pub fn dimension_at(&mut self, place: Span, scope: ScopeId) -> Eval<Dimension> {
         let quantity = self.type_at(place)?.each().unwrap_or_default();
-        if quantity.dim.variables.is_empty() {
+        if quantity.dim.is_known() {
             return Ok(quantity.dim.base);
         }
         Ok(match self.solution(scope) {

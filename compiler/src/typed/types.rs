@@ -15,7 +15,7 @@ pub struct Dim {
     /// The known part.
     pub base: Dimension,
     /// Variables with their exponents in 1/60, by number, none zero.
-    pub variables: Vec<(u32, i32)>,
+    variables: Vec<(u32, i32)>,
 }
 
 impl Dim {
@@ -31,6 +31,16 @@ impl Dim {
             base: Dimension::ONE,
             variables: vec![(number, DENOMINATOR)],
         }
+    }
+
+    /// Its variables with their exponents in 1/60, by number.
+    pub fn variables(&self) -> &[(u32, i32)] {
+        &self.variables
+    }
+
+    /// Whether it has no variable.
+    pub fn is_known(&self) -> bool {
+        self.variables.is_empty()
     }
 
     pub fn is_one(&self) -> bool {

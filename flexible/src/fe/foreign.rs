@@ -19,11 +19,11 @@ use crate::sparse::SymmetricMatrix;
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodalMatrix {
     /// Its name in messages.
-    pub title: String,
+    pub(crate) title: String,
     /// Its entries (SI).
-    pub matrix: SymmetricMatrix,
+    pub(crate) matrix: SymmetricMatrix,
     /// Number of the node and component of each row.
-    pub rows: Vec<(u64, u8)>,
+    pub(crate) rows: Vec<(u64, u8)>,
 }
 
 /// A structure of foreign matrices.

@@ -79,7 +79,7 @@ pub fn von_mises(stress: &Components) -> f64 {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementRecovery {
     /// Indices of its nodes.
-    pub nodes: Vec<u32>,
+    nodes: Vec<u32>,
     /// The start of its nodes in the mesh's connectivity, by which its inner nodes are found.
     first: u32,
     /// Its material.
@@ -87,7 +87,7 @@ pub struct ElementRecovery {
     /// Integration points of its stiffness.
     pub points: Vec<StrainPoint>,
     /// A line for each node: values at the integration points, times these, are the node's.
-    pub extrapolation: Vec<Vec<f64>>,
+    extrapolation: Vec<Vec<f64>>,
 }
 
 impl ElementRecovery {

@@ -91,8 +91,6 @@ pub struct NodeMotion {
 /// Some nodes with their rows of the shapes, for many moments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeShapes {
-    /// Indices of the nodes.
-    pub nodes: Vec<u32>,
     modes: usize,
     /// Places in the undeformed body (m, body axes).
     places: Vec<[f64; 3]>,
@@ -110,7 +108,6 @@ impl Recovery<'_> {
         let modes = self.modes();
         let size = self.freedoms.size();
         let mut found = NodeShapes {
-            nodes: nodes.to_vec(),
             modes,
             places: Vec::with_capacity(nodes.len()),
             rows: Vec::with_capacity(6 * modes * nodes.len()),

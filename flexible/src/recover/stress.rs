@@ -8,8 +8,7 @@ use crate::fe::stress::{Components, nodal_stresses, surface_stresses, von_mises}
 /// Stresses of every mode at some nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModalStress {
-    /// The nodes, by index.
-    pub nodes: Vec<u32>,
+    nodes: Vec<u32>,
     modes: usize,
     /// End of each node's places among all places. A node of solids has one, a node of shells one on each of
     /// their surfaces.
@@ -64,6 +63,11 @@ impl Recovery<'_> {
 }
 
 impl ModalStress {
+    /// The nodes, by index.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// σ = Σ a_k σ_k at each node (Pa; xx, yy, zz, xy, yz, zx in body axes), written over the contents of `out`. Of
     /// several surfaces of shells at a node it is the one with the largest von Mises stress.
     ///
@@ -104,13 +108,19 @@ impl ModalStress {
 /// Largest von Mises stress over time at each place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Envelope {
-    /// The largest (Pa); zero before the first moment.
-    pub von_mises: Vec<f64>,
-    /// When it was first reached (s).
-    pub time: Vec<f64>,
+    von_mises: Vec<f64>,
+    time: Vec<f64>,
 }
 
 impl Envelope {
+    /// The largest stress of each place (Pa; zero before the first moment), and when it was first reached (s).
+    pub fn peaks(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.von_mises
+            .iter()
+            .copied()
+            .zip(self.time.iter().copied())
+    }
+
     /// The peaks of a number of places, before the first moment.
     pub fn new(places: usize) -> Envelope {
         Envelope {

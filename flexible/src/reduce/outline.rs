@@ -23,7 +23,7 @@ pub struct Outline {
     /// Name and position (m) of each marker.
     markers: Vec<(String, [f64; 3])>,
     /// Whether the node of each marker has rotations.
-    pub turns: Vec<bool>,
+    turns: Vec<bool>,
     /// Elastic surfaces, without compliance.
     surfaces: Vec<ReducedSurface>,
 }
@@ -58,6 +58,11 @@ pub fn outline(mut mesh: Mesh, request: &Request) -> Result<Outline, FlexibleErr
 }
 
 impl Outline {
+    /// Whether the node of each marker has rotations.
+    pub fn turns(&self) -> &[bool] {
+        &self.turns
+    }
+
     /// The outline as a rigid body, without modes.
     pub fn rigid(&self) -> ReducedBody {
         self.with_modes(0)

@@ -17,11 +17,11 @@ fn place(body: &NumberedBody, coordinate: usize) -> (usize, usize) {
 /// Entries `node, freedom, node, freedom, value` on and below the diagonal, with 17 digits.
 pub fn abaqus_matrix(body: &NumberedBody, matrix: &Dense) -> String {
     let mut text = String::new();
-    for row in 0..matrix.rows {
+    for row in 0..matrix.rows() {
         for column in 0..=row {
             let value = matrix.at(row, column);
             // a matrix of zeros still has an entry, because a file without one is damaged
-            if value == 0.0 && row + 1 < matrix.rows {
+            if value == 0.0 && row + 1 < matrix.rows() {
                 continue;
             }
             if value == 0.0 && column < row {
@@ -45,7 +45,7 @@ pub fn abaqus_deck(body: &NumberedBody, files: [&str; 3]) -> String {
 
 fn write_deck(text: &mut String, body: &NumberedBody, files: [&str; 3]) -> fmt::Result {
     let name = body.name;
-    let size = body.motion.mass.rows;
+    let size = body.motion.mass.rows();
     writeln!(
         text,
         "** {name}: reduced body of Eng, in SI units (N, m, kg, s, rad)"
@@ -79,7 +79,7 @@ fn write_deck(text: &mut String, body: &NumberedBody, files: [&str; 3]) -> fmt::
         writeln!(text, "*BOUNDARY")?;
         writeln!(text, "{last}, {}, 6", used + 1)?;
     }
-    for row in 0..body.motion.motion.rows {
+    for row in 0..body.motion.motion.rows() {
         equation(text, body, row)?;
     }
     Ok(())
@@ -88,7 +88,7 @@ fn write_deck(text: &mut String, body: &NumberedBody, files: [&str; 3]) -> fmt::
 /// `−u + Σ L q = 0` of one freedom of a marker, which Abaqus eliminates.
 fn equation(text: &mut String, body: &NumberedBody, row: usize) -> fmt::Result {
     let matrix = &body.motion.motion;
-    let factors = (0..matrix.columns).map(|column| (place(body, column), matrix.at(row, column)));
+    let factors = (0..matrix.columns()).map(|column| (place(body, column), matrix.at(row, column)));
     let own = ((body.first + row / 6, row % 6 + 1), -1.0);
     let terms = std::iter::once(own).chain(factors.filter(|(_, factor)| *factor != 0.0));
     let terms = terms.collect::<Vec<_>>();

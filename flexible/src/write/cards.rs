@@ -22,7 +22,7 @@ pub fn bulk_data(body: &NumberedBody) -> String {
 }
 
 fn write_cards(text: &mut String, body: &NumberedBody) -> fmt::Result {
-    let size = body.motion.mass.rows;
+    let size = body.motion.mass.rows();
     let scalar = body.first + body.markers.len();
     writeln!(
         text,
@@ -65,7 +65,7 @@ fn write_cards(text: &mut String, body: &NumberedBody) -> fmt::Result {
     ] {
         direct(text, name, matrix, scalar)?;
     }
-    for row in 0..body.motion.motion.rows {
+    for row in 0..body.motion.motion.rows() {
         constraint(text, body, row, scalar)?;
     }
     Ok(())
@@ -74,8 +74,8 @@ fn write_cards(text: &mut String, body: &NumberedBody) -> fmt::Result {
 /// `DMIG` of a symmetric matrix: the entries on and below the diagonal.
 fn direct(text: &mut String, name: &str, matrix: &Dense, scalar: usize) -> fmt::Result {
     writeln!(text, "{:<8}{name:<8}{:>8}{:>8}{:>8}", "DMIG", 0, 6, 2)?;
-    for column in 0..matrix.columns {
-        let rows = column..matrix.rows;
+    for column in 0..matrix.columns() {
+        let rows = column..matrix.rows();
         let entries = rows.filter(|row| matrix.at(*row, column) != 0.0);
         let entries = entries.collect::<Vec<_>>();
         if entries.is_empty() {
@@ -96,7 +96,7 @@ fn constraint(text: &mut String, body: &NumberedBody, row: usize, scalar: usize)
     let matrix = &body.motion.motion;
     let own = (body.first + row / 6, row % 6 + 1, -1.0);
     let coordinates =
-        (0..matrix.columns).map(|column| (scalar + column, 0, matrix.at(row, column)));
+        (0..matrix.columns()).map(|column| (scalar + column, 0, matrix.at(row, column)));
     let terms = std::iter::once(own).chain(coordinates.filter(|(.., factor)| *factor != 0.0));
     // a card has two terms a line of eight fields, and a line of large fields has four of them
     for (index, (point, freedom, factor)) in terms.enumerate() {

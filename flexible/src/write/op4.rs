@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 /// Rectangular, square, symmetric: the words of OP4.
 fn form(matrix: &Dense, symmetric: bool) -> u8 {
-    match (symmetric, matrix.rows == matrix.columns) {
+    match (symmetric, matrix.rows() == matrix.columns()) {
         (true, _) => 6,
         (false, true) => 1,
         (false, false) => 2,
@@ -25,7 +25,7 @@ pub fn op4(matrices: &[(&str, &Dense, bool)]) -> String {
 }
 
 fn one(text: &mut String, name: &str, matrix: &Dense, symmetric: bool) -> std::fmt::Result {
-    let (rows, columns) = (matrix.rows, matrix.columns);
+    let (rows, columns) = (matrix.rows(), matrix.columns());
     let form = form(matrix, symmetric);
     writeln!(
         text,

@@ -46,9 +46,9 @@ pub fn cube_rotations() -> Vec<M3> {
 #[derive(Clone, Debug, Default)]
 pub struct Stated {
     /// Whether the position is stated, also by a marker that follows it.
-    pub position: Vec<bool>,
+    pub(super) position: Vec<bool>,
     /// Whether the orientation is stated.
-    pub orientation: Vec<bool>,
+    pub(super) orientation: Vec<bool>,
 }
 
 /// Places every body without a stated position that rows connect to placed bodies or ground. The body with

@@ -66,13 +66,13 @@ const REACHED: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The elements.
-    pub elements: Vec<usize>,
+    pub(crate) elements: Vec<usize>,
     /// Wishes, after the elements.
     wishes: Vec<Wish>,
     /// (element, row) of each row that belongs to an element.
-    pub owners: Vec<(usize, usize)>,
+    pub(crate) owners: Vec<(usize, usize)>,
     /// Scale of each row.
-    pub scales: Vec<f64>,
+    pub(crate) scales: Vec<f64>,
 }
 
 /// The pose of the whole model at rest or in motion.

@@ -273,7 +273,7 @@ impl MatrixPlan {
         let surfaces = surfaces.map(|surface| planner.surface(surface)).collect();
         let couplings = planner.couplings();
         let diagonal = (0..unknowns.size())
-            .map(|i| planner.pattern.block(i, i..i + 1).starts[0])
+            .map(|i| planner.pattern.place(i, i))
             .collect();
         MatrixPlan {
             runs: Runs::new(&planner.pattern),

@@ -42,7 +42,7 @@ fn zeros(room: &mut Vec<f64>, count: usize) -> &mut Vec<f64> {
 }
 
 impl Dynamics {
-    /// Amplitudes of the elastic surfaces and their rates ([`SurfaceModel::motion`]).
+    /// Amplitudes of the elastic surfaces and their rates (`SurfaceModel::motion`).
     pub fn surfaces(&self) -> &[f64] {
         &self.at.surfaces
     }

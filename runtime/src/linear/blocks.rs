@@ -60,15 +60,15 @@ impl BlockLu {
     /// Plans the elimination of a pattern.
     pub fn new(pattern: &Pattern) -> BlockLu {
         let plan = Dissection::new(pattern);
-        let n = pattern.size;
+        let n = pattern.size();
         let mut owner = vec![0; n];
-        for (index, front) in plan.fronts.iter().enumerate() {
+        for (index, front) in plan.fronts().iter().enumerate() {
             for unknown in &front.pivots {
                 owner[*unknown] = index;
             }
         }
         let mut recipes: Vec<Recipe> = plan
-            .fronts
+            .fronts()
             .iter()
             .map(|front| Recipe {
                 unknowns: front.pivots.iter().chain(&front.border).copied().collect(),
@@ -118,7 +118,7 @@ impl BlockLu {
                 }
                 recipe.runs.extend(last);
             }
-            let children = plan.fronts[..index]
+            let children = plan.fronts()[..index]
                 .iter()
                 .enumerate()
                 .filter(|(_, front)| front.parent == Some(index))

@@ -35,8 +35,7 @@ pub struct FrontPlan {
 /// The fronts, each before its parent. Every unknown is a pivot of exactly one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Dissection {
-    /// The fronts.
-    pub fronts: Vec<FrontPlan>,
+    fronts: Vec<FrontPlan>,
 }
 
 /// Unknowns with the same neighbours.
@@ -60,10 +59,10 @@ struct Node {
 
 impl Graph {
     fn new(pattern: &Pattern) -> Graph {
-        let n = pattern.size;
+        let n = pattern.size();
         let mut adjacent = vec![BTreeSet::new(); n];
         for column in 0..n {
-            for row in &pattern.rows[pattern.columns[column]..pattern.columns[column + 1]] {
+            for row in pattern.rows_of(column) {
                 if *row != column {
                     adjacent[column].insert(*row);
                     adjacent[*row].insert(column);
@@ -288,6 +287,11 @@ fn collect(node: &Node, all: &mut BTreeSet<usize>) {
 }
 
 impl Dissection {
+    /// The fronts.
+    pub fn fronts(&self) -> &[FrontPlan] {
+        &self.fronts
+    }
+
     /// Plans the elimination of a pattern.
     pub fn new(pattern: &Pattern) -> Dissection {
         let graph = Graph::new(pattern);

@@ -21,7 +21,7 @@ pub(super) struct Probe {
 impl Probe {
     /// A probe for matrices of a pattern.
     pub(super) fn new(pattern: &Pattern) -> Probe {
-        let size = pattern.size;
+        let size = pattern.size();
         Probe {
             runs: Runs::new(pattern),
             ones: vec![1.0; size],

@@ -23,7 +23,7 @@ impl Runs {
     pub fn new(pattern: &Pattern) -> Runs {
         let mut columns = vec![0];
         let mut runs: Vec<Run> = Vec::new();
-        for column in 0..pattern.size {
+        for column in 0..pattern.size() {
             let first = runs.len();
             for entry in pattern.columns[column]..pattern.columns[column + 1] {
                 let row = pattern.rows[entry];

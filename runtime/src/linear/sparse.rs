@@ -33,7 +33,7 @@ impl std::fmt::Debug for SparseLu {
 impl SparseLu {
     /// Analyses a pattern.
     pub fn new(pattern: &Pattern) -> Result<SparseLu, LinearError> {
-        let n = pattern.size;
+        let n = pattern.size();
         let structure = SymbolicSparseColMat::new_checked(
             n,
             n,

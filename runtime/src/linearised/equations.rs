@@ -78,11 +78,9 @@ struct Blocks {
 }
 
 fn dense(pattern: &Pattern, values: &[f64]) -> DMatrix<f64> {
-    let mut out = DMatrix::zeros(pattern.size, pattern.size);
-    for column in 0..pattern.size {
-        for k in pattern.columns[column]..pattern.columns[column + 1] {
-            out[(pattern.rows[k], column)] = values[k];
-        }
+    let mut out = DMatrix::zeros(pattern.size(), pattern.size());
+    for (row, column, value) in pattern.entries(values) {
+        out[(row, column)] = value;
     }
     out
 }
@@ -97,7 +95,7 @@ impl Blocks {
     ) -> Result<Blocks, RuntimeError> {
         let plan = MatrixPlan::new(model);
         let still = vec![0.0; model.velocities];
-        let mut values = vec![0.0; plan.pattern.rows.len()];
+        let mut values = vec![0.0; plan.pattern.count()];
         let mut filled = |acceleration: f64, velocity: f64| {
             let weights = Weights {
                 acceleration,

@@ -197,7 +197,7 @@ impl<'a> Balance<'a> {
             half_widths: half_widths(model),
             dynamics: Dynamics::new(model),
             watch: Watch::new(model, |_| true),
-            values: vec![0.0; plan.pattern.rows.len()],
+            values: vec![0.0; plan.pattern.count()],
             plan,
             stated,
             holding: Vec::new(),
@@ -378,23 +378,20 @@ impl<'a> Balance<'a> {
         };
         let pattern = &self.plan.pattern;
         let mut damping = DMatrix::zeros(n, n);
-        for column in 0..pattern.size {
-            let Some(c) = index(column) else { continue };
-            for k in pattern.columns[column]..pattern.columns[column + 1] {
-                let Some(r) = index(pattern.rows[k]) else {
-                    continue;
-                };
-                let value = self.values[k];
-                if r < n && c < n {
-                    damping[(r, c)] = (moving[k] - value) * scales[r] * scales[c] / self.unit;
-                }
-                out[(r, c)] = match (r < n, c < n) {
-                    (true, true) => value * scales[r] * scales[c] / self.unit,
-                    (true, false) => value * scales[r] / row_scales[c - n],
-                    (false, true) => value * scales[c] / row_scales[r - n],
-                    (false, false) => 0.0,
-                };
+        for (place, row, column) in pattern.places() {
+            let (Some(r), Some(c)) = (index(row), index(column)) else {
+                continue;
+            };
+            let value = self.values[place];
+            if r < n && c < n {
+                damping[(r, c)] = (moving[place] - value) * scales[r] * scales[c] / self.unit;
             }
+            out[(r, c)] = match (r < n, c < n) {
+                (true, true) => value * scales[r] * scales[c] / self.unit,
+                (true, false) => value * scales[r] / row_scales[c - n],
+                (false, true) => value * scales[c] / row_scales[r - n],
+                (false, false) => 0.0,
+            };
         }
         if !self.terms.rest {
             let slopes = self

@@ -24,11 +24,9 @@ pub fn check(compiled: &Compiled, step: f64, reach: f64) {
         *x += reach * numbers.draw();
     }
     let mut exact = vec![vec![0.0; n]; n];
-    let view = simulation.jacobian(step, &at).unwrap();
-    for c in 0..n {
-        for k in view.columns[c]..view.columns[c + 1] {
-            exact[view.rows[k]][c] = view.values[k];
-        }
+    let (pattern, values) = simulation.jacobian(step, &at).unwrap();
+    for (row, column, value) in pattern.entries(values) {
+        exact[row][column] = value;
     }
     let mut difference = vec![vec![0.0; n]; n];
     for c in 0..n {

@@ -104,12 +104,9 @@ type Vector = Vec<f64>;
 
 /// Replaces the rows of element states by those of constant states.
 fn still_states(pattern: &Pattern, states: std::ops::Range<usize>, values: &mut [f64]) {
-    for column in 0..pattern.size {
-        for k in pattern.columns[column]..pattern.columns[column + 1] {
-            let row = pattern.rows[k];
-            if states.contains(&row) {
-                values[k] = f64::from(u8::from(row == column));
-            }
+    for (place, row, column) in pattern.places() {
+        if states.contains(&row) {
+            values[place] = f64::from(u8::from(row == column));
         }
     }
 }
