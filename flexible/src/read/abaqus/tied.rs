@@ -350,9 +350,10 @@ impl Grid {
         let centre = self.cell(point);
         // no face is in rings before and after these
         let (mut first, mut last) = (0, 0);
-        for axis in 0..3 {
-            let (low, high) = (self.ends[0][axis], self.ends[1][axis]);
-            let here = centre[axis];
+        for (here, (low, high)) in centre
+            .into_iter()
+            .zip(self.ends[0].into_iter().zip(self.ends[1]))
+        {
             first = first
                 .max(low.saturating_sub(here))
                 .max(here.saturating_sub(high));
