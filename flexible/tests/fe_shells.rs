@@ -485,7 +485,7 @@ fn published_shells_converge() {
         [0.012, 0.009, 0.03, 0.008],
         [0.003, 0.008, 0.004, 0.10],
         [0.004, 0.004, 0.004, 0.004],
-        [0.004, 0.03, 0.01, 0.03],
+        [0.004, 0.006, 0.004, 0.07],
     ];
     for (kind, [roof, sphere, twist, thin]) in KINDS.into_iter().zip(tolerances) {
         let cells = [4, 8, 16, 32];
