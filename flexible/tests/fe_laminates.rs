@@ -139,6 +139,8 @@ fn a_pulled_strip_of_two_layers_bends() {
     let mut layer = carbon([0.0, 0.0]);
     layer.sheet = SheetElasticity::orthotropic([e1, e2, 0.0, 5e9], [4e9, 3e9]);
     for kind in [QUAD, TRIANGLE, QUAD8, TRIANGLE6] {
+        // of a shear that is h²/t² times as stiff as the bending
+        let rounding = if is_quadratic(kind) { 1e-8 } else { 1e-9 };
         let mut mesh = sheet(kind, [10, 2], ShellSection::plate(t), |[i, j]| {
             [i * length / 10.0, j * width / 2.0, 0.0]
         });
@@ -148,7 +150,7 @@ fn a_pulled_strip_of_two_layers_bends() {
             &[(0.0, 0.5 * t), (90.0, 0.5 * t)],
             [1.0, 0.0, 0.0],
         );
-        let mut supports = held(&nodes_where(&mesh, |x| x[0] < 1e-9), 0b010101);
+        let mut supports = held(&nodes_where(&mesh, |x| x[0] < rounding), 0b010101);
         // the layers narrow differently, so the edge must be free to turn about x
         supports.extend(held(&[at(&mesh, [0.0, 0.5 * width, 0.0])], 0b101010));
         supports.extend(held(&nodes_where(&mesh, |_| true), 0b001000));
@@ -164,12 +166,12 @@ fn a_pulled_strip_of_two_layers_bends() {
         let curvature = -b * force / (a * d - b * b);
         let tip = |k: u8| found[structure.freedoms.freedom(tip, k).unwrap()];
         assert!(
-            agrees(tip(2), -0.5 * curvature * length * length, 1e-9),
+            agrees(tip(2), -0.5 * curvature * length * length, rounding),
             "{kind:?}: {}",
             tip(2)
         );
         assert!(
-            agrees(tip(0), d * force / (a * d - b * b) * length, 1e-9),
+            agrees(tip(0), d * force / (a * d - b * b) * length, rounding),
             "{kind:?}: {}",
             tip(0)
         );

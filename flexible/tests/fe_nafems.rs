@@ -123,7 +123,7 @@ fn a_cantilevered_tapered_membrane() {
 /// LE3: a quarter of a hemisphere of radius 10 m, pulled out and pushed in by 2 kN at its edge.
 #[test]
 fn a_hemisphere_with_point_loads() {
-    for (kind, tolerance) in KINDS.into_iter().zip([0.006, 0.01, 0.02, 0.006, 0.006]) {
+    for (kind, tolerance) in KINDS.into_iter().zip([0.006, 0.01, 0.02, 0.006, 0.01]) {
         for cells in [4u32, 8, 16] {
             let mesh = octant(kind, halved(kind, cells));
             let mut supports = held(&nodes_where(&mesh, |x| x[1].abs() < 1e-9), 0b101010);
