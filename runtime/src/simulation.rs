@@ -45,7 +45,7 @@ pub struct Options {
     pub rho_infinity: f64,
     /// Largest correction that ends Newton's iteration, in scaled unknowns. `None` means 1e-4 of the position
     /// tolerance over the model's length, times the factor on the tolerances if that is below 1, and at most
-    /// 1e-10. The correction must also be below [`GOAL`] of the accelerations' share of a step.
+    /// 1e-10. The correction must also be below `GOAL` of the accelerations' share of a step.
     pub newton_tolerance: Option<f64>,
     /// Largest step under error control (s), so that a step cannot skip a short load that depends on time.
     pub max_step: f64,
