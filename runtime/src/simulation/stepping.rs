@@ -32,6 +32,9 @@ const LATER: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0];
 /// larger rounding errors.
 const NOISE: f64 = 1e-11;
 
+/// Share of the usual step below which the multipliers of a step are not accurate.
+const SHORT: f64 = 1e-2;
+
 /// Largest turn of a body in a step under error control (rad). The dense output needs this limit.
 const TURN: f64 = 0.25;
 /// Largest turn of a body in a stated step (rad). Two bodies that turn against each other then turn by at
@@ -434,6 +437,9 @@ impl Simulation {
         let old = self.powers;
         self.observe_state()
             .map_err(|error| self.at_moment(error))?;
+        if self.options.energy && h < SHORT * self.size.step {
+            self.renew_power()?;
+        }
         self.compute_energy();
         let work = |i: usize| {
             let powers = [self.earlier_powers[i], old[i], self.powers[i]];
@@ -454,6 +460,19 @@ impl Simulation {
             self.renew_at_kink(h)?;
         }
         Ok(StepReport { time, step: h })
+    }
+
+    /// Computes the power of the constraints at the current state from its accelerations. The multipliers of a very short step have
+    /// errors that grow with one over the square of its length, and the work of this step and of the next one would take them over.
+    fn renew_power(&mut self) -> Result<(), RuntimeError> {
+        let moment = self.moment();
+        let mut state = self.integrator.current.clone();
+        let found =
+            (self.system).accelerations(&self.model, &mut self.dynamics, &mut state, moment);
+        if found.is_ok() {
+            self.powers[1] = self.dynamics.powers(&self.model, &state.multipliers)?.1;
+        }
+        self.stand()
     }
 
     /// Writes into `work` the part of the current velocity that violates the constraints, in the measure of
