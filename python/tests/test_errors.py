@@ -2,6 +2,7 @@
 
 import _thread
 import pickle
+import signal
 import threading
 import time
 
@@ -114,11 +115,16 @@ def test_a_failed_run_keeps_its_samples() -> None:
 
 
 def test_ctrl_c_stops_a_run_and_keeps_its_samples(mass: eng.Program) -> None:
+    # a shell without a terminal starts its jobs with the signal ignored
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     began = time.monotonic()
     timer = threading.Timer(0.5, _thread.interrupt_main)
     timer.start()
-    with pytest.raises(KeyboardInterrupt) as raised:
-        mass.analysis("long").run()
+    try:
+        with pytest.raises(KeyboardInterrupt) as raised:
+            mass.analysis("long").run()
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert time.monotonic() - began < 10
     assert isinstance(raised.value, eng.Interrupted)
     partial = raised.value.partial
