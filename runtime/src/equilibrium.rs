@@ -124,40 +124,58 @@ fn equilibrium(
         cycle: wanted.turning || held.is_some(),
         rest: !wanted.turning,
     };
-    let mut found = balanced(model, state, terms)?.map_err(refused)?;
-    if let (Some(at), false) = (held, wanted.turning) {
-        for _ in 0..ROUNDS {
-            let before = state.pose.clone();
-            turn::bring(model, state, at, true)?;
-            state.velocity.fill(0.0);
-            let again = balanced(model, state, terms)?.map_err(refused)?;
-            let moved = largest_difference(&before, &state.pose);
-            found = Equilibrium {
-                iterations: found.iterations + again.iterations,
-                portions: found.portions,
-                ..again
-            };
-            if moved <= 1e-3 * model.tolerance {
-                break;
-            }
-        }
-    }
+    let mut iterations = 0;
+    let mut balance = |state: &mut State| {
+        let found = held_balance(model, state, wanted, terms)?;
+        iterations += found.as_ref().map_or(0, |found| found.iterations);
+        Ok(found)
+    };
+    let mut found = balance(state)?.map_err(refused)?;
     if wanted.turning {
         return Ok(found);
     }
     if settling::moving(model, state)?.is_some() {
-        let mut last = None;
-        let balance = |state: &mut State| {
-            let again = balanced(model, state, terms)?;
-            Ok(again.map(|again| last = Some(again)))
-        };
-        settling::settle(model, state, balance)?.map_err(refused)?;
-        if let Some(again) = last {
-            found = again;
-        }
+        let settled = settling::settle(model, state, &mut balance)?.map_err(refused)?;
+        found = settled.unwrap_or(found);
     }
+    found.iterations = iterations;
     match settling::moving(model, state)? {
         Some(obstacle) => Err(refused(obstacle)),
         None => Ok(found),
     }
+}
+
+/// The balance with the cycle at the stated angle, which a balance at rest moves by the square of its own moves.
+fn held_balance(
+    model: &Model,
+    state: &mut State,
+    wanted: &Static,
+    terms: Terms,
+) -> Result<Result<Equilibrium, Obstacle>, RuntimeError> {
+    let mut found = match balanced(model, state, terms)? {
+        Ok(found) => found,
+        Err(obstacle) => return Ok(Err(obstacle)),
+    };
+    let held = wanted.at.filter(|at| matches!(at, Extent::Angle(_)));
+    let Some(at) = held.filter(|_| !wanted.turning) else {
+        return Ok(Ok(found));
+    };
+    for _ in 0..ROUNDS {
+        let before = state.pose.clone();
+        turn::bring(model, state, at, true)?;
+        state.velocity.fill(0.0);
+        let again = match balanced(model, state, terms)? {
+            Ok(again) => again,
+            Err(obstacle) => return Ok(Err(obstacle)),
+        };
+        found = Equilibrium {
+            iterations: found.iterations + again.iterations,
+            portions: found.portions,
+            ..again
+        };
+        if largest_difference(&before, &state.pose) <= 1e-3 * model.tolerance {
+            break;
+        }
+    }
+    Ok(Ok(found))
 }

@@ -13,6 +13,8 @@ use eng_system::system::Extent;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
+/// Largest logarithm of the ratio of two neighbours in a response between which values are interpolated.
+const STEEP: f64 = 0.2;
 /// Share of a frequency within which a mode counts as near it.
 const NEAR: f64 = 0.1;
 
@@ -229,6 +231,14 @@ impl<'r> Evaluator<'r> {
         let of_phase = matches!(of, Expression::Channel { path, .. } if path.ends_with(PHASE));
         let own = &values[near.clone()];
         let in_logarithms = !of_phase && own.iter().all(|y| *y > 0.0);
+        let beside = |at: usize| values.get(at).copied().unwrap_or(f64::NAN);
+        let (before, after) = (beside(next.saturating_sub(1)), beside(next));
+        if in_logarithms && libm::log(after / before).abs() > STEEP {
+            return Err(PostError::SteepResponse {
+                analysis: track.samples.analysis.clone(),
+                frequency: limit_text(Limit::Frequency(frequency)),
+            });
+        }
         let about = own.first().copied().unwrap_or(f64::NAN);
         let even = |y: f64| match (of_phase, in_logarithms) {
             (true, _) => y - TAU * ((y - about) / TAU).round(),

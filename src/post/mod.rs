@@ -89,6 +89,16 @@ pub enum PostError {
         /// Its frequencies.
         range: String,
     },
+    /// A response that changes too much between two points.
+    #[error(
+        "{analysis}: the response changes by more than a fifth between the points beside {frequency}; state more `points` for the analysis"
+    )]
+    SteepResponse {
+        /// The analysis.
+        analysis: String,
+        /// The frequency.
+        frequency: String,
+    },
     /// Samples without equal distances.
     #[error(
         "{0}: the samples are evenly spaced neither in time nor in crank angle; run it with a `sample:` at which they are"

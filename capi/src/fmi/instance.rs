@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// The call did its work.
 pub const OK: c_int = 0;
-/// The importer is told about a doubt.
+/// A doubt is reported to the importer.
 pub const WARNING: c_int = 1;
 /// The call is refused.
 pub const ERROR: c_int = 3;
@@ -21,7 +21,7 @@ pub type Log = Box<dyn Fn(c_int, &str)>;
 pub struct Instance {
     slave: Slave,
     log: Log,
-    /// Whether warnings are told. Errors always are.
+    /// Whether warnings are reported. Errors always are.
     pub(super) logging: bool,
 }
 
@@ -56,7 +56,7 @@ impl Instance {
     }
 }
 
-/// A call on an instance. A refusal is told to the importer.
+/// A call on an instance. The importer gets the text of a refusal.
 ///
 /// # Safety
 /// `instance` is null, or an instance that is not freed and that no other call uses.

@@ -27,21 +27,22 @@ const STILL: f64 = 1e-13;
 const RANK: f64 = 1e-12;
 
 /// Brings the states of elements to rest. `balance` brings the bodies into balance with them. The state is in
-/// balance, and its states may change.
+/// balance, and its states may change. Returns the result of the last `balance`, if there was one.
 ///
 /// # Errors
 /// Those of `balance` and of the evaluation. States that find no rest remain, and [`moving`] names them.
-pub(super) fn settle<E>(
+pub(super) fn settle<F, E>(
     model: &Model,
     state: &mut State,
-    mut balance: impl FnMut(&mut State) -> Result<Result<(), E>, RuntimeError>,
-) -> Result<Result<(), E>, RuntimeError> {
+    mut balance: impl FnMut(&mut State) -> Result<Result<F, E>, RuntimeError>,
+) -> Result<Result<Option<F>, E>, RuntimeError> {
     let sizes: Vec<f64> = model
         .state_scales
         .iter()
         .zip(&state.states)
         .map(|(scale, z)| scale.max(z.abs()))
         .collect();
+    let mut last_found = None;
     // the last moves of the states, and the changes of the moves to rest along them
     let mut pairs: Vec<(DVector<f64>, DVector<f64>)> = Vec::new();
     let mut before: Option<(DVector<f64>, DVector<f64>)> = None;
@@ -60,12 +61,13 @@ pub(super) fn settle<E>(
         for (k, moved) in improved.iter().enumerate() {
             state.states[k] += moved * sizes[k];
         }
-        if let Err(stop) = balance(state)? {
-            return Ok(Err(stop));
+        match balance(state)? {
+            Ok(found) => last_found = Some(found),
+            Err(stop) => return Ok(Err(stop)),
         }
         before = Some((improved, plain));
     }
-    Ok(Ok(()))
+    Ok(Ok(last_found))
 }
 
 /// The move to the fixed point of rounds whose move is `plain`: `r − Σ γ_j (Δz_j + Δr_j)` with the least

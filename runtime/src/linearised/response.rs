@@ -11,8 +11,9 @@
 //! 26 (1981) 407).
 //!
 //! **Frequencies.** Equal ratios from the lowest to the highest. Between them a resonance of little damping would be
-//! missed. So every natural frequency has points of its own: at the peak of its amplitude, `|λ|√(1 − 2ζ²)`, and at
-//! multiples of the half width `ζ|λ|` beside it.
+//! missed. So every natural frequency has points of its own about the peak of its amplitude, `|λ|√(1 − 2ζ²)`: up to 3 half
+//! widths `ζ|λ|` every eighth of one, and farther away each distance is a tenth longer than the one before, until the
+//! points lie as far apart as the others. So the amplitude of a resonance changes by at most a tenth from point to point.
 
 use super::eigen::balance;
 use super::{LinearModes, Mode, StateSpace, run_linear};
@@ -23,10 +24,12 @@ use eng_system::system::Response;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Distances of the points beside a resonance, in half widths.
-const BESIDE: [f64; 13] = [
-    -8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0,
-];
+/// Distance of the points about a peak, in half widths, and the number of them on each side.
+const NEAR: (f64, u32) = (0.125, 24);
+/// Ratio of the distances farther away.
+const FARTHER: f64 = 1.1;
+/// Half width, as a share of |λ|, that places the points about a mode without damping.
+const NARROWEST: f64 = 1e-6;
 /// Frequencies nearer to each other than this share are one.
 const ALIKE: f64 = 1e-12;
 /// Share of |λ| below which a mode has no damping: its damping is rounding.
@@ -94,19 +97,31 @@ fn frequencies(modes: &[Mode], [low, high]: [f64; 2], points: u32) -> (Vec<f64>,
     if let Some(last) = all.last_mut() {
         *last = high;
     }
+    // distance of two neighbours, as a share of their frequency
+    let apart = libm::pow(high / low, 1.0 / f64::from(count)) - 1.0;
     let mut undamped = Vec::new();
     for mode in modes.iter().filter(|mode| mode.oscillates()) {
         let (size, ratio) = (mode.undamped_frequency(), mode.damping_ratio());
-        if ratio < UNDAMPED {
-            if (low..=high).contains(&size) {
-                undamped.push(size);
-            }
+        if ratio < UNDAMPED && (low..=high).contains(&size) {
+            undamped.push(size);
+        }
+        let ratio = ratio.max(NARROWEST);
+        let peak = 1.0 - 2.0 * ratio * ratio;
+        if peak <= 0.0 {
             continue;
         }
-        let peak = 1.0 - 2.0 * ratio * ratio;
-        if peak > 0.0 {
-            let width = ratio * size;
-            all.extend(BESIDE.map(|distance| libm::sqrt(peak) * size + distance * width));
+        let (middle, width) = (libm::sqrt(peak) * size, ratio * size);
+        let (step, number) = NEAR;
+        let mut distance = 0.0;
+        let mut place = 0;
+        // beyond this the other points are as near to each other
+        while place <= number || distance * width * (FARTHER - 1.0) < apart * middle {
+            all.extend([middle - distance * width, middle + distance * width]);
+            place += 1;
+            distance = match place <= number {
+                true => step * f64::from(place),
+                false => distance * FARTHER,
+            };
         }
     }
     all.retain(|f| (low..=high).contains(f));

@@ -10,6 +10,9 @@ use super::{
 /// Points of a decade of frequency without `points`.
 const PLAIN_POINTS: u32 = 100;
 
+/// Most points of a response: nothing can stop their computation.
+const MOST_POINTS: f64 = 1e5;
+
 /// Amplitudes and phases of outputs per unit of an input, over frequency.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
@@ -112,6 +115,19 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
             help: "write for instance `from: 10 Hz, up_to: 2 kHz`",
         });
     }
+    // within its limits
+    let points = given
+        .number("points")
+        .map_or(PLAIN_POINTS, |points| points as u32);
+    let decades = libm::log10(range[1] / range[0]);
+    if !(decades * f64::from(points) <= MOST_POINTS) {
+        return Err(Unplanned::Refused {
+            argument: "up_to",
+            title: "a response has at most 100000 points",
+            label: "too many decades above `from` for this number of points",
+            help: "state a narrower range, or fewer `points`",
+        });
+    }
     let inputs = named("to")?;
     if inputs.len() != 1 || inputs.iter().any(|input| input.path.contains("[*]")) {
         return Err(Unplanned::Refused {
@@ -128,10 +144,7 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
             ..state(given)
         },
         range,
-        // within its limits
-        points: given
-            .number("points")
-            .map_or(PLAIN_POINTS, |points| points as u32),
+        points,
     }))
 }
 
