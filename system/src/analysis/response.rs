@@ -120,7 +120,7 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         .number("points")
         .map_or(PLAIN_POINTS, |points| points as u32);
     let decades = libm::log10(range[1] / range[0]);
-    if !(decades * f64::from(points) <= MOST_POINTS) {
+    if decades * f64::from(points) > MOST_POINTS {
         return Err(Unplanned::Refused {
             argument: "up_to",
             title: "a response has at most 100000 points",
