@@ -5,8 +5,8 @@ use eng_film::{
     Profile, Quantity, Roughness, Shape, Thinning, inputs,
 };
 use eng_system::field::{
-    FILM_CELLS, FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, KERNELS,
-    Past,
+    Accuracy, FILM_CELLS, FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers,
+    FieldSolver, KERNELS, Past,
 };
 use eng_system::reduced::ReducedSurface;
 use eng_system::significant::short;
@@ -546,6 +546,7 @@ impl FieldSolver for Solver {
         &mut self,
         drives: &[f64],
         past: Option<Past<'_>>,
+        accuracy: Accuracy,
         answers: &mut [f64],
     ) -> Result<(), FieldError> {
         let own = self.film.memory();
@@ -557,7 +558,10 @@ impl FieldSolver for Solver {
             Some(past) => (Some(past.step), &past.memory[..own]),
             None => (None, &[][..]),
         };
-        let solved = film.solve(drives, step, memory, work, answers);
+        let solved = match accuracy {
+            Accuracy::Full => film.solve(drives, step, memory, work, answers),
+            Accuracy::Iterate => film.iterate(drives, step, memory, work, answers),
+        };
         solved.map_err(|error| FieldError(error.to_string()))
     }
 
@@ -618,11 +622,11 @@ impl FieldSolver for Solver {
     }
 
     fn found(&self, numbers: &mut Vec<f64>) {
-        self.film.film().cavity(&self.work.film, numbers);
+        self.film.found(&self.work, numbers);
     }
 
     fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
-        self.film.film().begin_at(&mut self.work.film, numbers)
+        self.film.begin_at(&mut self.work, numbers)
     }
 
     fn cells(&self, quantity: usize, out: &mut [f64]) {
@@ -644,7 +648,7 @@ impl FieldSolver for Solver {
 mod tests {
     use super::*;
     use eng_film::Inputs;
-    use eng_system::field::{Kernel, drives};
+    use eng_system::field::{Accuracy, Kernel, drives};
     use eng_system::system::FieldSource;
 
     /// The drives of the table are the inputs of a film, and its answers the outputs, in the same order.
@@ -685,7 +689,9 @@ mod tests {
         assert_eq!(x.len(), count as usize);
         let mut solver = Fields.make(&numbers).unwrap().solver(&[]);
         let mut answers = vec![0.0; kernel.answer_count() as usize];
-        solver.solve(&x, None, &mut answers).unwrap();
+        solver
+            .solve(&x, None, Accuracy::Full, &mut answers)
+            .unwrap();
         let mut readings = vec![f64::NAN; kernel.reading_count() as usize];
         solver.read(&mut readings, true);
         assert!(readings.iter().all(|number| number.is_finite()));
@@ -703,7 +709,9 @@ mod tests {
                 let mut moved_inputs = x.clone();
                 moved_inputs[input] += moved;
                 let mut after = answers.clone();
-                solver.solve(&moved_inputs, None, &mut after).unwrap();
+                solver
+                    .solve(&moved_inputs, None, Accuracy::Full, &mut after)
+                    .unwrap();
                 after
             };
             let (up, down) = (at_end(step), at_end(-step));

@@ -14,8 +14,8 @@
 use crate::results::{CellColumn, Column, Results};
 use eng_runtime::model::Model;
 use eng_system::field::{
-    CellQuantity, FieldError, FieldGrid, FieldKernel, FieldSolver, KERNELS, Kernel, Past, Takes,
-    drives,
+    Accuracy, CellQuantity, FieldError, FieldGrid, FieldKernel, FieldSolver, KERNELS, Kernel, Past,
+    Takes, drives,
 };
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::HashMap;
@@ -152,7 +152,7 @@ impl RecordedField {
     pub(crate) fn solve(&self, with: &SolvedWith) -> Result<Box<dyn FieldSolver>, FieldError> {
         let mut solver = self.own.solver(&[]);
         let mut answers = vec![0.0; self.answer_count()];
-        solver.solve(&with.drives, with.past(), &mut answers)?;
+        solver.solve(&with.drives, with.past(), Accuracy::Full, &mut answers)?;
         Ok(solver)
     }
 }
@@ -184,7 +184,7 @@ impl RecordedField {
             let Some(with) = self.at(&numbers, *sample) else {
                 return Ok(false);
             };
-            solver.solve(&with.drives, with.past(), &mut answers)?;
+            solver.solve(&with.drives, with.past(), Accuracy::Full, &mut answers)?;
             take(solver.as_ref());
         }
         Ok(true)
@@ -284,7 +284,7 @@ impl RecordedField {
             let both = [false, true].into_iter().zip(&mut solvers);
             let mut both = both.zip(&mut twice.answers).zip(&mut twice.readings);
             let solved = both.try_for_each(|(((slopes, solver), answers), readings)| {
-                solver.solve(&with.drives, with.past(), answers)?;
+                solver.solve(&with.drives, with.past(), Accuracy::Full, answers)?;
                 solver.read(readings, slopes);
                 Ok::<(), FieldError>(())
             });

@@ -2,7 +2,7 @@
 
 use eng::{Outcome, Program, Sources, StartReport, Turning};
 use eng_system::field::{
-    FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, Past,
+    Accuracy, FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, Past,
 };
 use eng_system::system::Start;
 use std::fmt::Write;
@@ -366,6 +366,7 @@ impl FieldSolver for Counted<Box<dyn FieldSolver>> {
         &mut self,
         drives: &[f64],
         past: Option<Past<'_>>,
+        accuracy: Accuracy,
         answers: &mut [f64],
     ) -> Result<(), FieldError> {
         self.counts.solved.fetch_add(1, Ordering::Relaxed);
@@ -375,7 +376,7 @@ impl FieldSolver for Counted<Box<dyn FieldSolver>> {
             threads.push(own);
         }
         drop(threads);
-        self.inner.solve(drives, past, answers)
+        self.inner.solve(drives, past, accuracy, answers)
     }
     fn accept(&self, memory: &mut [f64]) {
         self.inner.accept(memory);

@@ -1,4 +1,5 @@
-//! Time of a solution and of its tangent: `cargo bench -p eng-film`. Least of many, µs, on one thread.
+//! Time of a solution and of its tangent: `cargo bench -p eng-film`. Least of many, µs, on one thread. `-- elastic`
+//! runs the orbit in an elastic bore alone.
 
 use eng_film::{
     Cavitation, Elastic, Feed, Film, FilmSource, Inputs, Opening, Part, Roughness, Shape, Thinning,
@@ -41,6 +42,9 @@ fn film(rule: Cavitation, cells: [usize; 2], half: bool) -> Film {
 }
 
 fn main() {
+    if std::env::args().any(|argument| argument == "elastic") {
+        return elastic_orbit();
+    }
     println!(
         "{:>10} {:>16} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}",
         "cells", "rule", "cold", "a step", "rounds", "again", "tangent", "of loads"
@@ -264,7 +268,7 @@ fn elastic_orbit() {
         for off in [1e-3, 1e-4, 3e-6, 1e-7, 2e-9] {
             let x = inputs(step * k as f64, off);
             elastic
-                .solve(&x, Some(step), &memory, &mut work, &mut y)
+                .iterate(&x, Some(step), &memory, &mut work, &mut y)
                 .expect("a film");
             rounds += work.rounds;
         }

@@ -11,8 +11,9 @@
 //! dy/dx = ∂y/∂x + (∂y/∂b + (1/Δ) ∂y/∂ḃ) G⁻¹ C ∂f/∂x
 //! ```
 //!
-//! with the exact derivatives of the film, for each input x, a and ȧ among them. G is made once in a step, because its
-//! derivatives cost as much as ten solutions of the film. Secants of earlier rounds make up for its error.
+//! with the exact derivatives of the film, for each input x, a and ȧ among them. G is kept over steps until the rounds
+//! are slow, because its derivatives cost as much as ten solutions of the film. Secants of earlier rounds make up for
+//! its error.
 
 use crate::error::{FilmError, SourceError};
 use crate::feedback::{Feedback, Slopes};
@@ -27,6 +28,9 @@ const ROUNDS: usize = 200;
 /// change by their slopes, so its square and the age of the slopes alone are left. With 1e-9 a step takes a seventh
 /// fewer solutions, but the outputs have steps of 1e-8, which differences for the matrix of a step show.
 const GOAL: f64 = 1e-11;
+/// Largest error of the amplitudes for an iterate of Newton's method, as a share of the change since the last
+/// solution. With 1e-2 the solutions are a sixth fewer, but the matrix of the outer iteration is renewed more often.
+const ITERATE: f64 = 1e-3;
 /// Ratio of two changes above which a round was slow, and the number of slow rounds after which G is computed
 /// again.
 const CONTRACTION: f64 = 0.3;
@@ -272,6 +276,35 @@ impl Elastic {
         work: &mut ElasticWork,
         outputs: &mut [f64],
     ) -> Result<(), FilmError> {
+        self.solve_within(0.0, inputs, step, memory, work, outputs)
+    }
+
+    /// [`Elastic::solve`] for an iterate of Newton's method: the amplitudes may have an error of a thousandth of their
+    /// change since the last solution, or within a new step since its prediction.
+    ///
+    /// # Errors
+    /// As [`Elastic::solve`].
+    pub fn iterate(
+        &self,
+        inputs: &[f64],
+        step: Option<f64>,
+        memory: &[f64],
+        work: &mut ElasticWork,
+        outputs: &mut [f64],
+    ) -> Result<(), FilmError> {
+        self.solve_within(ITERATE, inputs, step, memory, work, outputs)
+    }
+
+    /// Solves up to an error of a share of the amplitudes' change.
+    fn solve_within(
+        &self,
+        share: f64,
+        inputs: &[f64],
+        step: Option<f64>,
+        memory: &[f64],
+        work: &mut ElasticWork,
+        outputs: &mut [f64],
+    ) -> Result<(), FilmError> {
         let (count, own, answers) = (self.shapes(), self.inputs(), self.outputs());
         let (content, before) = memory.split_at(memory.len().min(self.film.memory()));
         if count == 0 {
@@ -288,7 +321,7 @@ impl Elastic {
                 0.0
             }
         };
-        let found = self.search(content, work, followed);
+        let found = self.search(content, work, followed, share);
         match found {
             Ok(()) => {
                 outputs.copy_from_slice(&work.outputs[..answers]);
@@ -304,14 +337,15 @@ impl Elastic {
     }
 
     /// Searches the amplitudes that are in balance with the film. They have followed the inputs by the length
-    /// of the last move.
+    /// of the last move. An error of the stated share of their change may be left.
     fn search(
         &self,
         content: &[f64],
         work: &mut ElasticWork,
         followed: f64,
+        error: f64,
     ) -> Result<(), FilmError> {
-        let clearance = self.film.source().clearance;
+        let mut goal = GOAL * self.film.source().clearance;
         let reach = self.reach(work);
         // length of the last change, the share of it that was made, and slow rounds since G was made
         let (mut last, mut share, mut slow) = (f64::INFINITY, 1.0, 0);
@@ -324,6 +358,9 @@ impl Elastic {
                 // these slopes are of no use here
                 add_scaled(&mut work.amplitudes, -1.0, &work.moved);
                 continue;
+            }
+            if last == f64::INFINITY {
+                goal = goal.max(error * longest.max(followed));
             }
             if longest > GROWTH * last && share > LEAST_SHARE {
                 // cells change sides on the way: a shorter one reduces the residual
@@ -342,7 +379,7 @@ impl Elastic {
             if !longest.is_finite() {
                 break;
             }
-            if longest <= GOAL * clearance {
+            if longest <= goal {
                 work.rounds = round;
                 return Ok(());
             }
@@ -361,27 +398,27 @@ impl Elastic {
     }
 
     /// The amplitudes at which the search begins, and whether they belong to the step and the inputs of the
-    /// last solution. In a new step they move on at the rates of the one before, and all else is forgotten:
-    /// so a run that continues from a checkpoint has the same bits. For another length of the step the rates
-    /// of the last solution remain.
+    /// last solution. In a new step they move on at the rates of the one before, and nothing is kept but the numbers of
+    /// [`Elastic::found`]: so a run that continues from a checkpoint has the same bits. For another length of the step
+    /// the rates of the last solution remain.
     fn begin(&self, work: &mut ElasticWork, step: Option<f64>, memory: &[f64]) -> bool {
         let earlier = std::mem::replace(&mut work.step, step);
         let Some(step) = step else {
-            return earlier.is_none() && work.feedback.is_made();
+            return earlier.is_none() && work.feedback.is_factored(0.0);
         };
         let (before, rates) = memory.split_at(self.shapes());
         match earlier {
             Some(earlier) if work.before == before => {
                 let share = step / earlier;
                 if share == 1.0 {
-                    return work.feedback.is_made();
+                    return work.feedback.is_factored(1.0 / step);
                 }
                 for (amplitude, before) in work.amplitudes.iter_mut().zip(before) {
                     *amplitude = before + share * (*amplitude - before);
                 }
             }
             _ => {
-                work.feedback.forget();
+                work.feedback.secants.clear();
                 work.before.copy_from_slice(before);
                 work.amplitudes.copy_from_slice(before);
                 add_scaled(&mut work.amplitudes, step, rates);
@@ -488,6 +525,54 @@ impl Elastic {
             *missed = dot(line, forces) - amplitude;
         }
         Ok(())
+    }
+
+    /// Appends the numbers from which another search begins: the cavity of the last solution, its step (0 for none), the
+    /// amplitudes at its end and beginning, whether G is kept, and with it the derivatives.
+    pub fn found(&self, work: &ElasticWork, numbers: &mut Vec<f64>) {
+        self.film.cavity(&work.film, numbers);
+        if self.shapes() == 0 {
+            return;
+        }
+        numbers.push(work.step.unwrap_or_default());
+        numbers.extend_from_slice(&work.amplitudes);
+        numbers.extend_from_slice(&work.before);
+        let made = work.feedback.is_made();
+        numbers.push(f64::from(u8::from(made)));
+        if made {
+            numbers.extend_from_slice(&work.slopes);
+            numbers.extend(work.feedback.products());
+        }
+    }
+
+    /// Lets the next search begin at such numbers, and returns those after them. Where there are too few, the search
+    /// begins as it would without them.
+    pub fn begin_at<'n>(&self, work: &mut ElasticWork, numbers: &'n [f64]) -> &'n [f64] {
+        let numbers = self.film.begin_at(&mut work.film, numbers);
+        if self.shapes() == 0 {
+            return numbers;
+        }
+        work.feedback.forget();
+        self.begin_with(work, numbers).unwrap_or(&[])
+    }
+
+    /// Takes such numbers after those of the cavity, and returns those after them; none if there are too few.
+    fn begin_with<'n>(&self, work: &mut ElasticWork, numbers: &'n [f64]) -> Option<&'n [f64]> {
+        let (step, others) = numbers.split_first()?;
+        let (amplitudes, others) = others.split_at_checked(self.shapes())?;
+        let (before, others) = others.split_at_checked(self.shapes())?;
+        let (made, others) = others.split_first()?;
+        work.step = Some(*step).filter(|step| *step > 0.0);
+        work.amplitudes.copy_from_slice(amplitudes);
+        work.before.copy_from_slice(before);
+        if *made != 1.0 {
+            return Some(others);
+        }
+        let (slopes, others) = others.split_at_checked(work.slopes.len())?;
+        let rest = work.feedback.take(others)?;
+        work.slopes.copy_from_slice(slopes);
+        work.current = false;
+        Some(rest)
     }
 
     /// Makes the derivatives of the film at its last solution.

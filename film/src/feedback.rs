@@ -61,6 +61,26 @@ impl Feedback {
         self.made
     }
 
+    /// Whether there are factors for the inverse length of a step.
+    pub fn is_factored(&self, by_step: f64) -> bool {
+        self.by_step == by_step
+    }
+
+    /// The numbers of both products.
+    pub fn products(&self) -> impl Iterator<Item = f64> + '_ {
+        self.products.iter().flatten().copied()
+    }
+
+    /// Takes both products, and returns the numbers after them; nothing is taken if there are too few.
+    pub fn take<'n>(&mut self, numbers: &'n [f64]) -> Option<&'n [f64]> {
+        let (first, others) = numbers.split_at_checked(self.products[0].len())?;
+        let (second, rest) = others.split_at_checked(self.products[1].len())?;
+        self.products[0].copy_from_slice(first);
+        self.products[1].copy_from_slice(second);
+        (self.made, self.by_step) = (true, f64::NAN);
+        Some(rest)
+    }
+
     /// Makes both products.
     pub fn make(&mut self, compliance: &[f64], slopes: &Slopes) {
         let count = self.count;

@@ -22,6 +22,15 @@ pub struct Film {
     /// The finest grid first. Each next one has about half of the cells in each direction.
     pub(crate) levels: Vec<Level>,
     pub(crate) surfaces: Surfaces,
+    pub(crate) ends: EndPlaces,
+}
+
+/// Places on both ends at the lines around and between them, where a tilted pin may be closest.
+#[derive(Clone, Debug)]
+pub(crate) struct EndPlaces {
+    /// Angle (rad) and z (m).
+    pub places: Vec<(f64, f64)>,
+    pub shapes: Waves,
 }
 
 /// A grid and its relation to the next coarser one.
@@ -170,6 +179,24 @@ impl LevelWork {
     }
 }
 
+impl EndPlaces {
+    fn new(source: &FilmSource, grid: &Grid) -> Self {
+        let half = source.width / 2.0;
+        let between = grid.cells.iter().step_by(grid.across);
+        let angles = (grid.angles.iter().copied()).chain(between.map(|cell| cell.angle));
+        let places: Vec<(f64, f64)> = angles
+            .flat_map(|angle| [(angle, -half), (angle, half)])
+            .collect();
+        let on_surface = places
+            .iter()
+            .map(|(angle, z)| (*angle, 2.0 * z / source.shape_width));
+        EndPlaces {
+            shapes: Waves::new(&source.shapes, on_surface, |_, _| 1.0),
+            places,
+        }
+    }
+}
+
 impl Film {
     /// Makes a film of its data.
     ///
@@ -234,10 +261,12 @@ impl Film {
             source.floor,
             source.radius,
         );
+        let ends = EndPlaces::new(&source, &levels[0].grid);
         Ok(Film {
             source,
             levels,
             surfaces,
+            ends,
         })
     }
 

@@ -429,16 +429,18 @@ impl Film {
             look(*gap, cell.angle, cell.z);
         }
         // sealed ends and lines at ends are no links
-        for z in [-half, half] {
-            for angle in grid.angles.iter().chain(
-                grid.cells
-                    .iter()
-                    .step_by(grid.across)
-                    .map(|cell| &cell.angle),
-            ) {
-                look(self.gap_at(x, *angle, z), *angle, z);
+        let (first, ends) = (SUPPLY + self.source.openings.len(), &self.ends);
+        if self.source.shapes.is_empty() {
+            for (angle, z) in &ends.places {
+                look(self.stiff_gap(x, *angle, *z), *angle, *z);
             }
         }
+        let amplitudes = &x[first..][..self.source.shapes.len()];
+        ends.shapes.for_each(amplitudes, |at, deflection| {
+            if let Some((angle, z)) = ends.places.get(at) {
+                look(self.stiff_gap(x, *angle, *z) + deflection, *angle, *z);
+            }
+        });
         least
     }
 
@@ -449,23 +451,17 @@ impl Film {
         level.shapes[1].largest(&amplitudes[..self.source.shapes.len()])
     }
 
-    /// The gap at any place, m.
-    fn gap_at(&self, x: &[f64], angle: f64, z: f64) -> f64 {
+    /// The gap at any place without the deflection by shapes, m.
+    fn stiff_gap(&self, x: &[f64], angle: f64, z: f64) -> f64 {
         let zeta = 2.0 * z / self.source.width;
-        let of_surface = 2.0 * z / self.source.shape_width;
         let (sin, cos) = libm::sincos(angle);
         let eccentric =
             (x[ECCENTRICITY] + z * x[TILT]) * cos + (x[ECCENTRICITY + 1] + z * x[TILT + 1]) * sin;
-        let first = SUPPLY + self.source.openings.len();
-        let shapes = self.source.shapes.iter().zip(&x[first..]);
         self.source.clearance + self.source.shell_profile(angle, zeta) - eccentric
             + self
                 .source
                 .pin_profile(angle - x[crate::inputs::TURN], zeta)
                 .0
-            + shapes
-                .map(|(shape, amplitude)| amplitude * shape.value(angle, of_surface))
-                .sum::<f64>()
     }
 }
 

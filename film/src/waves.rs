@@ -104,24 +104,24 @@ impl Waves {
 
     /// `out += Σ amplitude ψ`.
     pub fn add_sum(&self, amplitudes: &[f64], out: &mut [f64]) {
-        for (run, places) in self.runs().enumerate() {
-            let factors = self.factors(run, amplitudes);
-            for place in places {
-                out[place] += dot(self.polynomials(place), &factors);
-            }
-        }
+        self.for_each(amplitudes, |place, sum| out[place] += sum);
     }
 
     /// The largest magnitude of `Σ amplitude ψ`.
     pub fn largest(&self, amplitudes: &[f64]) -> f64 {
         let mut most = 0.0_f64;
+        self.for_each(amplitudes, |_, sum| most = most.max(sum.abs()));
+        most
+    }
+
+    /// Calls `put(place, Σ amplitude ψ)` for all places.
+    pub fn for_each(&self, amplitudes: &[f64], mut put: impl FnMut(usize, f64)) {
         for (run, places) in self.runs().enumerate() {
             let factors = self.factors(run, amplitudes);
             for place in places {
-                most = most.max(dot(self.polynomials(place), &factors).abs());
+                put(place, dot(self.polynomials(place), &factors));
             }
         }
-        most
     }
 
     /// The sums over the waves at an angle, degree by degree.

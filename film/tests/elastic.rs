@@ -2,7 +2,7 @@
 
 mod states;
 
-use eng_film::{Cavitation, Elastic, Film, FilmSource, Inputs, Shape, inputs};
+use eng_film::{Cavitation, Elastic, ElasticWork, Film, FilmSource, Inputs, Shape, inputs};
 use states::{number, pair, reference};
 
 /// Shapes that do not change across: a constant, and cosines and sines of 2 to `most` waves.
@@ -258,6 +258,87 @@ fn some_derivatives_are_those_of_all() {
         }
         assert!(slopes[inputs::LOSS * elastic.inputs() + inputs::SPIN] != 0.0);
     }
+}
+
+/// An iterate has an error far below the change since the last one, and takes fewer rounds.
+#[test]
+fn iterates_approach_the_solution() {
+    let film = film([48, 5]);
+    let ring = Elastic::ring(&film, 1.0, 10.0, 1.0, 0.05);
+    let elastic = Elastic::new(film, ring).expect("a surface");
+    let memory = vec![0.0; elastic.memory()];
+    let solve = |exact: bool, x: f64, work: &mut ElasticWork| {
+        let mut y = [0.0; inputs::SHAPE_FORCE];
+        let e = inputs([0.7 + x, 0.2]);
+        let step = Some(0.1);
+        let solved = match exact {
+            true => elastic.solve(&e, step, &memory, work, &mut y),
+            false => elastic.iterate(&e, step, &memory, work, &mut y),
+        };
+        solved.expect("a film");
+        y[inputs::FORCE]
+    };
+    let (mut iterated, mut rounds) = (elastic.work(), [0, 0]);
+    let mut last = solve(true, 0.1, &mut iterated);
+    for x in [1e-2, 1e-3, 1e-4, 1e-6, 1e-8] {
+        let mut fresh = elastic.work();
+        let exact = solve(true, x, &mut fresh);
+        let mut other = iterated.clone();
+        solve(true, x, &mut other);
+        let found = solve(false, x, &mut iterated);
+        let (error, change) = ((found - exact).abs(), (exact - last).abs());
+        assert!(error < 1e-3 * change, "{error:e} of {change:e}");
+        rounds = [rounds[0] + iterated.rounds, rounds[1] + other.rounds];
+        last = exact;
+    }
+    println!("rounds of iterates and of solutions: {rounds:?}");
+    assert!(rounds[0] < rounds[1]);
+}
+
+/// A search that begins at the numbers of another one has its bits.
+#[test]
+fn a_search_continues_elsewhere() {
+    let film = film([48, 5]);
+    let ring = Elastic::ring(&film, 1.0, 10.0, 1.0, 0.05);
+    let elastic = Elastic::new(film, ring).expect("a surface");
+    let (mut work, mut y) = (elastic.work(), [0.0; inputs::SHAPE_FORCE]);
+    let mut memory = vec![0.0; elastic.memory()];
+    let turned = |angle: f64| inputs([0.8 * angle.cos(), 0.8 * angle.sin()]);
+    for at in 0..3 {
+        let x = turned(0.02 * f64::from(at));
+        elastic
+            .solve(&x, Some(0.1), &memory, &mut work, &mut y)
+            .expect("a film");
+        elastic.accept(&work, &mut memory);
+    }
+    let mut numbers = Vec::new();
+    elastic.found(&work, &mut numbers);
+    let mut other = elastic.work();
+    assert!(elastic.begin_at(&mut other, &numbers).is_empty());
+    let mut z = y;
+    for off in [0.0, 1e-3] {
+        let x = turned(0.06 + off);
+        for (work, y) in [(&mut work, &mut y), (&mut other, &mut z)] {
+            elastic
+                .solve(&x, Some(0.1), &memory, work, y)
+                .expect("a film");
+        }
+        assert_eq!(y.map(f64::to_bits), z.map(f64::to_bits));
+    }
+    // the same inputs once more: the search is at its end
+    let mut third = elastic.work();
+    numbers.clear();
+    elastic.found(&work, &mut numbers);
+    elastic.begin_at(&mut third, &numbers);
+    elastic
+        .solve(&turned(0.061), Some(0.1), &memory, &mut third, &mut z)
+        .expect("a film");
+    assert_eq!(third.rounds, 1);
+    // too few numbers: the search begins anew
+    elastic.begin_at(&mut third, &numbers[..numbers.len() / 2]);
+    elastic
+        .solve(&turned(0.06), Some(0.1), &memory, &mut third, &mut z)
+        .expect("a film");
 }
 
 /// However short a step is, the search finds the surface, from its place at the beginning of the step. In a

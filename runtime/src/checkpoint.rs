@@ -9,7 +9,7 @@ use eng_system::system::Slot;
 
 const MAGIC: &[u8; 8] = b"ENGCHECK";
 /// Version of the format.
-pub const VERSION: u32 = 11;
+pub const VERSION: u32 = 12;
 
 fn refuse(reason: impl Into<String>) -> RuntimeError {
     RuntimeError::Checkpoint {
@@ -147,6 +147,15 @@ impl<'a> Reader<'a> {
             *value = self.number()?;
         }
         Ok(())
+    }
+    /// As many numbers as there are.
+    pub fn all_numbers(&mut self) -> Result<Vec<f64>, RuntimeError> {
+        let count = self.integer()?;
+        // a wrong count must not take memory for it
+        if count > self.rest.len() as u64 / 8 {
+            return Err(refuse("it is too short"));
+        }
+        (0..count).map(|_| self.number()).collect()
     }
     /// Checks that no byte is left.
     pub fn finish(self) -> Result<(), RuntimeError> {

@@ -141,8 +141,8 @@ impl Drop for Crew {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{LaneField, Own, Readings, Wanted};
-    use eng_system::field::{FieldError, FieldSolver, Past};
+    use crate::field::{Demand, LaneField, Own, Wanted};
+    use eng_system::field::{Accuracy, FieldError, FieldSolver, Past};
 
     /// Answers twice its drive. Without a positive one it has no solution, and none at all below -1: then it panics.
     #[derive(Clone, Debug)]
@@ -153,6 +153,7 @@ mod tests {
             &mut self,
             drives: &[f64],
             _: Option<Past<'_>>,
+            _: Accuracy,
             answers: &mut [f64],
         ) -> Result<(), FieldError> {
             assert!(drives[0] > -1.0, "this panic belongs to the test");
@@ -191,12 +192,13 @@ mod tests {
                 readings: Vec::new(),
                 is_read: false,
                 slopes: vec![0.0],
+                has_slopes: false,
                 memory: 0,
                 before: Vec::new(),
                 since: None,
                 waits: true,
             }],
-            wanted: Wanted::Solution(Readings::None),
+            wanted: Wanted::Solution(Demand::Answers),
             done: Ok(()),
         };
         drives.iter().enumerate().map(task).collect()

@@ -18,7 +18,7 @@ use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, CURVED_REACH, MarkerKinematics, Motion, Placed, REACH};
 use crate::elements::{self, Batch, Inputs, Scratch};
 use crate::error::RuntimeError;
-use crate::field::Readings;
+use crate::field::Demand;
 use crate::flexible::Work;
 use crate::inputs::Signals;
 use crate::memory::Memory;
@@ -247,7 +247,7 @@ impl Dynamics {
         let time = self.at.time;
         let numbers = self.memory.accept(time);
         for batch in &mut self.batches {
-            batch.solve_fields(model, time, Readings::None, &mut self.work.elements)?;
+            batch.solve_fields(model, time, Demand::Answers, &mut self.work.elements)?;
             batch.keep_memory(model, numbers);
         }
         Ok(())
@@ -471,18 +471,24 @@ impl Dynamics {
 
     /// Constraint values, wrenches and rates at the gathered inputs.
     pub fn evaluate(&mut self, model: &Model) -> Result<(), RuntimeError> {
-        self.evaluate_classes(model, |_| true)
+        self.evaluate_for(model, Demand::Answers)
+    }
+
+    /// The same for a demand.
+    pub fn evaluate_for(&mut self, model: &Model, demand: Demand) -> Result<(), RuntimeError> {
+        self.evaluate_classes(model, demand, |_| true)
     }
 
     /// Constraint values at the gathered inputs. Wrenches and rates of elements without constraints remain those of
     /// the evaluation before.
     pub fn evaluate_constraints(&mut self, model: &Model) -> Result<(), RuntimeError> {
-        self.evaluate_classes(model, |layout| layout.rows > 0)
+        self.evaluate_classes(model, Demand::Answers, |layout| layout.rows > 0)
     }
 
     fn evaluate_classes(
         &mut self,
         model: &Model,
+        demand: Demand,
         of: impl Fn(&InputLayout) -> bool,
     ) -> Result<(), RuntimeError> {
         self.signals.defined(model)?;
@@ -491,7 +497,7 @@ impl Dynamics {
                 continue;
             }
             let scratch = &mut self.work.elements;
-            batch.solve_fields(model, self.at.time, Readings::None, scratch)?;
+            batch.solve_fields(model, self.at.time, demand, scratch)?;
             batch.shape_forces(model, &mut self.shape_forces);
             let layout = model.compiled.system.classes[batch.class].layout;
             let (rows, wrenches, states) = (

@@ -4,7 +4,7 @@
 
 use crate::chain::MarkerKinematics;
 use crate::error::{Moment, RuntimeError, Undefined};
-use crate::field::{self, LaneField, Own, Readings, Task, Trouble, Wanted};
+use crate::field::{self, Demand, LaneField, Own, Task, Trouble, Wanted};
 use crate::memory::Memory;
 use crate::model::Model;
 use eng_system::code::{ElementCode, Function, Pair};
@@ -52,6 +52,8 @@ pub struct Batch {
     shared: bool,
     /// Room for the tasks of the threads.
     tasks: Vec<Task>,
+    /// Room for the numbers from which searches begin.
+    found: Vec<f64>,
 }
 
 /// A constant that follows the inputs: its place in the inputs of a batch, its lane, and its slot among those that
@@ -178,6 +180,7 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
         made.push(Batch {
             shared: model.crew.is_some() && large.count() > 1,
             tasks: Vec::new(),
+            found: Vec::new(),
             class: index,
             pairs,
             stride,
@@ -229,6 +232,7 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
                 readings: vec![0.0; kernel.reading_count() as usize],
                 is_read: false,
                 slopes: vec![0.0; answers * drives],
+                has_slopes: false,
                 own,
                 surface,
             })
@@ -237,16 +241,16 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
 }
 
 impl Batch {
-    /// Solves the fields at the gathered state and writes their answers to the inputs, and as many of their
-    /// readings as wanted. Does nothing for a class without fields.
+    /// Solves the fields at the gathered state and writes the demanded numbers to the inputs. Does nothing for a
+    /// class without fields.
     pub fn solve_fields(
         &mut self,
         model: &Model,
         time: f64,
-        readings: Readings,
+        demand: Demand,
         scratch: &mut Scratch,
     ) -> Result<(), RuntimeError> {
-        self.solve_fields_unless(model, time, readings, &[], scratch)
+        self.solve_fields_unless(model, time, demand, &[], scratch)
     }
 
     /// The same, but takes the solutions of other batches ([`Batch::keep_memory`]) whose fields have the same numbers.
@@ -254,12 +258,12 @@ impl Batch {
         &mut self,
         model: &Model,
         time: f64,
-        readings: Readings,
+        demand: Demand,
         known: &[Batch],
         scratch: &mut Scratch,
     ) -> Result<(), RuntimeError> {
         let class = self.class;
-        let solved = self.solved > Solved::Nothing && readings == Readings::None;
+        let solved = self.solved > Solved::Nothing && demand.is_answers();
         if self.fields.is_empty() || solved {
             return Ok(());
         }
@@ -288,7 +292,7 @@ impl Batch {
                 }
             }
         }
-        self.work(model, time, Wanted::Solution(readings))?;
+        self.work(model, time, Wanted::Solution(demand))?;
         for (pair, [first, second]) in self.pairs.iter().enumerate() {
             let inputs = &mut self.inputs[pair * self.stride..][..common];
             let repeated = first == second;
@@ -383,14 +387,29 @@ impl Batch {
     /// Appends the numbers from which searches for solutions nearby begin well.
     pub fn found(&self, numbers: &mut Vec<f64>) {
         for field in self.fields.iter().flatten() {
-            field.solver.found(numbers);
+            field.found(numbers);
+        }
+    }
+
+    /// Lets the next searches begin where those of the same fields in other batches end.
+    pub fn begin_as(&mut self, others: &[Batch]) {
+        let class = self.class;
+        let elements = self.pairs.as_flattened();
+        for (element, fields) in elements.iter().zip(&mut self.fields) {
+            for (at, field) in fields.iter_mut().enumerate() {
+                if let Some(other) = field_of(others, class, *element, at) {
+                    self.found.clear();
+                    other.solver.found(&mut self.found);
+                    field.solver.begin_at(&self.found);
+                }
+            }
         }
     }
 
     /// Lets the next searches begin at such numbers, and returns those after them.
     pub fn begin_at<'n>(&mut self, mut numbers: &'n [f64]) -> &'n [f64] {
         for field in self.fields.iter_mut().flatten() {
-            numbers = field.solver.begin_at(numbers);
+            numbers = field.begin_at(numbers);
         }
         numbers
     }
@@ -432,13 +451,26 @@ impl Batch {
         if self.fields.is_empty() || self.solved == Solved::Slopes {
             return Ok(());
         }
-        self.solve_fields(model, time, Readings::None, scratch)?;
+        self.solve_fields(model, time, Demand::Answers, scratch)?;
         for field in self.fields.iter_mut().flatten() {
             field.waits = true;
         }
         self.work(model, time, Wanted::Slopes)?;
         self.solved = Solved::Slopes;
         Ok(())
+    }
+
+    /// Derivatives of the fields' answers, which may be those of an earlier state.
+    fn kept_slopes_of_fields(
+        &mut self,
+        model: &Model,
+        time: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(), RuntimeError> {
+        if self.fields.iter().flatten().all(|field| field.has_slopes) {
+            return Ok(());
+        }
+        self.slopes_of_fields(model, time, scratch)
     }
 
     /// The fields of a lane, each with the numbers of its first drive and of its first answer.
@@ -726,7 +758,8 @@ pub fn differentiate(
 }
 
 /// Calls [`Function::Tangent`] with the seeds that `scratch` has after its tape, at the inputs of a pair, and
-/// with changes of the motion of all surfaces. Writes the derivatives to `scratch.outputs`.
+/// with changes of the motion of all surfaces. Writes the derivatives to `scratch.outputs`. Those of fields may be
+/// of an earlier state.
 pub fn differentiate_along(
     model: &Model,
     batch: &mut Batch,
@@ -735,7 +768,7 @@ pub fn differentiate_along(
     surfaces: &[f64],
     scratch: &mut Scratch,
 ) -> Result<(), RuntimeError> {
-    batch.slopes_of_fields(model, time, scratch)?;
+    batch.kept_slopes_of_fields(model, time, scratch)?;
     let class = &model.compiled.system.classes[batch.class];
     let layout = class.layout;
     let (tape, count) = (class.tape as usize, layout.directions() as usize);

@@ -1,23 +1,32 @@
 //! A field of an element: its numbers at a state, and its solution.
 
-use eng_system::field::{FieldError, FieldSolver, Past};
+use eng_system::field::{Accuracy, FieldError, FieldSolver, Past};
 
-/// The readings of fields that a caller needs.
+/// The numbers of fields that a caller needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Readings {
-    /// None: loads follow from the answers.
-    None,
-    /// Those without derivatives: conditions are checked at every step.
-    Plain,
-    /// All.
-    All,
+pub enum Demand {
+    /// Answers of an iterate of Newton's method, from which loads follow.
+    Iterate,
+    /// Answers.
+    Answers,
+    /// Answers, and readings without derivatives: conditions are checked at every step.
+    Conditions,
+    /// Answers and all readings.
+    Readings,
+}
+
+impl Demand {
+    /// Whether answers are enough.
+    pub fn is_answers(self) -> bool {
+        matches!(self, Demand::Iterate | Demand::Answers)
+    }
 }
 
 /// The work that fields wait for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
-    /// A solution at the drives, with readings.
-    Solution(Readings),
+    /// A solution at the drives.
+    Solution(Demand),
     /// The derivatives of the last solution.
     Slopes,
 }
@@ -46,8 +55,9 @@ pub(crate) struct LaneField {
     pub readings: Vec<f64>,
     /// Whether the readings without derivatives are those of the last solution.
     pub is_read: bool,
-    /// Derivatives of the answers by the drives, answer by answer.
+    /// Derivatives of the answers by the drives, answer by answer, and whether they have ever been computed.
     pub slopes: Vec<f64>,
+    pub has_slopes: bool,
     /// First of the numbers that it remembers.
     pub memory: usize,
     /// These numbers at the beginning of the step, and the time since then (s); without a time it is in balance.
@@ -99,6 +109,31 @@ impl LaneField {
         })
     }
 
+    /// Appends the numbers from which it continues: its derivatives, and those of its solver.
+    pub fn found(&self, numbers: &mut Vec<f64>) {
+        numbers.push(f64::from(u8::from(self.has_slopes)));
+        if self.has_slopes {
+            numbers.extend_from_slice(&self.slopes);
+        }
+        self.solver.found(numbers);
+    }
+
+    /// Takes such numbers, and returns those after them.
+    pub fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
+        let Some((known, mut others)) = numbers.split_first() else {
+            return &[];
+        };
+        self.has_slopes = false;
+        if *known == 1.0 {
+            let Some((slopes, rest)) = others.split_at_checked(self.slopes.len()) else {
+                return &[];
+            };
+            self.slopes.copy_from_slice(slopes);
+            (self.has_slopes, others) = (true, rest);
+        }
+        self.solver.begin_at(others)
+    }
+
     /// Whether its solution and readings are those of a field with the numbers of another.
     pub fn is_solved_as(&self, other: &LaneField) -> bool {
         let numbers = |field: &LaneField| (field.since, field.memory);
@@ -120,9 +155,11 @@ impl LaneField {
             true => Ok(()),
             false => Err(Trouble::NotFinite),
         };
-        let Wanted::Solution(readings) = wanted else {
+        let Wanted::Solution(demand) = wanted else {
             self.solver.tangent(&mut self.slopes);
-            return finite(&self.slopes);
+            let known = finite(&self.slopes);
+            self.has_slopes = known.is_ok();
+            return known;
         };
         self.is_read = false;
         // drives that are not finite come from the element, whose own error names the table
@@ -131,11 +168,16 @@ impl LaneField {
             step,
             memory: &self.before,
         });
-        let solved = self.solver.solve(&self.drives, past, &mut self.answers);
+        let accuracy = match demand {
+            Demand::Iterate => Accuracy::Iterate,
+            _ => Accuracy::Full,
+        };
+        let answers = &mut self.answers;
+        let solved = self.solver.solve(&self.drives, past, accuracy, answers);
         solved.map_err(Trouble::Solver)?;
         finite(&self.answers)?;
-        if readings != Readings::None {
-            let slopes = readings == Readings::All;
+        if !demand.is_answers() {
+            let slopes = demand == Demand::Readings;
             self.solver.read(&mut self.readings, slopes);
         }
         Ok(())

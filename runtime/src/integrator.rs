@@ -46,6 +46,7 @@ use crate::body::Weights;
 use crate::dynamics::Dynamics;
 use crate::dynamics::MatrixPlan;
 use crate::error::RuntimeError;
+use crate::field::Demand;
 use crate::linear::{BlockLu, LinearSolver};
 use crate::model::Model;
 use crate::state::{State, move_pose};
@@ -570,12 +571,14 @@ impl Integrator {
         );
     }
 
-    /// Evaluates the scaled residual of a step h at the trial, after [`Integrator::predict`].
+    /// Evaluates the scaled residual of a step h at the trial, after [`Integrator::predict`]. `demand` states how exactly
+    /// fields are solved.
     pub fn evaluate(
         &mut self,
         model: &Model,
         dynamics: &mut Dynamics,
         h: f64,
+        demand: Demand,
     ) -> Result<(), RuntimeError> {
         let (n, s) = (model.velocities, model.states);
         self.apply_trial(model, h);
@@ -589,7 +592,7 @@ impl Integrator {
             &self.next.multipliers,
             &self.current.rotations,
         );
-        dynamics.evaluate(model)?;
+        dynamics.evaluate_for(model, demand)?;
         self.residual.fill(0.0);
         dynamics.add_inertia(
             model,

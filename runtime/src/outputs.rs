@@ -3,7 +3,7 @@
 use crate::dynamics::Dynamics;
 use crate::elements::{self, Batch, Inputs, Scratch, not_finite, undefined};
 use crate::error::RuntimeError;
-use crate::field::Readings;
+use crate::field::Demand;
 use crate::model::Model;
 use crate::state::State;
 use eng_system::code::Function;
@@ -178,7 +178,8 @@ impl Outputs {
         for batches in &mut self.levels {
             for batch in batches {
                 elements::gather(model, batch, &from);
-                batch.solve_fields(model, state.time, Readings::All, &mut self.scratch)?;
+                batch.begin_as(dynamics.batches());
+                batch.solve_fields(model, state.time, Demand::Readings, &mut self.scratch)?;
                 let class = &model.compiled.system.classes[batch.class];
                 let layout = class.layout;
                 let count = class.outputs.len();
@@ -323,7 +324,7 @@ impl Watch {
             let class = &model.compiled.system.classes[batch.class];
             if class.facts.conditions_read_fields {
                 let (time, scratch) = (from.time, &mut self.scratch);
-                batch.solve_fields_unless(model, time, Readings::Plain, solved, scratch)?;
+                batch.solve_fields_unless(model, time, Demand::Conditions, solved, scratch)?;
             }
             let conditions = &class.conditions;
             for pair in 0..batch.pairs.len() {

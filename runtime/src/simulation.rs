@@ -19,6 +19,7 @@ use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
 pub use crate::error::{Jump, Jumping, Pace, Slow};
 use crate::error::{Moment, RuntimeError};
+use crate::field::Demand;
 use crate::integrator::{Damped, Goal, Integrator, Statistics};
 use crate::kinks::{Kinks, Overlooked};
 use crate::linear::Pattern;
@@ -490,7 +491,7 @@ impl Simulation {
         self.integrator.predict(&self.model, step, true);
         self.integrator.set_trial(unknowns);
         let (model, dynamics) = (&self.model, &mut self.dynamics);
-        let mut tried = self.integrator.evaluate(model, dynamics, step);
+        let mut tried = (self.integrator).evaluate(model, dynamics, step, Demand::Answers);
         if filled && tried.is_ok() {
             tried = self.integrator.fill(model, dynamics, step);
         }

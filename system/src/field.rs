@@ -427,8 +427,18 @@ pub struct Past<'a> {
     pub memory: &'a [f64],
 }
 
+/// How exactly a field is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accuracy {
+    /// As exactly as the field can be: the answers have no error that differences of them would show.
+    Full,
+    /// For an iterate of Newton's method. The answers may have an error far below the effect of the change of the
+    /// drives since the last solution. So the error vanishes as the iterates converge.
+    Iterate,
+}
+
 /// A field at a moment. The solution depends on the drives and the past alone; a solver keeps only the start of
-/// its next search.
+/// its next search. (With [`Accuracy::Iterate`] the error depends on this start.)
 pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// Solves the field at drives and writes the answers. Without a past the memory is in balance: it does not
     /// change.
@@ -439,6 +449,7 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
         &mut self,
         drives: &[f64],
         past: Option<Past<'_>>,
+        accuracy: Accuracy,
         answers: &mut [f64],
     ) -> Result<(), FieldError>;
     /// Writes the memory at the last solution.
@@ -453,7 +464,7 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// numbers.
     fn read(&mut self, readings: &mut [f64], slopes: bool);
     /// Appends numbers of the last solution from which the search for a solution nearby begins well, such as
-    /// the cavity of a film.
+    /// the cavity of a film. A solver that begins at them gives the same bits as this one at a later moment.
     fn found(&self, _numbers: &mut Vec<f64>) {}
     /// Begins the next search at such numbers, and returns those after its own.
     fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {

@@ -33,7 +33,8 @@ impl Dynamics {
     }
 
     /// `out += factor Σ Jᵀ ∂W/∂v x` for a vector x of body velocities: the response of dampers and films to a
-    /// change of velocity.
+    /// change of velocity. The slopes of films may be those of the last matrix: its factors filter the error of a step
+    /// with this response, and new slopes of an elastic film cost as much as ten solutions.
     pub fn add_damping_forces(
         &mut self,
         model: &Model,

@@ -3,6 +3,7 @@
 use super::Integrator;
 use crate::dynamics::Dynamics;
 use crate::error::RuntimeError;
+use crate::field::Demand;
 use crate::model::Model;
 use crate::state::State;
 
@@ -67,7 +68,7 @@ impl Integrator {
         let (n, weight) = (model.velocities, self.coefficients.weights(step).velocity);
         for _ in 0..CORRECTIONS {
             dynamics.gather(model, &state.states, &state.multipliers, &state.rotations);
-            dynamics.evaluate(model)?;
+            dynamics.evaluate_for(model, Demand::Iterate)?;
             self.correction.fill(0.0);
             let rest = &mut self.correction[..n];
             dynamics.add_inertia(model, &state.velocity, &state.acceleration, rest);

@@ -4,6 +4,7 @@
 use super::{Integrator, RESOLVED, Trial};
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
+use crate::field::Demand;
 use crate::model::{Model, STEP_SHARE};
 use eng_system::dense::{largest, largest_scaled};
 use eng_system::system::{Origin, StateInfo};
@@ -126,7 +127,7 @@ impl Integrator {
             // contraction.
             Next::Met => self.apply_trial(model, h),
             // computes v', v̇' and a' of the last increment
-            Next::Foreseen => match self.evaluate(model, dynamics, h) {
+            Next::Foreseen => match self.evaluate(model, dynamics, h, Demand::Iterate) {
                 Ok(()) => {}
                 Err(error @ RuntimeError::NotFinite { .. }) => return failed(error),
                 Err(error) => return Err(error),
@@ -155,7 +156,7 @@ impl Integrator {
         let mut count = 0;
         // a halving shortens one correction, so it allows one iteration more
         while count < ITERATION_LIMIT + iteration.backtracks {
-            match self.evaluate(model, dynamics, h) {
+            match self.evaluate(model, dynamics, h, Demand::Iterate) {
                 Ok(()) => {}
                 Err(error @ RuntimeError::NotFinite { .. }) => {
                     iteration.cause = Some(error);

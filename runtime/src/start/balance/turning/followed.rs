@@ -28,6 +28,7 @@ use super::{NoOrbit, singular};
 use crate::assembly::rows::pins;
 use crate::dynamics::Dynamics;
 use crate::error::RuntimeError;
+use crate::field::Demand;
 use crate::integrator::{Goal, Integrator};
 use crate::linear::{BlockLu, LinearSolver, Pattern};
 use crate::model::Model;
@@ -237,7 +238,7 @@ impl Follower {
     fn evaluate(&mut self, model: &Model, trial: &[f64]) -> Result<(), RuntimeError> {
         self.integrator.set_trial(trial);
         self.integrator
-            .evaluate(model, &mut self.dynamics, self.step)
+            .evaluate(model, &mut self.dynamics, self.step, Demand::Iterate)
     }
 
     /// Factors the matrix at the last evaluation.
