@@ -347,6 +347,7 @@ analysis slap = transient(Slap(), duration: 0.15 s, sample: 0.5 ms)";
 }
 
 /// Teeth along the way of a block, by a sine and by a `wrapped` angle in the condition: several of them would fit between two samples.
+/// The sine is a number without a unit, and a force.
 /// The motion is a closed form between the edges: a constant acceleration within a tooth, none beside it.
 #[test]
 fn teeth_along_a_way_are_not_stepped_over() {
@@ -358,8 +359,22 @@ fn teeth_along_a_way_are_not_stepped_over() {
             -1.0,
             edge,
             pi - edge,
-            // behind a kink of a number without a unit only the error of positions counts
-            3e-2,
+            2e-3,
+        ),
+        // a tip of 5e-4 of the sine
+        (
+            "if sin(1000 rad/m*way) > 0.9995 then -10 N else 0 N",
+            -10.0,
+            0.9995_f64.asin(),
+            pi - 0.9995_f64.asin(),
+            2e-3,
+        ),
+        (
+            "if 5 N*sin(1000 rad/m*way) > 4.5 N then -1 N else 0 N",
+            -1.0,
+            edge,
+            pi - edge,
+            2e-3,
         ),
         (
             "if wrapped(1000 rad/m*way, 360 deg, from: 0 deg) < 10 deg then -3 N else 0 N",
@@ -392,7 +407,7 @@ fn teeth_along_a_way_are_not_stepped_over() {
             }
             tooth += 1.0;
         }
-        for sample in ["5 ms", "0.2 s"] {
+        for sample in ["0.1 ms", "5 ms", "0.2 s"] {
             let outcome = pushed(
                 push,
                 [0.0, 1.0],
@@ -529,11 +544,36 @@ fn motions_start_again_behind_jumps() {
             1e-4,
         ),
         ("if way > 30 mm then -2 N else 3 N", 1.0, f64::NAN, 1e-6),
+        // the same place as a number, a force, a time and a square
+        (
+            "if way/(1 m) > 0.03 then -2 N else 3 N",
+            1.0,
+            f64::NAN,
+            1e-6,
+        ),
+        (
+            "if 1 N/mm*way > 30 N then -2 N else 3 N",
+            1.0,
+            f64::NAN,
+            1e-6,
+        ),
+        (
+            "if way/(1 m/s) > 30 ms then -2 N else 3 N",
+            1.0,
+            f64::NAN,
+            1e-6,
+        ),
+        (
+            "if way^2 > 900 mm^2 then -2 N else 3 N",
+            1.0,
+            f64::NAN,
+            1e-6,
+        ),
         ("if rate > 0.9 m/s then -2 N else -1 N", 1.0, f64::NAN, 1e-3),
     ] {
         // 30 mm are passed at the speed √(1 + 2·3·0.03), then 2 m/s² less; 0.9 m/s after 50 ms, then 1 m/s² less
         let due = match push {
-            push if push.contains("30 mm") => {
+            push if push.ends_with("else 3 N") => {
                 let passed = (1.0_f64 + 6.0 * 0.03).sqrt();
                 passed - 2.0 * (0.2 - (passed - 1.0) / 3.0)
             }
