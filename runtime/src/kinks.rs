@@ -13,7 +13,7 @@
 //! | a length, in an element whose class states `resolve` | the smallest length that it resolves |
 //! | another length | the tolerance of positions, or a fiftieth of the constant distance from another kink of the element |
 //! | an angle | this tolerance over the model's length |
-//! | another function of places and time alone | its change when a body moves by the limit of a length ([`slopes`]) |
+//! | another function of places and time alone | its change when a body moves by the tolerance of positions ([`slopes`]) |
 //! | a time, or a function of time alone | rounding: a moment is known exactly |
 //! | anything else | 1e-5 of the largest value of g so far, the share that errors of states may have |
 //!
@@ -722,12 +722,14 @@ impl Kinks {
         found.map(|(item, _)| item)
     }
 
-    /// Whether a step begins at another kink than this one, at a time (s).
-    pub fn begins_at_other(&self, kink: usize, time: f64, factor: f64) -> bool {
+    /// Whether a step begins at another kink than this one, at a time (s), and leaves it within the time `at` (s). A function that
+    /// stays within its limit is not left, however far the step goes, and no load acts between it and this kink alone.
+    pub fn begins_at_other(&self, kink: usize, at: f64, time: f64, factor: f64) -> bool {
         let mut functions = self.now.iter().enumerate();
         functions.any(|(item, [value, rate])| {
-            let is_at = *rate != 0.0 && value.abs() <= self.limit(item, time, factor);
-            item != kink && self.used[item] && is_at
+            let limit = self.limit(item, time, factor);
+            let is_left = value.abs() <= limit && (value + rate * at).abs() > limit;
+            item != kink && self.used[item] && is_left
         })
     }
 
@@ -878,14 +880,14 @@ fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
     }
     let resolves = &model.compiled.system.elements[element].resolves;
     let stated = resolves.iter().map(|slot| model.slot(*slot));
-    let length = || {
-        let stated = stated.min_by(f64::total_cmp);
-        stated.map_or(Limit::Tolerance(model.tolerance), Limit::Stated)
-    };
     match (kink.dimension, kink.course) {
-        (Some(Dimension::LENGTH), _) => length(),
+        (Some(Dimension::LENGTH), _) => {
+            let stated = stated.min_by(f64::total_cmp);
+            stated.map_or(Limit::Tolerance(model.tolerance), Limit::Stated)
+        }
         (Some(Dimension::ANGLE), _) => Limit::Tolerance(model.tolerance / model.length),
-        (_, Course::Position) => length(),
+        // the length that a class resolves may be the whole range of its functions, as the clearance is for a film
+        (_, Course::Position) => Limit::Tolerance(model.tolerance),
         (Some(Dimension::TIME), _) => Limit::Time,
         _ => Limit::Share,
     }
