@@ -633,6 +633,48 @@ fn a_force_that_holds_the_motion_beside_other_loads_is_refused() {
     }
 }
 
+/// A piston under dry friction comes to rest at mid-stroke of a slider-crank that nothing drives. Steps across the jump have no
+/// solution, so they end before it, again and again.
+#[test]
+fn dry_friction_that_holds_a_mechanism_is_refused() {
+    for other in ["else -20 N", "else if v < 0 m/s then -20 N else 0 N"] {
+        let text = format!(
+            "use std.joints.{{Revolute, PointOnLine, Translational}}
+force Dry(a: Marker, b: Marker) {{
+    let v = dot(a.velocity - b.velocity, b.z)
+    apply force -(if v > 0 m/s then 20 N {other})*b.z on a against b
+}}
+model Crank {{
+    gravity = [0, 0, 0] m/s^2
+    marker rail = [0, 0, 0] mm
+    marker bore = at([0, 0, 0] mm, z: [1, 0, 0])
+    body crank {{ mass = 2 kg; inertia = [2, 2, 2] g*m^2; marker main = origin; marker pin = [20, 0, 0] mm }}
+    body rod {{ mass = 0.4 kg; inertia = [0.1, 1, 1] g*m^2; center_of_mass = [40, 0, 0] mm; marker big = origin; marker small = [120, 0, 0] mm }}
+    body piston {{ mass = 0.5 kg; inertia = [1, 1, 1] g*m^2; marker pin = origin; marker crown = at(origin, z: [1, 0, 0]) }}
+    joint main = Revolute(crank.main, rail)
+    joint big_end = Revolute(rod.big, crank.pin)
+    joint wrist = PointOnLine(rod.small, piston.pin)
+    joint liner = Translational(piston.crown, bore) {{ branch travel > 0 mm }}
+    force dry = Dry(piston.crown, bore)
+    start main.angle = 30 deg
+    start der(main.angle) = 12 rad/s
+}}
+analysis run = transient(Crank(), duration: 0.6 s, sample: 5 ms)
+"
+        );
+        let folder = Folder::with("stick", &text);
+        let began = std::time::Instant::now();
+        let output = folder.eng(&["run", "model.eng", "--no-plots"]);
+        let told = said(&output);
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(
+            told.contains("error[E0770]: the force of dry jumps by 40 N"),
+            "{told}"
+        );
+        assert!(began.elapsed().as_secs() < 10);
+    }
+}
+
 #[test]
 fn a_run_that_nobody_waits_for_is_stopped_with_its_reason() {
     let folder = Folder::with("chatter", &RUBBED.replace("{way}", "way > 0 mm"));

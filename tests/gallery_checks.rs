@@ -281,6 +281,14 @@ fn a_boxer_has_a_couple_and_no_force() {
             ("across", 2.0, C::new(0.0, 0.0)),
         ];
         lines_are(&results, &forces, 2e-3 * full);
+        // the heat begins close to samples, and films state their clearance as the length that they resolve
+        let work = column(&results, "energy.work_of_loads");
+        let open = column(&results, "energy.imbalance");
+        let open = open.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert!(
+            open < 1e-5 * work[work.len() - 1].abs(),
+            "{analysis}: {open} J"
+        );
     }
 }
 

@@ -340,6 +340,23 @@ impl Integrator {
         }
     }
 
+    /// Continues with the accelerations, multipliers and rates of states of another state at the same place, with rates of change
+    /// that are zero. The velocity without its part normal to the constraints must be known: see [`Integrator::set_defect`].
+    pub fn take_accelerations(&mut self, from: &State) {
+        self.current
+            .acceleration
+            .copy_from_slice(&from.acceleration);
+        self.current.multipliers.copy_from_slice(&from.multipliers);
+        self.current.rates.copy_from_slice(&from.rates);
+        let zeros = |count: usize| vec![0.0; count];
+        let rates = zeros(self.jerk.len());
+        let (of_rows, of_states) = (
+            zeros(self.multiplier_rate.len()),
+            zeros(self.state_jerk.len()),
+        );
+        self.renew(&rates, &rates, &of_rows, &of_states);
+    }
+
     /// Whether a step h needs [`Integrator::set_defect`] first, because it differs from the last step.
     pub fn needs_defect(&self, h: f64) -> bool {
         h != self.auxiliary_step && !self.defect_known

@@ -13,6 +13,7 @@
 //! | a length, in an element whose class states `resolve` | the smallest length that it resolves |
 //! | another length | the tolerance of positions, or a fiftieth of the constant distance from another kink of the element |
 //! | an angle | this tolerance over the model's length |
+//! | another function of places and time alone | its change when a body moves by the tolerance of positions ([`slopes`]) |
 //! | a time, or a function of time alone | rounding: a moment is known exactly |
 //! | anything else | 1e-5 of the largest value of g so far, the share that errors of states may have |
 //!
@@ -30,6 +31,7 @@ mod clocks;
 mod crossing;
 mod overlooked;
 mod points;
+mod slopes;
 
 use crate::dynamics::Dynamics;
 use crate::elements::{self, Batch, Inputs};
@@ -46,6 +48,7 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Course, Kink, Origin};
 pub use overlooked::Overlooked;
 use points::Points;
+use slopes::Sloped;
 use std::ops::Range;
 
 /// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
@@ -70,13 +73,17 @@ const SIGN: f64 = 1e-6;
 /// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
 /// pressures have become equal, a body that sticks. Ending every step there would gain nothing.
 const STAYS: f64 = 3.0;
-/// A step that passes a kink adds this number to the count of the kink. A step that does not pass it subtracts 1.
+/// A step that passes a kink, or ends close before it, adds this number to the count of the kink. Any other step subtracts 1.
 const PASSED: f64 = 32.0;
-/// The count at which a kink has been passed often: after 8 steps that pass it, or a few more with others between.
+/// Number of steps of equal length that an end close before a kink is from it at most. A motion that comes to a kink and passes it
+/// counts some five times.
+const CLOSE: f64 = 4.0;
+/// The count at which the motion may be held at a kink: after 8 steps that pass it or end close before it, or a few more with others
+/// between.
 const OFTEN: f64 = 256.0;
 /// Largest change (rad) in a step of the argument of a sine in a function of the motion. The cubic through values and rates differs
-/// from a sine by 3e-3 then.
-const PHASE: f64 = 1.0;
+/// from a sine by 1e-5 then, the share that errors of states may have. Narrower tips may be missed.
+const PHASE: f64 = 0.25;
 /// Share of the change of a function over a step that its rates do not explain. Above it, a `wrapped` angle has jumped by a period.
 const WRAPPED: f64 = 0.5;
 
@@ -99,10 +106,12 @@ struct Item {
     constrains: bool,
     /// Whether it jumps where a `wrapped` angle begins anew.
     wraps: bool,
+    /// Whether a jump of a load may hold the motion there: not at a moment, nor at a place, whose rate does not jump.
+    holds: bool,
 }
 
 impl Item {
-    /// Whether its function is a length or an angle.
+    /// Whether its function is a length, an angle or another one of places.
     fn is_way(&self) -> bool {
         matches!(self.limit, Limit::Stated(_) | Limit::Tolerance(_))
     }
@@ -117,8 +126,9 @@ struct Group {
     own: Option<Batch>,
     /// Index of the first item.
     first: usize,
-    /// Its clocks.
+    /// Its clocks, and its functions of places.
     clocks: Range<usize>,
+    sloped: Range<usize>,
 }
 
 /// The kink functions of a model, at the beginning of a step and at the end of its last trial.
@@ -147,6 +157,9 @@ pub struct Kinks {
     neighbours: Neighbours,
     points: Points,
     clocks: Vec<Clock>,
+    sloped: Vec<Sloped>,
+    /// Slopes of the functions at the last accepted state and at the last evaluation; 1 for lengths and angles.
+    slopes: [Vec<f64>; 2],
     /// Times (s) of the last accepted state and of the last evaluation.
     times: [f64; 2],
     /// Largest rates (rad/s) of arguments of sines in functions of the motion, at the last accepted state and at the last evaluation.
@@ -190,6 +203,8 @@ impl Kinks {
             neighbours: Neighbours::default(),
             points: Points::default(),
             clocks: Vec::new(),
+            sloped: Vec::new(),
+            slopes: [const { Vec::new() }; 2],
             times: [f64::NEG_INFINITY; 2],
             phase_rate: [0.0; 2],
             out: Vec::new(),
@@ -212,16 +227,19 @@ impl Kinks {
                     .and_then(|made| made.into_iter().next()),
                 first: kinks.items.len(),
                 clocks: 0..0,
+                sloped: 0..0,
             });
-            let clocks = kinks.clocks.len();
+            let (clocks, sloped) = (kinks.clocks.len(), kinks.sloped.len());
             for (member, element) in members.into_iter().enumerate() {
                 for (k, kink) in class.kinks.iter().enumerate() {
+                    let limit = limit(model, element, kink);
                     let item = Item {
                         element,
                         kink: k,
-                        limit: limit(model, element, kink),
+                        limit,
                         constrains: kink.constrains,
                         wraps: kink.wraps,
+                        holds: kink.course == Course::Motion && limit != Limit::Time,
                     };
                     let first = kinks.items.len();
                     let count = match (kink.table, kink.course) {
@@ -232,13 +250,18 @@ impl Kinks {
                                 .push(Clock::new(first, [member / 2, member % 2, k]));
                             KEPT
                         }
-                        (None, Course::Motion | Course::Uniform) => 1,
+                        (None, _) => 1,
                     };
+                    if kink.course == Course::Position && item.is_way() && !is_length(kink) {
+                        let place = [member / 2, member % 2, k];
+                        kinks.sloped.push(Sloped::new(place, first..first + count));
+                    }
                     kinks.items.extend(std::iter::repeat_n(item, count));
                 }
             }
             if let Some(group) = kinks.groups.last_mut() {
                 group.clocks = clocks..kinks.clocks.len();
+                group.sloped = sloped..kinks.sloped.len();
             }
             kinks
                 .out
@@ -251,6 +274,7 @@ impl Kinks {
         kinks.used_next = vec![true; count];
         let constraining = (0..count).filter(|item| kinks.items[*item].constrains);
         kinks.constraining = constraining.collect();
+        kinks.slopes = [vec![1.0; count], vec![1.0; count]];
         kinks.bends = vec![0.0; count];
         kinks.peaks = vec![0.0; count];
         kinks.stays = vec![0.0; count];
@@ -307,7 +331,7 @@ impl Kinks {
                         let Some(table) = kink.table else {
                             let changes = match kink.course {
                                 Course::Time => clocks.next(),
-                                Course::Motion | Course::Uniform => None,
+                                _ => None,
                             };
                             let Some(clock) = changes else {
                                 self.next[at] = timed(kink.course, [value, rate]);
@@ -332,6 +356,7 @@ impl Kinks {
                     }
                 }
             }
+            self.measure_slopes(model, dynamics, index)?;
         }
         Ok(())
     }
@@ -408,15 +433,18 @@ impl Kinks {
         self.often = None;
         let pairs = self.now.iter().zip(&self.next).enumerate();
         for ((item, (from, to)), passages) in pairs.zip(&mut self.passages) {
-            // no motion is held at a moment
-            let passed = from[0] * to[0] < 0.0 && self.items[item].limit != Limit::Time;
-            *passages = (*passages + if passed { PASSED } else { -1.0 }).max(0.0);
+            let passed = from[0] * to[0] < 0.0;
+            let close = to[0] * to[1] < 0.0 && to[0].abs() <= CLOSE * h * to[1].abs();
+            let counts = (passed || close) && self.items[item].holds;
+            *passages = (*passages + if counts { PASSED } else { -1.0 }).max(0.0);
             if *passages >= OFTEN {
                 (*passages, self.often) = (0.0, Some(item));
             }
         }
         self.now.copy_from_slice(&self.next);
         self.used.copy_from_slice(&self.used_next);
+        let [now, next] = &mut self.slopes;
+        now.copy_from_slice(next);
         for (item, function) in self.points.follow(model) {
             [self.now[item], self.next[item]] = [function; 2];
             [self.stays[item], self.peaks[item]] = [0.0; 2];
@@ -438,9 +466,9 @@ impl Kinks {
     }
 
     fn measure_distances(&mut self) {
-        let items = &self.items;
+        let (items, slopes) = (&self.items, &self.slopes[0]);
         let tolerance = |item: usize| match items[item].limit {
-            Limit::Tolerance(tolerance) => tolerance,
+            Limit::Tolerance(tolerance) => tolerance * slopes[item],
             _ => 0.0,
         };
         self.neighbours.measure(&self.now, tolerance);
@@ -448,10 +476,18 @@ impl Kinks {
 
     /// The limit of a function at a time (s), for a factor on the tolerances.
     fn limit(&self, item: usize, time: f64, factor: f64) -> f64 {
+        // that of the end nearer to the kink, because both may differ much
+        let nearer = self.next[item][0].abs() < self.now[item][0].abs();
+        let slope = self.slopes[usize::from(nearer)][item];
+        // where the slope vanishes, rounding must not decide the side
+        let least = match slope {
+            1.0 => 0.0,
+            _ => SIGN * STATE_SHARE * self.peaks[item],
+        };
         match self.items[item].limit {
-            Limit::Stated(length) => length * factor.min(1.0),
+            Limit::Stated(length) => (slope * length * factor.min(1.0)).max(least),
             Limit::Tolerance(tolerance) => {
-                let limit = tolerance * factor;
+                let limit = (slope * tolerance * factor).max(least);
                 limit.min((APART.0 * self.neighbours.apart(item)).max(APART.1 * limit))
             }
             Limit::Time => {
@@ -483,7 +519,7 @@ impl Kinks {
         PHASE / self.phase_rate[0]
     }
 
-    /// A kink that many of the last steps have passed, to and fro.
+    /// A kink that many of the last steps have passed to and fro, or ended close to.
     pub fn often(&self) -> Option<usize> {
         self.often
     }
@@ -546,12 +582,12 @@ impl Kinks {
         times.into_iter().find(|time| *time > 0.0 && *time < h)
     }
 
-    /// Whether the function of a kink is a length or an angle.
+    /// Whether the function of a kink is a length, an angle or another one of places.
     pub fn is_way(&self, item: usize) -> bool {
         self.items.get(item).is_some_and(Item::is_way)
     }
 
-    /// The length, angle or moment that a trial reaches at its end, at a time (s). Other functions, such as the pressure at a
+    /// The place or moment that a trial reaches at its end, at a time (s). Other functions, such as the pressure at a
     /// valve, may stay within their limit.
     pub fn reached_way(&self, time: f64, factor: f64) -> Option<usize> {
         let reached = self.reached(time, factor);
@@ -577,10 +613,16 @@ impl Kinks {
         }
     }
 
-    /// The time (s) from a kink to the next one of its element, if their distance is constant, at its present rate; otherwise
-    /// infinite.
+    /// The time (s) from a kink to the next one of its element, if their distance is constant, at its present rate, or to the next
+    /// zero of its own function, if the rate keeps changing as in the last step; infinite without them.
     pub fn time_beside(&self, item: usize) -> f64 {
-        self.neighbours.apart(item) / self.now[item][1].abs()
+        let (rate, bend) = (self.now[item][1], self.bends[item]);
+        let back = if rate * bend < 0.0 {
+            -2.0 * rate / bend
+        } else {
+            f64::INFINITY
+        };
+        back.min(self.neighbours.apart(item) / rate.abs())
     }
 
     /// The first time (s) of a step h (s) in which a function changes its sign at its present rate, if a step of h would
@@ -680,12 +722,14 @@ impl Kinks {
         found.map(|(item, _)| item)
     }
 
-    /// Whether a step begins at another kink than this one, at a time (s).
-    pub fn begins_at_other(&self, kink: usize, time: f64, factor: f64) -> bool {
+    /// Whether a step begins at another kink than this one, at a time (s), and leaves it within the time `at` (s). A function that
+    /// stays within its limit is not left, however far the step goes, and no load acts between it and this kink alone.
+    pub fn begins_at_other(&self, kink: usize, at: f64, time: f64, factor: f64) -> bool {
         let mut functions = self.now.iter().enumerate();
         functions.any(|(item, [value, rate])| {
-            let is_at = *rate != 0.0 && value.abs() <= self.limit(item, time, factor);
-            item != kink && self.used[item] && is_at
+            let limit = self.limit(item, time, factor);
+            let is_left = value.abs() <= limit && (value + rate * at).abs() > limit;
+            item != kink && self.used[item] && is_left
         })
     }
 
@@ -793,7 +837,8 @@ impl Kinks {
         let counts = counts.copied().chain(used);
         let clocks = self.clocks.iter().flat_map(Clock::numbers);
         let counts = counts.chain(self.points.numbers()).chain(clocks);
-        counts.chain([self.times[0], self.phase_rate[0]]).collect()
+        let counts = counts.chain([self.times[0], self.phase_rate[0]]);
+        counts.chain(self.slopes[0].iter().copied()).collect()
     }
 
     /// Sets them from a checkpoint.
@@ -817,27 +862,40 @@ impl Kinks {
         for clock in &mut self.clocks {
             rest = clock.set_numbers(rest);
         }
-        if let [time, phase_rate] = rest {
+        if let [time, phase_rate, slopes @ ..] = rest {
             [self.times[0], self.phase_rate[0]] = [*time, *phase_rate];
+            for known in &mut self.slopes {
+                for (place, slope) in known.iter_mut().zip(slopes) {
+                    *place = *slope;
+                }
+            }
         }
         self.measure_distances();
     }
 }
 
 fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
-    if kink.course != Course::Motion {
+    if kink.course.is_of_time() {
         return Limit::Time;
     }
     let resolves = &model.compiled.system.elements[element].resolves;
     let stated = resolves.iter().map(|slot| model.slot(*slot));
-    match kink.dimension {
-        Some(Dimension::LENGTH) => stated
-            .min_by(f64::total_cmp)
-            .map_or(Limit::Tolerance(model.tolerance), Limit::Stated),
-        Some(Dimension::ANGLE) => Limit::Tolerance(model.tolerance / model.length),
-        Some(Dimension::TIME) => Limit::Time,
+    match (kink.dimension, kink.course) {
+        (Some(Dimension::LENGTH), _) => {
+            let stated = stated.min_by(f64::total_cmp);
+            stated.map_or(Limit::Tolerance(model.tolerance), Limit::Stated)
+        }
+        (Some(Dimension::ANGLE), _) => Limit::Tolerance(model.tolerance / model.length),
+        // the length that a class resolves may be the whole range of its functions, as the clearance is for a film
+        (_, Course::Position) => Limit::Tolerance(model.tolerance),
+        (Some(Dimension::TIME), _) => Limit::Time,
         _ => Limit::Share,
     }
+}
+
+/// Whether the function of a kink is a length or an angle, whose slopes are 1.
+fn is_length(kink: &Kink) -> bool {
+    matches!(kink.dimension, Some(Dimension::LENGTH | Dimension::ANGLE))
 }
 
 /// A function with its rate; the time since its change of sign, if its rate is constant and the function depends on time alone.

@@ -214,13 +214,22 @@ pub struct TableKink {
 /// What a kink function depends on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Course {
-    /// On the motion, or on an input.
+    /// On velocities, states or an input.
     #[default]
     Motion,
+    /// On positions, and perhaps on time, but on nothing else: `sin(place/(1 mm)) - 0.9`.
+    Position,
     /// On time alone, at a constant rate: `time - 1 s`.
     Uniform,
     /// On time alone, at another rate: `sin(50 Hz*time) - 0.9`.
     Time,
+}
+
+impl Course {
+    /// Whether it depends on time alone.
+    pub fn is_of_time(self) -> bool {
+        matches!(self, Course::Uniform | Course::Time)
+    }
 }
 
 /// A function of the motion that changes its sign where a load, a rate or a constraint of a class is not smooth.

@@ -182,7 +182,8 @@ impl<'a> Elaborator<'a, '_> {
             .collect()
     }
 
-    /// The dimension of the two numbers that a condition compares; `None` for another condition.
+    /// The dimension of the numbers that a condition compares; `None` for another condition, and for one whose parts compare
+    /// numbers of different dimensions.
     pub(super) fn compared(
         &mut self,
         condition: &'a ast::Expr,
@@ -196,6 +197,20 @@ impl<'a> Elaborator<'a, '_> {
                 left,
                 ..
             } => self.dimension_at(left.span, scope).map(Some),
+            ast::ExprKind::Binary {
+                op: B::And | B::Or,
+                left,
+                right,
+                ..
+            } => {
+                let left = self.compared(left, scope)?;
+                let right = self.compared(right, scope)?;
+                Ok(left.filter(|_| left == right))
+            }
+            ast::ExprKind::Unary {
+                op: ast::UnaryOp::Not,
+                operand,
+            } => self.compared(operand, scope),
             _ => Ok(None),
         }
     }

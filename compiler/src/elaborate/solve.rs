@@ -87,7 +87,8 @@ impl<'a> Elaborator<'a, '_> {
         let found = step(graph, &system, &near).next;
         let (size, share) = (graph.abs(all), graph.constant(SINGULAR));
         let rounding = graph.multiply(share, magnitudes);
-        let mut ended = graph.less(rounding, size);
+        let (determined, none) = (graph.less(rounding, size), graph.constant(0.0));
+        let mut ended = determined;
         // |x₁ − x₀| ≤ ENDED (|x₁| + |x₁ − estimate|) + SMALL, and false if a number is NaN
         for ((held, near), begin) in held.iter().zip(&near).zip(&begin) {
             let correction = graph.subtract(*near, *held);
@@ -98,6 +99,8 @@ impl<'a> Elaborator<'a, '_> {
             let (share, least) = (graph.constant(ENDED), graph.constant(SMALL));
             let most = graph.multiply(share, size);
             let most = graph.add(most, least);
+            // so that the margin of the condition is a correction without a determinant, too
+            let most = graph.select(determined, most, none);
             let fits = graph.less_equal(correction, most);
             ended = graph.push(crate::ir::Op::And(ended, fits));
         }
@@ -273,7 +276,7 @@ impl<'a> Elaborator<'a, '_> {
             parts: vec![Part::Text(format!(
                 "`solve` finds no zero of `{name}` near its estimate: at its last value, "
             ))],
-            compared: None,
+            compared: Some(of_unknowns),
         };
         let lists = [(held, Some(of_unknowns)), (residuals, of_values)];
         for (k, (numbers, dimension)) in lists.into_iter().enumerate() {

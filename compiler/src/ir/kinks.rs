@@ -255,13 +255,9 @@ pub(crate) fn find(
             {
                 continue;
             }
-            let course = match over_time(graph, layout, value, changing) {
-                // with its rate it is known whether this rate is constant
-                true => Course::Time,
-                false => Course::Motion,
-            };
+            let course = course(graph, layout, value, changing);
             let kind = KinkKind {
-                wraps: course == Course::Motion && jumps_with_turns(graph, value, turns),
+                wraps: !course.is_of_time() && jumps_with_turns(graph, value, turns),
                 course,
                 ..kind
             };
@@ -303,19 +299,32 @@ fn changes(
         && !uses_fields(graph, &[value], layout, false)
 }
 
-/// Whether a function depends on time alone, beside constants that no input changes.
-fn over_time(
+/// What a function depends on, beside constants that no input changes. With the rate of a function of time it is known whether this
+/// rate is constant.
+fn course(
     graph: &Graph,
     layout: &InputLayout,
     value: Node,
     changing: &BTreeMap<u32, Node>,
-) -> bool {
+) -> Course {
     let constants = layout.constant(0)..layout.len();
-    let inputs = inputs_of(graph, &[value]);
-    inputs.into_iter().all(|input| {
+    let turns = layout.rotation(0)..layout.answer(0);
+    let (mut of_time, mut of_places) = (true, true);
+    for input in inputs_of(graph, &[value]) {
         let constant = constants.contains(&input) && !changing.contains_key(&input);
-        input == InputLayout::TIME || constant
-    })
+        let placed = matches!(
+            Place::of(layout, input),
+            Place::Position { .. } | Place::Orientation { .. }
+        );
+        let timed = constant || input == InputLayout::TIME;
+        of_time &= timed;
+        of_places &= timed || placed || turns.contains(&input);
+    }
+    match (of_time, of_places) {
+        (true, _) => Course::Time,
+        (false, true) => Course::Position,
+        (false, false) => Course::Motion,
+    }
 }
 
 /// The arguments of sines, cosines and tangents that change in kink functions of the motion. Such a function may change its sign
@@ -328,7 +337,7 @@ fn phases(
 ) -> Vec<Node> {
     let of_motion = values.iter().zip(kinds);
     let of_motion: Vec<Node> = of_motion
-        .filter(|(_, kind)| kind.course == Course::Motion || kind.table.is_some())
+        .filter(|(_, kind)| !kind.course.is_of_time() || kind.table.is_some())
         .map(|(value, _)| *value)
         .collect();
     let needed = dependencies(graph, &of_motion);
@@ -351,7 +360,7 @@ fn phases(
 fn compares(graph: &Graph, found: &Found, node: Node) -> bool {
     let functions = found.values.iter().zip(&found.kinds);
     let mut of_motion = functions
-        .filter(|(_, kind)| kind.course == Course::Motion && kind.table.is_none())
+        .filter(|(_, kind)| !kind.course.is_of_time() && kind.table.is_none())
         .map(|(value, _)| *value);
     of_motion.any(|value| dependencies(graph, &[value])[node.0 as usize])
 }

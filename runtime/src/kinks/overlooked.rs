@@ -4,7 +4,7 @@ use super::{Crossing, Kinks, Limit, same_side};
 use crate::error::{AccelerationJump, Moment};
 use crate::model::Model;
 use eng_system::dimension::Dimension;
-use eng_system::system::{Course, Origin};
+use eng_system::system::Origin;
 
 /// A kink that a fixed step overlooked.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,9 +85,9 @@ impl Kinks {
         Some(Overlooked {
             origin: Box::new(origin),
             text,
-            dimension: match kink.course {
-                Course::Motion => kink.dimension,
-                Course::Uniform | Course::Time => Some(Dimension::TIME),
+            dimension: match kink.course.is_of_time() {
+                true => Some(Dimension::TIME),
+                false => kink.dimension,
             },
             moment,
             step: h,

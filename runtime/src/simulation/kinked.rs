@@ -15,6 +15,8 @@ const MOST_CUTS: usize = 14;
 /// the share of the way to it for the trials after that.
 const SECANTS: usize = 4;
 const SHORT: f64 = 0.9;
+/// Share of the usual step below which the accelerations and multipliers of a step that ends at a kink are not accurate.
+const SHORT_STEP: f64 = 1e-2;
 /// Shortest trial that ends at a kink (s). A kink nearer than this is at the beginning of the step.
 const SHORTEST: f64 = 1e-12;
 /// Share of the way to a kink by which the third trial ends before it, its factor for each further one, and the largest
@@ -100,7 +102,7 @@ impl Simulation {
                 let passed = passed.map(|passed| (passed.time, passed.item));
                 passed.or_else(|| {
                     let kink = self.kinks.reached(begin + h, factor)?;
-                    let begins = self.kinks.begins_at_other(kink, begin, factor);
+                    let begins = self.kinks.begins_at_other(kink, h, begin, factor);
                     (begins || self.kinks.is_moment(kink)).then_some((h, kink))
                 })
             }
@@ -110,7 +112,7 @@ impl Simulation {
             return Ok(None);
         };
         *tries += 1;
-        let (at, kink) = match self.kinks.begins_at_other(kink, begin, factor) {
+        let (at, kink) = match self.kinks.begins_at_other(kink, at, begin, factor) {
             true => (0.5 * at, None),
             false => (self.before(kink, at, h, *tries, factor), Some(kink)),
         };
@@ -326,9 +328,14 @@ impl Simulation {
         if found.is_err() {
             return Ok(());
         }
-        // multipliers of a very short step have large rounding errors, and the next step would take over their power
+        // the step itself and the next one would take over the power of inaccurate multipliers
         if self.options.energy {
             self.powers[1] = self.dynamics.powers(&self.model, &start.multipliers)?.1;
+        }
+        // rounding of positions is one of accelerations over the square of the step, which the scheme would carry on
+        if h < SHORT_STEP * self.size.step {
+            self.pass_defect(moment)?;
+            self.integrator.take_accelerations(&start);
         }
         let pace = start.pace(&self.model);
         if pace == 0.0 {

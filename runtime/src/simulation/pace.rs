@@ -140,8 +140,8 @@ impl Simulation {
     }
 
     /// Refuses a motion that is held at a kink where a load or a rate jumps, because it has no solution after
-    /// the jump. Many of the last steps have passed the kink to and fro, and on both sides the motion comes
-    /// towards it.
+    /// the jump. Many of the last steps have passed the kink to and fro or ended close to it, because longer ones
+    /// have no solution, and on both sides the motion comes towards it.
     pub(super) fn refuse_held(&mut self) -> Result<(), RuntimeError> {
         let Some(kink) = self.kinks.often() else {
             return Ok(());
@@ -170,17 +170,18 @@ impl Simulation {
         let (side, held) = (self.kinks.value(kink), self.comes_to(kink, &other)?);
         let crossed = self.kinks.value(kink) * side < 0.0;
         self.place_kinks(&start)?;
+        if !(held && crossed) {
+            return Ok(());
+        }
         let path = &self.model.compiled.system.elements[self.kinks.element(kink)]
             .origin
             .path;
         match self.jump(self.earlier_step) {
-            Some(jump) if held && crossed && jump.origin.path == *path => {
-                Err(RuntimeError::Jumps {
-                    moment,
-                    step: self.earlier_step,
-                    jump,
-                })
-            }
+            Some(jump) if jump.origin.path == *path => Err(RuntimeError::Jumps {
+                moment,
+                step: self.earlier_step,
+                jump,
+            }),
             _ => Ok(()),
         }
     }

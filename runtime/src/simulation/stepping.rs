@@ -422,6 +422,9 @@ impl Simulation {
         self.observe_state()
             .map_err(|error| self.at_moment(error))?;
         self.compute_energy();
+        if self.at_kink.is_some() {
+            self.renew_at_kink(h)?;
+        }
         let work = |i: usize| {
             let powers = [self.earlier_powers[i], old[i], self.powers[i]];
             work_of_step(h, powers, earlier_step)
@@ -437,9 +440,6 @@ impl Simulation {
         self.energy.damping += damping;
         self.earlier_step = h;
         self.earlier_powers = old;
-        if self.at_kink.is_some() {
-            self.renew_at_kink(h)?;
-        }
         Ok(StepReport { time, step: h })
     }
 
@@ -638,7 +638,7 @@ impl Simulation {
                 });
             }
             let trial = self.trial(h, Some(factor))?;
-            let ends_at = cut.and_then(|(_, kink)| kink);
+            let (shortened, ends_at) = (cut.is_some(), cut.and_then(|(_, kink)| kink));
             cut = self.kink_within(h, factor, &trial, &mut tries)?;
             if cut.is_some() {
                 continue;
@@ -662,8 +662,8 @@ impl Simulation {
                     self.at_kink = self.at_kink.or_else(|| self.kinks.moment_behind(h));
                     self.size.accepted(h, error);
                     self.keep_step_before_kink(wish);
-                    if ends_at.is_some() {
-                        // the length up to a kink is no measure of the next step
+                    if shortened {
+                        // the length up to a kink, or to the middle before it, is no measure of the next step
                         self.size.step = self.size.step.max(wish);
                     }
                     return Ok((h, if last { end } else { begin + h }));
