@@ -207,7 +207,8 @@ const fn rule(
 /// The forms of solids by code, kind and variant. The first fitting line counts.
 const RULES: &[Rule] = {
     use ElementKind::{
-        Hexahedron8, Hexahedron20, Pyramid5, Pyramid13, Tetrahedron4, Tetrahedron10, Wedge6, Wedge15,
+        Hexahedron8, Hexahedron20, Pyramid5, Pyramid13, Tetrahedron4, Tetrahedron10, Wedge6,
+        Wedge15,
     };
     use For::{Any, AnyLetters, Letters, Plain, Points};
     use Verdict::{Differing, Form as Made, Refused};
@@ -245,17 +246,30 @@ const RULES: &[Rule] = {
             &[Hexahedron20],
             Any,
             Refused(
-                "14 points",
+                "its 14 points of integration are not reproduced",
                 "set KEYOPT(2) = 0, which is ANSYS' default, and write the archive again",
             ),
         ),
-        rule(&[Ansys], &[Pyramid13], Any, Differing(Form::Full, "ANSYS takes 2³ points")),
-        rule(&[Ansys], &[Hexahedron8], For::Option(0), Made(Form::MeanDilatation)),
+        rule(
+            &[Ansys],
+            &[Pyramid13],
+            Any,
+            Differing(Form::Full, "ANSYS takes 2³ points"),
+        ),
+        rule(
+            &[Ansys],
+            &[Hexahedron8],
+            For::Option(0),
+            Made(Form::MeanDilatation),
+        ),
         rule(
             &[Ansys],
             &[Wedge6, Pyramid5],
             For::Option(0),
-            Differing(Form::Full, "ANSYS takes the mean of their volume strain (B-bar)"),
+            Differing(
+                Form::Full,
+                "ANSYS takes the mean of their volume strain (B-bar)",
+            ),
         ),
         rule(
             &[Ansys],
@@ -270,7 +284,10 @@ const RULES: &[Rule] = {
             &[Ansys],
             &[],
             Any,
-            Refused("its enhanced strains are not public in all details", ANSYS_ADVICE),
+            Refused(
+                "its enhanced strains are not public in all details",
+                ANSYS_ADVICE,
+            ),
         ),
         rule(&[Abaqus, CalculiX], &[Hexahedron20], Letters("R"), REDUCED),
         rule(

@@ -13,23 +13,25 @@ use crate::read::vector::{Rotation, from_axes, product};
 /// Commands, by their first four letters, that hold stiffness, mass or a constraint which Eng does not read.
 const STRUCTURE: &[&str] = &[
     "CERI", "RBE3", "CEIN", "CECY", "CESG", "CPIN", "CPLG", "CPSG", "CPCY", "CPNG", "DSYM", "PSME",
-    "SESY", "EN", "E", "EMOR", "CDRE", "SLOA", "JOIN",
+    "SESY", "EN", "E", "EMOR", "CDRE", "SLOA", "JOIN", "SECF", "SECP", "SECJ", "NROT", "DDEL",
+    "DCUM",
 ];
 /// Commands without stiffness, mass and constraints: options of solutions and outputs, loads, damping,
 /// temperatures, graphics, selections.
 const NOTHING: &[&str] = &[
     "ACEL", "ALLS", "ALPH", "ANTY", "AUTO", "BETA", "BF", "BFBL", "BFE", "BFEB", "BFUN", "BFCU",
-    "CGLO", "CGOM", "CM", "CMGR", "CMOM", "CMSE", "CMAC", "CNVT", "CONT", "CRPL", "CSCI", "CSYS", "CUTC",
-    "DCGO", "DDEL", "DDOP", "DELT", "DMPO", "DMPR", "DMPS", "DOF", "DOME", "DCUM", "EQSL", "ERES", "ESEL",
-    "ESYS", "EXTO", "F", "FBLO", "FCUM", "FDEL", "FINI", "FLST", "HARF", "IRLF", "KBC", "KUSE", "LNSR",
-    "LOCA", "LSWR", "LUMP", "M", "MAT", "MDAM", "MODC", "MODO", "MPTE", "MXPA", "NCNV", "NDIS", "NEQI",
-    "NLGE", "NLHI", "NROP", "NROT", "NSEL", "NSUB", "NUMO", "OMEG", "OUTP", "OUTR", "PRED", "PSTR", "QRDO",
-    "RATE", "REAL", "RESC", "RESU", "SAVE", "SBCT", "SECC", "SECF", "SECN", "SECS", "SF", "SFBE", "SFCU",
-    "SFE", "SFEB", "SOLC", "SOLO", "SOLV", "SSTI", "STEF", "TBDA", "TBPT", "TBTE", "TIME", "TIMI", "TINT",
-    "THOP", "TOFF", "TREF", "TRNO", "TSHA", "TUNI", "TYPE", "UPCO", "VSEL", "WRIT", "XMLO", "/AUX", "/COL",
-    "/CON", "/DEV", "/DIS", "/EOF", "/FIL", "/FOC", "/GO", "/GOP", "/GRA", "/NOP", "/NUM", "/OUT", "/POS",
-    "/PRE", "/PNU", "/PSY", "/RGB", "/SOL", "/STA", "/VIE", "/WB", "/ANG", "/BAT", "/CLE", "/CWD", "/PBC",
-    "/PSF", "/ESH", "/EDG", "/REP", "/SHO", "/TYP", "/VUP", "/AUT", "/DSC", "/INQ", "/CPL", "/ERA", "/FAC",
+    "CGLO", "CGOM", "CM", "CMGR", "CMOM", "CMSE", "CMAC", "CNVT", "CONT", "CRPL", "CSCI", "CSYS",
+    "CUTC", "DCGO", "DDOP", "DELT", "DMPO", "DMPR", "DMPS", "DOF", "DOME", "EQSL", "ERES", "ESEL",
+    "ESYS", "EXTO", "F", "FBLO", "FCUM", "FDEL", "FINI", "FLST", "HARF", "IRLF", "KBC", "KUSE",
+    "LNSR", "LOCA", "LSWR", "LUMP", "M", "MAT", "MDAM", "MODC", "MODO", "MPTE", "MXPA", "NCNV",
+    "NDIS", "NEQI", "NLGE", "NLHI", "NROP", "NSEL", "NSUB", "NUMO", "OMEG", "OUTP", "OUTR", "PRED",
+    "PSTR", "QRDO", "RATE", "REAL", "RESC", "RESU", "SAVE", "SBCT", "SECN", "SECS", "SF", "SFBE",
+    "SFCU", "SFE", "SFEB", "SOLC", "SOLO", "SOLV", "SSTI", "STEF", "TBDA", "TBPT", "TBTE", "TIME",
+    "TIMI", "TINT", "THOP", "TOFF", "TREF", "TRNO", "TSHA", "TUNI", "TYPE", "UPCO", "VSEL", "WRIT",
+    "XMLO", "/AUX", "/COL", "/CON", "/DEV", "/DIS", "/EOF", "/FIL", "/FOC", "/GO", "/GOP", "/GRA",
+    "/NOP", "/NUM", "/OUT", "/POS", "/PRE", "/PNU", "/PSY", "/RGB", "/SOL", "/STA", "/VIE", "/WB",
+    "/ANG", "/BAT", "/CLE", "/CWD", "/PBC", "/PSF", "/ESH", "/EDG", "/REP", "/SHO", "/TYP", "/VUP",
+    "/AUT", "/DSC", "/INQ", "/CPL", "/ERA", "/FAC",
 ];
 /// Behaviour of materials that vibrations of small amplitude do not show, or that carries no stiffness:
 /// plasticity, creep, fatigue, damping.
@@ -154,6 +156,12 @@ impl Deck {
         Ok(deck)
     }
 
+    /// An option of the type of an element; zero unless stated.
+    pub fn option(&self, row: &Row, number: i64) -> i64 {
+        let kind = self.types.get(&row.kind);
+        kind.map_or(0, |kind| kind.option(number))
+    }
+
     fn take(&mut self, command: &Command, lines: &mut Lines) -> Result<(), FileProblem> {
         match command.key() {
             "NBLO" => self.nodes(command, lines),
@@ -172,7 +180,7 @@ impl Deck {
             // the end of the elements in the form without blocks
             "EN" if command.text(1) == "ATTR" => Ok(()),
             "ET" => self.element_type(command),
-            "KEYO" => self.option(command),
+            "KEYO" => self.set_option(command),
             "R" | "RMOR" | "RMOD" => self.constant(command),
             "SECT" => self.section(command),
             "SECD" => self.layer(command),
@@ -180,6 +188,17 @@ impl Deck {
                 if let Some(section) = self.sections.get_mut(&self.section) {
                     section.offset = command.text(0).to_ascii_uppercase();
                 }
+                Ok(())
+            }
+            "SECC" => {
+                // stiffness across the plate, drilling, and added mass, if stated
+                let values = (0..command.len()).map(|i| command.real(i, "a value"));
+                let stated = values.collect::<Result<Vec<f64>, _>>()?;
+                let carries = match stated.iter().any(|value| *value != 0.0) {
+                    true => Carries::Structure,
+                    false => Carries::Nothing,
+                };
+                self.unread.note(&command.name, &command.at, carries);
                 Ok(())
             }
             "MP" | "MPDA" => self.material(command),
@@ -206,8 +225,7 @@ impl Deck {
             "*IF" | "*ELS" | "*END" => {
                 // CDWRITE itself begins an archive with these lines
                 if command.name == "*IF" && command.text(0) != "_CDRDOFF" {
-                    self.unread
-                        .note("*IF", &command.at, Carries::Unknown);
+                    self.unread.note("*IF", &command.at, Carries::Unknown);
                 }
                 Ok(())
             }
@@ -282,11 +300,26 @@ impl Deck {
                 Err(closed) => break closed,
             };
             let numbers = columns.integers(&text, &at)?;
-            let [material, kind, real, section, system, _, _, _, count, _, id, nodes @ ..] =
-                numbers.as_slice()
+            let [
+                material,
+                kind,
+                real,
+                section,
+                system,
+                _,
+                _,
+                _,
+                count,
+                _,
+                id,
+                nodes @ ..,
+            ] = numbers.as_slice()
             else {
                 return Err(at.problem(
-                    format!("EBLOCK: an element has {} of its first 11 numbers", numbers.len()),
+                    format!(
+                        "EBLOCK: an element has {} of its first 11 numbers",
+                        numbers.len()
+                    ),
                     "write the archive again by CDWRITE; the file may be cut",
                 ));
             };
@@ -304,7 +337,10 @@ impl Deck {
                 nodes.len() as i64 == *count && *count > 0,
             ) else {
                 return Err(at.problem(
-                    format!("EBLOCK: the element {id} has {} of {count} nodes", nodes.len()),
+                    format!(
+                        "EBLOCK: the element {id} has {} of {count} nodes",
+                        nodes.len()
+                    ),
                     "write the archive again by CDWRITE; the file may be cut",
                 ));
             };
@@ -368,7 +404,7 @@ impl Deck {
     }
 
     /// `KEYOPT, type, number, value`
-    fn option(&mut self, command: &Command) -> Result<(), FileProblem> {
+    fn set_option(&mut self, command: &Command) -> Result<(), FileProblem> {
         let kind = command.integer(0, "the number of the type")?;
         let number = command.integer(1, "the number of the option")?;
         let value = command.integer(2, "the value of the option")?;
@@ -562,7 +598,11 @@ impl Deck {
         let before = known.insert(label.clone(), first);
         let same = |value: &f64| {
             // further values of MP are coefficients of the temperature
-            if table { *value == first } else { *value == 0.0 }
+            if table {
+                *value == first
+            } else {
+                *value == 0.0
+            }
         };
         let again = table && plain.integer(2, "the first temperature")? > 1;
         let varies = !values.iter().skip(1).all(same) || (again && before != Some(first));
@@ -643,7 +683,10 @@ impl Deck {
 
     /// `CP, number, label, nodes`: the nodes move alike in this freedom.
     fn coupling(&mut self, command: &Command) -> Result<(), FileProblem> {
-        if command.text(0).starts_with(|c: char| c.is_ascii_alphabetic()) {
+        if command
+            .text(0)
+            .starts_with(|c: char| c.is_ascii_alphabetic())
+        {
             self.unread
                 .note("CP in another form", &command.at, Carries::Structure);
             return Ok(());

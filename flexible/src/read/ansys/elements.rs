@@ -44,7 +44,10 @@ pub(super) fn make(
     for row in rows {
         let Some(kind) = making.deck.types.get(&row.kind) else {
             return Err(row.at.problem(
-                format!("element {} has the type {}, which does not exist", row.id, row.kind),
+                format!(
+                    "element {} has the type {}, which does not exist",
+                    row.id, row.kind
+                ),
                 "write the whole model by CDWRITE, with the ET of its types",
             ));
         };
@@ -68,7 +71,10 @@ pub(super) fn make(
         }
         let index = making.element(&row, family, mesh, labels)?;
         indices.push((row.id, index));
-        for part in [format!("type:{}", row.kind), format!("material:{}", row.material)] {
+        for part in [
+            format!("type:{}", row.kind),
+            format!("material:{}", row.material),
+        ] {
             parts.entry(part).or_default().push(index);
         }
     }
@@ -117,7 +123,10 @@ impl Making<'_> {
         }
         let refused = |option: i64, meaning: &str| {
             row.at.problem(
-                format!("{title}: KEYOPT({option}) = {} is {meaning}", kind.option(option)),
+                format!(
+                    "{title}: KEYOPT({option}) = {} is {meaning}",
+                    kind.option(option)
+                ),
                 "set this option of the type to 0 and write the archive again",
             )
         };
@@ -126,11 +135,17 @@ impl Making<'_> {
             return Err(refused(3, "a layered solid, which Eng does not read"));
         }
         if kind.option(6) != 0 && (solid || family == Family::Tetrahedron10) {
-            return Err(refused(6, "a mixed formulation with pressures, which Eng does not compute"));
+            return Err(refused(
+                6,
+                "a mixed formulation with pressures, which Eng does not compute",
+            ));
         }
         let shell = matches!(family, Family::Shell4 | Family::Shell8);
         if shell && kind.option(1) > 1 {
-            return Err(refused(1, "a shell without stiffness or of another kind, which Eng does not read"));
+            return Err(refused(
+                1,
+                "a shell without stiffness or of another kind, which Eng does not read",
+            ));
         }
         if shell && kind.option(9) != 0 {
             return Err(refused(9, "a thickness from a user's routine"));
@@ -328,7 +343,11 @@ impl Making<'_> {
                     "give each layer a thickness above zero",
                 ));
             }
-            let number = if *material == 0 { row.material } else { *material };
+            let number = if *material == 0 {
+                row.material
+            } else {
+                *material
+            };
             layers.push((*thickness, self.material(number, row)?, *angle));
         }
         let thickness: f64 = layers.iter().map(|(thickness, ..)| thickness).sum();
@@ -350,7 +369,10 @@ impl Making<'_> {
                     })
                 });
                 let Some(made) = made.collect::<Option<Vec<Layer>>>() else {
-                    return Err(wrong("its layers have no material", "add MP of the materials"));
+                    return Err(wrong(
+                        "its layers have no material",
+                        "add MP of the materials",
+                    ));
                 };
                 let first = made.first().map(|layer| layer.material);
                 let (key, _) = Self::key(row);
@@ -361,13 +383,14 @@ impl Making<'_> {
                 (first, Layup::Layers(index))
             }
         };
+        // the nodes lie on this surface
         let offset = match section.offset.get(..3).unwrap_or("MID") {
             "MID" => 0.0,
             "TOP" => -0.5 * thickness,
             "BOT" => 0.5 * thickness,
-            other => {
+            _ => {
                 return Err(wrong(
-                    &format!("SECOFFSET,{other} is not read"),
+                    &format!("SECOFFSET,{} is not read", section.offset),
                     "write SECOFFSET with MID, TOP or BOT",
                 ));
             }

@@ -37,16 +37,22 @@ fn find(labels: &Labels, node: u64, what: &str, at: &At) -> Result<u32, FileProb
     })
 }
 
+/// The constants of an element.
+fn constants<'d>(deck: &'d Deck, row: &Row, title: &str) -> Result<&'d [f64], FileProblem> {
+    deck.reals.get(&row.real).map(Vec::as_slice).ok_or_else(|| {
+        row.at.problem(
+            format!("{title}: its set of constants {} does not exist", row.real),
+            "add the set by R or RLBLOCK",
+        )
+    })
+}
+
 /// Masses along x, y, z and moments of inertia about them (KEYOPT(3) = 0), or one mass (KEYOPT(3) = 2), in
 /// the global axes, or in those of the node (KEYOPT(2) = 1).
 fn mass(deck: &Deck, row: &Row, mesh: &mut Mesh, labels: &Labels) -> Result<(), FileProblem> {
     let title = format!("element {} (MASS21)", row.id);
-    let option = |number: i64| {
-        deck.types
-            .get(&row.kind)
-            .map_or(0, |kind| kind.option(number))
-    };
-    let values = deck.reals.get(&row.real).map_or(&[][..], Vec::as_slice);
+    let option = |number: i64| deck.option(row, number);
+    let values = constants(deck, row, &title)?;
     let value = |i: usize| values.get(i).copied().unwrap_or(0.0);
     let one = value(0);
     let diagonal = match option(3) {
@@ -94,12 +100,8 @@ fn mass(deck: &Deck, row: &Row, mesh: &mut Mesh, labels: &Labels) -> Result<(), 
 /// between freedoms 1 to 6 of the nodes, each in its own frame (KEYOPT(2) = 1 … 6).
 fn spring(deck: &Deck, row: &Row, mesh: &mut Mesh, labels: &Labels) -> Result<(), FileProblem> {
     let title = format!("element {} (COMBIN14)", row.id);
-    let option = |number: i64| {
-        deck.types
-            .get(&row.kind)
-            .map_or(0, |kind| kind.option(number))
-    };
-    let values = deck.reals.get(&row.real).map_or(&[][..], Vec::as_slice);
+    let option = |number: i64| deck.option(row, number);
+    let values = constants(deck, row, &title)?;
     let stiffness = values.first().copied().unwrap_or(0.0);
     let [a, b] = *row.nodes.as_slice() else {
         return Err(row.at.problem(

@@ -40,9 +40,19 @@ const READ: &[(u32, Family)] = &[
 
 /// Names of elements, for messages.
 const NAMES: &[(&str, &[u32])] = &[
-    ("SOLID", &[45, 46, 62, 65, 70, 72, 73, 92, 95, 164, 168, 185, 186, 187, 226, 227, 285]),
+    (
+        "SOLID",
+        &[
+            45, 46, 62, 65, 70, 72, 73, 92, 95, 164, 168, 185, 186, 187, 226, 227, 285,
+        ],
+    ),
     ("SOLSH", &[190]),
-    ("SHELL", &[28, 41, 43, 63, 91, 93, 99, 131, 132, 157, 163, 181, 208, 209, 281]),
+    (
+        "SHELL",
+        &[
+            28, 41, 43, 63, 91, 93, 99, 131, 132, 157, 163, 181, 208, 209, 281,
+        ],
+    ),
     ("BEAM", &[3, 4, 23, 24, 44, 54, 161, 188, 189]),
     ("PIPE", &[16, 18, 20, 59, 60, 288, 289]),
     ("ELBOW", &[290]),
@@ -89,7 +99,7 @@ pub(super) fn variant(number: u32, technology: i64) -> Variant {
 /// Shapes of a solid of 20 nodes by repeated corners K = L, M = N, O = P and M = O: the kind, and the places of its nodes
 /// in the file. The first nodes are those of the solid of 8 nodes (ANSYS Element Reference, SOLID185, SOLID186).
 fn solid_places(corners: &[u64]) -> Option<(ElementKind, &'static [usize])> {
-    let &[i, j, k, l, m, n, o, p] = corners else {
+    let &[_, _, k, l, m, n, o, p] = corners else {
         return None;
     };
     let repeated = [k == l, m == n, o == p, n == o];
@@ -114,13 +124,7 @@ fn solid_places(corners: &[u64]) -> Option<(ElementKind, &'static [usize])> {
         ),
         _ => return None,
     };
-    let own: Vec<u64> = places
-        .iter()
-        .filter_map(|place| [i, j, k, l, m, n, o, p].get(*place).copied())
-        .collect();
-    let distinct = (own.iter().enumerate())
-        .all(|(at, node)| own.iter().skip(at + 1).all(|other| other != node));
-    distinct.then_some((kind, places))
+    Some((kind, places))
 }
 
 /// The kind and the nodes of an element from those of the file; zero stands for an absent mid-side node. `None`
@@ -134,10 +138,10 @@ pub(super) fn shape(family: Family, nodes: &[u64]) -> Option<(ElementKind, Vec<u
             .map(|place| nodes.get(*place).copied().unwrap_or(0));
         let found: Vec<u64> = found.collect();
         let corners = found.get(..kind.corner_count())?;
-        corners
-            .iter()
-            .all(|node| *node > 0)
-            .then_some((kind, found))
+        let others = |at: usize| corners.iter().skip(at + 1);
+        let mut sound = (corners.iter().enumerate())
+            .map(|(at, node)| *node > 0 && others(at).all(|other| other != node));
+        sound.all(|sound| sound).then_some((kind, found))
     };
     match family {
         Family::Solid8 => {
@@ -148,10 +152,7 @@ pub(super) fn shape(family: Family, nodes: &[u64]) -> Option<(ElementKind, Vec<u
             let (kind, places) = solid_places(nodes.get(..8)?)?;
             take(kind, places)
         }
-        Family::Tetrahedron10 => take(
-            ElementKind::Tetrahedron10,
-            &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9],
-        ),
+        Family::Tetrahedron10 => take(ElementKind::Tetrahedron10, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]),
         Family::MixedTetrahedron4 => take(ElementKind::Tetrahedron4, &[0, 1, 2, 3]),
         Family::Shell4 | Family::Shell8 => {
             let triangle = nodes.len() == 3 || nodes.get(2)? == nodes.get(3)?;
