@@ -1,5 +1,5 @@
-//! Archives of ANSYS: real files against ANSYS' own frequencies and against the same meshes in the language of
-//! Abaqus; all commands of a small archive; wrong files with their messages.
+//! Archives of ANSYS: real files against ANSYS' own frequencies and against the same meshes in the language
+//! of Abaqus; all commands of a small archive; wrong files with their messages.
 
 use std::fmt::Write as _;
 use std::io::Read;
@@ -101,8 +101,8 @@ fn alike(kind: ElementKind) -> &'static str {
 }
 
 /// Frequencies that ANSYS has written for its beam of 40 SOLID186 (`file.rst` beside `HexBeam.cdb` in
-/// `ansys/pymapdl-reader`), which has another material than the archive. They differ from the element of ANSYS'
-/// Theory Reference (2³ points, mass at 3³) by up to 5.3e-6, torsion and bending alone.
+/// `ansys/pymapdl-reader`), which has another material than the archive. They differ from the element of
+/// ANSYS' Theory Reference (2³ points, mass at 3³) by up to 5.3e-6, torsion and bending alone.
 const OF_ANSYS: [f64; 6] = [
     7366.495039686105,
     7366.495039686416,
@@ -262,8 +262,8 @@ const PLACES: [[f64; 3]; 14] = [
     [50.0, 20.0, 45.0],
 ];
 
-/// Two SOLID185, two SHELL181 of two layers, a mass, springs, an equation, coupled freedoms, supports, of which
-/// one is in turned axes.
+/// Two SOLID185, two SHELL181 of two layers, a mass, springs, an equation, coupled freedoms, supports, of
+/// which one is in turned axes.
 fn small() -> String {
     let nodes: String = PLACES
         .iter()
@@ -456,7 +456,7 @@ fn axes_of_nodes() {
     );
 }
 
-/// `/USER` units that differ from those of the model are doubted.
+/// `/UNITS` that differ from those of the model are doubted.
 #[test]
 fn units_of_the_archive() {
     for (units, doubted) in [("mm_tonne_s", false), ("m_kg_s", true)] {
@@ -556,7 +556,18 @@ fn wrong_archives_and_their_messages() {
 /// Contents that stop the reduction unless `ignore` names them.
 #[test]
 fn contents_without_reader() {
-    let more = "SECCONTROL,0,0,0,1e-9\nCERIG,1,2,ALL\nRBE3,5,ALL,6\n*DO,I,1,3\nNSEL,ALL\nF,1,FX,3\nTB,ANEL,1\nTB,BISO,1\nLUMPM,ON\nXYZZY,1\nFINISH";
+    let more = "\
+SECCONTROL,0,0,0,1e-9
+CERIG,1,2,ALL
+RBE3,5,ALL,6
+*DO,I,1,3
+NSEL,ALL
+F,1,FX,3
+TB,ANEL,1
+TB,BISO,1
+LUMPM,ON
+XYZZY,1
+FINISH";
     let found = mesh(
         &small()
             .replace("FINISH", more)

@@ -90,6 +90,16 @@ pub(super) struct SectionRow {
     pub at: At,
 }
 
+/// A named list of nodes or elements.
+#[derive(Clone, Debug)]
+pub(super) struct Component {
+    pub name: String,
+    /// Whether it has nodes; else elements.
+    pub of_nodes: bool,
+    /// First and last numbers.
+    pub ranges: Vec<(u64, u64)>,
+}
+
 /// A node, freedom 0…5, and a coefficient.
 pub(super) type Term = (u64, u8, f64);
 
@@ -104,8 +114,7 @@ pub(super) struct Deck {
     pub materials: BTreeMap<i64, BTreeMap<String, f64>>,
     pub reals: BTreeMap<i64, Vec<f64>>,
     pub sections: BTreeMap<i64, SectionRow>,
-    /// Components: name, whether it has nodes or elements, first and last numbers.
-    pub components: Vec<(String, bool, Vec<(u64, u64)>)>,
+    pub components: Vec<Component>,
     pub equations: BTreeMap<i64, (Vec<Term>, At)>,
     /// Coupled freedoms.
     pub couplings: BTreeMap<i64, (Vec<u8>, Vec<u64>, At)>,
@@ -135,8 +144,8 @@ fn freedoms(label: &str) -> Option<u8> {
     })
 }
 
-/// The rotation node → global of `THXY, THYZ, THZX` (degrees): about z, then about the turned x, then about the
-/// turned y (ANSYS Commands Reference, `N`).
+/// The rotation node → global of `THXY, THYZ, THZX` (degrees): about z, then about the turned x, then about
+/// the turned y (ANSYS Commands Reference, `N`).
 fn turned(angles: [f64; 3]) -> Rotation {
     let [z, x, y] = angles.map(|angle| libm::sincos(angle.to_radians()));
     let about_z = from_axes([z.1, z.0, 0.0], [-z.0, z.1, 0.0], [0.0, 0.0, 1.0]);
@@ -242,8 +251,8 @@ impl Deck {
         }
     }
 
-    /// `NBLOCK, NUMFIELD, Solkey, NDMAX, NDSEL`: number, two numbers of the solid model, x, y, z, three angles.
-    /// The short form has the number and x, y, z.
+    /// `NBLOCK, NUMFIELD, Solkey, NDMAX, NDSEL`: number, two numbers of the solid model, x, y, z, three
+    /// angles. The short form has the number and x, y, z.
     fn nodes(&mut self, command: &Command, lines: &mut Lines) -> Result<(), FileProblem> {
         let columns = lines.columns(command)?;
         let stated = command.integer(3, "the number of nodes")?;
@@ -281,9 +290,9 @@ impl Deck {
         complete(command, "nodes", stated, read)
     }
 
-    /// `EBLOCK, 19, SOLID, , count`: material, type, constants, section, coordinate system, three numbers, the shape
-    /// flag, the number of nodes, one number, the element, its nodes. Further nodes follow on a line of
-    /// their own.
+    /// `EBLOCK, 19, SOLID, , count`: material, type, constants, section, coordinate system, three numbers,
+    /// the shape flag, the number of nodes, one number, the element, its nodes. Further nodes follow on a
+    /// line of their own.
     fn elements(&mut self, command: &Command, lines: &mut Lines) -> Result<(), FileProblem> {
         if !command.text(1).eq_ignore_ascii_case("SOLID") {
             return Err(command.problem(
@@ -420,7 +429,8 @@ impl Deck {
         }
     }
 
-    /// `CMBLOCK, name, NODE or ELEM, count`: numbers; a negative one ends a range that began with the number before it.
+    /// `CMBLOCK, name, NODE or ELEM, count`: numbers; a negative one ends a range that began with the number
+    /// before it.
     fn component(&mut self, command: &Command, lines: &mut Lines) -> Result<(), FileProblem> {
         let columns = lines.columns(command)?;
         let kind = command.text(1).to_ascii_uppercase();
@@ -450,8 +460,11 @@ impl Deck {
         }
         match kind.get(..4) {
             Some(word @ ("NODE" | "ELEM")) => {
-                let name = command.text(0).to_owned();
-                self.components.push((name, word == "NODE", ranges));
+                self.components.push(Component {
+                    name: command.text(0).to_owned(),
+                    of_nodes: word == "NODE",
+                    ranges,
+                });
             }
             _ => self
                 .unread
@@ -460,7 +473,8 @@ impl Deck {
         Ok(())
     }
 
-    /// `RLBLOCK, sets`: two formats, then each set: number, count, six values, and further lines of seven values.
+    /// `RLBLOCK, sets`: two formats, then each set: number, count, six values, and further lines of seven
+    /// values.
     fn constants(&mut self, command: &Command, lines: &mut Lines) -> Result<(), FileProblem> {
         let first = lines.columns(command)?;
         let further = lines.columns(command)?;
@@ -527,7 +541,8 @@ impl Deck {
         Ok(())
     }
 
-    /// A layer: thickness, material, angle. Sections of other elements are not read, and neither are they used.
+    /// A layer: thickness, material, angle. Sections of other elements are not read, and neither are they
+    /// used.
     fn layer(&mut self, command: &Command) -> Result<(), FileProblem> {
         let Some(section) = self.sections.get_mut(&self.section) else {
             return Err(command.problem(
@@ -575,7 +590,9 @@ impl Deck {
     /// temperature or with equal values for all.
     fn material(&mut self, command: &Command) -> Result<(), FileProblem> {
         let table = command.key() == "MPDA";
-        let plain = match command.text(0).starts_with(['R', 'r']) && table {
+        // the version of the format, such as R5.0
+        let version = |text: &str| text.starts_with("UNBL") || text.contains('.');
+        let plain = match table && version(command.text(0)) {
             true => command.without(2),
             false => command.clone(),
         };
@@ -616,8 +633,8 @@ impl Deck {
         }
     }
 
-    /// `CE, R5.0, DEFI, terms, number, constant` and `CE, R5.0, NODE, node, label, coefficient, …`, or `CE, number,
-    /// constant, node, label, coefficient, …`.
+    /// `CE, R5.0, DEFI, terms, number, constant` and `CE, R5.0, NODE, node, label, coefficient, …`, or `CE,
+    /// number, constant, node, label, coefficient, …`.
     fn equation(&mut self, command: &Command) -> Result<(), FileProblem> {
         let written = command.text(0).starts_with(['R', 'r', 'U', 'u']);
         let (number, terms) = match (written, command.text(1).to_ascii_uppercase().as_str()) {

@@ -104,8 +104,11 @@ impl Making<'_> {
         let title = format!("element {} ({})", row.id, name(kind.number));
         let Some((shape, nodes)) = shape(family, &row.nodes) else {
             return Err(row.at.problem(
-                format!("{title}: its {} nodes make no hexahedron, wedge, pyramid, tetrahedron, quadrilateral or triangle", row.nodes.len()),
-                "repeat nodes as ANSYS' Element Reference states: K = L and O = P in a wedge, M = N = O = P in a pyramid, all of these in a tetrahedron",
+                format!(
+                    "{title}: its {} nodes make no shape of this element",
+                    row.nodes.len()
+                ),
+                "repeat nodes as ANSYS does: K = L and O = P in a wedge, M = N = O = P in a pyramid, both in a tetrahedron, K = L in a triangle",
             ));
         };
         let mut indices = Vec::with_capacity(nodes.len());
@@ -269,7 +272,7 @@ impl Making<'_> {
         let values = self.deck.reals.get(&row.real).unwrap_or(&none);
         let value = |i: usize| values.get(i).copied().unwrap_or(0.0);
         let first = value(0);
-        if !(first > 0.0) {
+        if first <= 0.0 {
             return Err(row.at.problem(
                 format!("the shell {} has no thickness", row.id),
                 "add SECTYPE, SHELL with SECDATA, or a set of constants (R)",
@@ -337,7 +340,7 @@ impl Making<'_> {
         };
         let mut layers = Vec::with_capacity(section.layers.len());
         for (thickness, material, angle) in &section.layers {
-            if !(*thickness > 0.0) {
+            if *thickness <= 0.0 {
                 return Err(wrong(
                     "a layer has no thickness",
                     "give each layer a thickness above zero",

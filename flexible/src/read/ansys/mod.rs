@@ -1,5 +1,5 @@
-//! Archives of ANSYS (`.cdb`, by `CDWRITE`): nodes, elements, materials, sections, masses, springs, equations,
-//! supports and components become a [`Mesh`].
+//! Archives of ANSYS (`.cdb`, by `CDWRITE`): nodes, elements, materials, sections, masses, springs,
+//! equations, supports and components become a [`Mesh`].
 //!
 //! The reader takes the blocked form and the commands that `CDWRITE` and HyperMesh write. A program of APDL
 //! (`*DO`, parameters, selections) is refused. A component is a set with its name; `type:N` and `material:N`
@@ -65,9 +65,10 @@ pub fn read_cdb(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     points::make(&deck, rows, &mut mesh, &labels)?;
     points::ties(&deck, &mut mesh, &labels)?;
     points::supports(&deck, &mut mesh, &labels)?;
-    for (name, of_nodes, ranges) in &deck.components {
-        let known = if *of_nodes { &labels } else { &elements };
-        let members = ranges.iter();
+    for component in deck.components {
+        let of_nodes = component.of_nodes;
+        let known = if of_nodes { &labels } else { &elements };
+        let members = component.ranges.iter();
         let members: Vec<u32> = members
             .flat_map(|(first, last)| known.range(*first, *last, 1, &[]))
             .collect();
@@ -75,7 +76,7 @@ pub fn read_cdb(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
             true => Set::new(members, Vec::new()),
             false => Set::new(mesh.nodes_of_all(&members), members),
         };
-        mesh.sets.insert(name.clone(), set);
+        mesh.sets.insert(component.name, set);
     }
     mesh.unread = deck.unread.into_list();
     mesh.doubts = deck.doubts;

@@ -164,8 +164,8 @@ fn spring(deck: &Deck, row: &Row, mesh: &mut Mesh, labels: &Labels) -> Result<()
     Ok(())
 }
 
-/// Constraint equations and coupled freedoms. The first freedom of an equation, and the first node of a coupling,
-/// are those that ANSYS removes and keeps.
+/// Constraint equations and coupled freedoms. The first freedom of an equation, and the first node of a
+/// coupling, are those that ANSYS removes and keeps.
 pub(super) fn ties(deck: &Deck, mesh: &mut Mesh, labels: &Labels) -> Result<(), FileProblem> {
     for (number, (terms, at)) in &deck.equations {
         let title = format!("CE: equation {number}");

@@ -96,8 +96,9 @@ pub(super) fn variant(number: u32, technology: i64) -> Variant {
     }
 }
 
-/// Shapes of a solid of 20 nodes by repeated corners K = L, M = N, O = P and M = O: the kind, and the places of its nodes
-/// in the file. The first nodes are those of the solid of 8 nodes (ANSYS Element Reference, SOLID185, SOLID186).
+/// Shapes of a solid of 20 nodes by repeated corners K = L, M = N, O = P and M = O: the kind, and the places
+/// of its nodes in the file. The first nodes are those of the solid of 8 nodes (ANSYS Element Reference,
+/// SOLID185, SOLID186).
 fn solid_places(corners: &[u64]) -> Option<(ElementKind, &'static [usize])> {
     let &[_, _, k, l, m, n, o, p] = corners else {
         return None;
@@ -127,8 +128,8 @@ fn solid_places(corners: &[u64]) -> Option<(ElementKind, &'static [usize])> {
     Some((kind, places))
 }
 
-/// The kind and the nodes of an element from those of the file; zero stands for an absent mid-side node. `None`
-/// for nodes that make no shape of the family.
+/// The kind and the nodes of an element from those of the file; zero stands for an absent mid-side node.
+/// `None` for nodes that make no shape of the family.
 pub(super) fn shape(family: Family, nodes: &[u64]) -> Option<(ElementKind, Vec<u64>)> {
     let take = |kind: ElementKind, places: &[usize]| {
         let wanted = places.get(..kind.node_count())?;
