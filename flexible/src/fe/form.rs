@@ -10,7 +10,8 @@
 //! hexahedra would lock in bending with full integration, so they have incompatible modes.
 //!
 //! Sources: Abaqus Theory Guide 3.2.4 and its matrices; CalculiX 2.20 (`e_c3d.f`, `shape8hu.f`, `shape8hr.f`)
-//! and its frequencies; MSC Nastran Quick Reference Guide, `PSOLID`.
+//! and its frequencies; MSC Nastran Quick Reference Guide, `PSOLID`; ANSYS Theory Reference 18.2, SOLID185
+//! to SOLID187.
 
 use std::collections::BTreeMap;
 
