@@ -389,10 +389,7 @@ pub(super) fn mass_rule(mesh: &Mesh, element: &Element, rules: &Rules) -> MassRu
             MassRule::Abaqus
         }
         (StiffnessRule::Named, MassRule::Exact, Variant::Technology { .. }, Code::Ansys) => {
-            match element.kind {
-                ElementKind::Hexahedron20 => MassRule::Abaqus,
-                _ => MassRule::CalculiX,
-            }
+            MassRule::Ansys
         }
         (_, rule, ..) => rule,
     }
