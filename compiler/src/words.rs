@@ -208,6 +208,12 @@ pub(crate) const WORDS: &[Word] = &[
         example: "gmsh(\"rod.msh\", units: mm_tonne_s)",
     },
     Word {
+        word: "ansys",
+        place: Place::Mesh,
+        arguments: MESH,
+        example: "ansys(\"block.cdb\", units: mm_tonne_s)",
+    },
+    Word {
         word: "stack",
         place: Place::Mesh,
         arguments: &[

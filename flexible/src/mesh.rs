@@ -42,6 +42,8 @@ pub enum Code {
     Abaqus,
     /// CalculiX.
     CalculiX,
+    /// ANSYS Mechanical APDL.
+    Ansys,
 }
 
 /// The variant of an element as its file names it.
@@ -62,6 +64,13 @@ pub enum Variant {
     },
     /// A shell whose membrane has rotations about the normal: `CTRIAR`, `CQUADR`.
     Drilling,
+    /// A solid of ANSYS.
+    Technology {
+        /// Its number: 186 of SOLID186.
+        element: u16,
+        /// KEYOPT(2) of its type.
+        option: u8,
+    },
 }
 
 /// Letters of element types that change the mechanics of a solid, in the order in which they are written:
@@ -560,6 +569,8 @@ pub struct Mesh {
     pub sets: BTreeMap<String, Set>,
     /// Unread cards and keywords.
     pub unread: Vec<Unread>,
+    /// Units that the file itself names: the word, and metres, kilograms, seconds of its units.
+    pub units: Option<(String, [f64; 3])>,
     /// Notes on contents that were read by the rules of their code but may have another intention.
     pub doubts: Vec<String>,
 }

@@ -10,6 +10,15 @@ impl Mesh {
     /// Converts everything to SI. Angles are radians in every system.
     pub fn convert(&mut self, units: &MeshUnits) {
         let (length, mass, force) = (units.length, units.mass, units.force());
+        if let Some((word, [own_length, own_mass, own_time])) = self.units.take() {
+            let ratios = [own_length / length, own_mass / mass, own_time / units.time];
+            if ratios.iter().any(|ratio| (ratio - 1.0).abs() > 1e-3) {
+                self.doubts.push(format!(
+                    "the file names the units {word} (of {own_length} m, {own_mass} kg and {own_time} s), and the model {}",
+                    units.name
+                ));
+            }
+        }
         for node in &mut self.nodes {
             node.position = node.position.map(|x| x * length);
         }

@@ -143,6 +143,8 @@ fn damaged_files_through_every_reader() {
         "calculix/twisted.sti.gz",
         "calculix/twisted.dof.gz",
         "calculix/twisted.frd.gz",
+        "ansys/hexbeam.cdb.gz",
+        "ansys/hypermesh.cdb.gz",
     ];
     let mut samples: Vec<Vec<u8>> = unpacked.iter().map(|name| short(name)).collect();
     // the compressed file, too

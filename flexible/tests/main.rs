@@ -5,6 +5,7 @@
 mod abaqus_mutations;
 mod abaqus_structure;
 mod abaqus_tied;
+mod ansys_archives;
 mod elastic_surface;
 mod element_variants;
 mod every_reader;

@@ -23,6 +23,8 @@ pub enum MeshFormat {
     CalculiX,
     /// A mesh of gmsh.
     Gmsh,
+    /// An archive of ANSYS (`.cdb`).
+    Ansys,
 }
 
 impl Stated for MeshFormat {
@@ -31,6 +33,7 @@ impl Stated for MeshFormat {
         ("abaqus", MeshFormat::Abaqus),
         ("calculix", MeshFormat::CalculiX),
         ("gmsh", MeshFormat::Gmsh),
+        ("ansys", MeshFormat::Ansys),
     ];
 }
 

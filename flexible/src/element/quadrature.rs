@@ -119,6 +119,31 @@ pub fn hexahedron(n: usize) -> Vec<Point> {
     })
 }
 
+/// 14 points on the cube for degree 5: six on the axes, eight on the diagonals (B. M. Irons, Int. J. Numer.
+/// Meth. Eng. 3, 1971).
+pub fn hexahedron_14() -> Vec<Point> {
+    let axis = libm::sqrt(19.0 / 30.0);
+    let diagonal = libm::sqrt(19.0 / 33.0);
+    let mut points = Vec::with_capacity(14);
+    for sign in [-1.0, 1.0] {
+        for direction in 0..3 {
+            let mut at = [0.0; 3];
+            at[direction] = sign * axis;
+            points.push(Point {
+                at,
+                weight: 320.0 / 361.0,
+            });
+        }
+        for [second, third] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+            points.push(Point {
+                at: [sign * diagonal, second * diagonal, third * diagonal],
+                weight: 121.0 / 361.0,
+            });
+        }
+    }
+    points
+}
+
 /// `n`² Gauss points of the quadrilateral: exact to degree 2n − 1 in each coordinate.
 pub fn quadrilateral(n: usize) -> Vec<Point> {
     let line = legendre(n);

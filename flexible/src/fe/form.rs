@@ -10,7 +10,8 @@
 //! hexahedra would lock in bending with full integration, so they have incompatible modes.
 //!
 //! Sources: Abaqus Theory Guide 3.2.4 and its matrices; CalculiX 2.20 (`e_c3d.f`, `shape8hu.f`, `shape8hr.f`)
-//! and its frequencies; MSC Nastran Quick Reference Guide, `PSOLID`.
+//! and its frequencies; MSC Nastran Quick Reference Guide, `PSOLID`; ANSYS Theory Reference 18.2, SOLID185
+//! to SOLID187.
 
 use std::collections::BTreeMap;
 
@@ -109,6 +110,7 @@ enum Whose {
     Nastran,
     Abaqus,
     CalculiX,
+    Ansys,
 }
 
 impl Whose {
@@ -117,6 +119,7 @@ impl Whose {
         match (rule, mesh) {
             (StiffnessRule::Full, _) => Whose::InFull,
             (StiffnessRule::Named, Code::None) => Whose::Nobody,
+            (StiffnessRule::Named, Code::Ansys) => Whose::Ansys,
             (StiffnessRule::Nastran, _) | (StiffnessRule::Named, Code::Nastran) => Whose::Nastran,
             (StiffnessRule::Abaqus, _) | (StiffnessRule::Named, Code::Abaqus) => Whose::Abaqus,
             (StiffnessRule::CalculiX, _) | (StiffnessRule::Named, Code::CalculiX) => {
@@ -131,6 +134,7 @@ impl Whose {
             Whose::Nastran => "Nastran",
             Whose::Abaqus => "Abaqus",
             Whose::CalculiX => "CalculiX",
+            Whose::Ansys => "ANSYS",
         }
     }
 }
@@ -150,6 +154,10 @@ enum For {
     InFull(u8),
     /// `IN` of `PSOLID`: this number of points or more.
     Points(u8),
+    /// KEYOPT(2) of a solid of ANSYS.
+    Option(u8),
+    /// A solid of ANSYS by its number.
+    Number(u16),
 }
 
 impl For {
@@ -166,6 +174,8 @@ impl For {
                 bits.map(|bit| 1 << bit).sum::<u8>() == letters
             }
             (For::InFull(wanted), Variant::Network { points, full }) => full && points == wanted,
+            (For::Option(wanted), Variant::Technology { option, .. }) => option == wanted,
+            (For::Number(wanted), Variant::Technology { element, .. }) => element == wanted,
             (For::Points(least), Variant::Network { points, .. }) => points >= least,
             _ => false,
         }
@@ -197,14 +207,18 @@ const fn rule(
 
 /// The forms of solids by code, kind and variant. The first fitting line counts.
 const RULES: &[Rule] = {
-    use ElementKind::{Hexahedron8, Hexahedron20, Tetrahedron4, Tetrahedron10, Wedge6};
+    use ElementKind::{
+        Hexahedron8, Hexahedron20, Pyramid5, Pyramid13, Tetrahedron4, Tetrahedron10, Wedge6,
+        Wedge15,
+    };
     use For::{Any, AnyLetters, Letters, Plain, Points};
     use Verdict::{Differing, Form as Made, Refused};
-    use Whose::{Abaqus, CalculiX, Nastran, Nobody};
+    use Whose::{Abaqus, Ansys, CalculiX, Nastran, Nobody};
     const FULL: Verdict = Made(Form::Full);
     const REDUCED: Verdict = Made(Form::Reduced);
     const BUBBLE: Verdict = Made(Form::Incompatible);
     const ADVICE: &str = "state `element_rules = nastran`, which gives 8-node hexahedra incompatible modes, or write C3D20R in the file";
+    const ANSYS_ADVICE: &str = "set KEYOPT(2) = 0 (B-bar) and write the archive again; or state `element_rules = nastran`, which gives 8-node hexahedra incompatible modes";
     const UNKNOWN: Verdict = Refused(
         "its rule is not reproduced",
         "write the plain type or C3D20R in the file",
@@ -217,6 +231,65 @@ const RULES: &[Rule] = {
         rule(&[Whose::InFull], &[], Any, FULL),
         rule(&[Nobody], &[Hexahedron8], Any, BUBBLE),
         rule(&[Nobody], &[], Any, FULL),
+        rule(
+            &[Ansys],
+            &[],
+            For::Number(285),
+            Refused(
+                "a tetrahedron of four nodes with pressures, by a rule that is not public",
+                "mesh with SOLID187",
+            ),
+        ),
+        rule(&[Ansys], &[Tetrahedron4, Tetrahedron10, Wedge15], Any, FULL),
+        rule(&[Ansys], &[Hexahedron20], For::Option(0), REDUCED),
+        rule(
+            &[Ansys],
+            &[Hexahedron20],
+            Any,
+            Refused(
+                "its 14 points of integration are not reproduced",
+                "set KEYOPT(2) = 0, which is ANSYS' default, and write the archive again",
+            ),
+        ),
+        rule(
+            &[Ansys],
+            &[Pyramid13],
+            Any,
+            Differing(Form::Full, "ANSYS takes 2³ points"),
+        ),
+        rule(
+            &[Ansys],
+            &[Hexahedron8],
+            For::Option(0),
+            Made(Form::MeanDilatation),
+        ),
+        rule(
+            &[Ansys],
+            &[Wedge6, Pyramid5],
+            For::Option(0),
+            Differing(
+                Form::Full,
+                "ANSYS takes the mean of their volume strain (B-bar)",
+            ),
+        ),
+        rule(
+            &[Ansys],
+            &[],
+            For::Option(1),
+            Refused(
+                "one integration point and an artificial stiffness against hourglasses",
+                ANSYS_ADVICE,
+            ),
+        ),
+        rule(
+            &[Ansys],
+            &[],
+            Any,
+            Refused(
+                "its enhanced strains are not public in all details",
+                ANSYS_ADVICE,
+            ),
+        ),
         rule(&[Abaqus, CalculiX], &[Hexahedron20], Letters("R"), REDUCED),
         rule(
             &[Abaqus, CalculiX],
@@ -315,6 +388,9 @@ pub(super) fn mass_rule(mesh: &Mesh, element: &Element, rules: &Rules) -> MassRu
         (StiffnessRule::Named, MassRule::Exact, Variant::Letters(_), Code::Abaqus) => {
             MassRule::Abaqus
         }
+        (StiffnessRule::Named, MassRule::Exact, Variant::Technology { .. }, Code::Ansys) => {
+            MassRule::Ansys
+        }
         (_, rule, ..) => rule,
     }
 }
@@ -337,6 +413,15 @@ fn name(mesh: &Mesh, kind: ElementKind, variant: Variant) -> String {
             }
             _ => format!("{card} ({nodes} nodes)"),
         };
+    }
+    if let Variant::Technology { element, option } = variant {
+        let shape = match kind.linear() {
+            ElementKind::Wedge6 => ", wedge",
+            ElementKind::Pyramid5 => ", pyramid",
+            ElementKind::Tetrahedron4 if element != 187 && element != 285 => ", tetrahedron",
+            _ => "",
+        };
+        return format!("SOLID{element} (KEYOPT(2) = {option}{shape})");
     }
     let letters: String = match variant {
         Variant::Letters(letters) => VARIANT_LETTERS

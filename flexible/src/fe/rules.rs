@@ -1,7 +1,7 @@
 //! The quadrature of each element, and the distribution of its mass.
 
 use super::form::Form;
-use crate::element::quadrature::Point;
+use crate::element::quadrature::{self, Point};
 use crate::element::{ElementKind, Shape};
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +43,9 @@ pub enum MassRule {
     /// solids are integrated at their full stiffness points. Checked against its matrices for C3D4, C3D8,
     /// C3D10, C3D20 and C3D20R.
     Abaqus,
+    /// ANSYS: consistent mass, of the 20-node hexahedron at 14 points, of other solids at the points of the
+    /// stiffness. Checked against its frequencies for SOLID186.
+    Ansys,
     /// Diagonal mass. Linear elements have row sums. The row sums of quadratic elements are partly negative,
     /// so these have the exact diagonal, scaled to the element's mass (E. Hinton, T. Rock, O. C. Zienkiewicz,
     /// Earthq. Eng. Struct. Dyn. 4, 1976).
@@ -106,7 +109,9 @@ pub(super) fn spread(kind: ElementKind, rule: MassRule) -> Spread {
         return Spread::Consistent;
     }
     match (rule, linear) {
-        (MassRule::Exact | MassRule::CalculiX, _) | (MassRule::Abaqus, false) => Spread::Consistent,
+        (MassRule::Exact | MassRule::CalculiX | MassRule::Ansys, _) | (MassRule::Abaqus, false) => {
+            Spread::Consistent
+        }
         (MassRule::Abaqus | MassRule::Lumped, true) => Spread::RowSum,
         (MassRule::Lumped, false) => Spread::ScaledDiagonal,
     }
@@ -126,7 +131,8 @@ pub(super) fn stiffness_points(kind: ElementKind, form: Form) -> Vec<Point> {
 fn mass_points(kind: ElementKind, form: Form, rule: MassRule) -> Vec<Point> {
     let element = kind.description();
     match rule {
-        MassRule::CalculiX if kind.is_solid() => stiffness_points(kind, form),
+        MassRule::Ansys if kind == ElementKind::Hexahedron20 => quadrature::hexahedron_14(),
+        MassRule::CalculiX | MassRule::Ansys if kind.is_solid() => stiffness_points(kind, form),
         MassRule::Abaqus => (element.mass_of_abaqus)(),
         _ => (element.mass)(),
     }

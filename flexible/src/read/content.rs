@@ -18,6 +18,9 @@ const NASTRAN_WORDS: [&str; 40] = [
     "CPYRAM", "CBAR", "CBEAM", "CQUAD4", "CTRIA3", "RBE2", "RBE3", "CONM2", "ENDDATA",
 ];
 
+/// Beginnings of lines of an archive of ANSYS.
+const ANSYS_WORDS: [&str; 4] = ["NBLOCK,", "EBLOCK,", "ETBLOCK,", "KEYOPT,"];
+
 /// The contents of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Content {
@@ -27,6 +30,8 @@ pub(crate) enum Content {
     AbaqusDeck,
     /// A mesh of gmsh.
     GmshMesh,
+    /// Commands of ANSYS.
+    AnsysArchive,
     /// Nastran's OP2.
     Op2,
     /// Nastran's OP4, binary or text.
@@ -50,6 +55,7 @@ impl Content {
             Content::NastranCards => "cards of Nastran",
             Content::AbaqusDeck => "keywords of an Abaqus or CalculiX input file",
             Content::GmshMesh => "a mesh of gmsh",
+            Content::AnsysArchive => "commands of ANSYS",
             Content::Op2 => "data blocks of Nastran's OP2",
             Content::Op4 => "matrices of Nastran's OP4",
             Content::MatrixByFreedoms => {
@@ -97,6 +103,10 @@ impl Content {
                 // comments of Nastran and of Abaqus
                 [b'$', ..] | [b'*', b'*', ..] => None,
                 [b'*', letter, ..] if letter.is_ascii_alphabetic() => Some(Content::AbaqusDeck),
+                [b'/', letter, ..] if letter.is_ascii_alphabetic() => Some(Content::AnsysArchive),
+                _ if ANSYS_WORDS.iter().any(|word| trimmed.starts_with(word)) => {
+                    Some(Content::AnsysArchive)
+                }
                 [b'1', b'C' | b'U', ..] if line.starts_with("    1") => Some(Content::Frd),
                 _ => Content::of_numbers(line).or_else(|| Content::of_card(trimmed)),
             }
@@ -211,6 +221,8 @@ mod tests {
     fn contents_by_their_beginning() {
         for (text, content) in [
             ("$MeshFormat\n4.1 0 8\n", Content::GmshMesh),
+            ("!! by HyperMesh\n/PREP7\n", Content::AnsysArchive),
+            ("NBLOCK,6,SOLID\n(3i9,6e21.13e3)\n", Content::AnsysArchive),
             ("\r\n** a mesh\r\n*Heading\r\n", Content::AbaqusDeck),
             ("$ a deck\nSOL 103\n", Content::NastranCards),
             ("grid,1,,0.,0.,0.\n", Content::NastranCards),

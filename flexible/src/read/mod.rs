@@ -3,6 +3,7 @@
 //! They yield a [`crate::Mesh`] or matrices.
 
 pub mod abaqus;
+pub mod ansys;
 mod builder;
 mod content;
 pub mod gmsh;
@@ -40,6 +41,7 @@ impl Readable for MeshFormat {
             MeshFormat::Nastran => content == Content::NastranCards,
             MeshFormat::Abaqus | MeshFormat::CalculiX => content == Content::AbaqusDeck,
             MeshFormat::Gmsh => content == Content::GmshMesh,
+            MeshFormat::Ansys => content == Content::AnsysArchive,
         }
     }
 }
@@ -54,6 +56,7 @@ pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Me
         MeshFormat::Abaqus => abaqus::read_inp(files, name, Code::Abaqus),
         MeshFormat::CalculiX => abaqus::read_inp(files, name, Code::CalculiX),
         MeshFormat::Gmsh => gmsh::read_msh(files, name),
+        MeshFormat::Ansys => ansys::read_cdb(files, name),
     };
     explained(files, name, format, read)
 }
