@@ -411,9 +411,7 @@ fn finer_steps_change_the_oil_little() {
         [mean(&flows).abs() / flow, mean(&squares).sqrt() / flow]
     };
     let [usual, finer] = [&usual, &finer].map(lost);
-    println!(
-        "unexplained oil, mean and rms: {usual:.1e?}, in finer steps {finer:.1e?} of the flow"
-    );
+    println!("unexplained oil, mean and rms: {usual:.5?}, in finer steps {finer:.5?} of the flow");
     assert!(usual[0] < 0.02 && finer[0] < 0.02);
     // flows of both signs may cancel in the mean: their size shows the order of the step
     assert!(finer[1] < 0.6 * usual[1] && finer[1] > 0.0);
