@@ -558,10 +558,7 @@ impl FieldSolver for Solver {
             Some(past) => (Some(past.step), &past.memory[..own]),
             None => (None, &[][..]),
         };
-        let solved = match accuracy {
-            Accuracy::Full => film.solve(drives, step, memory, work, answers),
-            Accuracy::Iterate => film.iterate(drives, step, memory, work, answers),
-        };
+        let solved = film.solve(drives, step, memory, accuracy, work, answers);
         solved.map_err(|error| FieldError(error.to_string()))
     }
 
@@ -622,11 +619,19 @@ impl FieldSolver for Solver {
     }
 
     fn found(&self, numbers: &mut Vec<f64>) {
-        self.film.found(&self.work, numbers);
+        self.film.film().cavity(&self.work.film, numbers);
     }
 
     fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
-        self.film.begin_at(&mut self.work, numbers)
+        self.film.film().begin_at(&mut self.work.film, numbers)
+    }
+
+    fn kept(&self, numbers: &mut Vec<f64>) {
+        self.film.kept(&self.work, numbers);
+    }
+
+    fn keep<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
+        self.film.keep(&mut self.work, numbers)
     }
 
     fn cells(&self, quantity: usize, out: &mut [f64]) {

@@ -2,8 +2,8 @@
 //! runs the orbit in an elastic bore alone.
 
 use eng_film::{
-    Cavitation, Elastic, Feed, Film, FilmSource, Inputs, Opening, Part, Roughness, Shape, Thinning,
-    inputs,
+    Accuracy, Cavitation, Elastic, Feed, Film, FilmSource, Inputs, Opening, Part, Roughness, Shape,
+    Thinning, inputs,
 };
 use std::time::Instant;
 
@@ -193,7 +193,14 @@ fn surfaces() {
         let again = least(|| {
             call += 1;
             elastic
-                .solve(&near[call % 2], Some(0.1), &memory, &mut work, &mut y)
+                .solve(
+                    &near[call % 2],
+                    Some(0.1),
+                    &memory,
+                    Accuracy::Full,
+                    &mut work,
+                    &mut y,
+                )
                 .expect("a film");
         });
         let mut tangent = vec![0.0; inputs::SHAPE_FORCE * elastic.inputs()];
@@ -201,7 +208,14 @@ fn surfaces() {
             // at a new solution: derivatives of the last one are kept
             call += 1;
             elastic
-                .solve(&near[call % 2], Some(0.1), &memory, &mut work, &mut y)
+                .solve(
+                    &near[call % 2],
+                    Some(0.1),
+                    &memory,
+                    Accuracy::Full,
+                    &mut work,
+                    &mut y,
+                )
                 .expect("a film");
             elastic.tangent(&mut work, &mut tangent).expect("a tangent");
         });
@@ -260,7 +274,14 @@ fn elastic_orbit() {
     let (mut work, mut y) = (elastic.work(), vec![0.0; elastic.outputs()]);
     let mut memory = vec![0.0; elastic.memory()];
     elastic
-        .solve(&inputs(0.0, 0.0), None, &[], &mut work, &mut y)
+        .solve(
+            &inputs(0.0, 0.0),
+            None,
+            &[],
+            Accuracy::Full,
+            &mut work,
+            &mut y,
+        )
         .expect("a film");
     elastic.accept(&work, &mut memory);
     let (mut rounds, begin) = (0, Instant::now());
@@ -268,7 +289,14 @@ fn elastic_orbit() {
         for off in [1e-3, 1e-4, 3e-6, 1e-7, 2e-9] {
             let x = inputs(step * k as f64, off);
             elastic
-                .iterate(&x, Some(step), &memory, &mut work, &mut y)
+                .solve(
+                    &x,
+                    Some(step),
+                    &memory,
+                    Accuracy::Iterate,
+                    &mut work,
+                    &mut y,
+                )
                 .expect("a film");
             rounds += work.rounds;
         }

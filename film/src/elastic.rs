@@ -21,6 +21,7 @@ use crate::film::{Film, Work};
 use crate::inputs::{ECCENTRICITY, FORCE, MOMENT, RATE, SHAPE_FORCE, SPIN, SUPPLY, TILT_RATE};
 use crate::tangent::ALL;
 use eng_system::dense::{add_scaled, dot, largest};
+use eng_system::field::Accuracy;
 
 /// Most rounds of Newton's method.
 const ROUNDS: usize = 200;
@@ -264,7 +265,9 @@ impl Elastic {
     }
 
     /// Solves the film and its surface, and writes the outputs. `step` and `memory` are those of
-    /// [`Film::solve`], with the amplitudes and their rates after the content.
+    /// [`Film::solve`], with the amplitudes and their rates after the content. For an iterate of Newton's method the
+    /// amplitudes may have an error of a thousandth of their change since the last solution, or within a new step since its
+    /// prediction.
     ///
     /// # Errors
     /// As [`Film::solve`], or if the surface finds no balance with the film.
@@ -273,35 +276,7 @@ impl Elastic {
         inputs: &[f64],
         step: Option<f64>,
         memory: &[f64],
-        work: &mut ElasticWork,
-        outputs: &mut [f64],
-    ) -> Result<(), FilmError> {
-        self.solve_within(0.0, inputs, step, memory, work, outputs)
-    }
-
-    /// [`Elastic::solve`] for an iterate of Newton's method: the amplitudes may have an error of a thousandth of their
-    /// change since the last solution, or within a new step since its prediction.
-    ///
-    /// # Errors
-    /// As [`Elastic::solve`].
-    pub fn iterate(
-        &self,
-        inputs: &[f64],
-        step: Option<f64>,
-        memory: &[f64],
-        work: &mut ElasticWork,
-        outputs: &mut [f64],
-    ) -> Result<(), FilmError> {
-        self.solve_within(ITERATE, inputs, step, memory, work, outputs)
-    }
-
-    /// Solves up to an error of a share of the amplitudes' change.
-    fn solve_within(
-        &self,
-        share: f64,
-        inputs: &[f64],
-        step: Option<f64>,
-        memory: &[f64],
+        accuracy: Accuracy,
         work: &mut ElasticWork,
         outputs: &mut [f64],
     ) -> Result<(), FilmError> {
@@ -321,7 +296,11 @@ impl Elastic {
                 0.0
             }
         };
-        let found = self.search(content, work, followed, share);
+        let error = match accuracy {
+            Accuracy::Full => 0.0,
+            Accuracy::Iterate => ITERATE,
+        };
+        let found = self.search(content, work, followed, error);
         match found {
             Ok(()) => {
                 outputs.copy_from_slice(&work.outputs[..answers]);
@@ -399,7 +378,7 @@ impl Elastic {
 
     /// The amplitudes at which the search begins, and whether they belong to the step and the inputs of the
     /// last solution. In a new step they move on at the rates of the one before, and nothing is kept but the numbers of
-    /// [`Elastic::found`]: so a run that continues from a checkpoint has the same bits. For another length of the step
+    /// [`Elastic::kept`]: so a run that continues from a checkpoint has the same bits. For another length of the step
     /// the rates of the last solution remain.
     fn begin(&self, work: &mut ElasticWork, step: Option<f64>, memory: &[f64]) -> bool {
         let earlier = std::mem::replace(&mut work.step, step);
@@ -527,9 +506,9 @@ impl Elastic {
         Ok(())
     }
 
-    /// Appends the numbers from which another search begins: the cavity of the last solution, its step (0 for none), the
-    /// amplitudes at its end and beginning, whether G is kept, and with it the derivatives.
-    pub fn found(&self, work: &ElasticWork, numbers: &mut Vec<f64>) {
+    /// Appends the numbers with which another work continues as this one: the cavity of the last solution, its step (0 for
+    /// none), the amplitudes at its end and beginning, whether G is kept, and with it the derivatives.
+    pub fn kept(&self, work: &ElasticWork, numbers: &mut Vec<f64>) {
         self.film.cavity(&work.film, numbers);
         if self.shapes() == 0 {
             return;
@@ -545,19 +524,19 @@ impl Elastic {
         }
     }
 
-    /// Lets the next search begin at such numbers, and returns those after them. Where there are too few, the search
-    /// begins as it would without them.
-    pub fn begin_at<'n>(&self, work: &mut ElasticWork, numbers: &'n [f64]) -> &'n [f64] {
+    /// Takes such numbers, and returns those after them. Where there are too few, the next search begins as it would
+    /// without them.
+    pub fn keep<'n>(&self, work: &mut ElasticWork, numbers: &'n [f64]) -> &'n [f64] {
         let numbers = self.film.begin_at(&mut work.film, numbers);
         if self.shapes() == 0 {
             return numbers;
         }
         work.feedback.forget();
-        self.begin_with(work, numbers).unwrap_or(&[])
+        self.keep_surface(work, numbers).unwrap_or(&[])
     }
 
     /// Takes such numbers after those of the cavity, and returns those after them; none if there are too few.
-    fn begin_with<'n>(&self, work: &mut ElasticWork, numbers: &'n [f64]) -> Option<&'n [f64]> {
+    fn keep_surface<'n>(&self, work: &mut ElasticWork, numbers: &'n [f64]) -> Option<&'n [f64]> {
         let (step, others) = numbers.split_first()?;
         let (amplitudes, others) = others.split_at_checked(self.shapes())?;
         let (before, others) = others.split_at_checked(self.shapes())?;

@@ -56,6 +56,7 @@ mod turning;
 mod waves;
 
 pub use elastic::{Elastic, ElasticWork};
+pub use eng_system::field::Accuracy;
 pub use eng_system::surface::SurfaceShape as Shape;
 pub use error::{FilmError, Place, SourceError};
 pub use film::{Film, Work};

@@ -2,7 +2,9 @@
 
 mod states;
 
-use eng_film::{Cavitation, Elastic, ElasticWork, Film, FilmSource, Inputs, Shape, inputs};
+use eng_film::{
+    Accuracy, Cavitation, Elastic, ElasticWork, Film, FilmSource, Inputs, Shape, inputs,
+};
 use states::{number, pair, reference};
 
 /// Shapes that do not change across: a constant, and cosines and sines of 2 to `most` waves.
@@ -55,7 +57,7 @@ fn under_load(elastic: &Elastic, load: [f64; 2]) -> ([f64; 5], usize) {
     let mut e = [0.75, 0.3];
     for round in 1..40 {
         elastic
-            .solve(&inputs(e), None, &[], &mut work, &mut y)
+            .solve(&inputs(e), None, &[], Accuracy::Full, &mut work, &mut y)
             .expect("a solution");
         elastic.tangent(&mut work, &mut slopes).expect("a tangent");
         let own = elastic.inputs();
@@ -178,7 +180,14 @@ fn tangent_of_a_yielding_surface() {
     let mut work = elastic.work();
     let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; inputs::SHAPE_FORCE]);
     elastic
-        .solve(&inputs([0.6, 0.1]), None, &[], &mut work, &mut y)
+        .solve(
+            &inputs([0.6, 0.1]),
+            None,
+            &[],
+            Accuracy::Full,
+            &mut work,
+            &mut y,
+        )
         .expect("a film");
     elastic.accept(&work, &mut memory);
     assert!(memory.iter().any(|amplitude| amplitude.abs() > 1e-3));
@@ -192,7 +201,7 @@ fn tangent_of_a_yielding_surface() {
     .write();
     let step = Some(0.2);
     elastic
-        .solve(&x, step, &memory, &mut work, &mut y)
+        .solve(&x, step, &memory, Accuracy::Full, &mut work, &mut y)
         .expect("a film");
     let mut slopes = vec![0.0; inputs::SHAPE_FORCE * elastic.inputs()];
     elastic.tangent(&mut work, &mut slopes).expect("a tangent");
@@ -201,7 +210,7 @@ fn tangent_of_a_yielding_surface() {
             let (mut moved, mut y) = (x.clone(), [0.0; inputs::SHAPE_FORCE]);
             moved[input] += by;
             elastic
-                .solve(&moved, step, &memory, &mut work, &mut y)
+                .solve(&moved, step, &memory, Accuracy::Full, &mut work, &mut y)
                 .expect("a film");
             y
         };
@@ -236,7 +245,7 @@ fn some_derivatives_are_those_of_all() {
                 let mut y = [0.0; inputs::SHAPE_FORCE];
                 let x = inputs([0.6, 0.1]);
                 elastic
-                    .solve(&x, None, &[], &mut work, &mut y)
+                    .solve(&x, None, &[], Accuracy::Full, &mut work, &mut y)
                     .expect("a film");
                 let slow = elastic.stiffness_and_damping(&mut work).expect("slopes");
                 let mut slopes = vec![f64::NAN; inputs::SHAPE_FORCE * elastic.inputs()];
@@ -267,25 +276,23 @@ fn iterates_approach_the_solution() {
     let ring = Elastic::ring(&film, 1.0, 10.0, 1.0, 0.05);
     let elastic = Elastic::new(film, ring).expect("a surface");
     let memory = vec![0.0; elastic.memory()];
-    let solve = |exact: bool, x: f64, work: &mut ElasticWork| {
+    let solve = |accuracy: Accuracy, x: f64, work: &mut ElasticWork| {
         let mut y = [0.0; inputs::SHAPE_FORCE];
         let e = inputs([0.7 + x, 0.2]);
         let step = Some(0.1);
-        let solved = match exact {
-            true => elastic.solve(&e, step, &memory, work, &mut y),
-            false => elastic.iterate(&e, step, &memory, work, &mut y),
-        };
-        solved.expect("a film");
+        elastic
+            .solve(&e, step, &memory, accuracy, work, &mut y)
+            .expect("a film");
         y[inputs::FORCE]
     };
     let (mut iterated, mut rounds) = (elastic.work(), [0, 0]);
-    let mut last = solve(true, 0.1, &mut iterated);
+    let mut last = solve(Accuracy::Full, 0.1, &mut iterated);
     for x in [1e-2, 1e-3, 1e-4, 1e-6, 1e-8] {
         let mut fresh = elastic.work();
-        let exact = solve(true, x, &mut fresh);
+        let exact = solve(Accuracy::Full, x, &mut fresh);
         let mut other = iterated.clone();
-        solve(true, x, &mut other);
-        let found = solve(false, x, &mut iterated);
+        solve(Accuracy::Full, x, &mut other);
+        let found = solve(Accuracy::Iterate, x, &mut iterated);
         let (error, change) = ((found - exact).abs(), (exact - last).abs());
         assert!(error < 1e-3 * change, "{error:e} of {change:e}");
         rounds = [rounds[0] + iterated.rounds, rounds[1] + other.rounds];
@@ -307,20 +314,20 @@ fn a_search_continues_elsewhere() {
     for at in 0..3 {
         let x = turned(0.02 * f64::from(at));
         elastic
-            .solve(&x, Some(0.1), &memory, &mut work, &mut y)
+            .solve(&x, Some(0.1), &memory, Accuracy::Full, &mut work, &mut y)
             .expect("a film");
         elastic.accept(&work, &mut memory);
     }
     let mut numbers = Vec::new();
-    elastic.found(&work, &mut numbers);
+    elastic.kept(&work, &mut numbers);
     let mut other = elastic.work();
-    assert!(elastic.begin_at(&mut other, &numbers).is_empty());
+    assert!(elastic.keep(&mut other, &numbers).is_empty());
     let mut z = y;
     for off in [0.0, 1e-3] {
         let x = turned(0.06 + off);
         for (work, y) in [(&mut work, &mut y), (&mut other, &mut z)] {
             elastic
-                .solve(&x, Some(0.1), &memory, work, y)
+                .solve(&x, Some(0.1), &memory, Accuracy::Full, work, y)
                 .expect("a film");
         }
         assert_eq!(y.map(f64::to_bits), z.map(f64::to_bits));
@@ -328,16 +335,30 @@ fn a_search_continues_elsewhere() {
     // the same inputs once more: the search is at its end
     let mut third = elastic.work();
     numbers.clear();
-    elastic.found(&work, &mut numbers);
-    elastic.begin_at(&mut third, &numbers);
+    elastic.kept(&work, &mut numbers);
+    elastic.keep(&mut third, &numbers);
     elastic
-        .solve(&turned(0.061), Some(0.1), &memory, &mut third, &mut z)
+        .solve(
+            &turned(0.061),
+            Some(0.1),
+            &memory,
+            Accuracy::Full,
+            &mut third,
+            &mut z,
+        )
         .expect("a film");
     assert_eq!(third.rounds, 1);
     // too few numbers: the search begins anew
-    elastic.begin_at(&mut third, &numbers[..numbers.len() / 2]);
+    elastic.keep(&mut third, &numbers[..numbers.len() / 2]);
     elastic
-        .solve(&turned(0.06), Some(0.1), &memory, &mut third, &mut z)
+        .solve(
+            &turned(0.06),
+            Some(0.1),
+            &memory,
+            Accuracy::Full,
+            &mut third,
+            &mut z,
+        )
         .expect("a film");
 }
 
@@ -372,7 +393,7 @@ fn short_steps_find_their_place() {
         };
         let mut work = elastic.work();
         elastic
-            .solve(&at.write(), None, &[], &mut work, &mut y)
+            .solve(&at.write(), None, &[], Accuracy::Full, &mut work, &mut y)
             .expect("a steady film");
         elastic.accept(&work, &mut memory);
         for step in [1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-5] {
@@ -380,7 +401,14 @@ fn short_steps_find_their_place() {
             at.rate = [speed * angle.cos(), speed * angle.sin()];
             let moved = f64::min(step, 1e-5);
             at.eccentricity = [place[0] + moved * at.rate[0], place[1] + moved * at.rate[1]];
-            let solved = elastic.solve(&at.write(), Some(step), &memory, &mut work, &mut y);
+            let solved = elastic.solve(
+                &at.write(),
+                Some(step),
+                &memory,
+                Accuracy::Full,
+                &mut work,
+                &mut y,
+            );
             assert!(
                 solved.is_ok(),
                 "{trial} ratio {ratio}, step {step}: {solved:?}"
@@ -437,13 +465,20 @@ fn slow_motions_see_the_surface_follow() {
     let mut work = elastic.work();
     let (mut memory, mut y) = (vec![0.0; elastic.memory()], [0.0; inputs::SHAPE_FORCE]);
     elastic
-        .solve(&inputs(place), None, &[], &mut work, &mut y)
+        .solve(&inputs(place), None, &[], Accuracy::Full, &mut work, &mut y)
         .expect("a film");
     let found = elastic.stiffness_and_damping(&mut work).expect("slopes");
     elastic.accept(&work, &mut memory);
     for step in [1e-3, 0.2] {
         elastic
-            .solve(&inputs(place), Some(step), &memory, &mut work, &mut y)
+            .solve(
+                &inputs(place),
+                Some(step),
+                &memory,
+                Accuracy::Full,
+                &mut work,
+                &mut y,
+            )
             .expect("a film");
         let again = elastic.stiffness_and_damping(&mut work).expect("slopes");
         for (x, y) in found.iter().zip(&again) {
@@ -455,7 +490,7 @@ fn slow_motions_see_the_surface_follow() {
             let (mut at, mut y) = (place, [0.0; inputs::SHAPE_FORCE]);
             at[axis] += by;
             elastic
-                .solve(&inputs(at), None, &[], &mut work, &mut y)
+                .solve(&inputs(at), None, &[], Accuracy::Full, &mut work, &mut y)
                 .expect("a film");
             y
         };
@@ -471,7 +506,7 @@ fn slow_motions_see_the_surface_follow() {
                 x[2 + axis] = speed;
                 let past = (k < 39).then_some(step);
                 elastic
-                    .solve(&x, past, &memory, &mut work, &mut y)
+                    .solve(&x, past, &memory, Accuracy::Full, &mut work, &mut y)
                     .expect("a film");
                 elastic.accept(&work, &mut memory);
             }
@@ -506,7 +541,14 @@ fn a_stiff_surface_is_the_rigid_one() {
         let elastic = Elastic::new(film([48, 6]), compliance).expect("a surface");
         let (mut work, mut y) = (elastic.work(), [0.0; inputs::SHAPE_FORCE]);
         elastic
-            .solve(&inputs([0.7, 0.1]), None, &[], &mut work, &mut y)
+            .solve(
+                &inputs([0.7, 0.1]),
+                None,
+                &[],
+                Accuracy::Full,
+                &mut work,
+                &mut y,
+            )
             .expect("a film");
         y[0]
     };

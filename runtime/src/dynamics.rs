@@ -269,6 +269,22 @@ impl Dynamics {
         }
     }
 
+    /// Numbers with which all fields continue.
+    pub fn kept(&self) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        for batch in &self.batches {
+            batch.kept(&mut numbers);
+        }
+        numbers
+    }
+
+    /// Lets all fields continue with such numbers.
+    pub fn keep(&mut self, mut numbers: &[f64]) {
+        for batch in &mut self.batches {
+            numbers = batch.keep(numbers);
+        }
+    }
+
     /// Poses and twists of the markers.
     pub fn markers(&self) -> &[MarkerKinematics] {
         &self.at.markers

@@ -52,8 +52,8 @@ pub struct Batch {
     shared: bool,
     /// Room for the tasks of the threads.
     tasks: Vec<Task>,
-    /// Room for the numbers from which searches begin.
-    found: Vec<f64>,
+    /// Room for the numbers with which a field continues.
+    kept: Vec<f64>,
 }
 
 /// A constant that follows the inputs: its place in the inputs of a batch, its lane, and its slot among those that
@@ -180,7 +180,7 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
         made.push(Batch {
             shared: model.crew.is_some() && large.count() > 1,
             tasks: Vec::new(),
-            found: Vec::new(),
+            kept: Vec::new(),
             class: index,
             pairs,
             stride,
@@ -387,20 +387,20 @@ impl Batch {
     /// Appends the numbers from which searches for solutions nearby begin well.
     pub fn found(&self, numbers: &mut Vec<f64>) {
         for field in self.fields.iter().flatten() {
-            field.found(numbers);
+            field.solver.found(numbers);
         }
     }
 
-    /// Lets the next searches begin where those of the same fields in other batches end.
+    /// Lets the next searches begin as those of the same fields in other batches do.
     pub fn begin_as(&mut self, others: &[Batch]) {
         let class = self.class;
         let elements = self.pairs.as_flattened();
         for (element, fields) in elements.iter().zip(&mut self.fields) {
             for (at, field) in fields.iter_mut().enumerate() {
                 if let Some(other) = field_of(others, class, *element, at) {
-                    self.found.clear();
-                    other.solver.found(&mut self.found);
-                    field.solver.begin_at(&self.found);
+                    self.kept.clear();
+                    other.solver.kept(&mut self.kept);
+                    field.solver.keep(&self.kept);
                 }
             }
         }
@@ -409,7 +409,22 @@ impl Batch {
     /// Lets the next searches begin at such numbers, and returns those after them.
     pub fn begin_at<'n>(&mut self, mut numbers: &'n [f64]) -> &'n [f64] {
         for field in self.fields.iter_mut().flatten() {
-            numbers = field.begin_at(numbers);
+            numbers = field.solver.begin_at(numbers);
+        }
+        numbers
+    }
+
+    /// Appends the numbers with which the fields continue.
+    pub fn kept(&self, numbers: &mut Vec<f64>) {
+        for field in self.fields.iter().flatten() {
+            field.kept(numbers);
+        }
+    }
+
+    /// Takes such numbers, and returns those after them.
+    pub fn keep<'n>(&mut self, mut numbers: &'n [f64]) -> &'n [f64] {
+        for field in self.fields.iter_mut().flatten() {
+            numbers = field.keep(numbers);
         }
         numbers
     }

@@ -109,17 +109,17 @@ impl LaneField {
         })
     }
 
-    /// Appends the numbers from which it continues: its derivatives, and those of its solver.
-    pub fn found(&self, numbers: &mut Vec<f64>) {
+    /// Appends the numbers with which it continues: its derivatives, and those of its solver.
+    pub fn kept(&self, numbers: &mut Vec<f64>) {
         numbers.push(f64::from(u8::from(self.has_slopes)));
         if self.has_slopes {
             numbers.extend_from_slice(&self.slopes);
         }
-        self.solver.found(numbers);
+        self.solver.kept(numbers);
     }
 
     /// Takes such numbers, and returns those after them.
-    pub fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
+    pub fn keep<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
         let Some((known, mut others)) = numbers.split_first() else {
             return &[];
         };
@@ -131,7 +131,7 @@ impl LaneField {
             self.slopes.copy_from_slice(slopes);
             (self.has_slopes, others) = (true, rest);
         }
-        self.solver.begin_at(others)
+        self.solver.keep(others)
     }
 
     /// Whether its solution and readings are those of a field with the numbers of another.

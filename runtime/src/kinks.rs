@@ -131,6 +131,13 @@ struct Group {
     sloped: Range<usize>,
 }
 
+impl Group {
+    /// The batch with the inputs of its elements.
+    fn batch<'a>(&'a self, dynamics: &'a Dynamics) -> &'a Batch {
+        (self.own.as_ref()).unwrap_or(&dynamics.batches()[self.batch])
+    }
+}
+
 /// The kink functions of a model, at the beginning of a step and at the end of its last trial.
 #[derive(Clone, Debug)]
 pub struct Kinks {
@@ -300,7 +307,6 @@ impl Kinks {
         self.phase_rate[1] = 0.0;
         for index in 0..self.groups.len() {
             let group = &mut self.groups[index];
-            let common = &dynamics.batches()[group.batch];
             if let Some(own) = &mut group.own {
                 let from = Inputs {
                     multipliers: &[],
@@ -312,7 +318,7 @@ impl Kinks {
             }
             self.search(model, dynamics, index)?;
             let group = &self.groups[index];
-            let batch = group.own.as_ref().unwrap_or(common);
+            let batch = group.batch(dynamics);
             let class = &model.compiled.system.classes[batch.class];
             let count = class.kinks.len();
             let out = &mut self.out[..class.kink_outputs()];
@@ -370,7 +376,7 @@ impl Kinks {
         group: usize,
     ) -> Result<(), RuntimeError> {
         let group = &self.groups[group];
-        let batch = (group.own.as_ref()).unwrap_or(&dynamics.batches()[group.batch]);
+        let batch = group.batch(dynamics);
         let class = &model.compiled.system.classes[batch.class];
         let count = class.kinks.len();
         let [accepted, time] = self.times;

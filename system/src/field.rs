@@ -464,11 +464,20 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// numbers.
     fn read(&mut self, readings: &mut [f64], slopes: bool);
     /// Appends numbers of the last solution from which the search for a solution nearby begins well, such as
-    /// the cavity of a film. A solver that begins at them gives the same bits as this one at a later moment.
+    /// the cavity of a film.
     fn found(&self, _numbers: &mut Vec<f64>) {}
     /// Begins the next search at such numbers, and returns those after its own.
     fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
         numbers
+    }
+    /// Appends all numbers on which the next searches depend. A solver that takes them continues with the bits of this
+    /// one.
+    fn kept(&self, numbers: &mut Vec<f64>) {
+        self.found(numbers);
+    }
+    /// Takes such numbers, and returns those after its own.
+    fn keep<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
+        self.begin_at(numbers)
     }
     /// A quantity of [`Kernel::cells`] in the cells of the last solution (SI).
     fn cells(&self, quantity: usize, out: &mut [f64]);

@@ -211,7 +211,7 @@ pub struct TableKink {
     pub smooth: u8,
 }
 
-/// What a kink function depends on.
+/// The quantities on which a kink function depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Course {
     /// On velocities, states or an input.

@@ -299,8 +299,8 @@ fn changes(
         && !uses_fields(graph, &[value], layout, false)
 }
 
-/// What a function depends on, beside constants that no input changes. With the rate of a function of time it is known whether this
-/// rate is constant.
+/// The quantities on which a function depends, beside constants that no input changes. Its rate shows later whether a function of
+/// time has a constant rate.
 fn course(
     graph: &Graph,
     layout: &InputLayout,

@@ -127,7 +127,7 @@ impl Integrator {
             // contraction.
             Next::Met => self.apply_trial(model, h),
             // computes v', v̇' and a' of the last increment
-            Next::Foreseen => match self.evaluate(model, dynamics, h, Demand::Iterate) {
+            Next::Foreseen => match self.evaluate(model, dynamics, h, Demand::Answers) {
                 Ok(()) => {}
                 Err(error @ RuntimeError::NotFinite { .. }) => return failed(error),
                 Err(error) => return Err(error),

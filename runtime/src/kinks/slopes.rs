@@ -58,7 +58,7 @@ impl Kinks {
         group: usize,
     ) -> Result<(), RuntimeError> {
         let group = &self.groups[group];
-        let batch = (group.own.as_ref()).unwrap_or(&dynamics.batches()[group.batch]);
+        let batch = group.batch(dynamics);
         let class = &model.compiled.system.classes[batch.class];
         let out = &mut self.out[..class.kink_outputs()];
         let inputs = &mut self.inputs;

@@ -12,10 +12,9 @@ use eng_system::code::Compiled;
 
 impl Simulation {
     /// The complete state for continuing, as bytes. This simulation, a resumed one and one that was never
-    /// saved continue with the same bits, because the bytes include the matrix of the kept factors, and those that elastic
-    /// surfaces keep. (If
-    /// [`Simulation::jacobian`] has overwritten that matrix, the factors are dropped, here and in the resumed
-    /// simulation.)
+    /// saved continue with the same bits, because the bytes include the matrix of the kept factors, and the matrices that
+    /// elastic surfaces keep. (If [`Simulation::jacobian`] has overwritten that matrix, the factors are dropped, here and in
+    /// the resumed simulation.)
     pub fn checkpoint(&mut self) -> Vec<u8> {
         if self.integrator.kept_factors().is_none() {
             self.integrator.drop_factors();
@@ -108,9 +107,7 @@ impl Simulation {
         w.numbers(&[self.jump_at_kink, self.before_kink]);
         w.numbers(&self.kinks.numbers());
         w.numbers(&self.dynamics.memory().numbers());
-        let mut found = Vec::new();
-        self.dynamics.found(&mut found);
-        w.numbers(&found);
+        w.numbers(&self.dynamics.kept());
         for vibration in &self.integrator.vibrations {
             w.numbers(&vibration.numbers());
         }
@@ -261,7 +258,7 @@ impl Simulation {
         let mut memory = self.dynamics.memory().numbers();
         r.numbers(&mut memory)?;
         self.dynamics.memory_mut().set_numbers(&memory);
-        self.dynamics.begin_at(&r.all_numbers()?);
+        self.dynamics.keep(&r.all_numbers()?);
         Ok(())
     }
 }
