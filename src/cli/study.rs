@@ -70,9 +70,15 @@ pub(super) fn run(
         .out
         .clone()
         .unwrap_or_else(|| results_folder(&arguments.model));
-    let begun = study.dataset(&folder).map_err(Refusal::from);
-    let dataset = begun.map_err(|refusal| refused(refusal, console))?;
-    let parts = parts(&study, &dataset, arguments).map_err(|refusal| refused(refusal, console))?;
+    let parts = range(&study, arguments).and_then(|range| {
+        let dataset = study.dataset(&folder)?;
+        let parts = match range {
+            Some(range) => vec![range],
+            None => study.failed_parts(&dataset)?,
+        };
+        Ok((dataset, parts))
+    });
+    let (dataset, parts) = parts.map_err(|refusal| refused(refusal, console))?;
     let options = SliceOptions {
         again: arguments.points == Some(Points::Failed),
         patient: arguments.settings.patient,
@@ -104,16 +110,12 @@ pub(super) fn run(
     }
 }
 
-/// The parts that a command names.
-fn parts(
-    study: &Study,
-    dataset: &Dataset,
-    arguments: &RunArguments,
-) -> Result<Vec<(usize, usize)>, Refusal> {
+/// First and last point of the part that a command names; `None` for the parts with failures.
+fn range(study: &Study, arguments: &RunArguments) -> Result<Option<(usize, usize)>, Refusal> {
     let all = study.points();
     match (arguments.points, arguments.slice) {
-        (Some(Points::Failed), _) => Ok(study.failed_parts(dataset)?),
-        (Some(Points::Range(from, to)), _) if to <= all => Ok(vec![(from, to)]),
+        (Some(Points::Failed), _) => Ok(None),
+        (Some(Points::Range(from, to)), _) if to <= all => Ok(Some((from, to))),
         (Some(Points::Range(from, to)), _) => Err(Refusal::Usage(format!(
             "--points {from}..{to}: {} has the points 1..{all}",
             study.analysis()
@@ -123,8 +125,8 @@ fn parts(
             study.analysis(),
             counted(all, "point", "points")
         ))),
-        (None, Some((index, count))) => Ok(vec![study.slice(index, count)]),
-        (None, None) => Ok(vec![(1, all)]),
+        (None, Some((index, count))) => Ok(Some(study.slice(index, count))),
+        (None, None) => Ok(Some((1, all))),
     }
 }
 
@@ -142,7 +144,9 @@ fn show_part(study: &Study, part: &PartOutcome, console: &mut Terminal<'_>) -> R
         study.analysis()
     )?;
     show_failures(&part.failures, console)?;
-    writeln!(console.output, "  wrote {}", part.path.display())?;
+    if let Some(path) = &part.path {
+        writeln!(console.output, "  wrote {}", path.display())?;
+    }
     Ok(())
 }
 

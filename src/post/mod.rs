@@ -46,7 +46,6 @@ use crate::results::Results;
 use eng_report::figure::Figure;
 use eng_report::signal::SignalError;
 use eng_system::DisplayUnit;
-use eng_system::expression::Member;
 use eng_system::place::Location;
 use eng_system::report::{EntryKind, MessagePart, Report};
 use evaluate::Evaluator;
@@ -414,11 +413,6 @@ impl EvaluatedReport {
             broken || entry.undecided
         })
     }
-}
-
-/// The names that distinguish the members of a value; empty for a single one.
-pub(crate) fn names_of(members: &[Member]) -> Vec<String> {
-    track::names(members)
 }
 
 /// Evaluates a report over results. An entry that lacks data holds its error, and the other entries are

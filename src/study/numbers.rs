@@ -140,7 +140,7 @@ impl Study {
         own
     }
 
-    /// Adds the values of a report: `report.size.highest`, and `report.size.holds` (1 or 0) for its requirements.
+    /// Adds the values of a report: `report.size.highest`, `report.size.both[2]` of several, and `report.size.holds` (1 or 0) for its requirements.
     fn values(&self, report: &Report, runs: &[Run<'_>], table: &mut Results) {
         let evaluated = post::evaluate(report, runs);
         let mut push = |path: String, dimension, display: DisplayUnit, value: f64| {
@@ -164,9 +164,12 @@ impl Study {
                 Ok(post::Outcome::Value(numbers, _)) => numbers.as_slice(),
                 _ => &[],
             };
-            for (place, name) in post::names_of(members).into_iter().enumerate() {
-                let dot = if name.is_empty() { "" } else { "." };
-                let path = format!("report.{}.{}{dot}{name}", report.name, entry.name);
+            for place in 0..members.len() {
+                let index = match members.len() {
+                    1 => String::new(),
+                    _ => format!("[{}]", place + 1),
+                };
+                let path = format!("report.{}.{}{index}", report.name, entry.name);
                 let value = numbers.get(place).map_or(f64::NAN, |number| number.value);
                 push(path, dimension, display.clone(), value);
             }
@@ -199,17 +202,29 @@ impl Study {
             identity: identity(analysis),
             values: Vec::new(),
         };
+        let variable = |path: &str| {
+            let own = analysis.point().iter().find(|value| value.name == path);
+            own.map(|value| value.value)
+        };
         let error = match ended {
             Ok(outcome) => {
                 let numbers = self.numbers(&outcome);
-                let warnings = codes(&outcome.diagnostics);
-                return Ok((0..numbers.samples())
-                    .map(|index| PointRow {
-                        warnings: warnings.clone(),
-                        values: self.shown(point, |column| {
-                            numbers.column(column)?.values.get(index).copied()
-                        }),
-                        ..row.clone()
+                let row = PointRow {
+                    warnings: codes(&outcome.diagnostics),
+                    ..row
+                };
+                // a point without modes in the range has a row, too
+                let count = numbers.samples().max(1);
+                return Ok((0..count)
+                    .map(|index| {
+                        let value = |path: &str| {
+                            let values = &numbers.column(path)?.values;
+                            values.get(index).copied().or_else(|| variable(path))
+                        };
+                        PointRow {
+                            values: self.shown(point, value),
+                            ..row.clone()
+                        }
                     })
                     .collect());
             }
@@ -219,10 +234,6 @@ impl Study {
             return Err(StudyError::from(*error));
         };
         let first = report.diagnostics().iter().next();
-        let variable = |path: &str| {
-            let own = analysis.point().iter().find(|value| value.name == path);
-            own.map(|value| value.value)
-        };
         Ok(vec![PointRow {
             state: if error.is_stopped() { STOPPED } else { FAILED }.to_owned(),
             code: first.map_or(String::new(), |message| message.code.to_owned()),

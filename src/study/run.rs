@@ -7,6 +7,7 @@ use super::{Failure, Prepare, Study, StudyError};
 use crate::analysis::Analysis;
 use crate::results::{PointTable, remove_leftovers};
 use crate::run::{Event, run_many};
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -28,8 +29,8 @@ pub type OnEvent<'e> = &'e mut dyn FnMut(usize, &str, &Event);
 /// A computed part.
 #[derive(Clone, Debug)]
 pub struct PartOutcome {
-    /// The written file.
-    pub path: PathBuf,
+    /// The written file; absent if all points were in parts before.
+    pub path: Option<PathBuf>,
     /// First and last point.
     pub range: (u64, u64),
     /// Points that were computed now.
@@ -113,20 +114,20 @@ impl Slice<'_> {
     ) -> Result<PartOutcome, StudyError> {
         let (dataset, first, last) = (self.dataset, self.first, self.last);
         let mut outcome = PartOutcome {
-            path: dataset.part(first, last),
+            path: None,
             range: (first, last),
             computed: 0,
             failures: Vec::new(),
         };
-        let rows = self.known()?;
-        if outcome.path.exists() && rows.len() == analyses.len() {
+        let (rows, whole) = self.known()?;
+        if whole {
             outcome.failures = failures(&rows);
             return Ok(outcome);
         }
         let study = &self.study.manifest.identity;
         let mut journal = Journal::open(&dataset.journal(first, last), study)?;
         // another process may have ended this part before the lock was taken
-        let mut rows = self.known()?;
+        let (mut rows, _) = self.known()?;
         let due: Vec<usize> = (0..analyses.len())
             .filter(|index| !rows.contains_key(&(first + *index as u64)))
             .collect();
@@ -170,17 +171,19 @@ impl Slice<'_> {
             header: self.study.header.clone(),
             rows: rows.into_values().flatten().collect(),
         };
-        table.write(&outcome.path)?;
-        remove_leftovers(&outcome.path);
+        let path = dataset.part(first, last);
+        table.write(&path)?;
+        remove_leftovers(&path);
+        outcome.path = Some(path);
         journal.remove()?;
         self.remove_inside()?;
         Ok(outcome)
     }
 
-    /// The rows that are there for its points.
-    fn known(&self) -> Result<Rows, StudyError> {
+    /// The rows that are there for its points, and whether whole parts have all of them.
+    fn known(&self) -> Result<(Rows, bool), StudyError> {
         let (first, last) = (self.first, self.last);
-        let mut known = Rows::new();
+        let (mut known, mut whole) = (Rows::new(), BTreeSet::new());
         for file in self.dataset.files()? {
             if file.to < first || file.from > last {
                 continue;
@@ -200,10 +203,13 @@ impl Slice<'_> {
                     return Err(other(row.point, "was computed from other files than now"));
                 }
             }
+            if file.whole {
+                whole.extend(rows.iter().map(|row| row.point));
+            }
             merge(&mut known, rows)
                 .map_err(|point| other(point, "has other numbers here than in another part"))?;
         }
-        Ok(known)
+        Ok((known, whole.len() == self.identities.len()))
     }
 
     /// Removes the parts of other slicings whose points a part has.
