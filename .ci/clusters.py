@@ -10,6 +10,7 @@ run, whatever was killed in between.
 
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -68,7 +69,7 @@ def install():
         env = os.environ | {"DEBIAN_FRONTEND": "noninteractive"}
         run(["apt-get", "update", "-q"], env=env)
         run(["apt-get", "install", "-y", "-q", "--no-install-recommends", *missing], env=env)
-    packages = ["hyperqueue", "distributed", "SALib", "pyarrow"]
+    packages = ["hyperqueue", "distributed", "SALib", "pyarrow", "polars"]
     run([sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages])
 
 
@@ -400,7 +401,35 @@ def sobol(studies):
         sys.exit("the indices differ by more than 0.02")
 
 
-STEPS = [on_slurm, on_hyperqueue, on_parallel, on_dask, scaling, sobol]
+def page(studies):
+    """Does what docs/sweeps.md shows: writes its files, runs its commands and its snippets."""
+    folder = studies.folder / "page"
+    folder.mkdir()
+    tools = studies.folder / "path"
+    tools.mkdir()
+    (tools / "eng").symlink_to(studies.eng)
+    env = studies.env | {"PATH": f"{tools}:{os.environ['PATH']}"}
+    text = (Path(__file__).parent.parent / "docs" / "sweeps.md").read_text()
+    done = 0
+    for info, block in re.findall(r"^```(\w+[^\n]*)\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        kind, _, name = info.partition(" ")
+        if kind in ("eng", "csv"):
+            (folder / name).write_text(block)
+        elif kind == "console":
+            # a point of the page fails, with exit code 1
+            for line in block.splitlines():
+                words = ["sh", "-c", line]
+                ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=folder, env=env)
+                if ended.returncode not in (0, 1):
+                    sys.exit(f"{line} ended with {ended.returncode}:\n{ended.stdout}")
+        elif kind == "python":
+            (folder / "snippet.py").write_text(block)
+            run([sys.executable, "snippet.py"], cwd=folder, env=env)
+            done += 1
+    say(f"   docs/sweeps.md: {done} snippets")
+
+
+STEPS = [on_slurm, on_hyperqueue, on_parallel, on_dask, scaling, sobol, page]
 
 
 def main():
