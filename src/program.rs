@@ -301,6 +301,11 @@ impl Program {
         Ok(self.inner.looks.files())
     }
 
+    /// Whether a model of the file has flexible bodies.
+    pub(crate) fn is_flexible(&self) -> bool {
+        !self.inner.looks.is_empty()
+    }
+
     /// Hashes of the meshes and matrices by their names.
     pub(crate) fn meshes(&self) -> BTreeMap<String, String> {
         self.inner.looks.files()

@@ -312,7 +312,7 @@ pub(super) struct ExplainArguments {
 }
 
 /// The options of `eng run` that points of a dataset do not have.
-const WHOLE_RUNS: [&str; 4] = ["csv", "channels", "last", "resume"];
+const WHOLE_RUNS: [&str; 5] = ["csv", "channels", "last", "resume", "timings"];
 
 /// Settings of the command line in place of those of the text.
 #[derive(Clone, Debug, Args)]

@@ -20,16 +20,10 @@ use crate::study::{
 use eng_grammar::SourceMap;
 use std::path::{Path, PathBuf};
 
-/// The study of a command, and the function that prepares its analyses.
-fn study(
-    program: &Program,
-    analysis: &str,
-    design: Option<&PathBuf>,
-    prepare: study::Prepare<'_, Refusal>,
-) -> Result<Study, Refusal> {
-    let design = design.map(|path| Design::read(path)).transpose();
-    let design = design.map_err(StudyError::from)?;
-    Study::new(program, analysis, design, prepare)
+/// The design of a command.
+fn design(path: Option<&PathBuf>) -> Result<Option<Design>, Refusal> {
+    let design = path.map(|path| Design::read(path)).transpose();
+    Ok(design.map_err(StudyError::from)?)
 }
 
 /// The analysis of a study: the stated one, or the only one of the text.
@@ -64,7 +58,7 @@ pub(super) fn run(
     let steps = or_stop(steps(&arguments.settings), console)?;
     let set = |analysis: Analysis| prepare(analysis, &arguments.settings, steps);
     let made = only(program, &arguments.analysis)
-        .and_then(|name| study(program, &name, arguments.design.as_ref(), &set));
+        .and_then(|name| Study::new(program, &name, design(arguments.design.as_ref())?, &set));
     let study = made.map_err(|refusal| refused(refusal, console))?;
     let folder = arguments
         .out
@@ -180,13 +174,9 @@ pub(super) fn plan(arguments: &PlanArguments, console: &mut Terminal<'_>) -> Res
     let program = checked(&arguments.model, console)?;
     let steps = or_stop(steps(settings), console)?;
     let set = |analysis: Analysis| prepare(analysis, settings, steps);
-    let made = study(
-        &program,
-        &arguments.analysis,
-        arguments.design.as_ref(),
-        &set,
-    );
-    let study = made.map_err(|refusal| refusal.show(program.texts(), console))?;
+    let points = design(arguments.design.as_ref())
+        .and_then(|design| Study::count(&program, &arguments.analysis, design, &set));
+    let points = points.map_err(|refusal| refusal.show(program.texts(), console))?;
     let text = |path: &Path| path.to_string_lossy().into_owned();
     let out = arguments.out.clone();
     let script = Script {
@@ -194,10 +184,10 @@ pub(super) fn plan(arguments: &PlanArguments, console: &mut Terminal<'_>) -> Res
         analysis: arguments.analysis.clone(),
         out: text(&out.unwrap_or_else(|| results_folder(&arguments.model))),
         options: options(settings, arguments.design.as_deref()),
-        points: study.points(),
+        points,
         per_task: arguments.per_task.map(usize::from),
         threads: arguments.threads.into(),
-        flexible: study.is_flexible(),
+        flexible: program.is_flexible(),
     };
     let scheduler = match arguments.to {
         Scheduler::Slurm => study::Scheduler::Slurm,

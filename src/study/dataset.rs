@@ -123,7 +123,7 @@ impl Dataset {
         };
         let path = dataset.folder.join(MANIFEST);
         match read_manifest(&path)? {
-            Some(found) if found == *manifest => {}
+            Some(found) if found.identity == manifest.identity => {}
             Some(found) => {
                 return Err(StudyError::Other {
                     path: dataset.folder,
@@ -362,13 +362,19 @@ impl Dataset {
         let points = self.manifest.points;
         let missing = (1..=points).filter(|point| !rows.contains_key(point));
         let missing: Vec<u64> = missing.collect();
-        let none = StudyError::Missing {
-            missing: missing.len(),
-            points: points as usize,
-            ranges: in_words(&ranges(missing.iter().copied())),
-        };
-        let Some(header) = header.filter(|_| missing.is_empty() || partial) else {
-            return Err(none);
+        if !missing.is_empty() && !partial {
+            return Err(StudyError::Missing {
+                missing: missing.len(),
+                points: points as usize,
+                ranges: in_words(&ranges(missing.iter().copied())),
+            });
+        }
+        let Some(header) = header else {
+            return Err(StudyError::Points(format!(
+                "{}: no part of {} has ended yet",
+                self.folder.display(),
+                self.analysis
+            )));
         };
         let path = self
             .around
@@ -492,15 +498,6 @@ fn difference(found: &Manifest, own: &Manifest) -> String {
     }
     if found.points != own.points {
         return format!("there were {} points and are {}", found.points, own.points);
-    }
-    if found.design != own.design {
-        let name =
-            |design: &Option<String>| design.clone().unwrap_or_else(|| "the text".to_owned());
-        return format!(
-            "its points came from {} and come from {}",
-            name(&found.design),
-            name(&own.design)
-        );
     }
     match own.design.is_some() {
         true => "values of the design, settings or meshes have changed".to_owned(),

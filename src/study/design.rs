@@ -4,7 +4,7 @@
 
 use crate::regular;
 use arrow_array::{Array, Float32Array, Float64Array, Int32Array, Int64Array, RecordBatch};
-use arrow_schema::Field;
+use arrow_schema::{Field, SchemaRef};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::path::{Path, PathBuf};
 
@@ -199,17 +199,16 @@ fn from_parquet(path: &Path) -> Result<Vec<DesignColumn>, String> {
     let damaged = || "the Parquet file is damaged".to_owned();
     let file = regular::open(path).map_err(|error| error.to_string())?;
     // the library panics on some damaged files
-    let read = std::panic::catch_unwind(|| -> Option<(Vec<(String, String)>, Vec<RecordBatch>)> {
+    let read = std::panic::catch_unwind(|| -> Option<(SchemaRef, Vec<RecordBatch>)> {
         let builder = ParquetRecordBatchReaderBuilder::try_new(file).ok()?;
-        let fields = builder.schema().fields().iter();
-        let names = fields.map(|field| named_by(field)).collect();
+        let schema = builder.schema().clone();
         let batches = builder.build().ok()?;
-        Some((names, batches.collect::<Result<_, _>>().ok()?))
+        Some((schema, batches.collect::<Result<_, _>>().ok()?))
     });
-    let (names, batches) = read.ok().flatten().ok_or_else(damaged)?;
-    let mut columns: Vec<DesignColumn> = names
-        .into_iter()
-        .map(|(path, unit)| {
+    let (schema, batches) = read.ok().flatten().ok_or_else(damaged)?;
+    let mut columns: Vec<DesignColumn> = (schema.fields().iter())
+        .map(|field| {
+            let (path, unit) = named_by(field);
             let values = Vec::new();
             DesignColumn { path, unit, values }
         })

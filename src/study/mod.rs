@@ -26,7 +26,7 @@ pub use run::{OnEvent, PartOutcome, SliceOptions};
 use crate::analysis::Analysis;
 use crate::error::Error;
 use crate::model::{Parameter, hexadecimal};
-use crate::program::Program;
+use crate::program::{Bodies, Program};
 use crate::quantity::{NamedUnit, QuantityError};
 use crate::results::{Results, ResultsError};
 use eng_system::DisplayUnit;
@@ -127,7 +127,7 @@ pub struct Study {
 pub type Prepare<'p, E> = &'p dyn Fn(Analysis) -> Result<Analysis, E>;
 
 impl Study {
-    /// The study of an analysis: of its index, or of a design.
+    /// The study of an analysis: of its index, or of a design. It reduces flexible bodies.
     ///
     /// # Errors
     /// An analysis without points; columns of the design that are no parameters of its model; those of `prepare`.
@@ -137,30 +137,7 @@ impl Study {
         design: Option<Design>,
         prepare: Prepare<'_, E>,
     ) -> Result<Study, E> {
-        let (points, first) = match design {
-            None => {
-                let names = sweep(program, name)?;
-                let first = names.first().map_or("", String::as_str);
-                let first = program.analysis(first).map_err(StudyError::from)?;
-                (Points::Sweep(names), prepare(first)?)
-            }
-            Some(design) => {
-                if program.plan(name).is_err() && sweep(program, name).is_ok() {
-                    return Err(E::from(StudyError::Points(format!(
-                        "{name} has points of its own: a design needs an analysis without an index"
-                    ))));
-                }
-                let base = program.analysis(name).map_err(StudyError::from)?;
-                let base = prepare(base)?;
-                let columns = columns(program, &base, &design)?;
-                let points = Points::Table {
-                    base: Box::new(base.clone()),
-                    design,
-                    columns,
-                };
-                (points, base)
-            }
-        };
+        let (points, first) = points(program, name, design, Bodies::Reduced, prepare)?;
         let mut study = Study {
             program: program.clone(),
             manifest: Manifest {
@@ -181,6 +158,20 @@ impl Study {
         Ok(study)
     }
 
+    /// The number of points of a study. Flexible bodies are not reduced, which may take long.
+    ///
+    /// # Errors
+    /// Those of [`Study::new`].
+    pub fn count<E: From<StudyError>>(
+        program: &Program,
+        name: &str,
+        design: Option<Design>,
+        prepare: Prepare<'_, E>,
+    ) -> Result<usize, E> {
+        let (points, _) = points(program, name, design, Bodies::Rigid, prepare)?;
+        Ok(points.len())
+    }
+
     /// Name of the analysis.
     pub fn analysis(&self) -> &str {
         &self.manifest.analysis
@@ -189,16 +180,6 @@ impl Study {
     /// Number of points.
     pub fn points(&self) -> usize {
         self.manifest.points as usize
-    }
-
-    /// Whether its model has flexible bodies, which are reduced once for all points.
-    pub fn is_flexible(&self) -> bool {
-        let plans = self.program.analyses();
-        let own = plans.iter().find(|name| {
-            **name == self.analysis() || name.split('[').next() == Some(self.analysis())
-        });
-        own.and_then(|name| self.program.analysis(name).ok())
-            .is_some_and(|analysis| !analysis.model().reductions().is_empty())
     }
 
     /// The analyses of the points `from..=to`, counted from 1.
@@ -291,6 +272,39 @@ impl Points {
         }
         hexadecimal(&hash.finalize())
     }
+}
+
+/// The points of a study and an analysis of its model, with these bodies.
+fn points<E: From<StudyError>>(
+    program: &Program,
+    name: &str,
+    design: Option<Design>,
+    bodies: Bodies,
+    prepare: Prepare<'_, E>,
+) -> Result<(Points, Analysis), E> {
+    let analysis = |name: &str| {
+        let made = program.analyses_with(&[name], bodies).pop();
+        let made = made.unwrap_or_else(|| program.analysis(name));
+        prepare(made.map_err(StudyError::from)?)
+    };
+    let Some(design) = design else {
+        let names = sweep(program, name)?;
+        let first = analysis(names.first().map_or("", String::as_str))?;
+        return Ok((Points::Sweep(names), first));
+    };
+    if program.plan(name).is_err() && sweep(program, name).is_ok() {
+        return Err(E::from(StudyError::Points(format!(
+            "{name} has points of its own: a design needs an analysis without an index"
+        ))));
+    }
+    let base = analysis(name)?;
+    let columns = columns(program, &base, &design)?;
+    let points = Points::Table {
+        base: Box::new(base.clone()),
+        design,
+        columns,
+    };
+    Ok((points, base))
 }
 
 /// Names of the points of a sweep.
