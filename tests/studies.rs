@@ -226,6 +226,22 @@ fn points_of_a_sweep_are_those_of_single_runs() {
     }
 }
 
+/// A column of texts of a collected table.
+fn texts(path: &Path, name: &str) -> Vec<Option<String>> {
+    use arrow_array::StringArray;
+    use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+    let file = std::fs::File::open(path).unwrap();
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).unwrap();
+    let mut found = Vec::new();
+    for batch in reader.build().unwrap() {
+        let batch = batch.unwrap();
+        let column = batch.column_by_name(name).unwrap().as_any();
+        let texts = column.downcast_ref::<StringArray>().unwrap().iter();
+        found.extend(texts.map(|text| text.map(str::to_owned)));
+    }
+    found
+}
+
 /// The columns of floats of a collected table.
 fn numbers(path: &Path) -> Vec<(String, Vec<f64>)> {
     use arrow_array::{Array, Float64Array};
@@ -279,6 +295,15 @@ fn failures_are_rows_and_can_be_run_again() {
         (holds[0], holds[1], holds[2], holds[11]),
         (0.0, 0.0, 1.0, 1.0)
     );
+    let messages = texts(&place.path("out/swing.points.parquet"), "message");
+    assert_eq!(messages[0].as_deref(), Some("it is high"));
+    assert!(
+        messages[3]
+            .as_deref()
+            .unwrap()
+            .contains("is outside its limits")
+    );
+    assert_eq!(messages[11], None);
     // the part with the failure is computed again, the other one stays
     let part = place.path("out/swing/part-00007-00012.parquet");
     let written = std::fs::metadata(&part).unwrap().modified().unwrap();
@@ -388,6 +413,23 @@ fn wrong_designs_are_refused_before_any_run() {
         assert!(said.contains(message), "{said}");
     }
     assert!(!place.path("out").exists());
+    let text = std::fs::read_to_string(place.path("swing.eng")).unwrap();
+    let named = text
+        .replace("output height", "output state")
+        .replace("swing.height", "swing.state");
+    std::fs::write(place.path("named.eng"), named).unwrap();
+    place.says(
+        "run named.eng --analysis swing --design design.csv --points 1 --out named",
+        0,
+    );
+    let named = text.replace("load", "code");
+    std::fs::write(place.path("named.eng"), named).unwrap();
+    std::fs::write(place.path("named.csv"), "code [kg]\n1\n").unwrap();
+    let said = place.says(
+        "run named.eng --analysis swing --design named.csv --out other",
+        2,
+    );
+    assert!(said.contains("a column `code` of its own"), "{said}");
 }
 
 #[test]

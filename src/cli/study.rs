@@ -79,6 +79,13 @@ pub(super) fn run(
         threads: threads(arguments),
     };
     let mut failed = false;
+    if parts.is_empty() && !arguments.quiet {
+        writeln!(
+            console.output,
+            "{}: no part has points that failed",
+            study.analysis()
+        )?;
+    }
     for (from, to) in parts {
         let mut bars = Bars::new(to + 1 - from, arguments.quiet || !console.live);
         let ended = study.run(
@@ -109,11 +116,7 @@ fn range(study: &Study, arguments: &RunArguments) -> Result<Option<(usize, usize
     let all = study.points();
     match (arguments.points, arguments.slice) {
         (Some(Points::Failed), _) => Ok(None),
-        (Some(Points::Range(from, to)), _) if to <= all => Ok(Some((from, to))),
-        (Some(Points::Range(from, to)), _) => Err(Refusal::Usage(format!(
-            "--points {from}..{to}: {} has the points 1..{all}",
-            study.analysis()
-        ))),
+        (Some(Points::Range(from, to)), _) => Ok(Some(study.part(from, to)?)),
         (None, Some((_, count))) if count > all => Err(Refusal::Usage(format!(
             "--slice: {} has {}, fewer than {count} slices",
             study.analysis(),

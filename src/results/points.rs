@@ -54,7 +54,7 @@ pub(crate) struct PointRow {
     pub state: String,
     /// Code of the failure, such as `E0711`; empty without one.
     pub code: String,
-    /// The failure in words.
+    /// The failure in words; of a complete point what its reports say about it.
     pub message: String,
     /// Its place: `engine.eng:12`.
     pub place: String,
@@ -76,6 +76,11 @@ pub(crate) struct PointTable {
 }
 
 impl PointTable {
+    /// Whether a name is that of a column of every table of points.
+    pub fn is_reserved(name: &str) -> bool {
+        name == POINT || TEXTS.contains(&name)
+    }
+
     /// Writes the file, whole or not at all. Equal rows give equal bytes.
     pub fn write(&self, path: &Path) -> Result<(), ResultsError> {
         let written = replace_file(path, |file: &mut File| self.write_to(file));

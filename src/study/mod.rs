@@ -191,7 +191,7 @@ impl Study {
     ) -> Result<Vec<Analysis>, E> {
         match &self.points {
             Points::Sweep(names) => {
-                let names = names.get(from - 1..to).unwrap_or_default();
+                let names = names.get(from.saturating_sub(1)..to).unwrap_or_default();
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 let made = self.program.analyses_of(&names).into_iter();
                 made.map(|analysis| prepare(analysis.map_err(StudyError::from)?))
@@ -205,7 +205,7 @@ impl Study {
                 .map(|point| {
                     let rows = columns.iter().zip(&design.columns);
                     let values = rows.map(|((parameter, value, unit), column)| {
-                        let stated = column.values.get(point - 1).copied();
+                        let stated = column.values.get(point.saturating_sub(1)).copied();
                         let value = PointValue {
                             value: unit.of(stated.unwrap_or(f64::NAN)).value(),
                             ..value.clone()

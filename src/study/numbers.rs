@@ -4,7 +4,7 @@ use super::{Manifest, Points, Prepare, Study, StudyError};
 use crate::analysis::{Analysis, Failed};
 use crate::post::{self, Run};
 use crate::quantity::NamedUnit;
-use crate::results::{Column, PointRow, Results};
+use crate::results::{Column, PointRow, PointTable, Results};
 use crate::run::RunOutcome;
 use crate::tables::sweep;
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
@@ -71,7 +71,14 @@ impl Study {
                     .then_some((0, false)),
                 timings: None,
             };
-            for column in self.numbers(&empty).columns() {
+            for column in self.numbers(&empty).0.columns() {
+                if PointTable::is_reserved(&column.path) {
+                    return Err(StudyError::Points(format!(
+                        "every table of points has a column `{}` of its own; give this variable, parameter or output of {} another name",
+                        column.path,
+                        self.analysis()
+                    )));
+                }
                 if header.column(&column.path).is_none() {
                     header.push(Column {
                         values: Vec::new(),
@@ -114,20 +121,21 @@ impl Study {
         Ok(found)
     }
 
-    /// The numbers of a point's outcome (SI).
-    fn numbers(&self, outcome: &RunOutcome) -> Results {
+    /// The numbers of a point's outcome (SI), and what its reports say about it: values that are not made, requirements
+    /// that do not hold.
+    fn numbers(&self, outcome: &RunOutcome) -> (Results, String) {
         let results = &outcome.results;
         if results.are_modes() || results.are_responses() {
-            return sweep::stacked(self.analysis(), &[outcome]);
+            return (sweep::stacked(self.analysis(), &[outcome]), String::new());
         }
-        let mut table = sweep::table(&[outcome]);
+        let (mut table, mut said) = (sweep::table(&[outcome]), Vec::new());
         if matches!(self.points, Points::Table { .. }) {
             let runs = [Run::new(&outcome.results, &outcome.machine)];
             for report in self.program.reports() {
-                self.values(&self.own(report), &runs, &mut table);
+                self.values(&self.own(report), &runs, &mut table, &mut said);
             }
         }
-        table
+        (table, said.join("; "))
     }
 
     /// The values and requirements of a report that need this analysis alone.
@@ -141,8 +149,25 @@ impl Study {
     }
 
     /// Adds the values of a report: `report.size.highest`, `report.size.both[2]` of several, and `report.size.holds` (1 or 0) for its requirements.
-    fn values(&self, report: &Report, runs: &[Run<'_>], table: &mut Results) {
+    fn values(
+        &self,
+        report: &Report,
+        runs: &[Run<'_>],
+        table: &mut Results,
+        said: &mut Vec<String>,
+    ) {
         let evaluated = post::evaluate(report, runs);
+        for entry in &evaluated.entries {
+            match &entry.outcome {
+                Ok(post::Outcome::Condition {
+                    holds: false,
+                    advise: false,
+                    message,
+                }) => said.push(message.clone()),
+                Err(error) => said.push(format!("{} is not made: {error}", entry.name)),
+                Ok(_) => {}
+            }
+        }
         let mut push = |path: String, dimension, display: DisplayUnit, value: f64| {
             // a report has each name once, and no channel begins with `report.`
             let _ = table.push(Column {
@@ -208,8 +233,9 @@ impl Study {
         };
         let error = match ended {
             Ok(outcome) => {
-                let numbers = self.numbers(&outcome);
+                let (numbers, message) = self.numbers(&outcome);
                 let row = PointRow {
+                    message,
                     warnings: codes(&outcome.diagnostics),
                     ..row
                 };

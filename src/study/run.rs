@@ -50,9 +50,23 @@ impl Study {
 
     /// The points of slice `index` of `count`, from 1. The slices have equal lengths up to one point.
     pub fn slice(&self, index: usize, count: usize) -> (usize, usize) {
-        let bound =
-            |slices: usize| (slices as u128 * self.points() as u128 / count as u128) as usize;
-        (bound(index - 1) + 1, bound(index))
+        let count = count.max(1) as u128;
+        let bound = |slices: usize| (slices as u128 * self.points() as u128 / count) as usize;
+        (bound(index.saturating_sub(1)) + 1, bound(index))
+    }
+
+    /// A part by its first and last point, counted from 1.
+    ///
+    /// # Errors
+    /// Points that the study does not have.
+    pub fn part(&self, from: usize, to: usize) -> Result<(usize, usize), StudyError> {
+        let (name, all) = (self.analysis(), self.points());
+        match from >= 1 && from <= to && to <= all {
+            true => Ok((from, to)),
+            false => Err(StudyError::Points(format!(
+                "{name} has the points 1..{all}, not {from}..{to}"
+            ))),
+        }
     }
 
     /// The parts of a study with points that failed or were stopped.
@@ -81,6 +95,7 @@ impl Study {
         prepare: Prepare<'_, E>,
         on_event: OnEvent<'_>,
     ) -> Result<PartOutcome, E> {
+        self.part(from, to)?;
         let analyses = self.analyses(from, to, prepare)?;
         let slice = Slice {
             study: self,
