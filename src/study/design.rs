@@ -4,8 +4,10 @@
 
 use crate::regular;
 use arrow_array::{Array, Float32Array, Float64Array, Int32Array, Int64Array, RecordBatch};
-use arrow_schema::{Field, SchemaRef};
+use arrow_schema::{DataType, Field, SchemaRef};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::basic::Compression;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// A table of parameter values.
@@ -196,16 +198,11 @@ fn from_text(text: &str) -> Result<Vec<DesignColumn>, String> {
 
 /// Columns of a Parquet file. A field without a unit in its name may have it in its metadata, as results of Eng have.
 fn from_parquet(path: &Path) -> Result<Vec<DesignColumn>, String> {
-    let damaged = || "the Parquet file is damaged".to_owned();
     let file = regular::open(path).map_err(|error| error.to_string())?;
     // the library panics on some damaged files
-    let read = std::panic::catch_unwind(|| -> Option<(SchemaRef, Vec<RecordBatch>)> {
-        let builder = ParquetRecordBatchReaderBuilder::try_new(file).ok()?;
-        let schema = builder.schema().clone();
-        let batches = builder.build().ok()?;
-        Some((schema, batches.collect::<Result<_, _>>().ok()?))
-    });
-    let (schema, batches) = read.ok().flatten().ok_or_else(damaged)?;
+    let read = std::panic::catch_unwind(|| batches(file)).unwrap_or(Err(None));
+    let damaged = || "the Parquet file is damaged".to_owned();
+    let (schema, batches) = read.map_err(|refusal| refusal.unwrap_or_else(damaged))?;
     let mut columns: Vec<DesignColumn> = (schema.fields().iter())
         .map(|field| {
             let (path, unit) = named_by(field);
@@ -220,16 +217,41 @@ fn from_parquet(path: &Path) -> Result<Vec<DesignColumn>, String> {
                 return Err(format!("{} of point {point} is missing", column.path));
             }
             let numbers = numbers(array.as_ref()).ok_or_else(|| {
+                let found = match array.data_type() {
+                    DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => "texts".to_owned(),
+                    other => other.to_string(),
+                };
                 format!(
-                    "the column {} holds {}, not numbers; leave it out of the design",
-                    column.path,
-                    array.data_type()
+                    "the column {} holds {found}, not numbers; leave it out of the design",
+                    column.path
                 )
             })?;
             column.values.extend(numbers);
         }
     }
     Ok(columns)
+}
+
+/// The schema and the rows of a Parquet file. The error is a refusal, or `None` for damage.
+fn batches(file: File) -> Result<(SchemaRef, Vec<RecordBatch>), Option<String>> {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|_| None)?;
+    let groups = builder.metadata().row_groups().iter();
+    let readable = [Compression::UNCOMPRESSED, Compression::SNAPPY];
+    let mut compressions = groups
+        .flat_map(|group| group.columns())
+        .map(|c| c.compression());
+    if let Some(other) = compressions.find(|found| !readable.contains(found)) {
+        // without the level
+        let name = format!("{other}");
+        let name = name.split('(').next().unwrap_or_default();
+        return Err(Some(format!(
+            "it is compressed by {name}, which Eng does not read; write it with compression=\"snappy\""
+        )));
+    }
+    let schema = builder.schema().clone();
+    let batches = builder.build().map_err(|_| None)?;
+    let batches = batches.collect::<Result<_, _>>().map_err(|_| None)?;
+    Ok((schema, batches))
 }
 
 fn named_by(field: &Field) -> (String, String) {
