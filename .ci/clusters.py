@@ -83,18 +83,23 @@ def wait(what, ready, seconds):
     return found
 
 
-def children(folder):
-    """Numbers of the processes of `eng` whose working folder this is."""
+def processes(name, belongs):
+    """Numbers of the processes of a program for which a function of their folder in /proc is true."""
     found = []
     for process in Path("/proc").iterdir():
         if process.name.isdigit():
             try:
-                same = (process / "cwd").resolve() == folder and (process / "exe").resolve().name == "eng"
+                if (process / "exe").resolve().name == name and belongs(process):
+                    found.append(int(process.name))
             except OSError:
+                # it has ended
                 continue
-            if same:
-                found.append(int(process.name))
     return found
+
+
+def workers(folder):
+    """Numbers of the processes of `eng` whose working folder this is."""
+    return processes("eng", lambda process: (process / "cwd").resolve() == folder)
 
 
 class Studies:
@@ -238,13 +243,14 @@ def on_slurm(studies):
         parts = lambda: len(list(part.glob("*.parquet")))
         wait("parts", lambda: parts() >= 20, 60)
         # a worker dies
-        worker = wait("a worker", lambda: children(studies.folder), 20)[0]
+        worker = wait("a worker", lambda: workers(studies.folder), 20)[0]
         os.kill(worker, signal.SIGKILL)
         wait("parts", lambda: parts() >= 40, 60)
         # the node dies with all its processes
         words = slurm.kill("slurmd")
-        steps = [int(line) for line in slurm.says("pgrep", "slurmstepd").split()]
-        for process in steps + children(studies.folder):
+        own = str(slurm.folder).encode()
+        steps = processes("slurmstepd", lambda process: own in (process / "environ").read_bytes())
+        for process in steps + workers(studies.folder):
             try:
                 os.kill(process, signal.SIGKILL)
             except ProcessLookupError:
@@ -319,7 +325,7 @@ def on_parallel(studies):
                              stderr=subprocess.STDOUT, text=True)
     part = studies.folder / "on-parallel" / "swing"
     wait("parts", lambda: len(list(part.glob("*.parquet"))) >= 3, 60)
-    worker = wait("a worker", lambda: children(studies.folder), 20)[0]
+    worker = wait("a worker", lambda: workers(studies.folder), 20)[0]
     os.kill(worker, signal.SIGKILL)
     said, _ = first.communicate(timeout=60)
     if first.returncode != 2 or "points are missing" not in said:
