@@ -82,6 +82,7 @@ pub mod run;
 pub mod server;
 mod simulation;
 mod sources;
+pub mod study;
 mod tables;
 pub mod timings;
 mod vocabulary;

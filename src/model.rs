@@ -8,7 +8,7 @@ use eng_system::input::Interpolation;
 use eng_system::system::{Body, BodyInertia};
 use eng_system::{Dimension, DisplayUnit};
 use std::num::NonZeroUsize;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A compiled model. Cheap to clone; clones on several threads share the code.
 #[derive(Clone, Debug)]
@@ -18,6 +18,8 @@ pub struct Model {
     reductions: Arc<[crate::Reduction]>,
     /// Equal for models with interchangeable handles.
     handles: u64,
+    /// [`Model::system_hash`], when a run has asked for it.
+    system_hash: Arc<OnceLock<String>>,
 }
 
 /// A number of a model that can change without compiling again.
@@ -107,7 +109,16 @@ impl Model {
             compiled,
             texts,
             reductions: reductions.into(),
+            system_hash: Arc::default(),
         }
+    }
+
+    /// SHA-256 of its system, as hexadecimal digits. A system is large, and all points of a sweep share it.
+    pub(crate) fn system_hash(&self) -> &str {
+        self.system_hash.get_or_init(|| {
+            use sha2::Digest;
+            hexadecimal(&sha2::Sha256::digest(format!("{:?}", self.compiled.system)))
+        })
     }
 
     /// The reductions of its flexible bodies.
@@ -356,6 +367,11 @@ impl Model {
         }
         Ok(value.value())
     }
+}
+
+/// Bytes as hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn described(parameter: &eng_system::system::Parameter) -> ParameterInfo {

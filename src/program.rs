@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Report};
 use crate::fields::Fields;
-use crate::model::Model;
+use crate::model::{Model, hexadecimal};
 use crate::reduction::{Looks, Reducer, Reduction};
 use crate::sources::{Sources, cache_folder};
 use crate::timings::{CheckTimings, Clock};
@@ -17,7 +17,7 @@ use eng_system::host::HostError;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The result of a check: messages, and the program if there is no error.
 #[derive(Clone, Debug)]
@@ -115,6 +115,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             reducer: Reducer::default(),
             looks,
             checked: spent,
+            source_hash: OnceLock::new(),
         }),
     });
     Checked {
@@ -221,6 +222,8 @@ struct Inner {
     looks: Looks,
     /// Processor time of its check.
     checked: CheckTimings,
+    /// [`Program::source_hash`], when it was asked for: each point of a sweep asks.
+    source_hash: OnceLock<String>,
 }
 
 /// The form of the flexible bodies in a model.
@@ -298,6 +301,16 @@ impl Program {
         Ok(self.inner.looks.files())
     }
 
+    /// Whether a model of the file has flexible bodies.
+    pub(crate) fn is_flexible(&self) -> bool {
+        !self.inner.looks.is_empty()
+    }
+
+    /// Hashes of the meshes and matrices by their names.
+    pub(crate) fn meshes(&self) -> BTreeMap<String, String> {
+        self.inner.looks.files()
+    }
+
     /// The texts that messages point into.
     pub fn texts(&self) -> &Arc<SourceMap> {
         &self.inner.texts
@@ -306,6 +319,11 @@ impl Program {
     /// SHA-256 of all texts, those of the library and of the user, as hexadecimal digits. It excludes report
     /// blocks, because a change of one changes no result.
     pub fn source_hash(&self) -> String {
+        let hash = &self.inner.source_hash;
+        hash.get_or_init(|| self.hash_of_sources()).clone()
+    }
+
+    fn hash_of_sources(&self) -> String {
         use sha2::Digest;
         let mut hash = sha2::Sha256::new();
         // file names are excluded, because a copy under another name is the same model
@@ -326,7 +344,7 @@ impl Program {
             hash.update(source.text.get(at..).unwrap_or_default().as_bytes());
             hash.update([0]);
         }
-        hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+        hexadecimal(&hash.finalize())
     }
 
     /// The paths and trees of all texts: the main file first, then those that it uses.

@@ -3,7 +3,7 @@
 use eng_compiler::program::Program;
 use eng_grammar::ast::{Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostics, SourceMap};
-use eng_system::Dimension;
+use eng_system::{Dimension, DisplayUnit};
 use std::sync::OnceLock;
 
 /// A value (SI) with its dimension.
@@ -102,6 +102,69 @@ fn standard_units() -> &'static Program {
             &mut diagnostics,
         )
     })
+}
+
+/// A unit by its name, for many numbers in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NamedUnit {
+    scale: f64,
+    offset: f64,
+    dimension: Dimension,
+}
+
+impl NamedUnit {
+    /// The unit of a program that a text names, such as `mm` or `N*m`; without a name the pure number.
+    pub fn new(name: &str, units: &Program) -> Result<NamedUnit, QuantityError> {
+        let form = || QuantityError::Unit(name.to_owned());
+        let text = format!("1 {name}");
+        let mut sources = SourceMap::new();
+        let source = sources.add("unit", text.as_str());
+        let mut diagnostics = Diagnostics::new();
+        let expression = eng_grammar::parse_expression(text.trim(), source, 0, &mut diagnostics)
+            .filter(|_| !diagnostics.has_errors())
+            .ok_or_else(form)?;
+        match expression.kind {
+            ExprKind::Number { unit: None, .. } => Ok(NamedUnit {
+                scale: 1.0,
+                offset: 0.0,
+                dimension: Dimension::ONE,
+            }),
+            ExprKind::Number {
+                unit: Some(unit), ..
+            } => {
+                let unit = units.unit(&unit);
+                let unit = unit.map_err(|(_, name)| QuantityError::Unit(name))?;
+                Ok(NamedUnit {
+                    scale: unit.scale,
+                    offset: unit.offset,
+                    dimension: unit.dimension,
+                })
+            }
+            _ => Err(form()),
+        }
+    }
+
+    /// The dimension.
+    pub fn dimension(self) -> Dimension {
+        self.dimension
+    }
+
+    /// As the unit of a column.
+    pub fn display(self, name: &str) -> DisplayUnit {
+        DisplayUnit {
+            symbol: name.to_owned(),
+            scale: self.scale,
+            offset: self.offset,
+        }
+    }
+
+    /// A number in this unit. It has the bits of the text `12.5 mm`.
+    pub fn of(self, value: f64) -> Quantity {
+        Quantity {
+            counted: self.offset != 0.0,
+            ..Quantity::si(value * self.scale + self.offset, self.dimension)
+        }
+    }
 }
 
 /// A number with a unit of the standard library: `"4000 rpm"`, `"-5 degC"`, `"0.3"`.

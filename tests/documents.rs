@@ -91,6 +91,11 @@ fn the_guides_are_true() {
     }
 }
 
+#[test]
+fn the_page_of_sweeps_is_true() {
+    page::follow("docs/sweeps.md", None);
+}
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }

@@ -71,6 +71,7 @@ mod stacks;
 mod starts_and_cycles;
 mod states;
 mod step_jacobian;
+mod studies;
 mod thermal_films;
 mod turning_shafts;
 mod validation;

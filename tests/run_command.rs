@@ -431,11 +431,13 @@ fn timings_of_a_check_tell_every_phase() {
         "lints",
     ] {
         let (_, rest) = line.split_once(&format!(" {phase} ")).unwrap();
-        let seconds: f64 = rest.split_once(" s").unwrap().0.parse().unwrap();
-        if ["types", "assembly", "dry turns"].contains(&phase) {
-            assert!(seconds > 0.0, "{phase}: {line}");
-        }
-        sum += seconds;
+        // a fast machine assembles in less than the last digit: no phase alone is above zero for sure
+        sum += rest
+            .split_once(" s")
+            .unwrap()
+            .0
+            .parse::<f64>()
+            .unwrap();
     }
     assert!(
         sum > 0.0 && sum < passed + 0.01,

@@ -3,6 +3,7 @@
 use eng::run::{Event, run_many};
 use eng::{Analysis, Outcome, Program, Sources, StartReport};
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 fn program(sources: Sources, file: &str) -> Program {
@@ -268,6 +269,7 @@ fn a_sweep_does_not_depend_on_threads() {
                 if let Event::Done(result) = event {
                     outcomes[index] = Some(result.expect("it runs"));
                 }
+                ControlFlow::Continue(())
             },
         );
         outcomes

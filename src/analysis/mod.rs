@@ -302,6 +302,31 @@ impl Analysis {
         Ok(self)
     }
 
+    /// Whether the parameter of a path was set in place of the analysis's value.
+    pub(crate) fn sets(&self, path: &str) -> bool {
+        self.set_here.iter().any(|set| set == path)
+    }
+
+    /// The analysis at a point of a table: with these values of parameters of its model.
+    pub(crate) fn at_point(&self, values: Vec<(Parameter, PointValue)>) -> Analysis {
+        let mut point = self.clone();
+        for (parameter, value) in values {
+            if let Some(place) = point.overrides.get_mut(parameter.index) {
+                *place = Some(value.value);
+            }
+            point.plan.point.push(value);
+        }
+        point.assembled = OnceLock::new();
+        point
+    }
+
+    /// The analysis with its own parameters and the names of a point's values.
+    pub(crate) fn named_as(&self, point: &Analysis) -> Analysis {
+        let mut named = self.clone();
+        named.plan.point.clone_from(&point.plan.point);
+        named
+    }
+
     /// Takes fixed steps, or steps of another tolerance, in place of the text's.
     pub fn stepping(mut self, control: StepControl) -> Self {
         let Some(integration) = self.plan.kind.integration_mut() else {

@@ -3,6 +3,7 @@
 use super::motion::Motion;
 use super::{Analysis, Failed, Outcome, Progress, Watch};
 use crate::error::Error;
+use crate::model::hexadecimal;
 use crate::repetition::Repetition;
 use crate::results::{Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, Table};
 use crate::timings::{Clock, Timings};
@@ -51,7 +52,7 @@ impl Analysis {
     ) -> Result<Outcome, Failed> {
         let begun = self
             .header()
-            .and_then(|header| Ok(Table::begin(header, &self.recording, self.identity()?)?));
+            .and_then(|header| Ok(Table::begin(header, &self.recording, self.identity())?));
         let (table, point) = match begun? {
             Begun::Fresh(table) => (table, None),
             Begun::Resumed(table, point) => (table, Some(point)),
@@ -198,7 +199,7 @@ impl Analysis {
 
     /// All columns without values, in the order of [`Recorder::sample`], with the metadata known before the
     /// run.
-    fn header(&self) -> Result<Results, Error> {
+    pub(crate) fn header(&self) -> Result<Results, Error> {
         let system = &self.model.compiled().system;
         let mut results = Results::new(self.name(), self.model.name());
         if let AnalysisKind::Response(response) = &self.plan.kind {
@@ -267,36 +268,43 @@ impl Analysis {
         Ok(())
     }
 
-    /// The identity of this run: program's version, texts, plan, bound model, reduced bodies, kept channels.
-    fn identity(&self) -> Result<String, Error> {
+    /// The identity of this run for a recording; empty without a folder.
+    fn identity(&self) -> String {
+        match self.recording.folder {
+            None => String::new(),
+            Some(_) => self.fingerprint(),
+        }
+    }
+
+    /// SHA-256 of everything that decides its numbers, as hexadecimal digits: program's version, texts, plan, bound
+    /// model, reduced bodies, kept channels.
+    pub(crate) fn fingerprint(&self) -> String {
         use sha2::Digest;
         use std::fmt::Write;
-        if self.recording.folder.is_none() {
-            return Ok(String::new());
-        }
         let mut text = format!(
-            "{} {} {:?} {:?} {:?}",
+            "{} {} {:?} {:?} {}",
             env!("CARGO_PKG_VERSION"),
             self.program.source_hash(),
             self.plan,
             self.recording.channels,
-            self.model.compiled().system,
+            self.model.system_hash(),
         );
         for (path, word, _) in &self.chosen {
             let _ = write!(text, " {path} {word}");
         }
-        let bound = self.bound()?;
-        for value in bound.parameters.iter().chain(&bound.slots) {
+        let values = match self.bound() {
+            Ok(bound) => [bound.parameters, bound.slots].concat(),
+            // parameters that the model refuses
+            Err(_) => self.overrides.iter().flatten().copied().collect(),
+        };
+        for value in values {
             // writing to a text cannot fail
             let _ = write!(text, " {:x}", value.to_bits());
         }
         for reduction in self.model.reductions() {
             let _ = write!(text, " {}", reduction.key());
         }
-        Ok(sha2::Sha256::digest(text.as_bytes())
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect())
+        hexadecimal(&sha2::Sha256::digest(text.as_bytes()))
     }
 }
 

@@ -45,6 +45,22 @@ pub(super) enum Command {
     /// An FMU (FMI 2.0 or 3.0, co-simulation) has the model with all that it uses, and the library of Eng. The other tool sets
     /// parameters and inputs, takes steps and reads outputs: see `docs/fmi.md`. The library for C is `libeng` with `eng.h`.
     Build(BuildArguments),
+    /// Write the script that computes the points of a study on a cluster
+    ///
+    /// The points are those of an analysis with an index, or of a table (`--design`). The script is printed: it
+    /// submits an array of tasks, each with a slice of the points, and collects them at the end. See `docs/sweeps.md`.
+    Plan(PlanArguments),
+    /// Show how far the points of a study are: complete, failed, running, missing
+    ///
+    /// Reads the files of the folder alone, so it works while tasks run, on any machine that sees the folder.
+    Status(StatusArguments),
+    /// Write all points of a study into one table, ANALYSIS.points.parquet
+    ///
+    /// A row is a point: its parameters, its numbers, how it ended. Points that failed are rows without numbers.
+    ///
+    /// Exit codes: 0 all points are complete; 1 some have failed; 2 points are missing, or parts do not belong to
+    /// each other.
+    Collect(CollectArguments),
     /// Reduce the flexible bodies of a model and print their mass, modes and frequencies
     Reduce(ReduceArguments),
     /// List the contents of result files: channels with unit, frame and range, samples, time, origin
@@ -295,14 +311,12 @@ pub(super) struct ExplainArguments {
     pub path: Option<String>,
 }
 
-#[derive(Debug, Args)]
-pub(super) struct RunArguments {
-    /// The model's file
-    #[arg(value_name = "MODEL")]
-    pub model: PathBuf,
-    /// Run only this analysis; may be given several times [default: all]
-    #[arg(long, value_name = "NAME")]
-    pub analysis: Vec<String>,
+/// The options of `eng run` that points of a dataset do not have.
+const WHOLE_RUNS: [&str; 5] = ["csv", "channels", "last", "resume", "timings"];
+
+/// Settings of the command line in place of those of the text.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Settings {
     /// Set a parameter: `--set "speed=5000 rpm"`; may be given several times. The value counts in all
     /// analyses and replaces values that they state; a parameter that a sweep varies cannot be set
     #[arg(long, value_name = "PATH=VALUE", value_parser = setting)]
@@ -317,6 +331,99 @@ pub(super) struct RunArguments {
     /// Continue for any time; without this a run with more than a day left is stopped after some seconds
     #[arg(long)]
     pub patient: bool,
+}
+
+/// Points of a study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Points {
+    /// From the first to the last, counted from 1.
+    Range(usize, usize),
+    /// Those that failed or were stopped.
+    Failed,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct PlanArguments {
+    /// The model's file
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// The analysis; it needs an index, or a design
+    #[arg(long, value_name = "NAME")]
+    pub analysis: String,
+    /// The scheduler that runs the script's tasks
+    #[arg(long, visible_alias = "for", value_enum)]
+    pub to: Scheduler,
+    /// Points from this table: see `eng run`
+    #[arg(long, value_name = "FILE")]
+    pub design: Option<PathBuf>,
+    /// Points of a task [default: as many as make at most 150 tasks]
+    #[arg(long, value_name = "N")]
+    pub per_task: Option<NonZeroUsize>,
+    /// Points that a task runs at the same time; the scheduler gives it so many processors
+    #[arg(long, value_name = "N", default_value_t = NonZeroUsize::MIN)]
+    pub threads: NonZeroUsize,
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Folder of the results [default: results/MODEL, without .eng, in the current folder]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// A scheduler of tasks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Scheduler {
+    /// Job arrays of Slurm
+    Slurm,
+    /// HyperQueue
+    Hq,
+    /// GNU parallel
+    Parallel,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct StatusArguments {
+    /// Folder of the results
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Only this analysis [default: all with points in the folder]
+    #[arg(long, value_name = "NAME")]
+    pub analysis: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CollectArguments {
+    /// Folder of the results
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Only this analysis [default: all with points in the folder]
+    #[arg(long, value_name = "NAME")]
+    pub analysis: Option<String>,
+    /// Write the points that are there, also if others are missing
+    #[arg(long)]
+    pub partial: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RunArguments {
+    /// The model's file
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Run only this analysis; may be given several times [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub analysis: Vec<String>,
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Points from this table, a row each: a column for each parameter, whose name is its path and unit, such as
+    /// `main[5].radial_clearance [um]`. The file is CSV or Parquet
+    #[arg(long, value_name = "FILE", conflicts_with_all = WHOLE_RUNS)]
+    pub design: Option<PathBuf>,
+    /// Run only these points, and write them as one part of a dataset: `1..64`, or `failed` for the points that
+    /// failed or were stopped. Points that are there are not run again
+    #[arg(long, value_name = "A..B|failed", value_parser = points, conflicts_with_all = WHOLE_RUNS)]
+    pub points: Option<Points>,
+    /// Run one of several equal slices of the points: `3/157`
+    #[arg(long, value_name = "I/N", value_parser = slice, conflicts_with_all = WHOLE_RUNS, conflicts_with = "points")]
+    pub slice: Option<(usize, usize)>,
     /// Write into this folder [default: results/MODEL, without .eng, in the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -390,6 +497,30 @@ fn setting(text: &str) -> Result<Setting, String> {
         }),
         _ => Err("give a parameter's path and its value: \"speed=5000 rpm\"".to_owned()),
     }
+}
+
+/// `1..64`, `7` or `failed`.
+fn points(text: &str) -> Result<Points, String> {
+    let text = text.trim();
+    if text == "failed" {
+        return Ok(Points::Failed);
+    }
+    let (from, to) = text.split_once("..").unwrap_or((text, text));
+    match (from.trim().parse(), to.trim().parse()) {
+        (Ok(from), Ok(to)) if from >= 1 && to >= from => Ok(Points::Range(from, to)),
+        _ => Err(
+            "give the first and the last point, counted from 1: `1..64`; or `failed`".to_owned(),
+        ),
+    }
+}
+
+/// `3/157`.
+fn slice(text: &str) -> Result<(usize, usize), String> {
+    let found = text.split_once('/').and_then(|(index, count)| {
+        let (index, count) = (index.trim().parse().ok()?, count.trim().parse().ok()?);
+        (index >= 1 && index <= count).then_some((index, count))
+    });
+    found.ok_or_else(|| "give the number of the slice and of all slices: `3/157`".to_owned())
 }
 
 /// Patterns of channels, separated by commas.

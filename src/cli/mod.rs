@@ -22,10 +22,12 @@ mod report;
 mod results;
 mod run;
 mod shell;
+mod study;
 mod terminal;
 
 use crate::codes;
 use crate::error::Error;
+use crate::study::StudyError;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
@@ -101,6 +103,9 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
         Command::Run(run) => run::run(run, console),
         Command::Check(check) => check::check(check, console),
         Command::Build(build) => build::build(build, console),
+        Command::Plan(plan) => study::plan(plan, console),
+        Command::Status(status) => study::status(status, console),
+        Command::Collect(collect) => study::collect(collect, console),
         Command::Reduce(reduce) => reduce::reduce(reduce, console),
         Command::Results(listing) => results::results(listing, console),
         Command::Export(export) => export::export(export, console),
@@ -166,6 +171,15 @@ enum Refusal {
 impl From<Error> for Refusal {
     fn from(error: Error) -> Refusal {
         Refusal::Library(error)
+    }
+}
+
+impl From<StudyError> for Refusal {
+    fn from(error: StudyError) -> Refusal {
+        match error {
+            StudyError::Model(error) => Refusal::Library(error),
+            other => Refusal::Usage(other.to_string()),
+        }
     }
 }
 

@@ -1,13 +1,13 @@
 //! `eng run`.
 
-use super::arguments::{RunArguments, Setting};
+use super::arguments::{RunArguments, Setting, Settings};
 use super::files::{draw_all, or_stop, results_folder, wrote};
 use super::open::checked;
 use super::outcomes::{Ended, Outcomes};
 use super::outputs::{Output, apart};
 use super::progress::Bars;
 use super::terminal::Terminal;
-use super::{MODEL_WRONG, Refusal, Stop, USAGE_OR_SYSTEM, post};
+use super::{MODEL_WRONG, Refusal, Stop, USAGE_OR_SYSTEM, post, study};
 use crate::analysis::Analysis;
 use crate::error::Error;
 use crate::figures;
@@ -23,13 +23,17 @@ use eng_grammar::Diagnostics;
 use eng_system::Dimension;
 use eng_system::system::StepControl;
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
-    or_stop(set_once(&arguments.set), console)?;
+    or_stop(set_once(&arguments.settings.set), console)?;
     let mut clock = Clock::new();
     let program = checked(&arguments.model, console)?;
     let check = clock.since();
+    if arguments.design.is_some() || arguments.points.is_some() || arguments.slice.is_some() {
+        return study::run(arguments, &program, console);
+    }
     let names = chosen(&arguments.model, &arguments.analysis, &program, console)?;
     let folder = arguments
         .out
@@ -46,11 +50,18 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
             or_stop(writable(&csv.path), console)?;
         }
     }
-    let steps = or_stop(steps(arguments), console)?;
+    let settings = &arguments.settings;
+    let steps = or_stop(steps(settings), console)?;
     let prepared: Vec<Result<Analysis, Refusal>> = program
         .analyses_of(&names)
         .into_iter()
-        .map(|made| prepare(made, arguments, &recording, steps))
+        .map(|made| {
+            let analysis = prepare(made?, settings, steps)?.record(recording.clone());
+            Ok(match arguments.timings {
+                true => analysis.timed(),
+                false => analysis,
+            })
+        })
         .collect();
     let code = clock.since();
     let mut outcomes = Outcomes::new(arguments, &program, &folder);
@@ -91,14 +102,12 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
 }
 
 /// An analysis with the settings of the command line.
-fn prepare(
-    analysis: Result<Analysis, Error>,
-    arguments: &RunArguments,
-    recording: &Recording,
+pub(super) fn prepare(
+    mut analysis: Analysis,
+    settings: &Settings,
     steps: Option<StepControl>,
 ) -> Result<Analysis, Refusal> {
-    let mut analysis = analysis?;
-    for setting in &arguments.set {
+    for setting in &settings.set {
         let usage = |e: Error| Refusal::Usage(format!("--set {}: {e}", setting.path));
         if analysis.chooses(&setting.path) {
             analysis = analysis
@@ -112,10 +121,6 @@ fn prepare(
             .parse()
             .map_err(|e: QuantityError| usage(e.into()))?;
         analysis = analysis.set(parameter, value).map_err(usage)?;
-    }
-    let mut analysis = analysis.record(recording.clone());
-    if arguments.timings {
-        analysis = analysis.timed();
     }
     Ok(match steps {
         Some(steps) => analysis.stepping(steps),
@@ -158,25 +163,31 @@ fn run_all(
         return Err(stop);
     }
     let threads = threads(arguments);
-    run_many(&ready, arguments.patient, threads, &mut |index, event| {
-        let place = places[index];
-        match event {
-            Event::Progress(progress) => bars.show(place, names[place], progress),
-            Event::Slow(message) => {
-                let mut messages = Diagnostics::new();
-                messages.push(*message);
-                // an error of the console is handled at the end
-                bars.suspend(|| {
-                    let _ = console.errors.messages(&messages, texts);
-                });
+    run_many(
+        &ready,
+        arguments.settings.patient,
+        threads,
+        &mut |index, event| {
+            let place = places[index];
+            match event {
+                Event::Progress(progress) => bars.show(place, names[place], progress),
+                Event::Slow(message) => {
+                    let mut messages = Diagnostics::new();
+                    messages.push(*message);
+                    // an error of the console is handled at the end
+                    bars.suspend(|| {
+                        let _ = console.errors.messages(&messages, texts);
+                    });
+                }
+                Event::Done(result) => {
+                    bars.end(place);
+                    queue.ended[place] = Some(Ok(*result));
+                    bars.suspend(|| queue.go_on(console));
+                }
             }
-            Event::Done(result) => {
-                bars.end(place);
-                queue.ended[place] = Some(Ok(*result));
-                bars.suspend(|| queue.go_on(console));
-            }
-        }
-    });
+            ControlFlow::Continue(())
+        },
+    );
     queue.stop.map_or(Ok(()), Err)
 }
 
@@ -250,7 +261,7 @@ fn over_points(
 }
 
 /// Refuses a parameter with two values.
-fn set_once(settings: &[Setting]) -> Result<(), String> {
+pub(super) fn set_once(settings: &[Setting]) -> Result<(), String> {
     for (index, setting) in settings.iter().enumerate() {
         let before = settings.iter().take(index);
         if let Some(other) = before.clone().find(|other| other.path == setting.path) {
@@ -282,8 +293,8 @@ fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, Strin
 }
 
 /// The steps that the command line requests instead of those of the text.
-fn steps(arguments: &RunArguments) -> Result<Option<StepControl>, String> {
-    let step = match &arguments.step {
+pub(super) fn steps(settings: &Settings) -> Result<Option<StepControl>, String> {
+    let step = match &settings.step {
         Some(text) => {
             let step: Quantity = text.parse().map_err(|e| format!("--step {text}: {e}"))?;
             if step.dimension() != Dimension::TIME {
@@ -293,18 +304,18 @@ fn steps(arguments: &RunArguments) -> Result<Option<StepControl>, String> {
         }
         None => None,
     };
-    for (name, value) in [("step", step), ("tolerance", arguments.tolerance)] {
+    for (name, value) in [("step", step), ("tolerance", settings.tolerance)] {
         if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
             return Err(format!(
                 "--{name}: it must be positive and finite, not {value}"
             ));
         }
     }
-    Ok(StepControl::stated(step, arguments.tolerance))
+    Ok(StepControl::stated(step, settings.tolerance))
 }
 
 /// The requested number of threads, or the number of the machine's processors.
-fn threads(arguments: &RunArguments) -> NonZeroUsize {
+pub(super) fn threads(arguments: &RunArguments) -> NonZeroUsize {
     arguments
         .threads
         .or_else(|| std::thread::available_parallelism().ok())

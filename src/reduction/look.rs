@@ -127,6 +127,12 @@ impl Looks {
             .try_for_each(|look| cache::save(sources, &**look))
     }
 
+    /// Whether the program has no flexible body.
+    pub(crate) fn is_empty(&self) -> bool {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        known.is_empty()
+    }
+
     /// The hashes of the meshes and matrices that were read, in hexadecimal digits, by their names.
     pub(crate) fn files(&self) -> BTreeMap<String, String> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,6 +1,7 @@
 //! Summaries of result files.
 
 use super::cells::is_cells;
+use super::points::is_points;
 use super::recording::{is_partial, is_result};
 use super::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
 use std::path::{Path, PathBuf};
@@ -68,7 +69,7 @@ impl Column {
 }
 
 /// The result files at a path: the file, or those of the folder in the order of their names. Files of cells
-/// have no channels, so they are left out.
+/// and of points have no channels, so they are left out.
 pub fn listed(path: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     let refused = |source| ResultsError::File {
         path: path.to_owned(),
@@ -80,7 +81,7 @@ pub fn listed(path: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(refused)? {
         let file = entry.map_err(refused)?.path();
-        if is_result(&file) && !is_cells(&file) && !hidden(&file) {
+        if is_result(&file) && !is_cells(&file) && !is_points(&file) && !hidden(&file) {
             files.push(file);
         }
     }

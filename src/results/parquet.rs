@@ -244,7 +244,8 @@ enum Refused {
 fn read(file: File, length: u64) -> Result<Results, Refused> {
     let damaged = |_: parquet::errors::ParquetError| Refused::Damage;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(damaged)?;
-    if let Some(refusal) = super::cells::refusal(builder.schema()) {
+    let refusal = super::cells::refusal(builder.schema());
+    if let Some(refusal) = refusal.or_else(|| super::points::refusal(builder.schema())) {
         return Err(Refused::Foreign(refusal));
     }
     if !is_sound(builder.metadata(), length) {
@@ -304,7 +305,7 @@ fn is_sound(metadata: &ParquetMetaData, length: u64) -> bool {
 const MARK: [u8; 4] = *b"PAR1";
 
 /// The damage of a file that the library cannot read, as far as both ends of the file show it.
-fn damage(path: &Path) -> String {
+pub(super) fn damage(path: &Path) -> String {
     let ends = || -> io::Result<(u64, [u8; 4], [u8; 4])> {
         let mut file = open(path)?;
         let length = file.metadata()?.len();

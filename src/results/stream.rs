@@ -39,10 +39,7 @@ impl std::fmt::Debug for Stream {
 impl Stream {
     /// Begins a stream with the columns and metadata of results. It overwrites an earlier file.
     pub fn create(path: &Path, header: &Results) -> Result<Stream, ResultsError> {
-        if let Some(folder) = path.parent() {
-            make_folder(folder).map_err(at(folder))?;
-        }
-        let mut stream = Stream::on(path, locked(path, true)?, header)?;
+        let mut stream = Stream::on(path, lock(path)?, header)?;
         // a run killed between these two calls leaves an empty file, so nothing comes between them
         stream.file.set_len(0).map_err(at(path))?;
         stream.hand_over()?;
@@ -139,6 +136,14 @@ impl Stream {
     pub fn sync(&self) -> Result<(), ResultsError> {
         self.file.sync_data().map_err(at(&self.path))
     }
+}
+
+/// Opens or creates a file for this process alone, and makes its folder.
+pub(crate) fn lock(path: &Path) -> Result<File, ResultsError> {
+    if let Some(folder) = path.parent() {
+        make_folder(folder).map_err(at(folder))?;
+    }
+    locked(path, true)
 }
 
 /// Opens a stream for a single writer. `make` creates a missing file.

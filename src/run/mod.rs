@@ -13,11 +13,12 @@ use crate::{Analysis, Error, Progress, Results, Slow, Verdict, Watch};
 use eng_grammar::{Diagnostic, Diagnostics};
 use eng_system::significant::{short, significant};
 use eng_system::system::PointValue;
-use patience::{Look, Patience, in_words};
+pub(crate) use patience::in_words;
+use patience::{Look, Patience};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
@@ -58,32 +59,37 @@ const BETWEEN: Duration = Duration::from_millis(20);
 
 /// Runs several analyses, up to `threads` at a time. If there are fewer analyses than threads, each has an
 /// equal share of the threads for its films on cells. `on_event` gets events, of progress at most fifty a
-/// second, with the index of its analysis in `analyses`. The results equal those of [`run`] to the last bit,
-/// for any number of threads. `patient`: see [`run`].
+/// second, with the index of its analysis in `analyses`. After a `Break` no further analysis begins, and those that run
+/// are stopped. The results equal those of [`run`] to the last bit, for any number of threads. `patient`: see [`run`].
 pub fn run_many(
     analyses: &[Analysis],
     patient: bool,
     threads: NonZeroUsize,
-    on_event: &mut dyn FnMut(usize, Event),
+    on_event: &mut dyn FnMut(usize, Event) -> ControlFlow<()>,
 ) {
     let next = AtomicUsize::new(0);
+    let broken = AtomicBool::new(false);
     let (sender, receiver) = mpsc::channel();
     let together = threads.get().min(analyses.len().max(1));
     // analyses share the processors: their films have those that are left
     let each = NonZeroUsize::new(threads.get() / together).unwrap_or(NonZeroUsize::MIN);
     std::thread::scope(|scope| {
         for _ in 0..together {
-            let (sender, next) = (sender.clone(), &next);
+            let (sender, next, broken) = (sender.clone(), &next, &broken);
             scope.spawn(move || {
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(analysis) = analyses.get(index) else {
+                    let ended = broken.load(Ordering::Relaxed);
+                    let Some(analysis) = analyses.get(index).filter(|_| !ended) else {
                         return;
                     };
                     // sending fails only after the receiver is closed, and then nobody needs the event
                     let mut last: Option<Instant> = None;
                     let result = run_on(analysis, patient, each, &mut |event| {
                         // an event wakes the thread that reads it, which takes some ten microseconds of a step
+                        if broken.load(Ordering::Relaxed) {
+                            return ControlFlow::Break(());
+                        }
                         if matches!(event, Event::Progress(_)) {
                             if last.is_some_and(|last| last.elapsed() < BETWEEN) {
                                 return ControlFlow::Continue(());
@@ -99,7 +105,9 @@ pub fn run_many(
         }
         drop(sender);
         for (index, event) in receiver {
-            on_event(index, event);
+            if !broken.load(Ordering::Relaxed) && on_event(index, event).is_break() {
+                broken.store(true, Ordering::Relaxed);
+            }
         }
     });
 }

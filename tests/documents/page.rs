@@ -6,7 +6,9 @@
 //! | a block `eng arm.eng, in the model` | the lines are added at the end of the file's model |
 //! | a block `eng arm.eng, at the end` | the lines are added at the end of the file |
 //! | a block `eng` | a text of its own: it has no message, and its analyses run |
-//! | a block `console` | its lines that begin with `eng` are run |
+//! | a block `csv design.csv` | the file `design.csv` |
+//! | a block `console` | its lines that begin with `eng` are run, up to a `>` |
+//! | a block `python` | nothing: CI runs it |
 //! | a block `text` after it | each line is a line of the output. `…` is any words, and numbers agree within 1 % |
 //! | a row of a table `right`, `wrong`, `message` | in the last file, the first place of `right` becomes `wrong`, and `eng check` gives the message |
 
@@ -239,6 +241,7 @@ pub fn follow(page: &str, chapter: Option<&str>) {
                 desk.printed.clear();
                 for command in text.lines() {
                     if let Some(arguments) = command.strip_prefix("eng ") {
+                        let (arguments, _) = arguments.split_once(" > ").unwrap_or((arguments, ""));
                         let arguments: Vec<&str> = arguments.split_whitespace().collect();
                         let printed = desk.eng(&arguments);
                         desk.printed.push_str(&printed);
@@ -249,10 +252,14 @@ pub fn follow(page: &str, chapter: Option<&str>) {
                 desk.compare(line, text);
                 done += 1;
             }
-            Piece::Block { info, text } => match info.strip_prefix("eng ") {
-                Some(target) => desk.write(target, text),
-                None => panic!("{page}: a block `{info}`"),
-            },
+            Piece::Block { info: "python", .. } => {}
+            Piece::Block { info, text } => {
+                let target = info.strip_prefix("eng ").or(info.strip_prefix("csv "));
+                match target {
+                    Some(target) => desk.write(target, text),
+                    None => panic!("{page}: a block `{info}`"),
+                }
+            }
             Piece::Mistake {
                 right,
                 wrong,
