@@ -432,12 +432,7 @@ fn timings_of_a_check_tell_every_phase() {
     ] {
         let (_, rest) = line.split_once(&format!(" {phase} ")).unwrap();
         // a fast machine assembles in less than the last digit: no phase alone is above zero for sure
-        sum += rest
-            .split_once(" s")
-            .unwrap()
-            .0
-            .parse::<f64>()
-            .unwrap();
+        sum += rest.split_once(" s").unwrap().0.parse::<f64>().unwrap();
     }
     assert!(
         sum > 0.0 && sum < passed + 0.01,
@@ -498,9 +493,6 @@ fn timings_tell_every_phase_and_change_no_result() {
         let seconds: f64 = rest.split_once(" s").unwrap().0.parse().unwrap();
         assert!(seconds >= 0.0, "{phase}: {told}");
         sum += seconds;
-        if ["steps", "samples", "check"].contains(&phase) {
-            assert!(seconds > 0.0, "{phase}: {told}");
-        }
     }
     assert!(
         sum > 0.0 && sum < passed + 0.01,
