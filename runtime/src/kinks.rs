@@ -26,6 +26,7 @@
 //! The changes of sign of a function of time alone are searched ahead of the steps, and its kink functions are
 //! the times since them. So no step passes two of them unseen.
 
+mod about;
 mod beside;
 mod clocks;
 mod crossing;
@@ -36,12 +37,11 @@ mod slopes;
 use crate::dynamics::Dynamics;
 use crate::elements::{self, Batch, Inputs};
 use crate::error::RuntimeError;
-use crate::integrator::STATE_SHARE;
 use crate::model::Model;
 use crate::state::State;
 use beside::Neighbours;
 use clocks::{Change, Clock, KEPT};
-use crossing::{crossing, roots, same_side};
+use crossing::same_side;
 use eng_system::code::{Function, Pair};
 use eng_system::dimension::Dimension;
 use eng_system::layout::InputLayout;
@@ -51,28 +51,6 @@ use points::Points;
 use slopes::Sloped;
 use std::ops::Range;
 
-/// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
-/// kink, so the load of this distance is an error.
-const BEFORE: f64 = 0.01;
-/// A state nearer to a kink than this number of these distances counts as at the kink. Nearer than the second one, rounding decides
-/// the side.
-const AT: f64 = 2.0;
-const BESIDE: f64 = 0.5;
-/// Share of the distance of two kinks of an element that limits both, and its least share of the limit. A jump of a load between
-/// two kinks, such as on a thin sheet, acts over this distance alone. Two functions nearer to each other are one.
-const APART: (f64, f64) = (0.02, 1e-4);
-/// Difference of the rates of two functions whose kinks have a constant distance, as a share of their rates.
-const PARALLEL: f64 = 1e-6;
-/// Limit of a time, as a share of the time itself.
-const MOMENT: f64 = 8.0 * f64::EPSILON;
-/// Share of a step within which a kink counts as being at its beginning. Otherwise a function that is zero there
-/// except for rounding would shorten the step to nothing.
-const BEGIN: f64 = 1e-6;
-/// Share of the limit of a function without a unit above which its sign is not due to rounding.
-const SIGN: f64 = 1e-6;
-/// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
-/// pressures have become equal, a body that sticks. Ending every step there would gain nothing.
-const STAYS: f64 = 3.0;
 /// A step that passes a kink, or ends close before it, adds this number to the count of the kink. Any other step subtracts 1.
 const PASSED: f64 = 32.0;
 /// Number of steps of equal length that an end close before a kink is from it at most. A motion that comes to a kink and passes it
@@ -84,8 +62,6 @@ const OFTEN: f64 = 256.0;
 /// Largest change (rad) in a step of the argument of a sine in a function of the motion. The cubic through values and rates differs
 /// from a sine by 1e-5 then, the share that errors of states may have. Narrower tips may be missed.
 const PHASE: f64 = 0.25;
-/// Share of the change of a function over a step that its rates do not explain. Above it, a `wrapped` angle has jumped by a period.
-const WRAPPED: f64 = 0.5;
 
 /// The limit of a kink function; see the table above.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -480,39 +456,6 @@ impl Kinks {
         self.neighbours.measure(&self.now, tolerance);
     }
 
-    /// The limit of a function at a time (s), for a factor on the tolerances.
-    fn limit(&self, item: usize, time: f64, factor: f64) -> f64 {
-        // that of the end nearer to the kink, because both may differ much
-        let nearer = self.next[item][0].abs() < self.now[item][0].abs();
-        let slope = self.slopes[usize::from(nearer)][item];
-        // where the slope vanishes, rounding must not decide the side
-        let least = match slope {
-            1.0 => 0.0,
-            _ => SIGN * STATE_SHARE * self.peaks[item],
-        };
-        match self.items[item].limit {
-            Limit::Stated(length) => (slope * length * factor.min(1.0)).max(least),
-            Limit::Tolerance(tolerance) => {
-                let limit = (slope * tolerance * factor).max(least);
-                limit.min((APART.0 * self.neighbours.apart(item)).max(APART.1 * limit))
-            }
-            Limit::Time => {
-                let width = self.change(item).map_or(0.0, |change| change.width);
-                (MOMENT * time.abs()).max(2.0 * width)
-            }
-            Limit::Share => STATE_SHARE * factor * self.peaks[item],
-        }
-    }
-
-    /// The distance of a function from its kink up to which a step ends there.
-    fn end(&self, item: usize, time: f64, factor: f64) -> f64 {
-        let limit = self.limit(item, time, factor);
-        match self.items[item].limit {
-            Limit::Time | Limit::Share => limit,
-            _ => AT * BEFORE * limit,
-        }
-    }
-
     /// Ends no more steps at a kink.
     pub fn ignore(&mut self, item: usize) {
         if let Some(stay) = self.stays.get_mut(item) {
@@ -530,270 +473,9 @@ impl Kinks {
         self.often
     }
 
-    /// The first kink that a trial of a step h (s) passes deeper than its limit. The trial ends at a time (s).
-    pub fn passed(&self, h: f64, time: f64, factor: f64) -> Option<Crossing> {
-        let mut first: Option<Crossing> = None;
-        for (item, (from, to)) in self.now.iter().zip(&self.next).enumerate() {
-            if !self.counts(item) || same_side(*from, *to, h) || self.stays[item] >= STAYS {
-                continue;
-            }
-            let limit = self.limit(item, time, factor);
-            // a moment is known exactly, and beside the kink of a valve states move infinitely fast; at a length rounding must
-            // not decide which side an end is on
-            let aim = BEFORE * limit;
-            let (depths, aim) = match self.items[item].limit {
-                Limit::Time | Limit::Share => ([limit; 2], 0.0),
-                _ => ([AT * aim, -BESIDE * aim], aim),
-            };
-            if let Some(found) = self.crossing(item, h, depths, aim)
-                && first.is_none_or(|first| found.time < first.time)
-            {
-                first = Some(Crossing { item, ..found });
-            }
-        }
-        first
-    }
-
-    /// Whether a function counts in the last trial.
-    fn counts(&self, item: usize) -> bool {
-        self.used[item] || self.used_next[item]
-    }
-
-    /// The crossing of a function in the last trial of h (s), see [`crossing`].
-    ///
-    /// A function of a `wrapped` angle that jumps within the trial is continued by the jump, from its beginning and from its end:
-    /// between them the rates at both ends say by how much it would change.
-    fn crossing(&self, item: usize, h: f64, limits: [f64; 2], aim: f64) -> Option<Crossing> {
-        let (from, to) = (self.now[item], self.next[item]);
-        let change = to[0] - from[0];
-        let jump = change - 0.5 * h * (from[1] + to[1]);
-        if !self.items[item].wraps || jump.abs() <= WRAPPED * change.abs() {
-            return crossing(from, to, h, limits, aim);
-        }
-        let before = crossing(from, [to[0] - jump, to[1]], h, limits, aim);
-        let behind = || crossing([from[0] + jump, from[1]], to, h, limits, aim);
-        before.or_else(behind)
-    }
-
-    /// The time (s) after which a function is before its kink, if its rate keeps changing as in the last step;
-    /// `None` if it does not come there within h (s).
-    ///
-    /// The trials of a step do not decide this. An implicit step across a stiff stop ends at the stop, whatever its
-    /// length is.
-    pub fn expected(&self, item: usize, h: f64, time: f64, factor: f64) -> Option<f64> {
-        let [value, rate] = self.now[item];
-        let aim = BEFORE * self.limit(item, time, factor) * value.signum();
-        let mut times = roots(0.5 * self.bends[item], rate, value - aim);
-        times.sort_by(f64::total_cmp);
-        times.into_iter().find(|time| *time > 0.0 && *time < h)
-    }
-
     /// Whether the function of a kink is a length, an angle or another one of places.
     pub fn is_way(&self, item: usize) -> bool {
         self.items.get(item).is_some_and(Item::is_way)
-    }
-
-    /// The place or moment that a trial reaches at its end, at a time (s). Other functions, such as the pressure at a
-    /// valve, may stay within their limit.
-    pub fn reached_way(&self, time: f64, factor: f64) -> Option<usize> {
-        let reached = self.reached(time, factor);
-        reached.filter(|item| self.items[*item].limit != Limit::Share)
-    }
-
-    /// Whether the last trial, which ends at a time (s), ends at a kink.
-    pub fn is_near(&self, item: usize, time: f64, factor: f64) -> bool {
-        let limit = self.end(item, time, factor);
-        (self.next.get(item)).is_some_and(|[value, _]| value.abs() <= limit)
-    }
-
-    /// The time (s) until the function of a kink changes its sign at its present rate; zero if it does not.
-    pub fn time_to(&self, item: usize) -> f64 {
-        let time = self
-            .now
-            .get(item)
-            .map_or(0.0, |[value, rate]| -value / rate);
-        if time > 0.0 && time.is_finite() {
-            time
-        } else {
-            0.0
-        }
-    }
-
-    /// The time (s) from a kink to the next one of its element, if their distance is constant, at its present rate, or to the next
-    /// zero of its own function, if the rate keeps changing as in the last step; infinite without them.
-    pub fn time_beside(&self, item: usize) -> f64 {
-        let (rate, bend) = (self.now[item][1], self.bends[item]);
-        let back = if rate * bend < 0.0 {
-            -2.0 * rate / bend
-        } else {
-            f64::INFINITY
-        };
-        back.min(self.neighbours.apart(item) / rate.abs())
-    }
-
-    /// The first time (s) of a step h (s) in which a function changes its sign at its present rate, if a step of h would
-    /// take this for its beginning. The function is not within its limit, and its kink is beside another one.
-    pub fn at_once(&self, h: f64, time: f64, factor: f64) -> Option<f64> {
-        let far = self.now.iter().enumerate().filter(|(item, [value, _])| {
-            let far = value.abs() > self.end(*item, time, factor);
-            self.used[*item] && self.neighbours.apart(*item).is_finite() && far
-        });
-        far.map(|(_, [value, rate])| -value / rate)
-            .filter(|time| *time > 0.0 && *time <= 2.0 * BEGIN * h)
-            .min_by(f64::total_cmp)
-    }
-
-    /// Whether the functions of the last evaluation have another sign at a kink than at the last accepted state, and go on
-    /// to leave it.
-    pub fn is_left(&self, item: usize) -> bool {
-        let (Some([before, _]), Some([behind, rate])) = (self.now.get(item), self.next.get(item))
-        else {
-            return false;
-        };
-        before * behind <= 0.0 && behind * rate > 0.0
-    }
-
-    /// The moment (s) of a kink in time at the end of the last trial, which ends at a time (s).
-    pub fn moment_at(&self, item: usize, time: f64) -> f64 {
-        moment(self.next.get(item), time)
-    }
-
-    /// The same at the last accepted state, which is at a time (s).
-    pub fn moment_here(&self, item: usize, time: f64) -> f64 {
-        moment(self.now.get(item), time)
-    }
-
-    /// The times (s) just before and just behind the moment (s) of a kink: loads are those of one side there.
-    pub fn around(&self, item: usize, moment: f64) -> [f64; 2] {
-        match self.change(item) {
-            Some(Change { time, width }) => [time - width, time + width],
-            None => [moment.next_down().next_down(), moment.next_up().next_up()],
-        }
-    }
-
-    /// A kink in time less than a millionth of a step h (s) behind the end of the last trial: a step that began at the end
-    /// would not end there.
-    pub fn moment_behind(&self, h: f64) -> Option<usize> {
-        let mut ends = self.next.iter().enumerate();
-        ends.find(|(item, [value, rate])| {
-            let time = -value / rate;
-            let soon = time > 0.0 && time <= BEGIN * h;
-            self.items[*item].limit == Limit::Time && soon && self.used_next[*item]
-        })
-        .map(|(item, _)| item)
-    }
-
-    /// The time (s) until the function of a kink is on its other side by a share of its limit, at its present rate at a time
-    /// (s); `None` if the last step did not end at the kink, or if it does not come there.
-    pub fn across(&self, item: usize, share: f64, time: f64, factor: f64) -> Option<f64> {
-        let [value, rate] = self.now.get(item)?;
-        if value.abs() > self.end(item, time, factor) {
-            return None;
-        }
-        let further = share * self.limit(item, time, factor) / rate.abs();
-        (self.time_to(item) > 0.0 || *value == 0.0)
-            .then_some(self.time_to(item) + further)
-            .filter(|time| time.is_finite() && *time > 0.0)
-    }
-
-    /// The longest time (s) below `most` in which a function changes its sign at its present rate.
-    pub fn time_left(&self, most: f64) -> f64 {
-        let used = self.now.iter().zip(&self.used).filter(|(_, used)| **used);
-        let times = used.map(|([value, rate], _)| -value / rate);
-        let soon = times.filter(|time| *time > 0.0 && *time < most);
-        soon.fold(0.0, f64::max)
-    }
-
-    /// The least size of a function at a time (s) that is not due to rounding, so that its sign tells the side of its kink.
-    pub fn side(&self, item: usize, time: f64, factor: f64) -> f64 {
-        match self.items[item].limit {
-            Limit::Share => SIGN * self.limit(item, time, factor),
-            _ => self.end(item, time, factor),
-        }
-    }
-
-    /// Whether a kink is a moment, at which loads may jump whatever the motion is.
-    pub fn is_moment(&self, item: usize) -> bool {
-        (self.items.get(item)).is_some_and(|item| item.limit == Limit::Time)
-    }
-
-    /// A kink that a trial reaches at its end, at a time (s), and not before.
-    pub fn reached(&self, time: f64, factor: f64) -> Option<usize> {
-        let mut pairs = self.now.iter().zip(&self.next).enumerate();
-        let found = pairs.find(|(item, (from, to))| {
-            let limit = self.end(*item, time, factor);
-            let comes = to[0].abs() <= limit && from[0].abs() > limit;
-            self.used_next[*item] && to[1] != 0.0 && comes
-        });
-        found.map(|(item, _)| item)
-    }
-
-    /// Whether a step begins at another kink than this one, at a time (s), and leaves it within the time `at` (s). A function that
-    /// stays within its limit is not left, however far the step goes, and no load acts between it and this kink alone.
-    pub fn begins_at_other(&self, kink: usize, at: f64, time: f64, factor: f64) -> bool {
-        let mut functions = self.now.iter().enumerate();
-        functions.any(|(item, [value, rate])| {
-            let limit = self.limit(item, time, factor);
-            let is_left = value.abs() <= limit && (value + rate * at).abs() > limit;
-            item != kink && self.used[item] && is_left
-        })
-    }
-
-    /// The first time within a step h (s) at which a function would change its sign at its present rate. The step
-    /// begins at a time (s). A function within its limit is at its kink already.
-    pub fn foreseen(&self, h: f64, time: f64, factor: f64) -> Option<(f64, usize)> {
-        let far = (self.now.iter().enumerate()).filter(|(item, [value, _])| {
-            self.used[*item] && value.abs() > self.limit(*item, time, factor)
-        });
-        far.map(|(item, [value, rate])| (-value / rate, item))
-            .filter(|(time, _)| *time > BEGIN * h && *time < h)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-    }
-
-    /// The kinks at which the last accepted state is, at a time (s), except those at which it rests.
-    pub fn here(&self, time: f64, factor: f64) -> Vec<usize> {
-        let items = 0..self.items.len();
-        items
-            .filter(|item| self.is_here(*item, time, factor))
-            .collect()
-    }
-
-    /// Those of constraints.
-    pub fn constrains_here(&self, time: f64, factor: f64) -> Vec<usize> {
-        let items = self.constraining.iter().copied();
-        items
-            .filter(|item| self.is_here(*item, time, factor))
-            .collect()
-    }
-
-    fn is_here(&self, item: usize, time: f64, factor: f64) -> bool {
-        let [value, rate] = self.now[item];
-        self.used[item] && rate != 0.0 && value.abs() <= self.end(item, time, factor)
-    }
-
-    /// The kinks of constraints that the last trial of h (s) passes, with the time (s) from its beginning. The trial ends at
-    /// a time (s).
-    pub fn constrains_within(&self, h: f64, time: f64, factor: f64) -> Vec<(usize, f64)> {
-        let passed = self.constraining.iter().filter_map(|item| {
-            let (from, to) = (self.now[*item], self.next[*item]);
-            if !self.counts(*item) || same_side(from, to, h) {
-                return None;
-            }
-            let found = self.crossing(*item, h, [self.end(*item, time, factor); 2], 0.0)?;
-            Some((*item, found.time))
-        });
-        passed.collect()
-    }
-
-    /// A kink that the step before the last accepted state passed; the state has a time (s).
-    pub fn at_end(&self, item: usize, time: f64) -> Crossing {
-        Crossing {
-            time: 0.0,
-            item,
-            depth: self.now[item][0].abs(),
-            limit: self.limit(item, time, 1.0),
-            inside: false,
-        }
     }
 
     /// The element of a kink.
@@ -809,16 +491,6 @@ impl Kinks {
     /// The rate of a function at the last evaluated state (1/s).
     pub fn rate(&self, item: usize) -> f64 {
         self.next[item][1]
-    }
-
-    /// The time (s), with its sign, from the last evaluated state to a kink, and the time in which its function changes by
-    /// its limit, both at its present rate. The state has a time (s).
-    pub fn times_to(&self, item: usize, time: f64, factor: f64) -> [f64; 2] {
-        let [value, rate] = self.next[item];
-        let limit = self
-            .limit(item, time, factor)
-            .max(self.end(item, time, factor));
-        [-value / rate, limit / rate.abs()]
     }
 
     /// The element and the place of a kink, and its expression.
@@ -911,12 +583,6 @@ fn timed(course: Course, [value, rate]: [f64; 2]) -> [f64; 2] {
     } else {
         [value, rate]
     }
-}
-
-/// The moment (s) at which a function of time alone is zero, from its value and rate at a time (s).
-fn moment(function: Option<&[f64; 2]>, time: f64) -> f64 {
-    let found = function.map_or(time, |[value, rate]| time - value / rate);
-    if found.is_finite() { found } else { time }
 }
 
 /// Adds accelerations and rates of states to the inputs of elements.

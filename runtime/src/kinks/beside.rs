@@ -3,7 +3,11 @@
 //! Two functions belong together if they have one element, one dimension, and no limit of their own. If their rates are equal,
 //! except for the sign, their kinks have a constant distance. A load may act between them alone.
 
-use super::{APART, PARALLEL};
+/// Share of the distance of two kinks of an element that limits both, and its least share of the limit. A jump of a load between
+/// two kinks, such as on a thin sheet, acts over this distance alone. Two functions nearer to each other are one.
+pub(super) const APART: (f64, f64) = (0.02, 1e-4);
+/// Difference of the rates of two functions whose kinks have a constant distance, as a share of their rates.
+const PARALLEL: f64 = 1e-6;
 
 /// The kinks beside each kink.
 #[derive(Clone, Debug, Default)]

@@ -1,6 +1,10 @@
 //! The change of sign of a function within a step: Hermite's cubic through its values and rates at both ends.
 
-use super::{BEGIN, Crossing};
+use super::Crossing;
+
+/// Share of a step within which a kink counts as being at its beginning. Otherwise a function that is zero there
+/// except for rounding would shorten the step to nothing.
+pub(super) const BEGIN: f64 = 1e-6;
 
 /// Whether the cubic through values and rates at both ends of a step h keeps one sign, because its four control
 /// points (Bézier) have it.
