@@ -5,6 +5,7 @@
 mod accuracy;
 mod allocation;
 mod architecture;
+mod banks;
 mod classics;
 mod command;
 mod command_failures;

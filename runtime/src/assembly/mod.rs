@@ -1,7 +1,8 @@
 //! From stated and guessed positions to positions and velocities that satisfy every constraint.
 //!
 //! 1. Bodies with a stated position are placed there. The others are placed one by one along the joints to
-//!    placed bodies ([`placement`]).
+//!    placed bodies ([`placement`]). A placed neighbour turns about its joint where a body does not reach it
+//!    otherwise.
 //! 2. Gauss–Newton steps of smallest norm close the loops ([`closing`]). Stated positions have a larger
 //!    weight. Rows of guesses take part at first and are then dropped. Redundant but consistent rows do no
 //!    harm.

@@ -224,10 +224,124 @@ fn place_one(
             if together.key < best.key {
                 best = together;
             }
+            if best.key != DONE {
+                let turning = Turning {
+                    body,
+                    near: &near,
+                    partners: &partners,
+                    moving: &moving,
+                    carriers: carriers(model, &around, &wishes, body, &moving),
+                };
+                best = turn_neighbours(model, &rows, &turning, cubes, state, best)?;
+            }
         }
     }
     *state = best.state;
     Ok(())
+}
+
+/// A body and the placed neighbours that move with it.
+struct Turning<'a> {
+    body: usize,
+    /// The elements between the body and placed bodies, and their markers: its own, and that of the partner.
+    near: &'a [usize],
+    partners: &'a [(usize, usize)],
+    moving: &'a [usize],
+    /// The joints and films that carry each neighbour: the neighbour, its marker, and the marker of the partner.
+    carriers: Vec<[usize; 3]>,
+}
+
+/// The joints and films between placed neighbours of a body and others.
+fn carriers(
+    model: &Model,
+    elements: &[usize],
+    wishes: &[Wish],
+    body: usize,
+    moving: &[usize],
+) -> Vec<[usize; 3]> {
+    let joints = elements
+        .iter()
+        .filter_map(|e| match model.elements[*e].markers[..] {
+            [a, b, ..] => Some([a, b]),
+            _ => None,
+        });
+    let films = wishes.iter().map(|wish| [wish.pin, wish.shell]);
+    let of = |marker: usize| model.markers[marker].body;
+    let both = joints.chain(films).flat_map(|[a, b]| [[a, b], [b, a]]);
+    let carried = both.filter_map(|[own, partner]| {
+        let neighbour = of(own).filter(|b| *b != body && moving.contains(b))?;
+        (of(partner) != Some(body) && of(partner) != Some(neighbour))
+            .then_some([neighbour, own, partner])
+    });
+    carried.collect()
+}
+
+impl Turning<'_> {
+    /// A state in which the body satisfies its rows to bodies that do not move with it: a piston in its bore, wherever
+    /// its rod is.
+    fn alone(
+        &self,
+        model: &Model,
+        stated: &Stated,
+        cubes: &[M3],
+        state: &State,
+    ) -> Result<State, RuntimeError> {
+        let stands = |b: usize| b == self.body || !self.moving.contains(&b);
+        let elements: Vec<usize> = (self.near.iter().copied())
+            .filter(|e| bodies_of(model, *e).into_iter().all(stands))
+            .collect();
+        if elements.is_empty() {
+            return Ok(state.clone());
+        }
+        let partners: Vec<(usize, usize)> = (self.partners.iter().copied())
+            .filter(|(_, partner)| model.markers[*partner].body.is_none_or(stands))
+            .collect();
+        let rows = Wanted {
+            elements: &elements,
+            wishes: &[],
+            stated,
+        };
+        let found = search(
+            model,
+            &rows,
+            &partners,
+            self.body,
+            &[self.body],
+            cubes,
+            state,
+        )?;
+        Ok(found.state)
+    }
+}
+
+/// Turns the neighbours of a body one after the other about the axes of the joints and films that carry them, and
+/// closes the rows from there. A rod that points away from its bore does not come there by small steps: where rod and
+/// bore are in line, turning the rod does not move its end along the bore. Returns `best` if nothing is better.
+fn turn_neighbours(
+    model: &Model,
+    wanted: &Wanted<'_>,
+    turning: &Turning<'_>,
+    cubes: &[M3],
+    state: &State,
+    mut best: Trial,
+) -> Result<Trial, RuntimeError> {
+    let from = turning.alone(model, wanted.stated, cubes, state)?;
+    for [neighbour, own, partner] in &turning.carriers {
+        let axis = rows::marker(model, *partner, &from.pose, &from.velocity).rotation;
+        for turn in std::iter::once(0.0).chain(TURNS) {
+            let axis: V3 = axis.column(2) * f64::to_radians(turn);
+            let trial = turned(model, *neighbour, *own, axis, &from);
+            let (body, moving) = (turning.body, turning.moving);
+            let found = search(model, wanted, &[], body, moving, cubes, &trial)?;
+            if found.key < best.key {
+                best = found;
+            }
+            if best.key == DONE {
+                return Ok(best);
+            }
+        }
+    }
+    Ok(best)
 }
 
 /// The bodies with a position: stated in the text, or found so far.
@@ -337,7 +451,11 @@ fn search(
                 if best.key == DONE {
                     return Ok(best);
                 }
-                let trial = turned(model, body, wish, turn.to_radians(), state);
+                let is_own = model.markers[wish.pin].body == Some(body);
+                let about = if is_own { wish.pin } else { wish.shell };
+                let axis = rows::marker(model, wish.shell, &state.pose, &state.velocity).rotation;
+                let rotation: V3 = axis.column(2) * turn.to_radians();
+                let trial = turned(model, body, about, rotation, state);
                 let found = consider(trial, from_here)?;
                 if found.key < best.key {
                     best = found;
@@ -383,24 +501,16 @@ fn search(
     Ok(best)
 }
 
-/// The state with a body turned about the axis of a wish's reference, through its own marker.
-fn turned(model: &Model, body: usize, wish: &Wish, angle: f64, state: &State) -> State {
+/// The state with a body turned by a rotation vector (rad) about one of its markers.
+fn turned(model: &Model, body: usize, about: usize, rotation: V3, state: &State) -> State {
     let mut trial = state.clone();
-    let is_own = |m: usize| model.markers[m].body == Some(body);
-    let place = |m: usize| rows::marker(model, m, &state.pose, &state.velocity);
-    let about = if is_own(wish.pin) {
-        wish.pin
-    } else {
-        wish.shell
-    };
-    let axis: V3 = place(wish.shell).rotation.column(2) * angle;
-    let turn = exponential(&axis);
+    let place = |pose: &[f64]| rows::marker(model, about, pose, &state.velocity).position;
+    let turn = exponential(&rotation);
     let pose = model.bodies[body].pose;
     let old = [3, 4, 5, 6].map(|i| state.pose[pose + i]);
     let new = normalized(&product(&turn, &old));
     trial.pose[pose + 3..pose + 7].copy_from_slice(&new);
-    let moved = rows::marker(model, about, &trial.pose, &state.velocity).position;
-    let back = place(about).position - moved;
+    let back = place(&state.pose) - place(&trial.pose);
     for i in 0..3 {
         trial.pose[pose + i] += back[i];
     }
