@@ -143,14 +143,12 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
 
 /// The largest torque of the shear over the least gap (N): the size of a load that the motion of the surfaces makes.
 fn shear(solved: &[Twice]) -> Option<f64> {
-    let sizes = solved.iter().map(|twice| {
+    let mut sizes = solved.iter().map(|twice| {
         let [[torque], _] = twice.result("torque")?;
         let [_, [gap]] = twice.result("minimum_film")?;
         Some(if gap > 0.0 { torque.abs() / gap } else { 0.0 })
     });
-    sizes
-        .into_iter()
-        .try_fold(0.0_f64, |most, size| Some(most.max(size?)))
+    sizes.try_fold(0.0_f64, |most, size| Some(most.max(size?)))
 }
 
 /// The largest error of a number, over the largest finer number.
