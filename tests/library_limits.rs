@@ -9,6 +9,7 @@ const FILM: &str = "
 use std.journals.*
 use std.joints.Revolute
 use std.drives.PrescribedRotation
+fn pull(angle: CrankAngle) -> Vector2<Force> = [-1 kN, 1 kN*sin(angle - 0 deg)]
 model Held {
     gravity = [0, 0, 0] m/s^2
     accept sampling
@@ -125,6 +126,12 @@ const OF_FILMS: &[Change] = &[
         "journal wide = Impedance(shaft.mid, shell, diameter: 50 mm, width: 75 mm, radial_clearance: 25 um, viscosity: 10 mPa*s)
     journal main",
         "from 1.25 diameters on the load of this law is up to 25 % wrong",
+    ),
+    (
+        "journal main",
+        "journal wide = Mobility(shaft.mid, seat, diameter: 50 mm, width: 75 mm, radial_clearance: 25 um, viscosity: 10 mPa*s, load: pull)
+    journal main",
+        "25 % wrong: use SolvedMobility up to 1.5",
     ),
     ("accept sampling", "accept shape", "`accept sampling` in the model"),
 ];
