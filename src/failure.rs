@@ -142,9 +142,11 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help(format!("state a `step` below {} s, or none: then error control chooses the steps", significant(step * 90.0 / degrees, 2))),
         R::Astray { origin, .. } => place(d(codes::ASTRAY), origin, "moves away ever faster")
             .with_help("a force accelerates it: check the signs of the forces on this body and the units of their arguments"),
+        // conditions on several dimensions have no common unit
         R::Require { origin, value, dimension, .. } => {
-            condition(d(codes::REQUIRED), origin, "this must hold at every step")
-                .with_note(format!("it is missed by {}", eng_runtime::error::gap(-value, *dimension)))
+            condition(d(codes::REQUIRED), origin, "this must hold at every step").note_if(
+                dimension.map(|one| format!("it is missed by {}", eng_runtime::error::gap(-value, Some(one)))),
+            )
         }
         R::Projection { row, .. } => place(d(codes::PROJECTION), &row.origin, "stays open here")
             .with_help("take a smaller step, or a tolerance; if that does not help, the mechanism locks or reaches its end here"),

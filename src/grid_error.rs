@@ -17,6 +17,11 @@ const MOMENTS: usize = 20;
 /// The error over the difference from twice as many cells.
 const WHOLE: f64 = 4.0 / 3.0;
 
+/// Share of the size of `shear` below which a load is rounding, such as that of a centred pin.
+const NO_LOAD: f64 = 1e-9;
+/// Load (N) without meaning at any shear, as in the output `radial_load`.
+const LEAST_LOAD: f64 = 1e-6;
+
 /// The error of a film by its cells.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GridError {
@@ -26,6 +31,13 @@ pub(crate) struct GridError {
     pub cells: [usize; 2],
     /// Moments that were solved again.
     pub moments: usize,
+    /// The errors; `None` for a film without load.
+    pub of_load: Option<LoadErrors>,
+}
+
+/// The errors of a film that carries a load.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LoadErrors {
     /// Largest error of the load over the largest load of the moments; positive for a load that is too high.
     pub load: f64,
     /// Largest error of the highest pressure over the largest one of the moments.
@@ -38,6 +50,24 @@ pub(crate) struct GridError {
 impl GridError {
     /// The error in words.
     pub fn text(&self) -> String {
+        let [around, across] = self.cells;
+        let film = format!("cells of {}, {around} × {across}", self.path);
+        match &self.of_load {
+            Some(errors) => format!(
+                "{film}: against twice as many both ways at {} moments, {}",
+                self.moments,
+                errors.text()
+            ),
+            None => format!(
+                "{film}: no load at {} moments, so the error of the cells is not known",
+                self.moments
+            ),
+        }
+    }
+}
+
+impl LoadErrors {
+    fn text(&self) -> String {
         let percent = |share: f64| {
             let side = if share < 0.0 { "low" } else { "high" };
             format!("{} % too {side}", significant(100.0 * share.abs(), 2))
@@ -54,11 +84,7 @@ impl GridError {
             None => String::new(),
         };
         format!(
-            "cells of {}, {} × {}: against twice as many both ways at {} moments, the load is up to {}, the highest pressure {}{film}",
-            self.path,
-            self.cells[0],
-            self.cells[1],
-            self.moments,
+            "the load is up to {}, the highest pressure {}{film}",
             percent(self.load),
             percent(self.pressure),
         )
@@ -96,6 +122,14 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
         .filter_map(|twice| Some((twice, twice.result::<1>("minimum_film")?)))
         .min_by(|a, b| a.1[1][0].total_cmp(&b.1[1][0]));
     let FieldGrid { around, across, .. } = field.grid();
+    let most = loads.iter().map(|[_, finer]| *finer).fold(0.0, f64::max);
+    let loaded = most > LEAST_LOAD && most > NO_LOAD * shear(&solved)?;
+    let of_load = |(load, pressure)| LoadErrors {
+        load,
+        pressure,
+        film: thinnest.and_then(|(twice, film)| Some([film[0][0], thinner(twice)?])),
+    };
+    let errors = largest(&loads).zip(largest(&pressures));
     Some(GridError {
         path: field.path.clone(),
         cells: [
@@ -103,10 +137,18 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
             across.len().saturating_sub(1),
         ],
         moments: solved.len(),
-        load: largest(&loads)?,
-        pressure: largest(&pressures)?,
-        film: thinnest.and_then(|(twice, film)| Some([film[0][0], thinner(twice)?])),
+        of_load: errors.filter(|_| loaded).map(of_load),
     })
+}
+
+/// The largest torque of the shear over the least gap (N): the size of a load that the motion of the surfaces makes.
+fn shear(solved: &[Twice]) -> Option<f64> {
+    let mut sizes = solved.iter().map(|twice| {
+        let [[torque], _] = twice.result("torque")?;
+        let [_, [gap]] = twice.result("minimum_film")?;
+        Some(if gap > 0.0 { torque.abs() / gap } else { 0.0 })
+    });
+    sizes.try_fold(0.0_f64, |most, size| Some(most.max(size?)))
 }
 
 /// The largest error of a number, over the largest finer number.

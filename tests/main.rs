@@ -43,6 +43,7 @@ mod library_contacts;
 mod library_drivelines;
 mod library_gas;
 mod library_joints;
+mod library_limits;
 mod library_liners;
 mod library_mounts;
 mod library_names;

@@ -244,6 +244,37 @@ fn parameters_bind_by_path() {
     assert_eq!(error.to_string(), "spring: free length -20 mm");
 }
 
+/// A condition may choose one of two conditions by a parameter.
+#[test]
+fn a_condition_chooses_between_conditions() {
+    let model = MODEL.replace(
+        "require free > 0 mm else",
+        "require if stiffness > 6 N/mm then free > 5 mm else free > 2 mm else",
+    );
+    let (made, diagnostics, _) = run(&model);
+    let errors: Vec<_> = diagnostics.iter().filter(|d| d.is_error()).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    let made = made.expect("no errors, so a system");
+    let index = |path: &str| {
+        let mut parameters = made.system.parameters.iter();
+        parameters
+            .position(|parameter| parameter.origin.path == path)
+            .unwrap_or_else(|| panic!("no parameter {path}"))
+    };
+    for (stiffness, free, holds) in [
+        (5e3, 3e-3, true),
+        (5e3, 1e-3, false),
+        (7e3, 6e-3, true),
+        (7e3, 3e-3, false),
+    ] {
+        let mut overrides = vec![None; made.system.parameters.len()];
+        overrides[index("spring.stiffness")] = Some(stiffness);
+        overrides[index("spring.free")] = Some(free);
+        let bound = made.bind.bind(&overrides, &made.system.tables);
+        assert_eq!(bound.is_ok(), holds, "{stiffness} N/m, {free} m");
+    }
+}
+
 /// A text that the checker refuses is elaborated nevertheless: an internal error at the place, never a
 /// default or a panic.
 #[test]

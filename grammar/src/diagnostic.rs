@@ -156,6 +156,12 @@ impl Diagnostic {
         }
     }
 
+    /// Adds the note on `accept` for a lint about the whole model, its cycle or an analysis: these have no block that
+    /// accepts.
+    pub fn acceptable_in_model(self, name: &str) -> Self {
+        self.with_note(format!("if you intend it: `accept {name}` in the model"))
+    }
+
     /// Adds advice.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help.push(help.into());

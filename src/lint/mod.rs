@@ -17,7 +17,7 @@ use eng_runtime::Warning;
 use eng_runtime::model::Model;
 use eng_runtime::state::State;
 use eng_system::code::{Advice, Bound, Compiled};
-use eng_system::lint::Accepted;
+use eng_system::lint::{Accepted, OF_MODEL};
 use eng_system::significant::short;
 use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Role, System};
 
@@ -222,7 +222,11 @@ fn diagnostic(group: &[&Finding]) -> Diagnostic {
     if !first.help.is_empty() {
         message = message.with_help(first.help.as_str());
     }
-    message.acceptable(&first.name)
+    if OF_MODEL.contains(&first.name.as_str()) || first.origin.path == "cycle" {
+        message.acceptable_in_model(&first.name)
+    } else {
+        message.acceptable(&first.name)
+    }
 }
 
 /// Names the other objects of a group. An indexed condition fails several times for one object: there only the

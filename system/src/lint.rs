@@ -48,6 +48,9 @@ pub const BUILT_IN: [&str; 18] = [
     UNIT_NAME, PERIOD, FIRING, BORE, MIRRORED, CYCLE,
 ];
 
+/// Lints about the whole model, its cycle or an analysis, which have no block for an acceptance.
+pub const OF_MODEL: [&str; 4] = [GRAVITY, STEP, SAMPLING, CYCLE];
+
 /// `accept usual` in the block of a use, of a body, of a component or of the model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Accepted {

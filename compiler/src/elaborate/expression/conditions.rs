@@ -106,6 +106,15 @@ impl<'a> Elaborator<'a, '_> {
                 .collect();
             return Ok(Self::of_sort(chosen, sort));
         }
+        if [&a, &b]
+            .iter()
+            .all(|side| matches!(side, Value::Bool(_) | Value::Flag(_)))
+        {
+            let other = Value::Flag(self.bench.not(flag));
+            let then = self.logic(BinaryOp::And, Value::Flag(flag), a, a_span, a_span)?;
+            let otherwise = self.logic(BinaryOp::And, other, b, b_span, b_span)?;
+            return self.logic(BinaryOp::Or, then, otherwise, a_span, b_span);
+        }
         let x = self.as_scalar(a, a_span)?;
         let y = self.as_scalar(b, b_span)?;
         Ok(Value::Scalar(self.bench.select(flag, x, y)))

@@ -1,0 +1,345 @@
+//! Numbers that no machine has: one change at a time in correct models, and the message of each.
+
+use eng::Sources;
+use eng_grammar::Diagnostic;
+use std::fmt::Write;
+
+/// A pin that is held 15 um beside the middle of its shell.
+const FILM: &str = "
+use std.journals.*
+use std.joints.Revolute
+use std.drives.PrescribedRotation
+fn pull(angle: CrankAngle) -> Vector2<Force> = [-1 kN, 1 kN*sin(angle - 0 deg)]
+model Held {
+    gravity = [0, 0, 0] m/s^2
+    accept sampling
+    marker seat = at([15, 0, 0] um)
+    marker shell = origin
+    body shaft { mass = 2 kg; inertia = [2, 2, 1] g*m^2; marker mid = origin; start angular_velocity = [0, 0, 3000] rpm }
+    joint hinge = Revolute(shaft.mid, seat)
+    drive turn = PrescribedRotation(shaft.mid, seat, speed: 3000 rpm)
+    cycle angle = rotation(shaft.mid, seat) { period = 360 deg }
+    journal main = Film(shaft.mid, shell, diameter: 50 mm, width: 25 mm, radial_clearance: 25 um, viscosity: 10 mPa*s,
+        openings: [axial_groove(at: 90 deg, length: 15 mm, width: 8 mm, diameter: 50 mm, pressure: 4 bar)])
+}
+analysis run = transient(Held(), duration: 4 deg, sample: 2 deg, start: assembled)
+";
+
+/// A shaft along its axis on tapered pads.
+const THRUST: &str = "
+use std.thrust.*
+use std.journals.Roughness
+use std.joints.Cylindrical
+use std.drives.PrescribedRotation
+model Shaft {
+    gravity = [0, 0, -9.81] m/s^2
+    marker house = [0, 0, 0] mm
+    body shaft { mass = 20 kg; inertia = [0.1, 0.1, 0.05] kg*m^2; marker collar = origin; start angular_velocity = [0, 0, 3000] rpm }
+    joint bearing = Cylindrical(shaft.collar, house)
+    drive turn = PrescribedRotation(shaft.collar, house, speed: 3000 rpm)
+    force thrust = TaperLandThrust(shaft.collar, house, inner_diameter: 60 mm, outer_diameter: 80 mm, end_float: 200 um,
+        viscosity: 10 mPa*s, pads: 4, pad_angle: 80 deg, depth: 25 um,
+        roughness: Roughness(sigma: 0.5 um, asperity: 1e-4, modulus: 100 GPa, boundary_friction: 0.1))
+}
+analysis run = transient(Shaft(), duration: 1 ms, sample: 0.5 ms)
+";
+
+/// A single with a counterweight, a balance shaft and skirts.
+const SINGLE: &str = "
+use std.cylinder.{Rod, radial}
+use std.engine.*
+use std.forces.GasPressure
+use std.journals.Impedance
+use std.layouts.single
+use std.liners.Skirt
+use std.oils.SAE_10W40
+use std.quick.QuickEngine
+table indicated(theta: CrankAngle) -> AbsolutePressure = points([0, 90, 180, 540, 720] deg, [9, 2, 1, 1, 9] bar,
+    interpolation: monotone, periodic: 720 deg)
+model Machine {
+    part engine = Engine(
+        layout: single(), order: [1], numbered_from: timing_end, seen_from: timing_end, sense: clockwise,
+        bore: 86 mm, stroke: 86 mm, rod_length: 143 mm, spacing: 92 mm,
+        main_diameter: 54 mm, main_width: 20 mm, main_clearance: radial(27 um), big_ends: hinge, pin_diameter: 48 mm,
+        law: Impedance, oil: SAE_10W40, oil_temperature: 90 degC, rod: Rod(mass: 0.6 kg, center: 41 mm, inertia: [0.1, 2.5, 2.6] g*m^2),
+        piston_mass: 0.45 kg, crankshaft: Crank(mass: 20 kg, inertia: [250, 260, 42] g*m^2),
+        counterweights: [Counterweight(throw: 1, mass: 0.6 kg, radius: 60 mm)],
+        balance_shafts: [BalanceShaft(ratio: -1, moment: 13.3 kg*mm, angle: 180 deg, across: 80 mm, mass: 0.8 kg, inertia: 0.3 g*m^2)],
+        piston_guide: skirt, skirt_law: Skirt(clearance: 40 um, bottom: -25 mm, top: 25 mm, width: 50 mm, layer: 20 MPa/mm, viscosity: 10 mPa*s),
+        gas: GasPressure(pressure: indicated), flywheel_mass: 11 kg, flywheel_inertia: 112 g*m^2, block_mass: 70 kg,
+        block_inertia: [2, 2, 1] kg*m^2, speed: 3000 rpm, drive_line: constant_speed,
+    )
+    gravity = engine.up*(-9.81 m/s^2)
+}
+analysis run = transient(Machine(), duration: 6 deg, sample: 2 deg, start: assembled)
+";
+
+/// The films of an engine by their loads.
+const QUICK: &str = include_str!("../examples/concept/quick.eng");
+
+/// A cam and its tappet.
+const CAM: &str = "
+use std.valvetrain.{FlatTappet, polynomial_lift, harmonic_lift, cycloidal_lift}
+use std.joints.{Revolute, Translational}
+use std.drives.PrescribedRotation
+model Cam {
+    gravity = [0, 0, 0] m/s^2
+    marker guide = at([0, 0, 0] mm, z: [0, 1, 0])
+    marker axle = [0, 0, 0] mm
+    body cam { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker main = origin; start angular_velocity = [0, 0, 600] rpm }
+    body tappet { mass = 0.1 kg; inertia = [10, 10, 10] mg*m^2; marker foot = at([0, 0, 0] mm, z: [0, 1, 0]) }
+    joint hinge = Revolute(cam.main, axle)
+    drive turn = PrescribedRotation(cam.main, axle, speed: 600 rpm)
+    joint slide = Translational(tappet.foot, guide)
+    force contact = FlatTappet(tappet.foot, guide, cam.main, axle, profile: polynomial_lift(lift: 9 mm, half: 65 deg), stiffness: 20 N/um)
+}
+analysis run = transient(Cam(), duration: 1 ms, sample: 0.5 ms)
+";
+
+/// A change of a model: a part of its text, the text in place of it, and a part of the message.
+type Change = (&'static str, &'static str, &'static str);
+
+const OF_FILMS: &[Change] = &[
+    ("pressure: 4 bar", "pressure: 4 GPa", "opening 1 has 4000 MPa: oil is no fluid at 1000 MPa or more"),
+    ("pressure: 4 bar", "pressure: 900 bar", "opening 1 has 900 bar, 500 bar or more"),
+    ("openings:", "end_pressure: 2 GPa, openings:", "the pressure at the ends is 2000 MPa"),
+    ("openings:", "end_pressure: 900 bar, openings:", "the pressure at the ends is 900 bar, 500 bar or more"),
+    ("openings:", "profile: Profile(lemon: 6 mm), openings:", "changes the gap by 6 mm: Reynolds' equation holds"),
+    ("openings:", "profile: Profile(relief: 300 um), openings:", "by 300 um, 10 clearances of 25 um or more"),
+    (
+        "openings:",
+        "eye: Ring(waves: 1, thickness: 5 mm, width: 25 mm, modulus: 210 GPa), openings:",
+        "Bending begins with 2 waves: take 8 at first, or 0",
+    ),
+    ("openings:", "around: 2000, across: 500, openings:", "the matrices of a solution need 12 GB"),
+    ("openings:", "around: 100, across: 40, openings:", "Each solution takes some 0.003"),
+    ("openings:", "piezo: 2000 GPa^-1, openings:", "fifty times that at rest at 1.956 MPa, and the pressure passes that at"),
+    ("[15, 0, 0] um", "[24.9875, 0, 0] um", "or more, 0.025 um, and the gap is 0.0125 um, at 0 deg and"),
+    (
+        "journal main",
+        "journal wide = Reynolds(shaft.mid, shell, diameter: 50 mm, width: 100 mm, radial_clearance: 25 um, viscosity: 10 mPa*s)
+    journal main",
+        "the table of this law has 0.08 to 1.5: use Film",
+    ),
+    (
+        "journal main",
+        "journal wide = Impedance(shaft.mid, shell, diameter: 50 mm, width: 75 mm, radial_clearance: 25 um, viscosity: 10 mPa*s)
+    journal main",
+        "from 1.25 diameters on the load of this law is up to 25 % wrong",
+    ),
+    (
+        "journal main",
+        "journal wide = Mobility(shaft.mid, seat, diameter: 50 mm, width: 75 mm, radial_clearance: 25 um, viscosity: 10 mPa*s, load: pull)
+    journal main",
+        "25 % wrong: use SolvedMobility up to 1.5",
+    ),
+    ("accept sampling", "accept shape", "`accept sampling` in the model"),
+];
+
+const OF_THRUST: &[Change] = &[
+    (
+        "depth: 25 um,",
+        "depth: 25 um, sense: -1,",
+        "the collar turns against its pads, is `sense: 1` meant?",
+    ),
+    (
+        "sigma: 0.5 um",
+        "sigma: 1 mm",
+        "the roughness of 1000 um is half of the end float of 200 um or more",
+    ),
+    (
+        "sigma: 0.5 um",
+        "sigma: 30 um",
+        "a roughness of 30 um is an eighth of the end float of 200 um or more",
+    ),
+    (
+        "sigma: 0.5 um, ",
+        "",
+        "asperities of surfaces without roughness carry nothing",
+    ),
+    (
+        ", modulus: 100 GPa",
+        "",
+        "asperities carry `asperity` times `modulus`",
+    ),
+    (
+        "asperity: 1e-4, modulus: 100 GPa, ",
+        "",
+        "the `boundary_friction` of asperities that carry nothing has no effect",
+    ),
+];
+
+const OF_ENGINES: &[Change] = &[
+    (
+        "mass: 0.6 kg, radius: 60 mm",
+        "mass: -0.6 kg, radius: 60 mm",
+        "counterweight 1 has -0.6 kg at 60 mm: both must be positive",
+    ),
+    (
+        "radius: 60 mm",
+        "radius: -60 mm",
+        "counterweight 1 has 0.6 kg at -60 mm: both must be positive",
+    ),
+    (
+        "radius: 60 mm",
+        "radius: 600 mm",
+        "counterweight 1 is 600 mm from the axis of the crank",
+    ),
+    (
+        "mass: 0.6 kg, radius: 60 mm",
+        "mass: 600 kg, radius: 60 mm",
+        "counterweight 1 has a moment of 36000 kg*mm",
+    ),
+    (
+        "ratio: -1",
+        "ratio: 1",
+        "balance shaft 1 makes its order larger",
+    ),
+    (
+        "width: 50 mm",
+        "width: 400 mm",
+        "half of the circumference at most, 135.1 mm",
+    ),
+    (
+        "flywheel_mass:",
+        "thrust_inner: 60 mm, flywheel_mass:",
+        "state `axial: floating`",
+    ),
+    (
+        "center: 41 mm",
+        "center: 41 cm",
+        "the rod's centre of mass is 410 mm from the big end",
+    ),
+    ("Rod(mass: 0.6 kg", "Rod(mass: -0.6 kg", "a rod of -600 g"),
+];
+
+const OF_QUICK_ENGINES: &[Change] = &[
+    (
+        "center: 41 mm",
+        "center: 41 cm",
+        "the rod's centre of mass is 410 mm from the big end",
+    ),
+    (
+        "center: 41 mm",
+        "center: -41 mm",
+        "the rod's centre of mass is -41 mm from the big end",
+    ),
+    ("Rod(mass: 0.62 kg", "Rod(mass: -0.62 kg", "a rod of -620 g"),
+    ("Rod(mass: 0.62 kg", "Rod(mass: 0 kg", "a rod of 0 g"),
+    (
+        "3.0, 3.1]",
+        "3.0, -3.1]",
+        "moments of inertia of 0.12 g*m^2, 3 g*m^2 and -3.1 g*m^2: all must be positive",
+    ),
+    (
+        "piston_mass: 0.45 kg",
+        "piston_mass: -0.45 kg",
+        "a piston of -450 g: its mass must be positive",
+    ),
+    (
+        "pressure: indicated,",
+        "pressure: indicated, ambient: 0 bar,",
+        "an ambient pressure of 0 bar: it is absolute and must be positive",
+    ),
+    (
+        "pressure: indicated,",
+        "pressure: indicated, ambient: -1 bar,",
+        "an ambient pressure of -1 bar: it is absolute and must be positive",
+    ),
+];
+
+const OF_CAMS: &[Change] = &[
+    (
+        "half: 65 deg",
+        "half: 250 deg",
+        "half of the opening is 250 deg: above 0, and at most the 180 deg",
+    ),
+    (
+        "polynomial_lift(lift: 9 mm, half: 65 deg",
+        "harmonic_lift(lift: 9 mm, half: 250 deg",
+        "half of the opening is 250 deg",
+    ),
+    (
+        "polynomial_lift(lift: 9 mm, half: 65 deg",
+        "cycloidal_lift(lift: 9 mm, half: 250 deg",
+        "half of the opening is 250 deg",
+    ),
+    (
+        "half: 65 deg",
+        "half: 65 deg, power: 2",
+        "the power is 2: at least 3",
+    ),
+];
+
+/// All that is said of a text: by its check, its assembly, and its analysis `run` if it has one.
+fn said(text: &str) -> String {
+    let checked = eng::check(&Sources::from_text("m.eng", text), "m.eng");
+    let mut said = checked.report().to_string();
+    let Ok(program) = checked.into_program() else {
+        return said;
+    };
+    let told = |said: &mut String, diagnostic: &Diagnostic| {
+        let lines = std::iter::once(&diagnostic.title).chain(&diagnostic.notes);
+        for line in lines {
+            let _ = writeln!(said, "{line}");
+        }
+    };
+    match program.assemble() {
+        Ok(assembled) => assembled
+            .diagnostics
+            .iter()
+            .for_each(|d| told(&mut said, d)),
+        Err(error) => {
+            let _ = writeln!(said, "{error}");
+        }
+    }
+    let Ok(analysis) = program.analysis("run") else {
+        return said;
+    };
+    match eng::run::run(&analysis, true, &mut |_| {}) {
+        Ok(ran) => {
+            ran.diagnostics.iter().for_each(|d| told(&mut said, d));
+            said.push_str(&ran.facts.join("\n"));
+        }
+        Err(failed) => {
+            let _ = writeln!(said, "{}", failed.error);
+        }
+    }
+    said
+}
+
+#[test]
+fn numbers_that_no_machine_has_are_told() {
+    let models: [(&str, &[Change]); 5] = [
+        (FILM, OF_FILMS),
+        (THRUST, OF_THRUST),
+        (SINGLE, OF_ENGINES),
+        (QUICK, OF_QUICK_ENGINES),
+        (CAM, OF_CAMS),
+    ];
+    for (model, changes) in models {
+        let right = said(model);
+        for (before, after, message) in changes {
+            assert_eq!(model.matches(before).count(), 1, "{before}");
+            let wrong = said(&model.replace(before, after));
+            assert!(
+                !right.contains(message),
+                "{message} of the right model: {right}"
+            );
+            assert!(wrong.contains(message), "{after}: {message} in\n{wrong}");
+        }
+    }
+}
+
+/// A pin in the middle of its shell carries nothing: its relative errors would be those of rounding.
+#[test]
+fn a_film_without_load_has_no_error_of_its_cells() {
+    let centred = FILM.replace("at([15, 0, 0] um)", "origin");
+    let centred = centred.replace("pressure: 4 bar", "pressure: 0 bar");
+    let told = said(&centred);
+    assert!(
+        told.contains("no load at 3 moments, so the error of the cells is not known"),
+        "{told}"
+    );
+    assert!(said(FILM).contains("the load is up to"));
+}
