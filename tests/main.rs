@@ -27,6 +27,7 @@ mod flexible_validation;
 mod floquet;
 mod floquet_engine;
 mod frames;
+mod free_trains;
 mod gallery;
 mod gallery_checks;
 mod geometry;
