@@ -106,6 +106,10 @@ eng_grammar::codes! {
         "A frequency response is the vibration to which the motion settles under a sinusoidal input. A mode of the motion grows by itself, so the motion settles nowhere. The message names the mode. Correct the instability, for instance whirl of a lightly loaded journal or a falling torque curve, or linearise about another state by `after:`.",
         "analysis shaken = response(Rotor(speed: 9000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)",
         "analysis shaken = response(Rotor(speed: 3000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)";
+    KINKED = "E0746", "the state of a linearisation is at a kink whose sides differ",
+        "A stop that just touches, a spring that acts from one position on, `if`, `max`, `min` or `abs` with a condition that is just met: the load has one slope on one side and another slope on the other. Small motions then obey no linear equations, so they have no modes and no frequency response. Where both slopes are equal the analysis goes on with them. Move the state away from the kink by a load or a play, or round the law.",
+        "analysis modes = linear(Stop(height: 0 mm))",
+        "analysis modes = linear(Stop(height: -0.1 mm))";
     LOCKED = "E0760", "the mechanism locks",
         "Its geometry allows no further motion at this position: a rod shorter than the throw, a guide whose axis is across the motion, two joints that require different motions. Forces play no part. The message names the loop of bodies, the lengths between their joints and the axes.",
         "", "";

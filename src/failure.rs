@@ -176,6 +176,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("a rigid film with the rule `reynolds` has no memory; `transient` and `periodic` compute the other films"),
         R::Undecided { origin, .. } => place(d(codes::TURNING), origin, "a film without pressure")
             .with_help("linearise the film under a load: leave out `start: assembled`, or state a load"),
+        R::Kinked { origin, .. } => place(d(codes::KINKED), origin, "is at its kink")
+            .with_help("move the state away from the kink, by a load or a play; or round the law there, such as by `positive` of `std.math` in place of `max`"),
         R::Grows { .. } => d(codes::GROWS)
             .with_help("`linear` about the same state shows the mode; remove its cause, or linearise about another state by `after:`"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),

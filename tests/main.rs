@@ -37,6 +37,7 @@ mod inputs;
 mod interfaces;
 mod interrupted_runs;
 mod journal_orbit;
+mod kinked_states;
 mod kinks;
 mod language_server;
 mod library_contacts;

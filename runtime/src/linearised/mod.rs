@@ -42,6 +42,7 @@ mod outputs;
 mod over_time;
 mod response;
 mod run;
+mod sides;
 mod slow;
 mod state_space;
 mod variation;
@@ -246,7 +247,7 @@ pub fn linearise(
     moment: Moment,
     wanted: Wanted,
 ) -> Result<LinearModes, RuntimeError> {
-    let equations = Equations::new(model, state, moment)?;
+    let equations = Equations::of_both_sides(model, state, moment)?;
     let (coefficients, variation) = tested(model, state, &equations, moment, wanted.frozen)?;
     let p = equations.freedoms();
     let matrix = equations.first_order();
@@ -317,7 +318,7 @@ fn collected(
     let (oscillations, others): (Vec<_>, Vec<_>) =
         found.into_iter().partition(|pair| pair.value.im > 0.0);
     let mut kinds: [Vec<Found>; 2] = [oscillations, others];
-    let ledger = Ledger::new(model, state)?;
+    let ledger = Ledger::new(model, state, equations)?;
     let mut probe = Probe::new(model, state, moment)?;
     let mut modes = Vec::new();
     let mut left_out = [0; 2];

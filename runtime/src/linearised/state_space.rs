@@ -11,7 +11,7 @@
 //! least when the step becomes ten times smaller, plus the rounding ε|f|/h.
 
 use super::equations::Equations;
-use super::outputs::{Direction, Probe};
+use super::outputs::Probe;
 use super::{Coefficients, tested};
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
@@ -76,14 +76,14 @@ pub(crate) fn state_space(
     (inputs, channels): (&[usize], &[usize]),
     frozen: bool,
 ) -> Result<StateSpace, RuntimeError> {
-    let equations = Equations::new(model, state, moment)?;
+    let equations = Equations::of_both_sides(model, state, moment)?;
     let (coefficients, _) = tested(model, state, &equations, moment, frozen)?;
     let a = equations.first_order();
     let (p, size) = (equations.freedoms(), a.nrows());
     let mut c = DMatrix::zeros(channels.len(), size);
     let mut probe = Probe::new(model, state, moment)?;
     for k in 0..size {
-        let slopes = probe.along(&direction(&equations, k, size))?;
+        let slopes = probe.along(&equations.direction(k))?;
         for (row, channel) in channels.iter().enumerate() {
             c[(row, k)] = slopes.get(*channel).copied().unwrap_or(0.0);
         }
@@ -114,29 +114,6 @@ pub(crate) fn state_space(
         c,
         d,
     })
-}
-
-/// The move that belongs to one coordinate of ξ.
-fn direction(equations: &Equations, k: usize, size: usize) -> Direction {
-    let (p, n) = (equations.freedoms(), equations.basis.nrows());
-    let none = || DVector::zeros(n);
-    let (place, velocity) = if k < p {
-        let basis = equations.basis.column(k).into_owned();
-        (basis, equations.basis_rate.column(k).into_owned())
-    } else if k < 2 * p {
-        (none(), equations.basis.column(k - p).into_owned())
-    } else {
-        (none(), none())
-    };
-    let mut states = vec![0.0; size - 2 * p];
-    if let Some(moved) = k.checked_sub(2 * p).and_then(|z| states.get_mut(z)) {
-        *moved = 1.0;
-    }
-    Direction {
-        place: equations.in_body_axes(place).data.into(),
-        velocity: equations.in_body_axes(velocity).data.into(),
-        states,
-    }
 }
 
 /// Derivatives of an [`Answer`] by an input.
@@ -313,7 +290,8 @@ impl Slope {
         let differs = now > BENT * smaller.abs().max(now);
         if now > NOISE * rounding {
             self.bent = differs && now > 0.5 * then && now < 2.0 * then;
-        } else if now <= BENT * smaller.abs() || now == 0.0 {
+        } else if now.max(rounding) <= BENT * smaller.abs() {
+            // by chance alone, rounding may look straight
             self.bent = false;
         }
     }
