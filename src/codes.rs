@@ -103,7 +103,7 @@ eng_grammar::codes! {
         "model Loose { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 } }\nanalysis rest = static(Loose())",
         "model Held { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\njoint hold = Fixed(stone.origin, ground) }\nanalysis rest = static(Held())";
     GROWS = "E0745", "no vibration about this state is steady",
-        "A frequency response is the vibration to which the motion settles under a sinusoidal input. A mode of the motion grows by itself, so the motion settles nowhere. The message names the mode. Correct the instability, for instance whirl of a lightly loaded journal or a falling torque curve, or linearise about another state by `after:`.",
+        "A frequency response is the vibration to which the motion settles under a sinusoidal input. A mode of the motion grows by itself, so the motion settles nowhere. The message names the mode. Correct the instability, for instance whirl of a lightly loaded journal or a falling torque curve, or linearise about another state by `after:`. With coefficients held by `frozen: true` a growth is no property of the motion: it is told and not refused.",
         "analysis shaken = response(Rotor(speed: 9000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)",
         "analysis shaken = response(Rotor(speed: 3000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)";
     KINKED = "E0746", "the state of a linearisation is at a kink whose sides differ",

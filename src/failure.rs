@@ -257,6 +257,22 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
         .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: its frequencies are useful if they are well above the speed, and it is wrong for whirl, damping and stability")
 }
 
+/// The remedy of a failure to linearise for a frequency response, which knows no `over`.
+pub(crate) fn help_of_response(error: &RuntimeError) -> Option<&'static str> {
+    match error {
+        RuntimeError::Turning { .. } => Some(
+            "a response needs constant coefficients: linearise the model at rest, without its speed; or hold the coefficients at this moment by `frozen: true`: the response is about right at frequencies well above the speed",
+        ),
+        RuntimeError::OverTime { .. } => Some(
+            "a response needs constant coefficients: `frozen: true` holds time at this moment; a load or a motion that only excites can be left out of the model for this analysis",
+        ),
+        RuntimeError::Unsteady { .. } => Some(
+            "linearise at rest: let `start: quasi_static` find the balance, without a `start` item that holds the freedom, or let the motion die out with a longer `after:`; `frozen: true` holds the coefficients at this moment",
+        ),
+        _ => None,
+    }
+}
+
 /// Adds the elements that change the coefficients with time, and the remedy.
 fn over_time(message: Diagnostic, elements: &[eng_runtime::TimedElement]) -> Diagnostic {
     elements

@@ -16,7 +16,7 @@
 //! points lie as far apart as the others. So the amplitude of a resonance changes by at most a tenth from point to point.
 
 use super::eigen::balance;
-use super::{LinearModes, Mode, StateSpace, run_linear};
+use super::{Coefficients, LinearModes, Mode, StateSpace, run_linear};
 use crate::error::RuntimeError;
 use crate::transient::Observer;
 use eng_system::code::Compiled;
@@ -51,7 +51,8 @@ pub struct FrequencyResponse {
 /// The response of an analysis. `observer` gets start, progress and warnings, and no samples.
 ///
 /// # Errors
-/// Those of [`run_linear`]; a motion that grows, so that no vibration is steady.
+/// Those of [`run_linear`]; a motion that grows, so that no vibration is steady. With coefficients held at a moment growth
+/// is no property of the motion, so the response is that of the held coefficients.
 pub fn run_response(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -59,7 +60,8 @@ pub fn run_response(
     observer: &mut dyn Observer,
 ) -> Result<FrequencyResponse, RuntimeError> {
     let modes = run_linear(compiled, overrides, &response.about, observer)?;
-    if let Some(mode) = modes.modes.iter().find(|mode| mode.grows()) {
+    let frozen = modes.coefficients == Coefficients::Frozen;
+    if let Some(mode) = modes.modes.iter().find(|mode| !frozen && mode.grows()) {
         let part = mode.leading(1).first().map(|(part, _)| *part);
         return Err(RuntimeError::Grows {
             moment: modes.moment,
@@ -102,7 +104,7 @@ fn frequencies(modes: &[Mode], [low, high]: [f64; 2], points: u32) -> (Vec<f64>,
     let mut undamped = Vec::new();
     for mode in modes.iter().filter(|mode| mode.oscillates()) {
         let (size, ratio) = (mode.undamped_frequency(), mode.damping_ratio());
-        if ratio < UNDAMPED && (low..=high).contains(&size) {
+        if ratio.abs() < UNDAMPED && (low..=high).contains(&size) {
             undamped.push(size);
         }
         let ratio = ratio.max(NARROWEST);
