@@ -228,6 +228,10 @@ eng_grammar::codes! {
         "A force bends where the argument of an `if`, `max`, `min` or `abs` changes its sign, or at the end of a table. Steps under error control end there. A stated step does not. It uses the force at its ends only, so a stop may act late, with a false depth, or not at all. The message names the element and the largest depth. It appears if the class states the depth that matters (`resolve`), or if the step passes a whole interval of the law, such as a thin stop.",
         "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms, step: 1 ms)",
         "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms)";
+    INDEPENDENT = "W0719", "an output does not depend on the input of a response",
+        "The response of the output is zero at every frequency: no load that the input changes reaches it. Causes are a wrong path, a load that the input does not enter, or another part of the model. A vector is named only if the input moves none of its components. Zero is the right answer if the output is meant to be unmoved.",
+        "analysis shaken = response(Cart(), to: push, of: [other.travel], from: 1 Hz, up_to: 100 Hz)",
+        "analysis shaken = response(Cart(), to: push, of: [rail.travel], from: 1 Hz, up_to: 100 Hz)";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run continues, but the class doubts these parameters: a clearance that may be diametral instead of radial. The author of the class wrote the text of the message.",
         "", "";

@@ -273,6 +273,34 @@ pub(crate) fn help_of_response(error: &RuntimeError) -> Option<&'static str> {
     }
 }
 
+/// The warning of outputs that an input does not move, at the line of the analysis.
+pub(crate) fn independent(outputs: &[String], inputs: &[String], analysis: &Origin) -> Diagnostic {
+    let verb = if outputs.len() == 1 { "does" } else { "do" };
+    let title = format!(
+        "{} {verb} not depend on {}: the response is zero at all frequencies",
+        listed(outputs),
+        listed(inputs)
+    );
+    let message = Diagnostic::warning(codes::INDEPENDENT, title);
+    place(message, analysis, "in this analysis")
+        .with_help("check the loads that read the input, and the paths of the outputs; `eng results` lists them")
+}
+
+/// The first few names in a sentence.
+fn listed(names: &[String]) -> String {
+    const MOST: usize = 4;
+    match names {
+        [all @ .., last] if all.is_empty() => last.clone(),
+        names if names.len() > MOST => format!(
+            "{} and {} more",
+            names[..MOST].join(", "),
+            names.len() - MOST
+        ),
+        [all @ .., last] => format!("{} and {last}", all.join(", ")),
+        [] => String::new(),
+    }
+}
+
 /// Adds the elements that change the coefficients with time, and the remedy.
 fn over_time(message: Diagnostic, elements: &[eng_runtime::TimedElement]) -> Diagnostic {
     elements
