@@ -290,7 +290,7 @@ pub(crate) fn independent(outputs: &[String], inputs: &[String], analysis: &Orig
 fn listed(names: &[String]) -> String {
     const MOST: usize = 4;
     match names {
-        [all @ .., last] if all.is_empty() => last.clone(),
+        [only] => only.clone(),
         names if names.len() > MOST => format!(
             "{} and {} more",
             names[..MOST].join(", "),

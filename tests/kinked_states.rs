@@ -213,6 +213,29 @@ fn one_sided_laws_are_refused_where_they_begin() {
     assert_near(frequencies(&pressed)[0], libm::sqrt(101e3) / TAU, 1e-9);
 }
 
+/// Two stops that hold a block from both sides and just touch it: together they are the spring of one, or bend if one is stiffer.
+#[test]
+fn stops_from_both_sides_are_compared_together() {
+    let both = |stiffness: &str| {
+        let down = "EndStop(block.eye, floor, stiffness: 100 N/mm)";
+        let up = format!(
+            "force up = EndStop(block.eye, roof, stiffness: {stiffness})\n            start rail.travel"
+        );
+        block(down, "0 mm")
+            .replace("start rail.travel", &up)
+            .replace(
+                "marker top",
+                "marker roof = at([0, 0, 0] mm, z: [0, 0, -1])\n            marker top",
+            )
+    };
+    assert_near(
+        frequencies(&both("100 N/mm"))[0],
+        libm::sqrt(101e3) / TAU,
+        1e-9,
+    );
+    assert_eq!(refused(&both("101 N/mm")).1, "depth > 0 mm");
+}
+
 /// Equal slopes on both sides, a bend that vanishes at the state, and a stop across the only motion.
 #[test]
 fn kinks_without_a_bend_count_as_smooth() {
@@ -236,4 +259,54 @@ fn kinks_without_a_bend_count_as_smooth() {
         "marker side = at([0, 0, 0] mm, x: [0, 0, 1], z: [1, 0, 0])\n            marker top",
     );
     assert_near(frequencies(&across)[0], libm::sqrt(1e3) / TAU, 1e-9);
+}
+
+/// A block on a plane with a load of several kinks, or of a table that ends at the state.
+fn plane(load: &str) -> String {
+    format!(
+        "use std.joints.Planar
+        use std.math.dead_zone
+        force Pads(a: Marker, b: Marker) {{
+            let d = local(a.origin - b.origin, b)
+            apply force vector([-4 N/mm*dead_zone(d.x, 0 mm), -9 N/mm*dead_zone(d.y, 0 mm), 0 N], b) on a against b
+        }}
+        force Corner(a: Marker, b: Marker) {{
+            let d = local(a.origin - b.origin, b)
+            apply force vector([-4 N/mm*dead_zone(d.x, 0 mm), -9 N/mm*max(d.y, 0 mm), 0 N], b) on a against b
+        }}
+        force Ending(a: Marker, b: Marker) {{
+            table push(x: Length) -> Force = points([0, 1, 2] mm, [0, 3, 6] N, extrapolation: hold)
+            apply force -push(dot(a.origin - b.origin, b.x))*b.x on a against b
+        }}
+        force Continued(a: Marker, b: Marker) {{
+            table push(x: Length) -> Force = points([0, 1, 2] mm, [0, 3, 6] N, extrapolation: linear)
+            apply force -push(dot(a.origin - b.origin, b.x))*b.x on a against b
+        }}
+        model Block {{
+            gravity = [0, 0, 0] m/s^2
+            marker floor = [0, 0, 0] mm
+            body block {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }}
+            joint rail = Planar(block.eye, floor)
+            force load = {load}(block.eye, floor)
+        }}
+        analysis small = linear(Block())"
+    )
+}
+
+/// Four cones between two crossed dead zones without play: `sqrt(k/m)` along each. Where one of them pushes in one sense
+/// only, and at the end of a table that is held, the sides differ.
+#[test]
+fn crossed_kinks_and_ends_of_tables_are_compared() {
+    let found = frequencies(&plane("Pads"));
+    assert_eq!(found.len(), 2);
+    for (found, stiffness) in found.iter().zip([4e3, 9e3]) {
+        assert_near(*found, libm::sqrt(stiffness) / TAU, 1e-9);
+    }
+    assert_eq!(refused(&plane("Corner")).1, "max(d.y, 0 mm)");
+    assert_eq!(refused(&plane("Ending")).0, "load");
+    assert_near(
+        frequencies(&plane("Continued"))[0],
+        libm::sqrt(3e3) / TAU,
+        1e-9,
+    );
 }

@@ -140,7 +140,8 @@ impl Mode {
         }
     }
 
-    /// Whether it grows by more than its uncertainty.
+    /// Whether it grows by more than its uncertainty. The zero of a free motion is double, and rounding splits it by its root
+    /// with any sign; `slow` counts it as a zero, so it is no mode.
     pub fn grows(&self) -> bool {
         let uncertain = |r: &Repeating| r.error + r.missed;
         let error = self.repeating.as_ref().map_or(self.uncertain, uncertain);

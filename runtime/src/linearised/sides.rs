@@ -18,6 +18,10 @@
 //! shrinks with it comes from curvature (a Hertzian contact) and vanishes at the state. Forces and rates of states
 //! must not jump from cone to cone either.
 //!
+//! Two elements may bend against each other: stops that hold a body from both sides and just touch it. If an element
+//! alone is bent, it is compared again together with those whose kinks lie at the same moves. Then the limit is a
+//! thousandth of the bend of the element alone.
+//!
 //! If the sides agree and the derivative at the state is another one, the mean of all cones takes its place. Cones
 //! lie opposite each other, so the error of this mean is quadratic in the tolerance.
 
@@ -52,7 +56,11 @@ const MOST: usize = 5;
 /// Longest move into a cone, in position tolerances. A narrower cone is left out.
 const LONGEST: f64 = 30.0;
 
+/// Sine of the angle between the changes of two kink functions below which their kinks lie at the same moves.
+const PARALLEL: f64 = 1e-4;
+
 /// A kink function of an element, or its distance from a point of a table.
+#[derive(Clone)]
 struct Site {
     element: usize,
     /// Batch, pair and lane of the element.
@@ -69,6 +77,13 @@ struct Site {
 impl Site {
     fn is_here(&self) -> bool {
         self.value.abs() <= AT * self.changes.norm()
+    }
+
+    /// Whether both kinks lie at the same moves.
+    fn is_parallel(&self, other: &Site) -> bool {
+        let cosine =
+            self.changes.dot(&other.changes) / (self.changes.norm() * other.changes.norm());
+        1.0 - cosine * cosine <= PARALLEL * PARALLEL
     }
 }
 
@@ -91,10 +106,21 @@ struct Side {
     /// Far, near.
     equations: [Equations; 2],
     loads: [DVector<f64>; 2],
-    derivatives: Vec<f64>,
+    derivatives: Replaced,
 }
 
-fn blocks(equations: &Equations) -> [&DMatrix<f64>; 6] {
+/// The result of a comparison of all sides of some elements.
+enum Compared {
+    /// All agree. The derivatives replace those at the state; none if these agree too.
+    Even(Replaced),
+    /// Two differ in the blocks by these sizes.
+    Bent(RuntimeError, [f64; BLOCKS]),
+}
+
+/// Number of blocks.
+const BLOCKS: usize = 6;
+
+fn blocks(equations: &Equations) -> [&DMatrix<f64>; BLOCKS] {
     let e = equations;
     [
         &e.stiffness,
@@ -132,10 +158,32 @@ impl Equations {
         }
         let mut search = Search::new(model, state, moment, &equations);
         let sites = search.sites()?;
+        let groups: Vec<&[Site]> = sites.chunk_by(|a, b| a.element == b.element).collect();
         let mut replaced = Replaced::new();
-        for sites in sites.chunk_by(|a, b| a.element == b.element) {
-            if let Some(derivatives) = search.both(&equations, sites)? {
-                replaced.insert(sites[0].element, derivatives);
+        for own in &groups {
+            if own.iter().any(|site| replaced.contains_key(&site.element)) {
+                continue;
+            }
+            match search.compared(&equations, own, None)? {
+                Compared::Even(found) => replaced.extend(found),
+                Compared::Bent(error, size) => {
+                    let is_beside = |group: &&&[Site]| {
+                        let mut pairs = group.iter().flat_map(|a| own.iter().map(move |b| (a, b)));
+                        pairs.any(|(a, b)| a.is_parallel(b))
+                    };
+                    let all: Vec<Site> = groups
+                        .iter()
+                        .filter(is_beside)
+                        .flat_map(|group| group.to_vec())
+                        .collect();
+                    if all.len() == own.len() {
+                        return Err(error);
+                    }
+                    match search.compared(&equations, &all, Some(size))? {
+                        Compared::Even(found) => replaced.extend(found),
+                        Compared::Bent(..) => return Err(error),
+                    }
+                }
             }
         }
         match replaced.is_empty() {
@@ -293,45 +341,75 @@ impl<'a> Search<'a> {
         Ok(sites)
     }
 
-    /// Derivatives of both sides of an element at kinks, if they agree and differ from those at the state.
-    fn both(&mut self, own: &Equations, sites: &[Site]) -> Result<Option<Vec<f64>>, RuntimeError> {
-        let element = sites[0].element;
+    /// Compares all sides of the elements of some sites. `bend` are the sizes of the differences of one of them alone,
+    /// which limit the differences of all.
+    fn compared(
+        &mut self,
+        own: &Equations,
+        sites: &[Site],
+        bend: Option<[f64; BLOCKS]>,
+    ) -> Result<Compared, RuntimeError> {
         let sides = self.sides(sites)?;
         let Some((first, rest)) = sides.split_first().filter(|(_, rest)| !rest.is_empty()) else {
-            return Ok(None);
+            return Ok(Compared::Even(Replaced::new()));
         };
-        let none = Replaced::from([(element, vec![0.0; first.derivatives.len()])]);
-        let without = Equations::with(self.model, self.state, self.moment, none)?;
+        let zeros = |numbers: &Vec<f64>| vec![0.0; numbers.len()];
+        let none = first
+            .derivatives
+            .iter()
+            .map(|(element, numbers)| (*element, zeros(numbers)));
+        let without = Equations::with(self.model, self.state, self.moment, none.collect())?;
         for other in rest {
-            let bends = differs([&first.equations, &other.equations], &without);
+            let pair = [&first.equations, &other.equations];
+            let bends = differs(pair, &without, bend);
             if bends || jumps(first, other, own) {
-                return Err(self.refusal(sites, first, other, bends));
+                let near = pair.map(|equations| blocks(&equations[1]));
+                let size = std::array::from_fn(|at| difference(near[0][at], near[1][at]));
+                // a jump is no bend that another element could balance
+                let size = if bends { size } else { [0.0; BLOCKS] };
+                return Ok(Compared::Bent(
+                    self.refusal(sites, first, other, bends),
+                    size,
+                ));
             }
         }
         let here = [own.clone(), own.clone()];
-        if !differs([&first.equations, &here], &without) {
-            return Ok(None);
+        if !differs([&first.equations, &here], &without, bend) {
+            return Ok(Compared::Even(Replaced::new()));
         }
-        let mut mean = vec![0.0; first.derivatives.len()];
-        for side in &sides {
-            for (mean, number) in mean.iter_mut().zip(&side.derivatives) {
-                *mean += number / sides.len() as f64;
+        let mut mean: Replaced = first.derivatives.clone();
+        for (element, mean) in &mut mean {
+            mean.fill(0.0);
+            for numbers in sides
+                .iter()
+                .filter_map(|side| side.derivatives.get(element))
+            {
+                for (mean, number) in mean.iter_mut().zip(numbers) {
+                    *mean += number / sides.len() as f64;
+                }
             }
         }
-        Ok(Some(mean))
+        Ok(Compared::Even(mean))
     }
 
-    /// The cones of an element about the state.
+    /// The cones of some elements about the state.
     fn sides(&mut self, sites: &[Site]) -> Result<Vec<Side>, RuntimeError> {
         let slopes = DMatrix::from_fn(sites.len(), self.units.len(), |i, k| {
             sites[i].changes[k] / sites[i].changes.norm()
         });
-        let Ok(inverse) = slopes.pseudo_inverse(1e-9) else {
-            return Ok(Vec::new());
-        };
+        let inverse = slopes.clone().pseudo_inverse(PARALLEL);
+        let into = inverse.iter().flat_map(|inverse| {
+            let signs = wanted_signs(sites.len()).into_iter();
+            signs.map(move |wanted| inverse * DVector::from_vec(wanted))
+        });
+        let across = slopes.row_iter().flat_map(|slope| {
+            let slope = slope.transpose();
+            [slope.clone(), -slope]
+        });
+        let mut elements: Vec<usize> = sites.iter().map(|site| site.element).collect();
+        elements.dedup();
         let mut sides: Vec<Side> = Vec::new();
-        for wanted in wanted_signs(sites.len()) {
-            let moves = &inverse * DVector::from_vec(wanted);
+        for moves in into.chain(across) {
             if !(moves.norm() > 0.0 && moves.norm() <= LONGEST) {
                 continue;
             }
@@ -345,9 +423,8 @@ impl<'a> Search<'a> {
             if known || !values.iter().zip(sites).all(is_clear) {
                 continue;
             }
-            let element = sites[0].element;
-            let far = self.side(&moved[0], element)?;
-            let near = self.side(&moved[1], element)?;
+            let far = self.side(&moved[0], &elements)?;
+            let near = self.side(&moved[1], &elements)?;
             sides.push(Side {
                 signs,
                 equations: [far.0, near.0],
@@ -370,21 +447,25 @@ impl<'a> Search<'a> {
         sum
     }
 
-    /// The equations at the state with the derivatives of an element at a moved one; forces along the moves of the
+    /// The equations at the state with the derivatives of some elements at a moved one; forces along the moves of the
     /// bodies (rotations in body axes) with rates of states there; the derivatives.
     fn side(
         &mut self,
         moved: &State,
-        element: usize,
-    ) -> Result<(Equations, DVector<f64>, Vec<f64>), RuntimeError> {
+        elements: &[usize],
+    ) -> Result<(Equations, DVector<f64>, Replaced), RuntimeError> {
         let model = self.model;
         self.place(moved);
         self.dynamics.evaluate(model)?;
         let mut forces = vec![0.0; model.velocities];
         self.dynamics.add_forces(model, 1.0, &mut forces);
         forces.extend_from_slice(self.dynamics.rates());
-        let derivatives = self.dynamics.derivatives_of(model, element)?;
-        let replaced = Replaced::from([(element, derivatives.clone())]);
+        let mut derivatives = Replaced::new();
+        for element in elements {
+            let own = self.dynamics.derivatives_of(model, *element)?;
+            derivatives.insert(*element, own);
+        }
+        let replaced = derivatives.clone();
         let equations = Equations::with(model, self.state, self.moment, replaced)?;
         Ok((equations, DVector::from_vec(forces), derivatives))
     }
@@ -395,7 +476,10 @@ impl<'a> Search<'a> {
         let site = site.map_or(&sites[0], |(site, _)| site);
         let kink = &self.model.class(site.element).kinks[site.kink];
         let origin = &self.model.compiled.system.elements[site.element].origin;
-        let derivatives = [first, other].map(|side| side.derivatives.as_slice());
+        let derivatives = [first, other].map(|side| {
+            let own = side.derivatives.get(&site.element);
+            own.map_or(&[][..], Vec::as_slice)
+        });
         RuntimeError::Kinked {
             origin: Box::new(Origin {
                 defined_at: kink.defined_at.or(origin.defined_at),
@@ -439,15 +523,18 @@ fn wanted_signs(count: usize) -> Vec<Vec<f64>> {
 }
 
 /// Whether equations differ at both distances by more than rounding, and do not come nearer to each other.
-/// `without` are those without the element.
-fn differs([a, b]: [&[Equations; 2]; 2], without: &Equations) -> bool {
+/// `without` are those without the elements, whose own share limits the difference unless a `bend` does.
+fn differs([a, b]: [&[Equations; 2]; 2], without: &Equations, bend: Option<[f64; BLOCKS]>) -> bool {
     let zero = blocks(without);
     let [terms_of_stiffness, terms_of_damping] =
         [&without.stiffness_terms, &without.damping_terms].map(|terms| terms.amax());
     let [far, near] = [0, 1].map(|at| (blocks(&a[at]), blocks(&b[at])));
-    (0..zero.len()).any(|block| {
-        let share =
-            difference(near.0[block], zero[block]).max(difference(near.1[block], zero[block]));
+    (0..BLOCKS).any(|block| {
+        let own = || {
+            let share = |side: &DMatrix<f64>| difference(side, zero[block]);
+            share(near.0[block]).max(share(near.1[block]))
+        };
+        let share = bend.map_or_else(own, |bend| bend[block]);
         let terms = match block {
             0 => terms_of_stiffness,
             1 => terms_of_damping,
