@@ -103,9 +103,13 @@ eng_grammar::codes! {
         "model Loose { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 } }\nanalysis rest = static(Loose())",
         "model Held { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\njoint hold = Fixed(stone.origin, ground) }\nanalysis rest = static(Held())";
     GROWS = "E0745", "no vibration about this state is steady",
-        "A frequency response is the vibration to which the motion settles under a sinusoidal input. A mode of the motion grows by itself, so the motion settles nowhere. The message names the mode. Correct the instability, for instance whirl of a lightly loaded journal or a falling torque curve, or linearise about another state by `after:`.",
+        "A frequency response is the vibration to which the motion settles under a sinusoidal input. A mode of the motion grows by itself, so the motion settles nowhere. The message names the mode. Correct the instability, for instance whirl of a lightly loaded journal or a falling torque curve, or linearise about another state by `after:`. With coefficients held by `frozen: true` a growth is no property of the motion: it is told and not refused.",
         "analysis shaken = response(Rotor(speed: 9000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)",
         "analysis shaken = response(Rotor(speed: 3000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)";
+    KINKED = "E0746", "the state of a linearisation is at a kink whose sides differ",
+        "A stop that just touches, a spring that acts from one position on, `if`, `max`, `min` or `abs` with a condition that is just met: the load has one slope on one side and another slope on the other. Small motions then obey no linear equations, so they have no modes and no frequency response. Where both slopes are equal the analysis goes on with them. Move the state away from the kink by a load or a play, or round the law.",
+        "analysis modes = linear(Stop(height: 0 mm))",
+        "analysis modes = linear(Stop(height: -0.1 mm))";
     LOCKED = "E0760", "the mechanism locks",
         "Its geometry allows no further motion at this position: a rod shorter than the throw, a guide whose axis is across the motion, two joints that require different motions. Forces play no part. The message names the loop of bodies, the lengths between their joints and the axes.",
         "", "";
@@ -224,6 +228,10 @@ eng_grammar::codes! {
         "A force bends where the argument of an `if`, `max`, `min` or `abs` changes its sign, or at the end of a table. Steps under error control end there. A stated step does not. It uses the force at its ends only, so a stop may act late, with a false depth, or not at all. The message names the element and the largest depth. It appears if the class states the depth that matters (`resolve`), or if the step passes a whole interval of the law, such as a thin stop.",
         "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms, step: 1 ms)",
         "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms)";
+    INDEPENDENT = "W0719", "an output does not depend on the input of a response",
+        "The response of the output is zero at every frequency: no load that the input changes reaches it. Causes are a wrong path, a load that the input does not enter, or another part of the model. A vector is named only if the input moves none of its components. Zero is the right answer if the output is meant to be unmoved.",
+        "analysis shaken = response(Cart(), to: push, of: [other.travel], from: 1 Hz, up_to: 100 Hz)",
+        "analysis shaken = response(Cart(), to: push, of: [rail.travel], from: 1 Hz, up_to: 100 Hz)";
     PARAMETER_ADVISED = "W0720", "parameters do not follow an `advise`",
         "The run continues, but the class doubts these parameters: a clearance that may be diametral instead of radial. The author of the class wrote the text of the message.",
         "", "";

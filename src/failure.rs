@@ -178,6 +178,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("a rigid film with the rule `reynolds` has no memory; `transient` and `periodic` compute the other films"),
         R::Undecided { origin, .. } => place(d(codes::TURNING), origin, "a film without pressure")
             .with_help("linearise the film under a load: leave out `start: assembled`, or state a load"),
+        R::Kinked { origin, .. } => place(d(codes::KINKED), origin, "is at its kink")
+            .with_help("move the state away from the kink, by a load or a play; or round the law there, such as by `positive` of `std.math` in place of `max`"),
         R::Grows { .. } => d(codes::GROWS)
             .with_help("`linear` about the same state shows the mode; remove its cause, or linearise about another state by `after:`"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
@@ -255,6 +257,50 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
             place(message, &body.origin, &format!("turns at {} rpm and {}", significant(body.speed*30.0/std::f64::consts::PI, 4), body.reason()))
         })
         .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: its frequencies are useful if they are well above the speed, and it is wrong for whirl, damping and stability")
+}
+
+/// The remedy of a failure to linearise for a frequency response, which knows no `over`.
+pub(crate) fn help_of_response(error: &RuntimeError) -> Option<&'static str> {
+    match error {
+        RuntimeError::Turning { .. } => Some(
+            "a response needs constant coefficients: linearise the model at rest, without its speed; or hold the coefficients at this moment by `frozen: true`: the response is about right at frequencies well above the speed",
+        ),
+        RuntimeError::OverTime { .. } => Some(
+            "a response needs constant coefficients: `frozen: true` holds time at this moment; a load or a motion that only excites can be left out of the model for this analysis",
+        ),
+        RuntimeError::Unsteady { .. } => Some(
+            "linearise at rest: let `start: quasi_static` find the balance, without a `start` item that holds the freedom, or let the motion die out with a longer `after:`; `frozen: true` holds the coefficients at this moment",
+        ),
+        _ => None,
+    }
+}
+
+/// The warning of outputs that an input does not move, at the line of the analysis.
+pub(crate) fn independent(outputs: &[String], inputs: &[String], analysis: &Origin) -> Diagnostic {
+    let verb = if outputs.len() == 1 { "does" } else { "do" };
+    let title = format!(
+        "{} {verb} not depend on {}: the response is zero at all frequencies",
+        listed(outputs),
+        listed(inputs)
+    );
+    let message = Diagnostic::warning(codes::INDEPENDENT, title);
+    place(message, analysis, "in this analysis")
+        .with_help("check the loads that read the input, and the paths of the outputs; `eng results` lists them")
+}
+
+/// The first few names in a sentence.
+fn listed(names: &[String]) -> String {
+    const MOST: usize = 4;
+    match names {
+        [only] => only.clone(),
+        names if names.len() > MOST => format!(
+            "{} and {} more",
+            names[..MOST].join(", "),
+            names.len() - MOST
+        ),
+        [all @ .., last] => format!("{} and {last}", all.join(", ")),
+        [] => String::new(),
+    }
 }
 
 /// Adds the elements that change the coefficients with time, and the remedy.

@@ -14,6 +14,7 @@
 use crate::analysis::Analysis;
 use crate::modes::{coefficients, linearised_at};
 use crate::results::{ResultsError, file_stem, replace_file};
+use eng_grammar::Diagnostic;
 use eng_runtime::LinearModes;
 use eng_system::analysis::{AnalysisKind, Names};
 use eng_system::significant::short;
@@ -73,8 +74,10 @@ fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
 impl Analysis {
     /// Inputs and outputs of the matrices, in their order.
     fn signals(&self) -> [Vec<Signal>; 2] {
-        let AnalysisKind::Linear(linear) = self.kind() else {
-            return [Vec::new(), Vec::new()];
+        let linear = match self.kind() {
+            AnalysisKind::Linear(linear) => linear,
+            AnalysisKind::Response(response) => &response.about,
+            _ => return [Vec::new(), Vec::new()],
         };
         let system = &self.model().compiled().system;
         let signal = |path: &str, dimension: Dimension, display: &DisplayUnit| Signal {
@@ -136,6 +139,49 @@ impl Analysis {
             file.write_all(b"\n")
         })
         .map_err(|source| ResultsError::File { path, source })
+    }
+
+    /// A warning for outputs that no input moves, and one for each input that moves no output. Of a vector some
+    /// components may well be unmoved.
+    pub(crate) fn unmoved(&self, modes: &LinearModes) -> Vec<Diagnostic> {
+        let Some(matrices) = &modes.matrices else {
+            return Vec::new();
+        };
+        let [inputs, outputs] = self.signals().map(|signals| {
+            let paths = signals.into_iter().map(|signal| signal.path);
+            paths.collect::<Vec<String>>()
+        });
+        let pairs = matrices.independent();
+        let is_unmoved = |row: usize, column: usize| pairs.contains(&[row, column]);
+        let vector = |row: usize| {
+            let path = outputs.get(row).map_or("", String::as_str);
+            let ends = [".x", ".y", ".z"].into_iter();
+            ends.filter_map(|end| path.strip_suffix(end))
+                .next()
+                .unwrap_or(path)
+        };
+        let by_none = |row: usize| (0..inputs.len()).all(|column| is_unmoved(row, column));
+        let mut still: Vec<String> = Vec::new();
+        for row in 0..outputs.len() {
+            let whole = (0..outputs.len()).filter(|other| vector(*other) == vector(row));
+            if whole.clone().all(by_none) && !still.iter().any(|known| known == vector(row)) {
+                still.push(vector(row).to_owned());
+            }
+        }
+        let mut found = Vec::new();
+        if !still.is_empty() {
+            found.push(crate::failure::independent(&still, &inputs, self.origin()));
+        }
+        let idle = inputs.iter().enumerate().filter(|(column, _)| {
+            let moves = (0..outputs.len()).any(|row| !by_none(row));
+            moves && (0..outputs.len()).all(|row| is_unmoved(row, *column))
+        });
+        let others = outputs.iter().filter(|path| !still.contains(*path));
+        let others: Vec<String> = others.cloned().collect();
+        found.extend(idle.map(|(_, input)| {
+            crate::failure::independent(&others, std::slice::from_ref(input), self.origin())
+        }));
+        found
     }
 
     /// Lines about the matrices: their size, and the steady gains `D − C A⁻¹ B` if the motion has no zero eigenvalue.

@@ -191,8 +191,8 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
     }
     if modes.zeros > 0 && modes.orbit.is_none() {
         fact.push_str(&format!(
-            "; {} eigenvalues are zero (below {} Hz)",
-            modes.zeros,
+            "; {} (below {} Hz)",
+            counted(modes.zeros, "eigenvalue is zero", "eigenvalues are zero"),
             short(modes.resolution / (2.0 * PI), 2)
         ));
     }
@@ -226,10 +226,10 @@ pub(crate) fn facts(modes: &LinearModes) -> Vec<String> {
             Coefficients::Frozen => "unstable in the frozen picture",
         };
         facts.push(format!(
-            "{verdict}: mode {} ({:.4} Hz) grows by {:.4} 1/s: {}",
+            "{verdict}: mode {} ({} Hz) grows by {} 1/s: {}",
             index + 1,
-            mode.frequency(),
-            mode.value.re,
+            short(mode.frequency(), 4),
+            short(mode.value.re, 4),
             listed(named)
         ));
     }

@@ -9,7 +9,7 @@
 use crate::counted::counted;
 use crate::modes::{coefficients, linearised_at};
 use crate::results::{Column, FREQUENCIES, ROWS, Results, ResultsError};
-use eng_runtime::linearised::FrequencyResponse;
+use eng_runtime::linearised::{FrequencyResponse, Mode};
 use eng_system::analysis::Response;
 use eng_system::recorded::of_response;
 use eng_system::significant::short;
@@ -67,6 +67,10 @@ pub(crate) fn metadata(
 /// Lines about the response: the modes about the state, and resonances without damping.
 pub(crate) fn facts(found: &FrequencyResponse) -> Vec<String> {
     let mut facts = crate::modes::facts(&found.modes);
+    // a motion that grows with constant coefficients has no response at all
+    if found.modes.modes.iter().any(Mode::grows) {
+        facts.push("the response is that of the held coefficients: near the frequency of a growing mode it is no steady vibration".to_owned());
+    }
     let named: Vec<String> = found.undamped.iter().map(|f| short(*f, 6)).collect();
     let shown = match named.len() {
         0 => return facts,

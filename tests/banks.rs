@@ -34,7 +34,7 @@ analysis placed[a in 0 deg .. 350 deg by 10 deg] = assemble(V(bank: a))
 /// the crank from the bore.
 fn check_all(joints: &str, tolerance: f64) {
     let text = ENGINE.replace("JOINTS", joints);
-    let program = check(&Sources::from_texts([("v.eng", text.as_str())]), "v.eng")
+    let program = check(&Sources::from_texts([("v.eng".to_owned(), text)]), "v.eng")
         .into_program()
         .unwrap_or_else(|report| panic!("{report}"));
     for bank in 0..36_u8 {

@@ -222,3 +222,34 @@ fn a_clean_check_says_so() {
     );
     assert_eq!(lines.last(), Some(&"no errors, no warnings"));
 }
+
+/// The frequency lies beyond the response: the page and the terminal say so.
+#[test]
+fn a_report_tells_values_that_it_cannot_make() {
+    let model = "
+use std.joints.Translational
+use std.forces.LinearSpring
+force Push(a: Marker, b: Marker, load: Force) { apply force load*b.z on a against b }
+model Cart {
+    input push: Force = 0 N
+    gravity = [0, 0, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    body block { mass = 2 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+    joint rail = Translational(block.eye, wall)
+    force spring = LinearSpring(block.eye, wall, stiffness: 3 N/mm, damping: 4 N*s/m, free_length: 100 mm)
+    force drive = Push(block.eye, wall, load: push)
+    start rail.travel = 100 mm
+}
+analysis s = response(Cart(), to: push, of: [rail.travel], from: 1 Hz, up_to: 100 Hz)
+analysis t = transient(Cart(), duration: 10 ms, sample: 1 ms)
+report r { value beyond = at_frequency(s.rail.travel, 300 Hz) }
+";
+    let folder = Folder::new("beyond", model);
+    let (code, _, errors) = folder.eng("run", &["--no-plots"]);
+    let due = "`beyond` of the report `r` is not made: s has no response at 300 Hz: it reaches from 1 to 100 Hz";
+    assert_eq!(code, 1);
+    assert!(errors.contains(due), "{errors}");
+    let (code, _, errors) = folder.eng("report", &["--results", &folder.path("out")]);
+    assert_eq!(code, 0);
+    assert!(errors.contains(&format!("warning: {due}")), "{errors}");
+}

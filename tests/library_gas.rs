@@ -297,3 +297,18 @@ fn walls_take_heat_as_woschni_says() {
         1e-4,
     );
 }
+
+/// The four strokes take 720°: another cycle would leave out strokes, or burn twice in one.
+#[test]
+fn a_gas_of_four_strokes_refuses_another_cycle() {
+    let text = otto("-15 deg", "50 deg", "1 kJ").replace("period = 720 deg", "period = 360 deg");
+    let sources = eng::Sources::from_texts([("model.eng".to_owned(), text)]);
+    let Err(report) = eng::check(&sources, "model.eng").into_program().map(drop) else {
+        panic!("a cycle of two strokes");
+    };
+    let report = report.to_string();
+    assert!(
+        report.contains("a cycle of 360 deg: this gas has the four strokes of 720 deg"),
+        "{report}"
+    );
+}

@@ -16,7 +16,7 @@ pub use plan::MatrixPlan;
 
 use crate::body::{BodyFrame, BodyModel};
 use crate::chain::{self, CURVED_REACH, MarkerKinematics, Motion, Placed, REACH};
-use crate::elements::{self, Batch, Inputs, Scratch};
+use crate::elements::{self, Batch, Inputs, Replaced, Scratch};
 use crate::error::RuntimeError;
 use crate::field::Demand;
 use crate::flexible::Work;
@@ -288,6 +288,13 @@ impl Dynamics {
     /// Poses and twists of the markers.
     pub fn markers(&self) -> &[MarkerKinematics] {
         &self.at.markers
+    }
+
+    /// Takes derivatives of elements in place of those at the gathered inputs.
+    pub fn replace(&mut self, replaced: &Replaced) {
+        for batch in &mut self.batches {
+            batch.replace(replaced);
+        }
     }
 
     /// The first element with a field whose derivatives differ on both sides at the evaluated state.

@@ -10,6 +10,7 @@ use crate::model::Model;
 use eng_system::code::{ElementCode, Function, Pair};
 use eng_system::field::{KERNELS, drives};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
+use std::collections::BTreeMap;
 
 /// The sources of the inputs of all elements.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +55,13 @@ pub struct Batch {
     tasks: Vec<Task>,
     /// Room for the numbers with which a field continues.
     kept: Vec<f64>,
+    /// Derivatives of a lane of a pair in place of those at the inputs ([`Replaced`]).
+    replaced: Vec<([usize; 2], Vec<f64>)>,
 }
+
+/// Derivatives of elements that take the place of those at the state itself: the index of an element, and its
+/// derivatives as [`Scratch::tangents`] has them.
+pub type Replaced = BTreeMap<usize, Vec<f64>>;
 
 /// A constant that follows the inputs: its place in the inputs of a batch, its lane, and its slot among those that
 /// move.
@@ -81,6 +88,20 @@ enum Solved {
 }
 
 impl Batch {
+    /// The pair and the lane of an element.
+    pub fn place_of(&self, element: usize) -> Option<[usize; 2]> {
+        let at = (self.pairs.as_flattened().iter()).position(|member| *member == element)?;
+        Some([at / 2, at % 2])
+    }
+
+    /// Takes derivatives in place of those at the inputs.
+    pub fn replace(&mut self, replaced: &Replaced) {
+        let own = replaced.iter().filter_map(|(element, derivatives)| {
+            Some((self.place_of(*element)?, derivatives.clone()))
+        });
+        self.replaced = own.collect();
+    }
+
     /// Whether its elements have fields.
     pub fn has_fields(&self) -> bool {
         !self.fields.is_empty()
@@ -181,6 +202,7 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
             shared: model.crew.is_some() && large.count() > 1,
             tasks: Vec::new(),
             kept: Vec::new(),
+            replaced: Vec::new(),
             class: index,
             pairs,
             stride,
@@ -751,13 +773,15 @@ pub fn differentiate(
             scratch.tape[tape + d] = [0.0; 2];
         }
     }
-    if answers.is_empty() {
-        return Ok(());
-    }
     // by the chain rule, answers follow the drives
     let (drive, length) = (layout.drive(0) as usize, length);
     let (by_motion, by_answers) = scratch.tangents.split_at_mut(answers.start * length);
-    for lane in 0..batch.lanes(pair) {
+    let lanes = if answers.is_empty() {
+        0
+    } else {
+        batch.lanes(pair)
+    };
+    for lane in 0..lanes {
         for d in directions.iter().cloned().flatten() {
             let (outputs, drives) = by_motion[d * length..(d + 1) * length].split_at_mut(drive);
             let change = |i: usize| drives[i][lane];
@@ -767,6 +791,13 @@ pub fn differentiate(
                     output[lane] += slope[lane] * sum;
                 }
             });
+        }
+    }
+    for ([of, lane], derivatives) in &batch.replaced {
+        for (number, replaced) in scratch.tangents.iter_mut().zip(derivatives) {
+            if *of == pair {
+                number[*lane] = *replaced;
+            }
         }
     }
     Ok(())

@@ -9,7 +9,9 @@ use eng_system::significant::short;
 use eng_system::system::Origin;
 use eng_system::table::Outside;
 use eng_system::{Dimension, DisplayUnit};
-pub use linearised::{Leaving, LeavingBody, NotBack, Timed, TimedElement, TurningBody, Varies};
+pub use linearised::{
+    BothSides, Leaving, LeavingBody, NotBack, Timed, TimedElement, TurningBody, Varies,
+};
 use linearised::{changed, list_timed, list_turning};
 pub use pace::{Jump, Jumping, Pace, Slow};
 
@@ -592,6 +594,18 @@ pub enum RuntimeError {
     Undecided {
         /// The element.
         origin: Box<Origin>,
+        /// When.
+        moment: Moment,
+    },
+    /// An element is at a kink, and its loads or rates have other derivatives on both sides.
+    #[error("{}: at {moment} it is at a kink{}: {}, so the motion has no linear equations there", origin.path, linearised::quoted(text), linearised::both_sides(sides.as_ref()))]
+    Kinked {
+        /// The element, with the place of the kink in its class.
+        origin: Box<Origin>,
+        /// The expression with the kink; empty if no text states it.
+        text: String,
+        /// The slopes of a load on both sides, if they differ.
+        sides: Option<BothSides>,
         /// When.
         moment: Moment,
     },

@@ -572,7 +572,7 @@ fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
 }
 
 /// Whether the function of a kink is a length or an angle, whose slopes are 1.
-fn is_length(kink: &Kink) -> bool {
+pub(crate) fn is_length(kink: &Kink) -> bool {
     matches!(kink.dimension, Some(Dimension::LENGTH | Dimension::ANGLE))
 }
 

@@ -569,10 +569,17 @@ impl Analysis {
             _ => None,
         };
         let note = note.or_else(|| self.apart(&cause));
+        let of_response = matches!(self.plan.kind, AnalysisKind::Response(_));
+        let help = of_response
+            .then(|| crate::failure::help_of_response(&cause))
+            .flatten();
         let argument =
             argument.and_then(|wanted| self.plan.arguments.iter().find(|(name, _)| name == wanted));
         run_error_with(&self.model, cause, |message| {
-            let message = message.note_if(note);
+            let mut message = message.note_if(note);
+            if let Some(help) = help {
+                message.help = vec![help.to_owned()];
+            }
             if of_analysis {
                 return place(message, &self.plan.origin, "of this analysis");
             }

@@ -8,7 +8,7 @@ use super::scene::{Scene, scene};
 use super::{At, Entry, ReportError, analyses, mixed, provenance, sweeps, tables};
 use crate::Reduction;
 use crate::figures::{self, Wanted, distinct};
-use crate::post::{self, Run};
+use crate::post::{self, EvaluatedReport, Run};
 use crate::repetition::Repetition;
 use crate::run::RunOutcome;
 use eng_report::page::{Page, Section};
@@ -135,8 +135,13 @@ pub fn make(request: Request<'_>) -> Result<Made, ReportError> {
     let mut page = Page::new(format!("Report of {file}"))
         .subtitle(format!("analyses {}", names.join(", ")))
         .section(summary(entries, missing, &warnings));
-    for section in reported(reports, &[entries, modes].concat()) {
-        page = page.section(section);
+    for made in reported(reports, &[entries, modes].concat()) {
+        page = page.section(post::section(&made));
+        // the section says it on the page
+        warnings.extend(made.faults().map(|(entry, error)| {
+            let (name, report) = (&entry.name, &made.name);
+            format!("`{name}` of the report `{report}` is not made: {error}")
+        }));
     }
     page = page.section(inputs(entries));
     if let Some(section) = flexible(entries) {
@@ -211,8 +216,8 @@ fn summary(entries: &[Entry], missing: &[String], warnings: &[String]) -> Sectio
     section
 }
 
-/// The sections of `report` blocks.
-fn reported(reports: &[Report], entries: &[Entry]) -> Vec<Section> {
+/// The evaluated `report` blocks.
+fn reported(reports: &[Report], entries: &[Entry]) -> Vec<EvaluatedReport> {
     let runs: Vec<Run<'_>> = entries
         .iter()
         .map(|entry| {
@@ -222,7 +227,7 @@ fn reported(reports: &[Report], entries: &[Entry]) -> Vec<Section> {
         .collect();
     reports
         .iter()
-        .map(|report| post::section(&post::evaluate(report, &runs)))
+        .map(|report| post::evaluate(report, &runs))
         .collect()
 }
 

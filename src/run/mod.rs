@@ -298,6 +298,13 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     if let Some(response) = &outcome.response {
         facts.extend(crate::response::facts(response));
     }
+    let linearised = outcome
+        .modes
+        .iter()
+        .chain(outcome.response.iter().map(|found| &found.modes));
+    for warning in linearised.flat_map(|modes| analysis.unmoved(modes)) {
+        diagnostics.push(warning);
+    }
     if let Some(summary) = &outcome.summary {
         let s = &summary.statistics;
         facts.push(format!(

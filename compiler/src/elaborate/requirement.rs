@@ -2,14 +2,15 @@
 
 use super::bind_program::{Check, MessagePart};
 use super::binding::span_of;
-use super::scalar::{Flag, Scalar, Stage};
+use super::scalar::{FIXED, Flag, Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval, expression::Truth, location};
 use crate::codes;
-use crate::ir::Op;
+use crate::ir::{Graph, Node, Op};
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::system::Location;
 use eng_system::{Dimension, DisplayUnit};
+use std::collections::HashMap;
 
 /// A `require` or `advise` as written.
 #[derive(Clone, Copy)]
@@ -163,7 +164,45 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
-    /// A message with the numbers known while compiling. Other expressions appear as written.
+    /// The value of a number with the stated values of the parameters; `None` if it follows from the motion or a table.
+    fn stated(&self, value: Scalar) -> Option<f64> {
+        if value.stage == Stage::Motion {
+            return None;
+        }
+        let graph = &self.bench.bind.graph;
+        let (mut folded, mut known) = (Graph::default(), HashMap::new());
+        let mut waiting = vec![value.node];
+        while let Some(node) = waiting.last().copied() {
+            let op = graph.op(node);
+            let needed: Vec<Node> = match op {
+                Op::Input(k) if k < FIXED => vec![*self.draft.parameter_defaults.get(k as usize)?],
+                op => op.operands().collect(),
+            };
+            let open = waiting.len();
+            waiting.extend(needed.iter().filter(|node| !known.contains_key(*node)));
+            if waiting.len() > open {
+                continue;
+            }
+            let found = match (op, needed.first().and_then(|node| known.get(node))) {
+                (Op::Input(k), Some(default)) if k < FIXED => *default,
+                (Op::Input(k), _) => {
+                    let fixed = k
+                        .checked_sub(FIXED)
+                        .map(|k| self.bench.bind.fixed.get(k as usize));
+                    folded.constant(*fixed.flatten()?)
+                }
+                (op, _) => {
+                    folded.build(op.map_operands(|node| known.get(&node).copied().unwrap_or(node)))
+                }
+            };
+            known.insert(node, found);
+            waiting.pop();
+        }
+        folded.as_constant(*known.get(&value.node)?)
+    }
+
+    /// A message with the numbers known while compiling, or from the stated values of parameters. Other expressions
+    /// appear as written.
     fn known_text(&self, message: Message) -> String {
         message
             .parts
@@ -174,7 +213,7 @@ impl<'a> Elaborator<'a, '_> {
                     value,
                     display,
                     span,
-                } => match self.bench.known(value) {
+                } => match self.stated(value) {
                     Some(known) => display.text(known),
                     None => self.sources.text(span).to_owned(),
                 },

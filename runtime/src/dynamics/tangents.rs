@@ -124,6 +124,29 @@ impl Dynamics {
         Ok(())
     }
 
+    /// The derivatives of one element at the gathered inputs, as [`Scratch::tangents`](elements::Scratch::tangents)
+    /// has them; empty for an element that is not dynamic.
+    pub fn derivatives_of(
+        &mut self,
+        model: &Model,
+        element: usize,
+    ) -> Result<Vec<f64>, RuntimeError> {
+        let layout = model.class(element).layout;
+        let count = layout.directions() as usize;
+        let directions = 0..layout.answer_direction(0) as usize;
+        for batch in &mut self.batches {
+            let Some([pair, lane]) = batch.place_of(element) else {
+                continue;
+            };
+            let scratch = &mut self.work.elements;
+            let directions = [directions.clone()];
+            elements::differentiate(model, batch, pair, &directions, self.at.time, scratch)?;
+            let numbers = &scratch.tangents[..count * layout.residual_len() as usize];
+            return Ok(numbers.iter().map(|number| number[lane]).collect());
+        }
+        Ok(Vec::new())
+    }
+
     /// Calls `put(element, ∂W/∂pose, ∂W/∂twist)` for each element with loads, at the gathered inputs. Rows are the
     /// wrenches on its markers, columns the displacements and rotations, or their rates, of its markers (6 each).
     pub fn load_derivatives(

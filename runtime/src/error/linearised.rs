@@ -1,6 +1,7 @@
 //! Reasons why a motion has no modes: its coefficients are not constant, or it does not repeat.
 
 use super::MOST_GAPS;
+use eng_system::significant::significant;
 use eng_system::system::Origin;
 
 /// The reason for which the coefficients of the linearised motion change while a body turns.
@@ -130,6 +131,51 @@ pub(super) fn changed(share: f64) -> String {
     } else {
         "they differ".to_owned()
     }
+}
+
+/// The slope of a load on both sides of a kink, in SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BothSides {
+    /// Its slope on each side; that of the steeper one is positive.
+    pub slopes: [f64; 2],
+    /// Whether the load is a torque.
+    pub torque: bool,
+    /// Whether it changes with a turn.
+    pub turn: bool,
+    /// Whether it changes with the rate.
+    pub damping: bool,
+}
+
+/// The expression of a kink in quotes.
+pub(super) fn quoted(text: &str) -> String {
+    match text {
+        "" => String::new(),
+        text => format!(" (`{text}`)"),
+    }
+}
+
+/// The slopes of both sides in words.
+pub(super) fn both_sides(sides: Option<&BothSides>) -> String {
+    let Some(sides) = sides else {
+        return "its load, or the rate of a state, jumps or bends there".to_owned();
+    };
+    let unit = match (sides.torque, sides.turn, sides.damping) {
+        (false, false, false) => "N/m",
+        (false, false, true) => "N*s/m",
+        (false, true, false) => "N/rad",
+        (false, true, true) => "N*s/rad",
+        (true, false, false) => "N*m/m",
+        (true, false, true) => "N*m*s/m",
+        (true, true, false) => "N*m/rad",
+        (true, true, true) => "N*m*s/rad",
+    };
+    let kind = if sides.damping {
+        "damping"
+    } else {
+        "stiffness"
+    };
+    let [a, b] = sides.slopes.map(|slope| significant(slope, 4));
+    format!("its {kind} is {a} {unit} on one side and {b} {unit} on the other")
 }
 
 /// Paths of the first few, and the number of others.

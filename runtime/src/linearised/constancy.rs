@@ -390,7 +390,7 @@ fn moved_by(
     let mut system = AccelerationSystem::new(model)?;
     system.restore(model, &mut dynamics, &mut moved, moment)?;
     system.accelerations(model, &mut dynamics, &mut moved, moment)?;
-    Equations::new(model, &moved, moment)
+    Equations::of_both_sides(model, &moved, moment)
 }
 
 /// The angular speed of the fastest turning body (rad/s); zero if none turns.
@@ -470,7 +470,7 @@ fn turned_on(
     let mut dynamics = Dynamics::new(model);
     let mut system = AccelerationSystem::new(model)?;
     system.accelerations(model, &mut dynamics, &mut moved, moment)?;
-    Equations::new(model, &moved, moment)
+    Equations::of_both_sides(model, &moved, moment)
 }
 
 /// The change of the eigenvalues, as a share of their size, by the turning of the bodies, if it is at most

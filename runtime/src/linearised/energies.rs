@@ -134,11 +134,16 @@ fn shared(mut values: Vec<f64>) -> Vec<f64> {
 }
 
 impl Ledger {
-    /// The ledger at a state.
-    pub fn new(model: &Model, state: &State) -> Result<Ledger, RuntimeError> {
+    /// The ledger at a state, with the derivatives of its equations.
+    pub fn new(
+        model: &Model,
+        state: &State,
+        equations: &Equations,
+    ) -> Result<Ledger, RuntimeError> {
         let (flexible, loaded) = stores_of(model);
         let mut dynamics = Dynamics::new(model);
         dynamics.set_state(model, state, &[]);
+        dynamics.replace(&equations.replaced);
         let mut loads: Vec<Option<Load>> = vec![None; model.elements.len()];
         dynamics.load_derivatives(model, |index, by_pose, by_twist| {
             loads[index] = Some(Load {

@@ -5,10 +5,12 @@
 //! and the rate of the mass matrix by differences of a quadratic form.
 
 use super::axes::GroundAxes;
+use super::outputs::Direction;
 use crate::acceleration::AccelerationSystem;
 use crate::body::{BodyFrame, Weights};
 use crate::dynamics::Dynamics;
 use crate::dynamics::MatrixPlan;
+use crate::elements::Replaced;
 use crate::error::{Moment, RuntimeError};
 use crate::flexible::Work;
 use crate::linear::Pattern;
@@ -59,6 +61,8 @@ pub struct Equations {
     pub damping_terms: DMatrix<f64>,
     /// The terms of K (1/s²) from the motion and the weight of the state itself.
     pub own_terms: f64,
+    /// Derivatives of elements at kinks, by which those at the state were replaced (see `sides`).
+    pub(super) replaced: Replaced,
     axes: GroundAxes,
 }
 
@@ -287,11 +291,22 @@ fn gradient_rates(
 }
 
 impl Equations {
-    /// About a state on the constraints, with its accelerations and multipliers.
+    /// About a state on the constraints, with its accelerations and multipliers. An element at a kink has the
+    /// derivatives of one side; [`Equations::of_both_sides`] has those of both.
     ///
     /// # Errors
     /// When an element's numbers are not finite there, or the constraints depend on each other.
     pub fn new(model: &Model, state: &State, moment: Moment) -> Result<Equations, RuntimeError> {
+        Equations::with(model, state, moment, Replaced::new())
+    }
+
+    /// The same with derivatives of elements that replace those at the state.
+    pub(super) fn with(
+        model: &Model,
+        state: &State,
+        moment: Moment,
+        replaced: Replaced,
+    ) -> Result<Equations, RuntimeError> {
         let remembers =
             |kernels: &Vec<Arc<dyn FieldKernel>>| kernels.iter().any(|k| k.memory() > 0);
         if let Some(element) = model.kernels.iter().position(remembers) {
@@ -310,6 +325,7 @@ impl Equations {
                 moment,
             });
         }
+        dynamics.replace(&replaced);
         let axes = GroundAxes::new(model, &dynamics, &state.velocity);
         let blocks = Blocks::new(model, &mut dynamics, state, &axes)?;
         let basis = allowed(model, &blocks.mass, &blocks.gradients, moment)?;
@@ -388,6 +404,7 @@ impl Equations {
             stiffness_terms,
             damping_terms,
             own_terms: held + turning * turning,
+            replaced,
             axes,
         })
     }
@@ -418,6 +435,29 @@ impl Equations {
         out.view_mut((2 * p, 2 * p), (s, s))
             .copy_from(&self.rates_by_states);
         out
+    }
+
+    /// The move that belongs to one coordinate of ξ.
+    pub(super) fn direction(&self, k: usize) -> Direction {
+        let (p, n) = (self.freedoms(), self.basis.nrows());
+        let none = || DVector::zeros(n);
+        let (place, velocity) = if k < p {
+            let basis = self.basis.column(k).into_owned();
+            (basis, self.basis_rate.column(k).into_owned())
+        } else if k < 2 * p {
+            (none(), self.basis.column(k - p).into_owned())
+        } else {
+            (none(), none())
+        };
+        let mut states = vec![0.0; self.rates_by_states.nrows()];
+        if let Some(moved) = k.checked_sub(2 * p).and_then(|z| states.get_mut(z)) {
+            *moved = 1.0;
+        }
+        Direction {
+            place: self.in_body_axes(place).data.into(),
+            velocity: self.in_body_axes(velocity).data.into(),
+            states,
+        }
     }
 
     /// Converts a vector of the runtime's moves or rates (rotations in body axes) to ground axes.

@@ -42,6 +42,7 @@ mod outputs;
 mod over_time;
 mod response;
 mod run;
+mod sides;
 mod slow;
 mod state_space;
 mod variation;
@@ -139,7 +140,8 @@ impl Mode {
         }
     }
 
-    /// Whether it grows by more than its uncertainty.
+    /// Whether it grows by more than its uncertainty. The zero of a free motion is double, and rounding splits it by its root
+    /// with any sign; `slow` counts it as a zero, so it is no mode.
     pub fn grows(&self) -> bool {
         let uncertain = |r: &Repeating| r.error + r.missed;
         let error = self.repeating.as_ref().map_or(self.uncertain, uncertain);
@@ -246,7 +248,7 @@ pub fn linearise(
     moment: Moment,
     wanted: Wanted,
 ) -> Result<LinearModes, RuntimeError> {
-    let equations = Equations::new(model, state, moment)?;
+    let equations = Equations::of_both_sides(model, state, moment)?;
     let (coefficients, variation) = tested(model, state, &equations, moment, wanted.frozen)?;
     let p = equations.freedoms();
     let matrix = equations.first_order();
@@ -317,7 +319,7 @@ fn collected(
     let (oscillations, others): (Vec<_>, Vec<_>) =
         found.into_iter().partition(|pair| pair.value.im > 0.0);
     let mut kinds: [Vec<Found>; 2] = [oscillations, others];
-    let ledger = Ledger::new(model, state)?;
+    let ledger = Ledger::new(model, state, equations)?;
     let mut probe = Probe::new(model, state, moment)?;
     let mut modes = Vec::new();
     let mut left_out = [0; 2];

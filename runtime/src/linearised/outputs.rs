@@ -10,7 +10,7 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::outputs::Outputs;
 use crate::state::{State, move_pose};
-use eng_system::dense::largest_scaled;
+use eng_system::dense::{add_scaled, largest_scaled};
 
 /// The longest move of a difference, as a share of the model's position tolerance (a thousandth of the
 /// smallest clearance). Films are linear over it to 1e-9, and rounding of positions of a metre causes 1e-7.
@@ -32,6 +32,34 @@ pub(super) struct Direction {
     pub velocity: Vec<f64>,
     /// δz.
     pub states: Vec<f64>,
+}
+
+impl Direction {
+    /// Multiplies by a factor.
+    pub fn scale(&mut self, factor: f64) {
+        let numbers = self.place.iter_mut().chain(&mut self.velocity);
+        numbers.chain(&mut self.states).for_each(|x| *x *= factor);
+    }
+
+    /// Adds a share of another direction.
+    pub fn add(&mut self, other: &Direction, share: f64) {
+        add_scaled(&mut self.place, share, &other.place);
+        add_scaled(&mut self.velocity, share, &other.velocity);
+        add_scaled(&mut self.states, share, &other.states);
+    }
+
+    /// A state after a step along the direction, with its time, accelerations and multipliers.
+    pub fn moved(&self, model: &Model, state: &State, step: f64) -> State {
+        let mut moved = state.clone();
+        move_pose(model, &state.pose, &self.place, step, &mut moved.pose);
+        for (v, d) in moved.velocity.iter_mut().zip(&self.velocity) {
+            *v += step * d;
+        }
+        for (z, d) in moved.states.iter_mut().zip(&self.states) {
+            *z += step * d;
+        }
+        moved
+    }
 }
 
 /// Differences of the outputs about a state.
@@ -65,20 +93,7 @@ impl<'a> Probe<'a> {
     }
 
     fn at(&mut self, direction: &Direction, step: f64) -> Result<Vec<f64>, RuntimeError> {
-        let mut moved = self.state.clone();
-        move_pose(
-            self.model,
-            &self.state.pose,
-            &direction.place,
-            step,
-            &mut moved.pose,
-        );
-        for (v, d) in moved.velocity.iter_mut().zip(&direction.velocity) {
-            *v += step * d;
-        }
-        for (z, d) in moved.states.iter_mut().zip(&direction.states) {
-            *z += step * d;
-        }
+        let mut moved = direction.moved(self.model, self.state, step);
         self.system
             .accelerations(self.model, &mut self.dynamics, &mut moved, self.moment)?;
         self.outputs.evaluate(self.model, &self.dynamics, &moved)?;

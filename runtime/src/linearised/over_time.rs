@@ -121,7 +121,7 @@ pub(super) fn over_time(
             if loads.is_empty() && steady(model, state, &gone, &moved) {
                 return Ok(0.0);
             }
-            let there = Equations::new(model, &moved, moment)?;
+            let there = Equations::of_both_sides(model, &moved, moment)?;
             Ok(if turns.is_empty() {
                 here.change_in_place(model, &there)
             } else {

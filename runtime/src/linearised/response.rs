@@ -16,7 +16,7 @@
 //! points lie as far apart as the others. So the amplitude of a resonance changes by at most a tenth from point to point.
 
 use super::eigen::balance;
-use super::{LinearModes, Mode, StateSpace, run_linear};
+use super::{Coefficients, LinearModes, Mode, StateSpace, run_linear};
 use crate::error::RuntimeError;
 use crate::transient::Observer;
 use eng_system::code::Compiled;
@@ -51,7 +51,8 @@ pub struct FrequencyResponse {
 /// The response of an analysis. `observer` gets start, progress and warnings, and no samples.
 ///
 /// # Errors
-/// Those of [`run_linear`]; a motion that grows, so that no vibration is steady.
+/// Those of [`run_linear`]; a motion that grows, so that no vibration is steady. With coefficients held at a moment growth
+/// is no property of the motion, so the response is that of the held coefficients.
 pub fn run_response(
     compiled: &Compiled,
     overrides: &[Option<f64>],
@@ -59,7 +60,8 @@ pub fn run_response(
     observer: &mut dyn Observer,
 ) -> Result<FrequencyResponse, RuntimeError> {
     let modes = run_linear(compiled, overrides, &response.about, observer)?;
-    if let Some(mode) = modes.modes.iter().find(|mode| mode.grows()) {
+    let frozen = modes.coefficients == Coefficients::Frozen;
+    if let Some(mode) = modes.modes.iter().find(|mode| !frozen && mode.grows()) {
         let part = mode.leading(1).first().map(|(part, _)| *part);
         return Err(RuntimeError::Grows {
             moment: modes.moment,
@@ -70,7 +72,7 @@ pub fn run_response(
     }
     let (frequencies, undamped) = frequencies(&modes.modes, response.range, response.points);
     let outputs = match &modes.matrices {
-        Some(matrices) => Transfer::new(matrices).at_all(&frequencies),
+        Some(matrices) => Transfer::new(matrices, 0).at_all(&frequencies),
         None => None,
     };
     let Some(outputs) = outputs else {
@@ -102,7 +104,7 @@ fn frequencies(modes: &[Mode], [low, high]: [f64; 2], points: u32) -> (Vec<f64>,
     let mut undamped = Vec::new();
     for mode in modes.iter().filter(|mode| mode.oscillates()) {
         let (size, ratio) = (mode.undamped_frequency(), mode.damping_ratio());
-        if ratio < UNDAMPED && (low..=high).contains(&size) {
+        if ratio.abs() < UNDAMPED && (low..=high).contains(&size) {
             undamped.push(size);
         }
         let ratio = ratio.max(NARROWEST);
@@ -133,6 +135,33 @@ fn frequencies(modes: &[Mode], [low, high]: [f64; 2], points: u32) -> (Vec<f64>,
     (all, undamped)
 }
 
+/// Frequencies (Hz) at which outputs that an input does not move are found: some in each decade of any machine.
+const PROBED: [f64; 8] = [0.0123, 0.123, 1.23, 12.3, 123.0, 1.23e3, 1.23e4, 1.23e5];
+/// Share of the product of the sizes of C and of the motion below which an output does not follow the motion.
+const UNMOVED: f64 = 1e-10;
+
+impl StateSpace {
+    /// Places of outputs and inputs among those of the matrices, where H is zero up to rounding at each of several
+    /// frequencies.
+    pub fn independent(&self) -> Vec<[usize; 2]> {
+        let mut found = Vec::new();
+        for input in 0..self.b.ncols() {
+            let transfer = Transfer::new(self, input);
+            let mut moved = vec![false; self.c.nrows()];
+            for motion in PROBED.iter().filter_map(|f| transfer.motion(TAU * f)) {
+                let outputs = transfer.outputs(&motion);
+                for (output, (moved, h)) in moved.iter_mut().zip(outputs).enumerate() {
+                    let size = transfer.c.row(output).norm() * motion.norm();
+                    *moved |= h.norm() > UNMOVED * size;
+                }
+            }
+            let unmoved = moved.iter().enumerate().filter(|(_, moved)| !**moved);
+            found.extend(unmoved.map(|(output, _)| [output, input]));
+        }
+        found
+    }
+}
+
 /// The matrices with A in Hessenberg form.
 struct Transfer {
     hessenberg: DMatrix<f64>,
@@ -142,10 +171,10 @@ struct Transfer {
 }
 
 impl Transfer {
-    /// The form of matrices with one input, the first one.
-    fn new(matrices: &StateSpace) -> Transfer {
+    /// The form of matrices with one of their inputs.
+    fn new(matrices: &StateSpace, input: usize) -> Transfer {
         let mut a = matrices.a.clone();
-        let mut b = matrices.b.column(0).into_owned();
+        let mut b = matrices.b.column(input).into_owned();
         let mut c = matrices.c.clone();
         let scales = balance(&mut a);
         for (k, scale) in scales.iter().enumerate() {
@@ -160,7 +189,7 @@ impl Transfer {
             hessenberg: a,
             b,
             c,
-            d: matrices.d.column(0).into_owned(),
+            d: matrices.d.column(input).into_owned(),
         }
     }
 
@@ -169,8 +198,26 @@ impl Transfer {
         frequencies.iter().map(|f| self.at(TAU * f)).collect()
     }
 
-    /// H at an angular frequency (rad/s), by elimination with the larger of two rows as pivot.
+    /// H at an angular frequency (rad/s).
     fn at(&self, omega: f64) -> Option<Vec<Complex<f64>>> {
+        let outputs = self.outputs(&self.motion(omega)?);
+        let finite = |h: &Complex<f64>| h.re.is_finite() && h.im.is_finite();
+        outputs.iter().all(finite).then_some(outputs)
+    }
+
+    /// The outputs of a motion ξ.
+    fn outputs(&self, x: &DVector<Complex<f64>>) -> Vec<Complex<f64>> {
+        let rows = self.c.row_iter().zip(self.d.iter());
+        rows.map(|(c, d)| {
+            let moved = c.iter().zip(x.iter());
+            moved.map(|(c, x)| *x * *c).sum::<Complex<f64>>() + *d
+        })
+        .collect()
+    }
+
+    /// `(iω − A)⁻¹ B` at an angular frequency (rad/s), by elimination with the larger of two rows as pivot; `None` at a
+    /// frequency without damping.
+    fn motion(&self, omega: f64) -> Option<DVector<Complex<f64>>> {
         let n = self.hessenberg.nrows();
         let mut matrix = self.hessenberg.map(|x| Complex::new(-x, 0.0));
         for k in 0..n {
@@ -202,15 +249,8 @@ impl Transfer {
             }
             x[k] = rest / matrix[(k, k)];
         }
-        let outputs: Vec<Complex<f64>> = (0..self.d.len())
-            .map(|row| {
-                let c = self.c.row(row);
-                let moved = c.iter().zip(x.iter());
-                moved.map(|(c, x)| *x * *c).sum::<Complex<f64>>() + self.d[row]
-            })
-            .collect();
-        let finite = |h: &Complex<f64>| h.re.is_finite() && h.im.is_finite();
-        outputs.iter().all(finite).then_some(outputs)
+        let finite = |x: &Complex<f64>| x.re.is_finite() && x.im.is_finite();
+        x.iter().all(finite).then_some(x)
     }
 }
 
@@ -254,7 +294,7 @@ mod tests {
                 c: matrix(3, n),
                 d: matrix(3, 1),
             };
-            let transfer = Transfer::new(&matrices);
+            let transfer = Transfer::new(&matrices, 0);
             for omega in [0.01, 0.7, 40.0] {
                 let mut full = matrices.a.map(|x| Complex::new(-x, 0.0));
                 for k in 0..n {

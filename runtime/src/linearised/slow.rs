@@ -12,9 +12,14 @@
 //! K if σ is as slow as the wanted motion. The shift σ decreases in steps of the root of the rounding error
 //! until no eigenvalue is left.
 //!
-//! **Zeros** are decided by the forces of a motion and not by its rate. If `x*(K x − S z)` and `R x + U z`
-//! are no larger than the rounding of their terms, nothing holds the motion, and its λ is zero. The exception
-//! is a damped free motion: its second eigenvalue `λ = −c` has an inertia that balances its damping.
+//! **Zeros** are decided by the forces of a motion and not by its rate. The zero of a free motion (a train of discs
+//! that turns as a whole) is double, `y = λ x` with one vector for both. A relative perturbation ε of the matrix moves
+//! such a λ by the root of ε times the size of the matrix, with any sign, so the sign of a computed λ says nothing about
+//! growth there. Its forces are of the order ε, and not of its root: `x*(K x − S z)` of the vector is second order in
+//! its error. If they and `R x + U z` are no larger than the rounding of their terms, nothing holds the motion, and its
+//! λ is zero. A slow motion that truly grows has such forces: `x*K x = −λ²` far above this rounding, or for a state
+//! with the rate λ the term `U z`. The exception is a damped free motion: its second eigenvalue `λ = −c` has an inertia
+//! that balances its damping.
 
 use super::eigen::{Eigenpair, spectrum};
 use super::energies::parts;
@@ -121,9 +126,17 @@ fn kind(equations: &Equations, pair: &Eigenpair) -> Kind {
     if held.norm() > rounding * (terms + e.own_terms * square) {
         return Kind::Held;
     }
-    let changed = (product(&e.rates_by_place, &x) + product(&e.rates_by_states, &z)).norm();
-    let terms = e.rates_by_place.norm() * size_x.norm() + e.rates_by_states.norm() * size_z.norm();
-    if changed > rounding * terms {
+    // a state with a law of its own, such as the lag of a rubber, is zero in a free motion. The computed one is rounding
+    // of the rates T x that motions of this size give to it
+    let size = size_x.norm();
+    let rows = |matrix: &DMatrix<f64>| {
+        DVector::from_fn(matrix.nrows(), |i, _| matrix.row(i).norm() * size)
+    };
+    let changed = product(&e.rates_by_place, &x) + product(&e.rates_by_states, &z);
+    let terms =
+        rows(&e.rates_by_place) + e.rates_by_states.abs() * (size_z + rows(&e.rates_by_velocity));
+    let mut rates = changed.iter().zip(&terms);
+    if rates.any(|(changed, terms)| changed.norm() > rounding * terms) {
         return Kind::Held;
     }
     let damped = x.dotc(&product(&e.damping, &x));
