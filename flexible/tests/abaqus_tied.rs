@@ -199,3 +199,22 @@ fn ties_that_tie_nothing_are_refused() {
     let found = told(0.0, "*TIE, POSITION TOLERANCE=wide\nFOLLOWS, LEADS\n");
     assert!(found.contains("POSITION TOLERANCE is \"wide\""), "{found}");
 }
+
+/// A node a million widths from two faces, which are as far from each other: the box of cells around all has 10¹⁸ of
+/// them.
+#[test]
+fn a_far_node_is_tied_without_a_walk_over_all_cells() {
+    let mut deck = String::new();
+    let cube = |corner: [f64; 3]| [corner, corner.map(|x| x + 1.0)];
+    let far = 1e6;
+    block(&mut deck, "A", 1, [1; 3], cube([0.0, -far, -far]));
+    block(&mut deck, "B", 101, [1; 3], cube([0.0, far, far]));
+    block(&mut deck, "C", 201, [1; 3], cube([far, 0.0, 0.0]));
+    deck.push_str("*SURFACE, NAME=LEADS\n1, S2\n101, S1\n*SURFACE, NAME=FOLLOWS\n201, S1\n");
+    deck.push_str("*TIE, POSITION TOLERANCE=1e30\nFOLLOWS, LEADS\n");
+    deck.push_str("*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., 0.3\n*DENSITY\n7.85e-9\n");
+    let mesh = read(&deck).unwrap();
+    // √3 times 1e6
+    let expected = "bridges a gap of up to 1.732e6";
+    assert!(mesh.doubts[0].contains(expected), "{:?}", mesh.doubts);
+}

@@ -224,6 +224,9 @@ impl Invariants {
     /// is not positive.
     pub fn defect(&self) -> Option<String> {
         let n = self.modes;
+        let Some(square) = n.checked_mul(n) else {
+            return Some(format!("{n} modes are too many"));
+        };
         let rows = [
             ("translation", &self.translation),
             ("rotation", &self.rotation),
@@ -246,7 +249,7 @@ impl Invariants {
                 ("damping", &self.damping),
             ])
             .chain(self.geometric.iter().flat_map(Geometric::blocks))
-            .map(|(name, block)| (name, block, n * n));
+            .map(|(name, block)| (name, block, square));
         for (name, block, length) in rows.chain(squares) {
             if block.len() != length {
                 return Some(format!(

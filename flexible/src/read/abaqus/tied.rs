@@ -272,8 +272,8 @@ const STEPS: usize = 30;
 /// The farthest cell from the origin, along each axis.
 const FARTHEST: f64 = 1e9;
 
-/// Most rings of cells around a node. Beyond them every face is tried.
-const RINGS: i64 = 1000;
+/// Most cells of the rings around a node, for each face. Beyond them every face is tried.
+const WALKED: usize = 64;
 
 /// Faces by the cells of a grid that they touch.
 struct Grid {
@@ -362,16 +362,19 @@ impl Grid {
                 .max(high.saturating_sub(here));
         }
         let mut best: Option<Place> = None;
-        if last.saturating_sub(first) > RINGS {
-            for index in 0..self.faces.len() {
-                self.improve(&mut best, index, point);
-            }
-            return best;
-        }
         let mut seen = Vec::new();
+        let mut walked = 0;
         for ring in first..=last {
             let reached = (ring - 1) as f64 * self.width;
             if reached > tolerance || best.is_some_and(|best| best.distance <= reached) {
+                break;
+            }
+            // far from all faces the rings have more cells than there are faces
+            walked = self.size(centre, ring).saturating_add(walked);
+            if walked > WALKED * self.faces.len().saturating_add(1) {
+                for index in 0..self.faces.len() {
+                    self.improve(&mut best, index, point);
+                }
                 break;
             }
             for cell in self.ring(centre, ring) {
@@ -402,12 +405,24 @@ impl Grid {
         }
     }
 
+    /// The cells of the grid along an axis up to this number of steps from another.
+    fn range(&self, centre: [i64; 3], steps: i64, axis: usize) -> std::ops::RangeInclusive<i64> {
+        let low = (centre[axis] - steps).max(self.ends[0][axis]);
+        low..=(centre[axis] + steps).min(self.ends[1][axis])
+    }
+
+    /// The number of cells up to this number of steps from another.
+    fn size(&self, centre: [i64; 3], steps: i64) -> usize {
+        (0..3).fold(1_usize, |product, axis| {
+            let range = self.range(centre, steps, axis);
+            let count = (range.end() - range.start()).saturating_add(1).max(0);
+            product.saturating_mul(usize::try_from(count).unwrap_or(usize::MAX))
+        })
+    }
+
     /// The cells of the grid at this number of steps from another.
     fn ring(&self, centre: [i64; 3], steps: i64) -> Vec<[i64; 3]> {
-        let range = |axis: usize| {
-            let low = (centre[axis] - steps).max(self.ends[0][axis]);
-            low..=(centre[axis] + steps).min(self.ends[1][axis])
-        };
+        let range = |axis| self.range(centre, steps, axis);
         let mut cells = Vec::new();
         for x in range(0) {
             for y in range(1) {
