@@ -132,7 +132,7 @@ pub(super) fn units(mesh: &mut Mesh, file: &MeshFile) -> Result<MeshUnits, Flexi
             let [length, mass, time] = own.map(|unit| short(unit, 6));
             wrong(
                 format!(
-                    "dataset 164 of the file states units of {length} m, {mass} kg and {time} s ({name}), and the model `units: {}`",
+                    "dataset 164 of the file states units of {length} m, {mass} kg and {time} s ({name}), but the model states `units: {}`",
                     units.name
                 ),
                 "correct `units:` or leave it out; if the program that wrote the file states the same units in each file, as Salome and FreeCAD do, add `ignore: [\"164\"]`",
