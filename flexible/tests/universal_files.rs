@@ -371,13 +371,9 @@ fn numbers_that_touch_each_other() {
         node.id -= 4_000_000_000;
     }
     assert_eq!(contents(&found), contents(&mesh(small(1).as_bytes())));
-    let line = |id: u64, [x, y, z]: [f64; 3]| {
-        let [x, y, z] =
-            [x, y, z].map(|x| format!("{x:13.6e}").replace("e-", "E-").replace("e", "E+"));
-        let place = [x, y, z]
-            .map(|x| format!("{:>13}", x.replace("E+", "E+0").replace("E-", "E-0")))
-            .concat();
-        format!("{}{place}\n", whole(&[id, 0, 0, 11]).trim_end())
+    let real = |x: f64| format!("{:>13}", format!("{x:.6e}").replace('e', "E+0"));
+    let line = |id: u64, place: [f64; 3]| {
+        whole(&[id, 0, 0, 11]).trim_end().to_owned() + &place.map(real).concat() + "\n"
     };
     let places = [
         [-100.5, -200.25, -300.0],
@@ -561,7 +557,7 @@ fn contents_without_reader() {
             ("element 136 (spring between nodes)", 1, Structure),
             ("element 141 (damper between nodes)", 1, Nothing),
             ("element 999", 1, Unknown),
-            ("4711 (dataset)", 1, Unknown),
+            ("4711 (unknown dataset)", 1, Unknown),
         ],
     );
     let tables = dataset("2448", "properties\n") + &dataset("1710", "materials\n");

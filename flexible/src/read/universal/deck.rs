@@ -1,6 +1,7 @@
 //! The contents of the datasets, before the mesh is made of them.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::rc::Rc;
 
 use super::descriptors;
@@ -22,24 +23,18 @@ const GROUPS_OF_FOUR: [u32; 4] = [2435, 2452, 2467, 2477];
 const GROUPS_OF_TWO: [u32; 4] = [2417, 2429, 2430, 2432];
 
 /// Datasets without stiffness, mass and constraints.
-const NOTHING: [(u32, &str); 17] = [
+const NOTHING: [(u32, &str); 11] = [
     (55, "results at nodes"),
     (56, "results at elements"),
     (57, "results at nodes of elements"),
     (58, "functions"),
     (82, "lines for pictures"),
     (151, "header"),
-    (164, "units"),
     (1858, "headers of functions"),
     (2400, "header of a model"),
-    (2411, "nodes"),
-    (2412, "elements"),
     (2414, "results"),
     (2416, "header of results"),
     (2419, "matrices of results"),
-    (2420, "coordinate systems"),
-    (2429, "group"),
-    (2467, "groups"),
 ];
 
 /// Datasets of materials, sections and constraints, which Eng does not read.
@@ -60,6 +55,13 @@ const STRUCTURE: [(u32, &str); 14] = [
     (2448, "physical properties"),
 ];
 
+/// A dataset and a line of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    pub dataset: u32,
+    pub line: u64,
+}
+
 /// An element.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
@@ -70,7 +72,7 @@ pub(super) struct Row {
     pub material: i64,
     /// Its nodes in [`Deck::row_nodes`].
     pub nodes: std::ops::Range<usize>,
-    pub line: u64,
+    pub origin: Origin,
 }
 
 /// A member of a group.
@@ -79,7 +81,7 @@ pub(super) struct Member {
     /// Whether it is a node; else an element.
     pub is_node: bool,
     pub label: u64,
-    pub line: u64,
+    pub origin: Origin,
 }
 
 /// A group of nodes and elements.
@@ -88,14 +90,6 @@ pub(super) struct Group {
     pub number: i64,
     pub name: String,
     pub members: Vec<Member>,
-    pub dataset: u32,
-}
-
-/// The place of a node in the file, and the number of the system of its coordinates.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct NodePlace {
-    pub line: u64,
-    pub system: i64,
 }
 
 /// The contents of a file.
@@ -103,7 +97,8 @@ pub(super) struct NodePlace {
 pub(super) struct Deck {
     pub file: Rc<str>,
     pub nodes: Vec<Node>,
-    pub places: Vec<NodePlace>,
+    /// Of each node, its origin and the number of the system of its coordinates.
+    pub places: Vec<(Origin, i64)>,
     pub rows: Vec<Row>,
     pub row_nodes: Vec<u64>,
     pub groups: Vec<Group>,
@@ -139,11 +134,17 @@ impl Deck {
     }
 
     /// A line of the file.
-    pub fn at(&self, line: u64) -> At {
+    pub fn at(&self, origin: Origin) -> At {
         At {
             file: Rc::clone(&self.file),
-            line,
+            line: origin.line,
         }
+    }
+
+    /// A problem of an object of a dataset.
+    pub fn problem(&self, origin: Origin, problem: impl Display, advice: &str) -> FileProblem {
+        let problem = format!("dataset {}: {problem}", origin.dataset);
+        self.at(origin).problem(problem, advice)
     }
 
     fn take(&mut self, head: &Head, lines: &mut Lines) -> Result<(), FileProblem> {
@@ -154,8 +155,8 @@ impl Deck {
             2412 => self.elements(lines, false),
             2420 => self.systems(lines),
             164 => self.units(head, lines),
-            number if GROUPS_OF_FOUR.contains(&number) => self.groups(head, lines, 4),
-            number if GROUPS_OF_TWO.contains(&number) => self.groups(head, lines, 2),
+            number if GROUPS_OF_FOUR.contains(&number) => self.groups(lines, 4),
+            number if GROUPS_OF_TWO.contains(&number) => self.groups(lines, 2),
             number => {
                 let named = |list: &[(u32, &'static str)]| {
                     let found = list.iter().find(|(known, _)| *known == number);
@@ -164,7 +165,7 @@ impl Deck {
                 let (name, carries) = match (named(&NOTHING), named(&STRUCTURE)) {
                     (Some(name), _) => (name, Carries::Nothing),
                     (None, Some(name)) => (name, Carries::Structure),
-                    (None, None) => ("dataset", Carries::Unknown),
+                    (None, None) => ("unknown dataset", Carries::Unknown),
                 };
                 self.tables |= carries == Carries::Structure;
                 let name = format!("{number} ({name})");
@@ -209,8 +210,7 @@ impl Deck {
             position,
             frame: None,
         });
-        let line = record.at.line;
-        self.places.push(NodePlace { line, system });
+        self.places.push((record.origin(), system));
         Ok(())
     }
 
@@ -234,10 +234,7 @@ impl Deck {
             let wanted = descriptors::node_count(descriptor);
             if count < 1 || wanted.is_some_and(|wanted| wanted as i64 != count) {
                 return Err(record.problem(
-                    format!(
-                        "element {id} ({}) has {count} nodes",
-                        descriptors::name(descriptor)
-                    ),
+                    format!("element {id} of the descriptor {descriptor} has {count} nodes"),
                     "write it with the number of nodes of its descriptor",
                 ));
             }
@@ -262,7 +259,7 @@ impl Deck {
                 property,
                 material,
                 nodes: first..self.row_nodes.len(),
-                line: record.at.line,
+                origin: record.origin(),
             });
         }
         Ok(())
@@ -332,12 +329,7 @@ impl Deck {
 
     /// Groups: number, six numbers of sets, number of members; name; members of two or four numbers: type,
     /// label, and further ones.
-    fn groups(
-        &mut self,
-        head: &Head,
-        lines: &mut Lines,
-        numbers: usize,
-    ) -> Result<(), FileProblem> {
+    fn groups(&mut self, lines: &mut Lines, numbers: usize) -> Result<(), FileProblem> {
         while let Some(record) = lines.record()? {
             let [number, _, _, _, _, _, _, count] = record.head()?;
             let title = format!("group {number}");
@@ -351,7 +343,6 @@ impl Deck {
                 number,
                 name: lines.name()?,
                 members: Vec::new(),
-                dataset: head.number,
             };
             while left > 0 {
                 let now = left.min(8);
@@ -369,7 +360,7 @@ impl Deck {
                     group.members.push(Member {
                         is_node: *kind == NODE,
                         label: line.label(*label, &format!("a member of {title}"))?,
-                        line: line.at.line,
+                        origin: line.origin(),
                     });
                 }
                 left -= now;

@@ -1,5 +1,6 @@
 //! Datasets of a universal file, and the fields of their records.
 
+use super::deck::Origin;
 use crate::error::FileProblem;
 use crate::read::Files;
 use crate::read::number;
@@ -27,6 +28,14 @@ pub(super) struct Record {
 }
 
 impl Record {
+    /// Its dataset and line.
+    pub fn origin(&self) -> Origin {
+        Origin {
+            dataset: self.dataset,
+            line: self.at.line,
+        }
+    }
+
     /// A problem of this record.
     pub fn problem(&self, problem: impl std::fmt::Display, advice: &str) -> FileProblem {
         let problem = format!("dataset {}: {problem}", self.dataset);

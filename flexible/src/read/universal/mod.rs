@@ -25,7 +25,7 @@ use crate::read::Files;
 use crate::read::builder::{NewElement, Once, add_element};
 use crate::read::labels::Labels;
 use crate::read::source::whole;
-use deck::{Deck, Row};
+use deck::{Deck, Origin, Row};
 use descriptors::Class;
 
 /// Reads a universal file. Values keep the units of the file.
@@ -63,15 +63,16 @@ pub fn read_unv(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
 
 /// Refuses nodes in a system of coordinates that is not the global one.
 fn in_global_axes(deck: &Deck) -> Result<(), FileProblem> {
-    for (node, place) in deck.nodes.iter().zip(&deck.places) {
-        let problem = match (deck.systems.get(&place.system), place.system) {
+    for (node, (origin, system)) in deck.nodes.iter().zip(&deck.places) {
+        let problem = match (deck.systems.get(system), system) {
             (Some((true, _)), _) | (None, 0 | 1) => continue,
             (Some((false, line)), system) => {
                 format!("system {system} (line {line}), which is turned, moved or not Cartesian")
             }
             (None, system) => format!("system {system}, which dataset 2420 does not define"),
         };
-        return Err(deck.at(place.line).problem(
+        return Err(deck.problem(
+            *origin,
             format!("node {} has coordinates of {problem}", node.id),
             "write the nodes in the global coordinate system",
         ));
@@ -81,26 +82,30 @@ fn in_global_axes(deck: &Deck) -> Result<(), FileProblem> {
 
 /// The nodes or the elements by their numbers, each of which is unique.
 fn labels_of(deck: &Deck, of_nodes: bool) -> Result<Labels, FileProblem> {
-    let found: Vec<(u64, u64)> = if of_nodes {
-        let lines = deck.nodes.iter().zip(&deck.places);
-        lines.map(|(node, place)| (node.id, place.line)).collect()
+    let found: Vec<(u64, Origin)> = if of_nodes {
+        let places = deck.nodes.iter().zip(&deck.places);
+        places
+            .map(|(node, (origin, _))| (node.id, *origin))
+            .collect()
     } else {
-        deck.rows.iter().map(|row| (row.id, row.line)).collect()
+        deck.rows.iter().map(|row| (row.id, row.origin)).collect()
     };
     let labels = Labels::new(found.iter().map(|(id, _)| *id).zip(0_u32..).collect());
     let Some(repeated) = labels.repeated() else {
         return Ok(labels);
     };
-    let mut lines = found.iter().filter(|(id, _)| *id == repeated);
-    let (first, second) = (lines.next(), lines.next());
-    let line = |found: Option<&(u64, u64)>| found.map_or(0, |(_, line)| *line);
+    let mut origins = found.iter().filter(|(id, _)| *id == repeated);
+    let (Some((_, first)), Some((_, second))) = (origins.next(), origins.next()) else {
+        return Ok(labels);
+    };
     let kind = if of_nodes { "node" } else { "element" };
-    Err(deck.at(line(second)).problem(
+    Err(deck.problem(
+        *second,
         format!(
             "{kind} {repeated} is defined again; line {} defines it first",
-            line(first)
+            first.line
         ),
-        format!("write the file again; each {kind} needs its own number"),
+        "write the file again; each node and each element needs its own number",
     ))
 }
 
@@ -134,7 +139,7 @@ fn elements(
                     shell: None,
                 };
                 let index = add_element(mesh, new, &nodes, None)
-                    .map_err(|many| many.at(&deck.at(row.line)))?;
+                    .map_err(|many| many.at(&deck.at(row.origin)))?;
                 of_materials.entry(row.material).or_default().push(index);
                 made.push(Ok(index));
                 continue;
@@ -151,7 +156,7 @@ fn elements(
             }
             Class::Other(carries) => {
                 let name = descriptors::name(row.descriptor);
-                deck.unread.note(&name, &deck.at(row.line), carries);
+                deck.unread.note(&name, &deck.at(row.origin), carries);
             }
         }
         made.push(Err(nodes));
@@ -167,7 +172,7 @@ fn elements(
             true => ("lines and surfaces on solids".to_owned(), Carries::Nothing),
             false => (descriptors::name(row.descriptor), Carries::Structure),
         };
-        deck.unread.note(&name, &deck.at(row.line), carries);
+        deck.unread.note(&name, &deck.at(row.origin), carries);
     }
     mesh.properties = properties.all;
     for (material, elements) in of_materials {
@@ -196,13 +201,15 @@ fn nodes_of(deck: &Deck, row: &Row, labels: &Labels) -> Result<Vec<u32>, FilePro
     let mut nodes = Vec::with_capacity(given.len());
     for node in given {
         let index = labels.find(*node).ok_or_else(|| {
-            deck.at(row.line).problem(
+            deck.problem(
+                row.origin,
                 format!("{} uses node {node}, which is missing", title()),
                 "write the whole mesh with all its nodes",
             )
         })?;
         if nodes.contains(&index) {
-            return Err(deck.at(row.line).problem(
+            return Err(deck.problem(
+                row.origin,
                 format!("{} uses node {node} twice", title()),
                 "write a wedge or tetrahedron in place of a solid with collapsed edges",
             ));
@@ -237,10 +244,11 @@ fn groups(
                 false => (rows, "element"),
             };
             let index = known.find(member.label).ok_or_else(|| {
-                deck.at(member.line).problem(
+                deck.problem(
+                    member.origin,
                     format!(
-                        "dataset {}: group {} has {kind} {}, which is missing",
-                        group.dataset, group.number, member.label
+                        "group {} has {kind} {}, which is missing",
+                        group.number, member.label
                     ),
                     "write the whole mesh, or the groups of the written part alone",
                 )
