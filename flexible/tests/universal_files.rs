@@ -1,5 +1,5 @@
-//! Universal files: the same meshes written by gmsh in both formats; all datasets of a small file, in several forms,
-//! against the same mesh in the language of Nastran; wrong files with their messages.
+//! Universal files: the same meshes written by gmsh in both formats; all datasets of a small file, in several
+//! forms, against the same mesh in the language of Nastran; wrong files with their messages.
 
 use std::fmt::Write as _;
 use std::io::Read;
@@ -526,8 +526,8 @@ fn wrong_files_and_their_messages() {
     insta::assert_snapshot!(said);
 }
 
-/// Contents that stop the reduction unless `ignore` names them; shells and beams are faces and edges of solids in
-/// a file without tables alone.
+/// Contents that stop the reduction unless `ignore` names them; shells and beams are faces and edges of solids
+/// in a file without tables alone.
 #[test]
 fn contents_without_reader() {
     let shell = whole(&[20, 94, 1, 1, 7, 4]) + &whole(&[9, 10, 11, 12]);

@@ -13,7 +13,8 @@ use eng_grammar::Diagnostic;
 use eng_system::flexible as text;
 use eng_system::mesh_files::ElementRules;
 
-/// The request for a source. It reads the matrices and shapes of other codes, which have the units of the mesh.
+/// The request for a source. It reads the matrices and shapes of other codes, which have the units of the
+/// mesh.
 pub(super) fn request(
     source: &text::FlexibleSource,
     files: &dyn Files,

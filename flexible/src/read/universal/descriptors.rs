@@ -19,7 +19,8 @@ use Class::{Other, Rigid, Thin};
 
 const STRUCTURE: Class = Other(Carries::Structure);
 
-/// Descriptors with their names, numbers of nodes (zero: any number) and classes. Solids are in the table of elements.
+/// Descriptors with their names, numbers of nodes (zero: any number) and classes. Solids are in the table of
+/// elements.
 const KNOWN: &[(u32, &str, usize, Class)] = &[
     (11, "rod", 2, Thin),
     (21, "linear beam", 2, Thin),

@@ -1,13 +1,12 @@
 //! Universal files of I-deas (`.unv`, `.uff`): nodes, solids, rigid elements and groups become a [`Mesh`].
 //!
-//! A group is a set with its name and `group:N`; `material:N` is a set, too. A property is a table of physical
-//! properties and has its number as name. Materials and thicknesses are in tables that are not read, so the
-//! properties have no material; [`Mesh::set_material`] sets it. Lines and surfaces on solids of a file without
-//! such tables only add their nodes to groups.
+//! A group is a set with its name and `group:N`; `material:N` is a set, too. A property is a table of
+//! physical properties and has its number as name. Materials and thicknesses are in tables that are not read,
+//! so the properties have no material; [`Mesh::set_material`] sets it. Lines and surfaces on solids of a file
+//! without such tables only add their nodes to groups.
 //!
-//! Sources: SDRC I-DEAS universal file formats, datasets 15, 164, 780, 781, 2411, 2412, 2420, 2467 (University of
-//! Cincinnati, Structural Dynamics Research Laboratory); order of nodes: libMesh (`unv_io.C`), gmsh
-//! (`getVertexUNV`), which agree.
+//! Sources: SDRC I-DEAS universal file formats, datasets 15, 164, 780, 781, 2411, 2412, 2420, 2467
+//! (University of Cincinnati, Structural Dynamics Research Laboratory); order of nodes: files of gmsh 4.15.
 //!
 //! ```text
 //! lines ─▶ deck (contents of datasets) ─▶ elements, groups ─▶ mesh
@@ -31,8 +30,8 @@ use descriptors::Class;
 /// Reads a universal file. Values keep the units of the file.
 ///
 /// # Errors
-/// With file, line and dataset: a file that can't be read or is cut, text in the place of a number, a missing or
-/// repeated node or element, coordinates in a system that is not the global one, a file without solids.
+/// With file, line and dataset: a file that can't be read or is cut, text in the place of a number, a missing
+/// or repeated node or element, coordinates in a system that is not the global one, a file without solids.
 pub fn read_unv(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     let mut deck = Deck::read(files, name)?;
     if deck.nodes.is_empty() {
