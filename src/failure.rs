@@ -157,16 +157,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             });
             message.with_help("such a duration never passes: give it as a time, or start the crank turning")
         }
-        R::NotRepeating { origin, why, .. } => {
-            let message = d(codes::NOT_REPEATING);
-            let message = message.with_each(origin, |message, origin| {
-                place(message, origin, "is farthest off")
-            });
-            message.with_help(match why {
-                NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and the loads that depend on time. A longer `after:` or a finer `tolerance` begins the search nearer to the steady motion",
-                NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let the ringing of the start die out with `after:`; a shorter `step` follows faster swings",
-            })
-        }
+        R::NotRepeating { origin, why, .. } => not_repeating(d(codes::NOT_REPEATING), origin.as_deref(), why),
         R::NoEquilibrium { origin, carried, turning, films, .. } => {
             let message = place(d(codes::NO_EQUILIBRIUM), origin, "the obstacle");
             no_equilibrium(message, *carried, *turning, *films)
@@ -202,6 +193,17 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
+}
+
+/// The message about a motion that does not come back after the period.
+fn not_repeating(message: Diagnostic, origin: Option<&Origin>, why: &NotBack) -> Diagnostic {
+    let message = message.with_each(origin, |message, origin| {
+        place(message, origin, "is farthest off")
+    });
+    message.with_help(match why {
+        NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and the loads that depend on time. A longer `after:` or a finer `tolerance` begins the search nearer to the steady motion",
+        NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let the ringing of the start die out with `after:`; a shorter `step` follows faster swings",
+    })
 }
 
 /// The message about a constraint that demands a jump at a kink, with the place of the kink and its text.

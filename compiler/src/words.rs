@@ -164,6 +164,12 @@ const MESH: &[Argument] = &[
     named("units", Takes::Word(UNITS)),
     optional("ignore", Takes::Texts),
 ];
+/// A mesh whose file may state its units.
+const MESH_WITH_UNITS: &[Argument] = &[
+    FILE,
+    optional("units", Takes::Word(UNITS)),
+    optional("ignore", Takes::Texts),
+];
 const LIST: Argument = optional("freedoms", Takes::Text);
 const PER_NODE: Argument = optional("per_node", Takes::Count);
 const NAMED_MATRIX: &[Argument] = &[FILE, named("matrix", Takes::Text), LIST, PER_NODE];
@@ -212,6 +218,12 @@ pub(crate) const WORDS: &[Word] = &[
         place: Place::Mesh,
         arguments: MESH,
         example: "ansys(\"block.cdb\", units: mm_tonne_s)",
+    },
+    Word {
+        word: "universal",
+        place: Place::Mesh,
+        arguments: MESH_WITH_UNITS,
+        example: "universal(\"block.unv\", units: mm_tonne_s)",
     },
     Word {
         word: "stack",

@@ -1,6 +1,6 @@
 //! Units of finite-element files.
 //!
-//! The files do not state their units.
+//! Most files do not state their units.
 
 use crate::mesh::{BeamSection, Mesh, Section, ShellSection, Tie};
 
@@ -10,14 +10,14 @@ impl Mesh {
     /// Converts everything to SI. Angles are radians in every system.
     pub fn convert(&mut self, units: &MeshUnits) {
         let (length, mass, force) = (units.length, units.mass, units.force());
-        if let Some((word, [own_length, own_mass, own_time])) = self.units.take() {
-            let ratios = [own_length / length, own_mass / mass, own_time / units.time];
-            if ratios.iter().any(|ratio| (ratio - 1.0).abs() > 1e-3) {
-                self.doubts.push(format!(
-                    "the file names the units {word} (of {own_length} m, {own_mass} kg and {own_time} s), and the model {}",
-                    units.name
-                ));
-            }
+        if let Some((word, own)) = self.units.take()
+            && differ(own, units)
+        {
+            let [own_length, own_mass, own_time] = own;
+            self.doubts.push(format!(
+                "the file names the units {word} (of {own_length} m, {own_mass} kg and {own_time} s), and the model {}",
+                units.name
+            ));
         }
         for node in &mut self.nodes {
             node.position = node.position.map(|x| x * length);
@@ -100,6 +100,12 @@ impl Mesh {
             }
         }
     }
+}
+
+/// Whether a file's own metres, kilograms and seconds are others than those of the model.
+pub fn differ([length, mass, time]: [f64; 3], units: &MeshUnits) -> bool {
+    let ratios = [length / units.length, mass / units.mass, time / units.time];
+    ratios.iter().any(|ratio| (ratio - 1.0).abs() > 1e-3)
 }
 
 /// Factor of a freedom: one for a translation, a length for a rotation.

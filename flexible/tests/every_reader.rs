@@ -145,6 +145,7 @@ fn damaged_files_through_every_reader() {
         "calculix/twisted.frd.gz",
         "ansys/hexbeam.cdb.gz",
         "ansys/hypermesh.cdb.gz",
+        "universal/wedge2.unv.gz",
     ];
     let mut samples: Vec<Vec<u8>> = unpacked.iter().map(|name| short(name)).collect();
     // the compressed file, too

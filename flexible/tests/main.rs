@@ -52,3 +52,4 @@ mod stacks;
 mod store;
 mod store_crank;
 mod systems;
+mod universal_files;

@@ -8,6 +8,7 @@ use eng_flexible::markers::select;
 use eng_flexible::mesh::{Material, Mesh, SupportCards, Unread};
 use eng_flexible::reduce::{Outline, outline};
 use eng_flexible::store::Key;
+use eng_flexible::units::MeshUnits;
 use eng_grammar::{Diagnostic, Severity};
 use eng_system::flexible::{FlexibleSource, MarkerPlace, ModeTerm};
 use serde::{Deserialize, Serialize};
@@ -82,8 +83,8 @@ impl Looks {
             return found;
         }
         let files = Recorded::new(sources);
-        let mesh = match mesh_of(&files, source) {
-            Ok(mesh) => mesh,
+        let (mesh, units) = match mesh_of(&files, source) {
+            Ok(made) => made,
             Err(diagnostic) => return vec![*diagnostic],
         };
         let mut found = sense::doubts(&Facts::of(&mesh), source);
@@ -91,7 +92,7 @@ impl Looks {
         found.extend(wrong_markers(&mesh, source));
         if !found.iter().any(|d| d.severity == Severity::Error) {
             // the compilation of the model reports an error of the matrices
-            let _ = self.make(key, &files, mesh, source);
+            let _ = self.make(key, &files, (mesh, units), source);
         }
         found
     }
@@ -108,11 +109,11 @@ impl Looks {
             Some(look) => look,
             None => {
                 let files = Recorded::new(sources);
-                let mesh = mesh_of(&files, source)?;
+                let (mesh, units) = mesh_of(&files, source)?;
                 if let Some(refusal) = sense::refusal(&mesh, source) {
                     return Err(refusal);
                 }
-                self.make(key, &files, mesh, source)?
+                self.make(key, &files, (mesh, units), source)?
             }
         };
         sense::bare_markers(look.outline.turns(), source, turned)?;
@@ -153,11 +154,11 @@ impl Looks {
         &self,
         key: Option<Key>,
         files: &Recorded,
-        mesh: Mesh,
+        (mesh, units): (Mesh, MeshUnits),
         source: &FlexibleSource,
     ) -> Result<Arc<Look>, Box<Diagnostic>> {
         let facts = Facts::of(&mesh);
-        let request = request::request(source, files)?;
+        let request = request::request(source, files, units)?;
         let outline = outline(mesh, &request).map_err(|e| reduction_failed(&e, source))?;
         let look = |key, files| Look {
             key,

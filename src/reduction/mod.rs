@@ -18,6 +18,7 @@ use eng_flexible::modes::Dropped;
 use eng_flexible::reduce::{Report, Served};
 use eng_flexible::stack::{StackError, stack_mesh};
 use eng_flexible::store::{Key, StoredBody};
+use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError, Part, read_mesh};
 use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_system::flexible::{FlexibleSource, MatrixSource, MeshSource, StackSource};
@@ -127,25 +128,30 @@ fn stack_failed(error: &StackError, source: &StackSource) -> Box<Diagnostic> {
     Box::new(message)
 }
 
-/// Reads or makes a mesh in SI, with its material.
-fn mesh_of(files: &dyn Files, source: &FlexibleSource) -> Result<Mesh, Box<Diagnostic>> {
+/// Reads or makes a mesh in SI, with its material, and returns the units of its files.
+fn mesh_of(
+    files: &dyn Files,
+    source: &FlexibleSource,
+) -> Result<(Mesh, MeshUnits), Box<Diagnostic>> {
     let at = source.mesh.at();
-    let mut mesh = match &source.mesh {
+    let (mut mesh, units) = match &source.mesh {
         MeshSource::File(file) => {
-            let mut mesh = read_mesh(files, &file.file, file.format)
-                .map_err(|e| failed(codes::MESH, &e, at, "this mesh"))?;
-            mesh.convert(&file.units);
-            mesh
+            let wrong = |e| failed(codes::MESH, &e, at, "this mesh");
+            let mut mesh = read_mesh(files, &file.file, file.format).map_err(wrong)?;
+            let units = sense::units(&mut mesh, file).map_err(wrong)?;
+            mesh.convert(&units);
+            (mesh, units)
         }
         MeshSource::Stack(stack) => {
-            stack_mesh(&stack.stack).map_err(|error| stack_failed(&error, stack))?
+            let mesh = stack_mesh(&stack.stack).map_err(|error| stack_failed(&error, stack))?;
+            (mesh, MeshUnits::SI)
         }
     };
     if let Some(material) = &source.material {
         mesh.set_material(material.young, material.poisson, material.density)
             .map_err(|e| failed(codes::MESH, &e, material.at, "this material"))?;
     }
-    Ok(mesh)
+    Ok((mesh, units))
 }
 
 /// Reduces each body of a program once, however many models and analyses use it.
@@ -220,11 +226,11 @@ fn reduced(
     text: String,
 ) -> Result<StoredBody, Box<Diagnostic>> {
     let files = cache::Recorded::new(sources);
-    let mesh = mesh_of(&files, source)?;
+    let (mesh, units) = mesh_of(&files, source)?;
     if let Some(refusal) = sense::refusal(&mesh, source) {
         return Err(refusal);
     }
-    let request = request::request(source, &files)?;
+    let request = request::request(source, &files, units)?;
     let reduced =
         eng_flexible::reduce::reduce(mesh, &request).map_err(|e| reduction_failed(&e, source))?;
     let mut provenance = files.read_files();

@@ -1,5 +1,6 @@
 //! Turns the block of a flexible body into a request to the crate `flexible`.
 
+use super::sense;
 use eng_flexible::fe::Rules;
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
 use eng_flexible::markers::MarkerRequest;
@@ -12,16 +13,17 @@ use eng_grammar::Diagnostic;
 use eng_system::flexible as text;
 use eng_system::mesh_files::ElementRules;
 
-/// The request for a source. It reads the matrices and shapes of other codes.
+/// The request for a source. It reads the matrices and shapes of other codes, which have the units of the
+/// mesh.
 pub(super) fn request(
     source: &text::FlexibleSource,
     files: &dyn Files,
+    units: MeshUnits,
 ) -> Result<Request, Box<Diagnostic>> {
     let all = |marker: &u32| Interface {
         marker: *marker as usize,
         components: text::ALL_FREEDOMS,
     };
-    let units = source.mesh.units();
     let mut terms = Vec::with_capacity(source.modes.len());
     for part in &source.modes {
         terms.push(term(part, files, units)?);
@@ -101,7 +103,10 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
 /// The data of a mesh that its file does not hold.
 fn mesh(source: &text::MeshSource) -> String {
     match source {
-        text::MeshSource::File(mesh) => format!("{:?}", (&mesh.format, &mesh.units)),
+        text::MeshSource::File(mesh) => {
+            let data = (&mesh.format, &mesh.units, sense::units_are_ignored(mesh));
+            format!("{data:?}")
+        }
         // each number has all its digits
         text::MeshSource::Stack(stack) => format!("{:?}", stack.stack),
     }

@@ -5,8 +5,10 @@ use super::{failed, span};
 use crate::codes;
 use eng_flexible::FlexibleError;
 use eng_flexible::mesh::{Carries, Code, Element, ElementKind, Mesh, Unread, Variant};
+use eng_flexible::units::{MeshUnits, differ};
 use eng_grammar::Diagnostic;
-use eng_system::flexible::{FlexibleSource, MarkerPlace};
+use eng_system::flexible::{FlexibleSource, MarkerPlace, MeshFile};
+use eng_system::mesh_files::MeshFormat;
 use eng_system::reduced::ReducedMarker;
 use eng_system::significant::short;
 
@@ -45,7 +47,10 @@ pub(super) fn doubts(mesh: &Facts, source: &FlexibleSource) -> Vec<Diagnostic> {
     if !odd.is_empty() {
         let (title, label, help) = match source.mesh.file() {
             Some(file) => (
-                format!("with `units: {}`, {}", file.units.name, odd.join(", ")),
+                match file.units {
+                    Some(units) => format!("with `units: {}`, {}", units.name, odd.join(", ")),
+                    None => format!("with the units of the file, {}", odd.join(", ")),
+                },
                 "are these the units of the file?",
                 "finite-element files don't state their units; common are mm_tonne_s and m_kg_s",
             ),
@@ -101,6 +106,50 @@ fn means(ignored: &str, name: &str) -> bool {
         && name
             .strip_prefix(ignored.as_str())
             .is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
+}
+
+/// Whether the text leaves out the units that a universal file states.
+pub(super) fn units_are_ignored(file: &MeshFile) -> bool {
+    file.format == MeshFormat::Universal && file.ignored.iter().any(|i| means(i, "164"))
+}
+
+/// The units of a mesh: those of the text, or those of the file. Only universal files state units of which
+/// values are made, and the text must not contradict them.
+pub(super) fn units(mesh: &mut Mesh, file: &MeshFile) -> Result<MeshUnits, FlexibleError> {
+    if units_are_ignored(file) {
+        mesh.units = None;
+    }
+    let wrong = |problem: String, advice: &str| {
+        Err(FlexibleError::Structure {
+            problem,
+            advice: advice.into(),
+        })
+    };
+    match (file.units, &mesh.units) {
+        (Some(units), Some((name, own)))
+            if file.format == MeshFormat::Universal && differ(*own, &units) =>
+        {
+            let [length, mass, time] = own.map(|unit| short(unit, 6));
+            wrong(
+                format!(
+                    "dataset 164 of the file states units of {length} m, {mass} kg and {time} s ({name}), but the model states `units: {}`",
+                    units.name
+                ),
+                "correct `units:` or leave it out; if the program that wrote the file states the same units in each file, as Salome and FreeCAD do, add `ignore: [\"164\"]`",
+            )
+        }
+        (Some(units), _) => Ok(units),
+        (None, Some((_, [length, mass, time]))) => Ok(MeshUnits {
+            name: "of the file",
+            length: *length,
+            mass: *mass,
+            time: *time,
+        }),
+        (None, None) => wrong(
+            "neither the file nor the model states the units of the mesh".into(),
+            "write `units: mm_tonne_s` or other units in the mesh",
+        ),
+    }
 }
 
 /// The supports of the deck, if the body does not use them.

@@ -87,14 +87,6 @@ impl MeshSource {
         }
     }
 
-    /// Units of the mesh.
-    pub fn units(&self) -> MeshUnits {
-        match self {
-            MeshSource::File(file) => file.units,
-            MeshSource::Stack(_) => MeshUnits::SI,
-        }
-    }
-
     /// Cards and keywords that may be left out.
     pub fn ignored(&self) -> &[String] {
         match self {
@@ -122,8 +114,8 @@ pub struct MeshFile {
     pub format: MeshFormat,
     /// The file, from the model's folder.
     pub file: String,
-    /// Units of the file.
-    pub units: MeshUnits,
+    /// Units of the file; `None`: those that it states itself.
+    pub units: Option<MeshUnits>,
     /// Cards and keywords that may be left out although they carry stiffness, mass or constraints.
     pub ignored: Vec<String>,
     /// Place of the source in the text.

@@ -25,6 +25,8 @@ pub enum MeshFormat {
     Gmsh,
     /// An archive of ANSYS (`.cdb`).
     Ansys,
+    /// A universal file of I-deas (`.unv`, `.uff`).
+    Universal,
 }
 
 impl Stated for MeshFormat {
@@ -34,6 +36,7 @@ impl Stated for MeshFormat {
         ("calculix", MeshFormat::CalculiX),
         ("gmsh", MeshFormat::Gmsh),
         ("ansys", MeshFormat::Ansys),
+        ("universal", MeshFormat::Universal),
     ];
 }
 

@@ -49,6 +49,7 @@ pub(super) const HEXAHEDRON8: Description = Description {
         nastran: &["CHEXA"],
         abaqus: &["C3D8"],
         gmsh: Some(5),
+        universal: Some(115),
         ..Names::NONE
     },
 };
@@ -72,6 +73,11 @@ pub(super) const HEXAHEDRON20: Description = Description {
         gmsh: Some(17),
         gmsh_order: Some(&[
             0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15,
+        ]),
+        universal: Some(116),
+        // the nodes around the bottom with those of its edges, the vertical edges, the nodes around the top
+        universal_order: Some(&[
+            0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11,
         ]),
         ..Names::NONE
     },

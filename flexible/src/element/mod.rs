@@ -131,6 +131,10 @@ pub(crate) struct Names {
     pub(crate) gmsh: Option<i32>,
     /// Position of each node in a file of gmsh.
     pub(crate) gmsh_order: Option<&'static [usize]>,
+    /// Descriptor of the solid in universal files of I-deas.
+    pub(crate) universal: Option<u32>,
+    /// Position of each node in a universal file.
+    pub(crate) universal_order: Option<&'static [usize]>,
 }
 
 impl Names {
@@ -142,6 +146,8 @@ impl Names {
         abaqus_facets: &[],
         gmsh: None,
         gmsh_order: None,
+        universal: None,
+        universal_order: None,
     };
 }
 
@@ -207,6 +213,12 @@ impl ElementKind {
     /// The kind of a type of gmsh.
     pub(crate) fn of_gmsh(number: i32) -> Option<ElementKind> {
         let named = |kind: &ElementKind| kind.description().names.gmsh == Some(number);
+        Self::ALL.into_iter().find(named)
+    }
+
+    /// The solid of a descriptor of universal files.
+    pub(crate) fn of_universal(descriptor: u32) -> Option<ElementKind> {
+        let named = |kind: &ElementKind| kind.description().names.universal == Some(descriptor);
         Self::ALL.into_iter().find(named)
     }
 }

@@ -22,6 +22,7 @@ pub(super) const TETRAHEDRON4: Description = Description {
         nastran: &["CTETRA"],
         abaqus: &["C3D4"],
         gmsh: Some(4),
+        universal: Some(111),
         ..Names::NONE
     },
 };
@@ -40,6 +41,9 @@ pub(super) const TETRAHEDRON10: Description = Description {
         abaqus: &["C3D10"],
         gmsh: Some(11),
         gmsh_order: Some(&[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
+        universal: Some(118),
+        // the nodes around the bottom with those of its edges, the edges to the apex, the apex
+        universal_order: Some(&[0, 2, 4, 9, 1, 3, 5, 6, 7, 8]),
         ..Names::NONE
     },
     ..TETRAHEDRON4

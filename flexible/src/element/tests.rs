@@ -249,7 +249,7 @@ fn middle_nodes_belong_to_their_edges() {
 fn names_find_their_kinds_and_orders_are_permutations() {
     for kind in ElementKind::ALL {
         let names = kind.description().names;
-        for order in [names.nastran_order, names.gmsh_order]
+        for order in [names.nastran_order, names.gmsh_order, names.universal_order]
             .into_iter()
             .flatten()
         {
@@ -274,6 +274,9 @@ fn names_find_their_kinds_and_orders_are_permutations() {
         }
         if let Some(number) = names.gmsh {
             assert_eq!(ElementKind::of_gmsh(number), Some(kind));
+        }
+        if let Some(descriptor) = names.universal {
+            assert_eq!(ElementKind::of_universal(descriptor), Some(kind));
         }
     }
     let hexahedron = ElementKind::Hexahedron20.description();

@@ -38,6 +38,7 @@ pub(super) const WEDGE6: Description = Description {
         nastran: &["CPENTA"],
         abaqus: &["C3D6"],
         gmsh: Some(6),
+        universal: Some(112),
         ..Names::NONE
     },
 };
@@ -58,6 +59,9 @@ pub(super) const WEDGE15: Description = Description {
         abaqus: &["C3D15"],
         gmsh: Some(18),
         gmsh_order: Some(&[0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11]),
+        universal: Some(113),
+        // the nodes around the bottom with those of its edges, the vertical edges, the nodes around the top
+        universal_order: Some(&[0, 2, 4, 9, 11, 13, 1, 3, 5, 10, 12, 14, 6, 7, 8]),
         ..Names::NONE
     },
     ..WEDGE6

@@ -32,6 +32,8 @@ pub(crate) enum Content {
     GmshMesh,
     /// Commands of ANSYS.
     AnsysArchive,
+    /// Datasets of I-deas.
+    UniversalFile,
     /// Nastran's OP2.
     Op2,
     /// Nastran's OP4, binary or text.
@@ -56,6 +58,7 @@ impl Content {
             Content::AbaqusDeck => "keywords of an Abaqus or CalculiX input file",
             Content::GmshMesh => "a mesh of gmsh",
             Content::AnsysArchive => "commands of ANSYS",
+            Content::UniversalFile => "datasets of a universal file",
             Content::Op2 => "data blocks of Nastran's OP2",
             Content::Op4 => "matrices of Nastran's OP4",
             Content::MatrixByFreedoms => {
@@ -96,6 +99,7 @@ impl Content {
         lines.find_map(|line| {
             let trimmed = line.trim();
             match trimmed.as_bytes() {
+                b"-1" => Some(Content::UniversalFile),
                 [b'$', ..] if trimmed == "$MeshFormat" || trimmed == "$NOD" => {
                     Some(Content::GmshMesh)
                 }

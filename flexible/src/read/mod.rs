@@ -13,6 +13,7 @@ pub mod matrix;
 pub mod nastran;
 mod number;
 mod source;
+pub mod universal;
 mod unread;
 mod vector;
 
@@ -42,6 +43,7 @@ impl Readable for MeshFormat {
             MeshFormat::Abaqus | MeshFormat::CalculiX => content == Content::AbaqusDeck,
             MeshFormat::Gmsh => content == Content::GmshMesh,
             MeshFormat::Ansys => content == Content::AnsysArchive,
+            MeshFormat::Universal => content == Content::UniversalFile,
         }
     }
 }
@@ -57,6 +59,7 @@ pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Me
         MeshFormat::CalculiX => abaqus::read_inp(files, name, Code::CalculiX),
         MeshFormat::Gmsh => gmsh::read_msh(files, name),
         MeshFormat::Ansys => ansys::read_cdb(files, name),
+        MeshFormat::Universal => universal::read_unv(files, name),
     };
     explained(files, name, format, read)
 }

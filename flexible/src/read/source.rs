@@ -101,12 +101,7 @@ impl<'f> Source<'f> {
         (&mut file.reader)
             .take(LONGEST_LINE)
             .read_until(b'\n', &mut bytes)
-            .map_err(|error| {
-                at.problem(
-                    format!("reading stopped here: {error}"),
-                    "copy the file again; it may be cut or damaged",
-                )
-            })?;
+            .map_err(|error| cut(&at, &error))?;
         if bytes.is_empty() {
             return Ok(None);
         }
@@ -117,6 +112,27 @@ impl<'f> Source<'f> {
             ));
         }
         Ok(Some((bytes, at)))
+    }
+
+    /// Skips bytes of the innermost file, which may be no text; `false` if it ends before. Line ends among
+    /// them count as in an editor.
+    pub fn skip(&mut self, bytes: u64, at: &At) -> Result<bool, FileProblem> {
+        let Some(file) = self.stack.last_mut() else {
+            return Ok(bytes == 0);
+        };
+        let mut left = bytes;
+        while left > 0 {
+            let ready = file.reader.fill_buf().map_err(|error| cut(at, &error))?;
+            let taken = usize::try_from(left).unwrap_or(usize::MAX).min(ready.len());
+            if taken == 0 {
+                return Ok(false);
+            }
+            let ends = ready.iter().take(taken).filter(|byte| **byte == b'\n');
+            file.line += ends.count() as u64;
+            file.reader.consume(taken);
+            left -= taken as u64;
+        }
+        Ok(true)
     }
 
     /// Opens an included file: beside the including file, beside the deck, or beside the model.
@@ -170,6 +186,14 @@ impl<'f> Source<'f> {
             "check the name; paths are relative to the including file, the deck or the folder of the model",
         ))
     }
+}
+
+/// A file that can't be read to its end.
+fn cut(at: &At, error: &std::io::Error) -> FileProblem {
+    at.problem(
+        format!("reading stopped here: {error}"),
+        "copy the file again; it may be cut or damaged",
+    )
 }
 
 /// A place without line, for a problem of the deck as a whole.

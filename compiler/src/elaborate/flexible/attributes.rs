@@ -23,7 +23,6 @@ impl<'a> Elaborator<'a, '_> {
         let file = self.text_of(argument(word, arguments, "file"), scope)?;
         let units = argument(word, arguments, "units").and_then(meaning);
         let file = self.checked(file, value.span, "a mesh without a file")?;
-        let units = self.checked(units, value.span, "a mesh without units")?;
         let format = MeshFormat::named(word.word);
         let format = self.checked(format, value.span, "no format of a mesh")?;
         let mut ignored = Vec::new();
