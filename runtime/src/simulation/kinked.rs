@@ -84,7 +84,8 @@ impl Simulation {
     ///
     /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a
     /// pulse in time, a thin sheet. So such a trial is first repeated up to the middle, where its end shows
-    /// the load. A trial that ends at a moment, except for rounding, is repeated up to just before it,
+    /// the load. A trial over which a distance may have come to its kink and gone again is repeated up to this place,
+    /// where its end shows the distance. A trial that ends at a moment, except for rounding, is repeated up to just before it,
     /// because loads may jump there.
     pub(super) fn kink_within(
         &mut self,
@@ -99,22 +100,25 @@ impl Simulation {
                 let end = self.integrator.trial_state();
                 self.kinks.evaluate(&self.model, &self.dynamics, end)?;
                 let passed = self.kinks.passed(h, begin + h, factor);
-                let passed = passed.map(|passed| (passed.time, passed.item));
                 passed.or_else(|| {
                     let kink = self.kinks.reached(begin + h, factor)?;
                     let begins = self.kinks.begins_at_other(kink, h, begin, factor);
-                    (begins || self.kinks.is_moment(kink)).then_some((h, kink))
+                    (begins || self.kinks.is_moment(kink)).then_some((h, Some(kink)))
                 })
             }
-            Trial::Failed(_) => self.kinks.foreseen(h, begin, factor),
+            Trial::Failed(_) => {
+                let foreseen = self.kinks.foreseen(h, begin, factor);
+                foreseen.map(|(at, kink)| (at, Some(kink)))
+            }
         };
         let Some((at, kink)) = passed.filter(|_| *tries < MOST_CUTS) else {
             return Ok(None);
         };
         *tries += 1;
-        let (at, kink) = match self.kinks.begins_at_other(kink, at, begin, factor) {
-            true => (0.5 * at, None),
-            false => (self.before(kink, at, h, *tries, factor), Some(kink)),
+        let (at, kink) = match kink {
+            None => (at, None),
+            Some(kink) if self.kinks.begins_at_other(kink, at, begin, factor) => (0.5 * at, None),
+            Some(kink) => (self.before(kink, at, h, *tries, factor), Some(kink)),
         };
         if at >= h || at < SHORTEST || begin + at == begin {
             return Ok(None);
