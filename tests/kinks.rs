@@ -496,6 +496,45 @@ fn a_force_within_a_distance_is_not_stepped_over() {
     }
 }
 
+/// Conditions on the time whose function touches zero, so that another load acts at single moments alone. Samples, steps and the ends
+/// of the run lie there to the last bit. The load is 1 N at any other time.
+#[test]
+fn loads_of_single_moments_have_no_effect() {
+    for push in [
+        "if (time - 0.5 s)^2 > 0 s^2 then 1 N else 1 kN",
+        "if 1 - cos(20 rad/s*pi*time) > 0 then 1 N else 100 N",
+        "if sin(10 rad/s*pi*time)^2 <= 0 then 1 kN else 1 N",
+        "if abs(sin(20 rad/s*pi*time)) > 0 then 1 N else 100 N",
+    ] {
+        for sample in ["50 ms", "0.1 s", "1 s"] {
+            let settings = format!("duration: 1 s, sample: {sample}");
+            let results = pushed(push, [0.0, 0.0], &settings).results;
+            let values = |name: &str| results.column(name).expect("a column").values.clone();
+            for (time, speed) in values("time").iter().zip(values("guide.speed")) {
+                // the first sample is the state just behind the start
+                assert!(
+                    (speed - time).abs() < 1e-7,
+                    "{push}, {sample}: {speed} m/s at {time} s"
+                );
+            }
+        }
+    }
+}
+
+/// A load that bends where the run ends, but does not jump there: the last step would have no length.
+#[test]
+fn a_run_may_end_at_a_kink() {
+    let push = "1 N + abs(time - 1 s)/(1 s)*(1 N)";
+    let outcome = pushed(push, [0.0, 0.0], "duration: 1 s, sample: 0.25 s");
+    let speeds = &outcome
+        .results
+        .column("guide.speed")
+        .expect("a column")
+        .values;
+    let found = speeds[speeds.len() - 1];
+    assert!((found - 1.5).abs() < 1e-9, "{found} m/s");
+}
+
 /// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law
 /// states no `resolve`.
 fn pushed(push: &str, start: [f64; 2], settings: &str) -> eng::Outcome {

@@ -299,7 +299,8 @@ impl Kinks {
             let count = class.kinks.len();
             let out = &mut self.out[..class.kink_outputs()];
             let mut at = group.first;
-            let mut clocks = self.clocks[group.clocks.clone()].iter();
+            let mut clocks = group.clocks.clone().zip(&self.clocks[group.clocks.clone()]);
+            let mut touched = Vec::new();
             for pair in 0..batch.pairs.len() {
                 elements::call(model, batch.class, Function::Kinks, batch.inputs(pair), out)?;
                 for lane in 0..batch.lanes(pair) {
@@ -315,11 +316,14 @@ impl Kinks {
                                 Course::Time => clocks.next(),
                                 _ => None,
                             };
-                            let Some(clock) = changes else {
+                            let Some((index, clock)) = changes else {
                                 self.next[at] = timed(kink.course, [value, rate]);
                                 at += 1;
                                 continue;
                             };
+                            if value == 0.0 {
+                                touched.push(index);
+                            }
                             for function in clock.functions(state.time) {
                                 self.next[at] = function;
                                 self.used_next[at] = used;
@@ -338,6 +342,9 @@ impl Kinks {
                     }
                 }
             }
+            for clock in touched {
+                self.touch(model, dynamics, (index, clock))?;
+            }
             self.measure_slopes(model, dynamics, index)?;
         }
         Ok(())
@@ -351,30 +358,87 @@ impl Kinks {
         dynamics: &Dynamics,
         group: usize,
     ) -> Result<(), RuntimeError> {
-        let group = &self.groups[group];
-        let batch = group.batch(dynamics);
-        let class = &model.compiled.system.classes[batch.class];
-        let count = class.kinks.len();
         let [accepted, time] = self.times;
-        let out = &mut self.out[..class.kink_outputs()];
-        for clock in &mut self.clocks[group.clocks.clone()] {
-            if !clock.is_short_of(time) {
+        for index in self.groups[group].clocks.clone() {
+            if !self.clocks[index].is_short_of(time) {
                 continue;
             }
-            let [pair, lane, k] = clock.place;
-            let inputs = &mut self.inputs;
-            inputs.clear();
-            inputs.extend_from_slice(batch.inputs(pair));
-            let function = |time: f64| {
-                inputs[InputLayout::TIME as usize] = [time; 2];
-                elements::call(model, batch.class, Function::Kinks, inputs, out)?;
-                Ok([out[k][lane], out[count + k][lane]])
-            };
-            clock.search([accepted, time], function)?;
+            self.with_clock(model, dynamics, (group, index), |clock, function| {
+                clock.search([accepted, time], function)
+            })?;
+            let clock = &self.clocks[index];
             let functions = clock.functions(accepted);
             self.now[clock.first..clock.first + KEPT].copy_from_slice(&functions);
         }
         Ok(())
+    }
+
+    /// Makes the time of the last evaluation a moment of a clock of a group, if its function only touches zero there.
+    fn touch(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        (group, index): (usize, usize),
+    ) -> Result<(), RuntimeError> {
+        let [accepted, time] = self.times;
+        // the first evaluation is that of the start
+        let now = if accepted.is_finite() { accepted } else { time };
+        let touches = self.with_clock(model, dynamics, (group, index), |clock, function| {
+            clock.touch(now, time, function)
+        })?;
+        if touches {
+            let clock = &self.clocks[index];
+            let items = clock.first..clock.first + KEPT;
+            self.now[items.clone()].copy_from_slice(&clock.functions(accepted));
+            self.next[items].copy_from_slice(&clock.functions(time));
+        }
+        Ok(())
+    }
+
+    /// A time (s), or one just behind it, if a function of time alone touches zero there: loads have another value for this time alone.
+    pub fn beside_touch(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        time: f64,
+    ) -> Result<f64, RuntimeError> {
+        let mut beside = time;
+        for group in 0..self.groups.len() {
+            for index in self.groups[group].clocks.clone() {
+                let place = (group, index);
+                let width = self.with_clock(model, dynamics, place, |clock, mut function| {
+                    clock.touches(time, &mut function)
+                })?;
+                beside = width.map_or(beside, |width| beside.max(time + width));
+            }
+        }
+        Ok(beside)
+    }
+
+    /// Calls `run` with a clock of a group and its function: value and rate at a time (s).
+    fn with_clock<R>(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        (group, index): (usize, usize),
+        run: impl FnOnce(
+            &mut Clock,
+            &mut dyn FnMut(f64) -> Result<[f64; 2], RuntimeError>,
+        ) -> Result<R, RuntimeError>,
+    ) -> Result<R, RuntimeError> {
+        let batch = self.groups[group].batch(dynamics);
+        let class = &model.compiled.system.classes[batch.class];
+        let count = class.kinks.len();
+        let clock = &mut self.clocks[index];
+        let [pair, lane, k] = clock.place;
+        let (inputs, out) = (&mut self.inputs, &mut self.out[..class.kink_outputs()]);
+        inputs.clear();
+        inputs.extend_from_slice(batch.inputs(pair));
+        run(clock, &mut |time: f64| {
+            inputs[InputLayout::TIME as usize] = [time; 2];
+            elements::call(model, batch.class, Function::Kinks, inputs, out)?;
+            Ok([out[k][lane], out[count + k][lane]])
+        })
     }
 
     /// Forgets the moments of functions of time alone, because constants have changed.

@@ -155,11 +155,16 @@ impl Simulation {
         }
     }
 
-    /// Starts the motion again after a kink at which loads jump. Returns the time (s) that passes, if they do.
-    pub(super) fn after_jump(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
+    /// Starts the motion again after a kink at which loads jump. Returns the time (s) that passes, if they do. The next step
+    /// would end at a time (s) at the latest.
+    pub(super) fn after_jump(
+        &mut self,
+        kink: usize,
+        end: f64,
+    ) -> Result<Option<f64>, RuntimeError> {
         let jump = std::mem::take(&mut self.jump_at_kink);
         if self.kinks.is_moment(kink) {
-            return self.after_jump_in_time(kink);
+            return self.after_jump_in_time(kink, end);
         }
         if jump > 0.0 {
             return self.after_jump_of_motion(kink, jump);
@@ -225,13 +230,16 @@ impl Simulation {
     /// Starts the motion again after a moment at which a load or the rate of a state jumps.
     ///
     /// The step before ends just before this moment, most often by some roundings of the time. The motion
-    /// continues up to both sides of it with the accelerations before it.
-    fn after_jump_in_time(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
+    /// continues up to both sides of it with the accelerations before it, also without a jump if the next step would end between
+    /// both sides: it would have no length.
+    fn after_jump_in_time(&mut self, kink: usize, end: f64) -> Result<Option<f64>, RuntimeError> {
         let moment = self.moment();
         let time = self.integrator.current.time;
         let moment_of_kink = self.kinks.moment_here(kink, time);
         let [before, behind] = self.kinks.around(kink, moment_of_kink);
         let (before, behind) = (before.min(time), behind.max(time));
+        let ends_here = end < behind + SHORTEST;
+        let behind = if ends_here { behind.max(end) } else { behind };
         let mut start = self.integrator.current.clone();
         let mut near = start.clone();
         near.time = before;
@@ -242,13 +250,18 @@ impl Simulation {
                 return Ok(None);
             }
         }
+        // a motion may begin where a load has another value for this moment alone
+        let alone = differ(&start.acceleration, &near.acceleration, JUMP)
+            || differ(&start.rates, &near.rates, JUMP);
         start.acceleration.copy_from_slice(&near.acceleration);
         start.rates.copy_from_slice(&near.rates);
         let Ok(mut far) = self.ahead(&start, behind - time) else {
             return Ok(None);
         };
         far.time = behind;
-        if !differ(&near.acceleration, &far.acceleration, JUMP)
+        if !alone
+            && !ends_here
+            && !differ(&near.acceleration, &far.acceleration, JUMP)
             && !differ(&near.rates, &far.rates, JUMP)
         {
             return Ok(None);
