@@ -535,6 +535,31 @@ fn a_run_may_end_at_a_kink() {
     assert!((found - 1.5).abs() < 1e-9, "{found} m/s");
 }
 
+/// An analysis drives an input by a train of pulses: 10 for 0.1 ms, every 10 ms. The force `50 N (10 - 0.95)` acts for that time.
+#[test]
+fn pulses_of_a_driven_input_are_not_stepped_over() {
+    let due = 101.0 * 1e-4 * 50.0 * 9.05;
+    for sample in ["2.5 ms", "0.25 s"] {
+        let text = format!(
+            "
+            force Push(a: Marker, b: Marker, load: Force) {{ apply force load*b.x on a against b }}
+            model Bench {{
+                input drive: 1 = 0
+                input other: 1 = 0
+                gravity = [0, 0, 0] m/s^2
+                body block {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2 }}
+                force push = Push(block.origin, ground, load: 50 N*max(drive + other - 0.95, 0))
+                output speed = dot(block.origin.velocity, ground.x)
+            }}
+            fn train(t: Time) -> 1 = if wrapped(t*100 rad/s, 1 rad, from: 0 rad) < 0.01 rad then 10 else 0
+            analysis run = transient(Bench(drive: train), duration: 1.0005 s, sample: {sample})"
+        );
+        let found = last(&program(&text), "run", "speed");
+        println!("{sample}: {found} m/s for {due} m/s");
+        assert!((found - due).abs() < 1e-6 * due, "{sample}: {found} m/s");
+    }
+}
+
 /// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law
 /// states no `resolve`.
 fn pushed(push: &str, start: [f64; 2], settings: &str) -> eng::Outcome {

@@ -37,6 +37,7 @@ mod slopes;
 use crate::dynamics::Dynamics;
 use crate::elements::{self, Batch, Inputs};
 use crate::error::RuntimeError;
+use crate::inputs::Signals;
 use crate::model::Model;
 use crate::state::State;
 use beside::Neighbours;
@@ -140,6 +141,9 @@ pub struct Kinks {
     neighbours: Neighbours,
     points: Points,
     clocks: Vec<Clock>,
+    /// The inputs at the times at which clocks search; `None` if some have values between two points of
+    /// time that a program gives later.
+    signals: Option<Signals>,
     sloped: Vec<Sloped>,
     /// Slopes of the functions at the last accepted state and at the last evaluation; 1 for lengths and angles.
     slopes: [Vec<f64>; 2],
@@ -186,6 +190,7 @@ impl Kinks {
             neighbours: Neighbours::default(),
             points: Points::default(),
             clocks: Vec::new(),
+            signals: Some(Signals::new(model)).filter(Signals::are_known),
             sloped: Vec::new(),
             slopes: [const { Vec::new() }; 2],
             times: [f64::NEG_INFINITY; 2],
@@ -215,17 +220,18 @@ impl Kinks {
             let (clocks, sloped) = (kinks.clocks.len(), kinks.sloped.len());
             for (member, element) in members.into_iter().enumerate() {
                 for (k, kink) in class.kinks.iter().enumerate() {
-                    let limit = limit(model, element, kink);
+                    let course = course(kink, kinks.signals.is_some());
+                    let limit = limit(model, element, kink, course);
                     let item = Item {
                         element,
                         kink: k,
                         limit,
                         constrains: kink.constrains,
                         wraps: kink.wraps,
-                        holds: kink.course == Course::Motion && limit != Limit::Time,
+                        holds: course == Course::Motion && limit != Limit::Time,
                     };
                     let first = kinks.items.len();
-                    let count = match (kink.table, kink.course) {
+                    let count = match (kink.table, course) {
                         (Some(table), _) => kinks.points.add(first, table, kink.constrains),
                         (None, Course::Time) => {
                             kinks
@@ -281,6 +287,7 @@ impl Kinks {
     ) -> Result<(), RuntimeError> {
         self.times[1] = state.time;
         self.phase_rate[1] = 0.0;
+        let known_ahead = self.signals.is_some();
         for index in 0..self.groups.len() {
             let group = &mut self.groups[index];
             if let Some(own) = &mut group.own {
@@ -312,7 +319,7 @@ impl Kinks {
                         let used = out[3 * count + k][lane] != 0.0;
                         self.used_next[at] = used;
                         let Some(table) = kink.table else {
-                            let changes = match kink.course {
+                            let changes = match course(kink, known_ahead) {
                                 Course::Time => clocks.next(),
                                 _ => None,
                             };
@@ -434,17 +441,36 @@ impl Kinks {
         let (inputs, out) = (&mut self.inputs, &mut self.out[..class.kink_outputs()]);
         inputs.clear();
         inputs.extend_from_slice(batch.inputs(pair));
+        let moving = &model.elements[self.items[clock.first].element].moving;
+        let mut signals = self.signals.as_mut().filter(|_| !moving.is_empty());
         run(clock, &mut |time: f64| {
             inputs[InputLayout::TIME as usize] = [time; 2];
+            if let Some(signals) = &mut signals {
+                signals.follow(model, time);
+                for (constant, slot) in moving {
+                    let at = class.layout.constant(*constant as u32) as usize;
+                    if let Some(value) = signals.values().get(*slot) {
+                        inputs[at][lane] = *value;
+                    }
+                }
+            }
             elements::call(model, batch.class, Function::Kinks, inputs, out)?;
             Ok([out[k][lane], out[count + k][lane]])
         })
     }
 
-    /// Forgets the moments of functions of time alone, because constants have changed.
-    pub fn forget_moments(&mut self) {
+    /// Forgets the moments of functions of time alone, because inputs have changed.
+    pub fn forget_moments(&mut self, signals: &Signals) {
+        self.set_signals(signals);
         for clock in &mut self.clocks {
             clock.forget();
+        }
+    }
+
+    /// Sets the inputs.
+    pub fn set_signals(&mut self, signals: &Signals) {
+        if let Some(known) = &mut self.signals {
+            known.clone_from(signals);
         }
     }
 
@@ -616,13 +642,21 @@ impl Kinks {
     }
 }
 
-fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
-    if kink.course.is_of_time() {
+/// The quantities on which a kink function depends. If all inputs are known ahead, one of inputs is one of time.
+fn course(kink: &Kink, known_ahead: bool) -> Course {
+    match kink.course {
+        Course::Inputs if known_ahead && kink.table.is_none() => Course::Time,
+        course => course,
+    }
+}
+
+fn limit(model: &Model, element: usize, kink: &Kink, course: Course) -> Limit {
+    if course.is_of_time() {
         return Limit::Time;
     }
     let resolves = &model.compiled.system.elements[element].resolves;
     let stated = resolves.iter().map(|slot| model.slot(*slot));
-    match (kink.dimension, kink.course) {
+    match (kink.dimension, course) {
         (Some(Dimension::LENGTH), _) => {
             let stated = stated.min_by(f64::total_cmp);
             stated.map_or(Limit::Tolerance(model.tolerance), Limit::Stated)
