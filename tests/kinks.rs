@@ -560,6 +560,35 @@ fn pulses_of_a_driven_input_are_not_stepped_over() {
     }
 }
 
+/// A force of 1 kN between 7 and 7.01 mm, whose begin an angle states that turns by 90 deg within some micrometres. It takes 10 mJ from
+/// 0.5 J.
+#[test]
+fn a_steep_angle_is_met_as_exactly_as_a_length() {
+    let due = (1.0 - 2.0 * 0.01_f64).sqrt();
+    for steep in ["1 um", "1 mm"] {
+        let push =
+            format!("if atan2(way - 7 mm, {steep}) > 0 rad and way < 7.01 mm then -1 kN else 0 N");
+        for sample in ["25 ms", "1 ms"] {
+            let outcome = pushed(
+                &push,
+                [0.0, 1.0],
+                &format!("duration: 0.05 s, sample: {sample}"),
+            );
+            let speeds = &outcome
+                .results
+                .column("guide.speed")
+                .expect("a column")
+                .values;
+            let found = speeds[speeds.len() - 1];
+            println!("{steep}, {sample}: {found} m/s for {due} m/s");
+            assert!(
+                (found - due).abs() < 1e-5 * due,
+                "{steep}, {sample}: {found} m/s"
+            );
+        }
+    }
+}
+
 /// A block of 1 kg on a rail, under `push` (N) of its way and speed, from a start in mm and m/s. The law
 /// states no `resolve`.
 fn pushed(push: &str, start: [f64; 2], settings: &str) -> eng::Outcome {

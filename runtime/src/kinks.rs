@@ -12,7 +12,7 @@
 //! | --- | --- |
 //! | a length, in an element whose class states `resolve` | the smallest length that it resolves |
 //! | another length | the tolerance of positions, or a fiftieth of the constant distance from another kink of the element |
-//! | an angle | this tolerance over the model's length |
+//! | another angle than one of places and time alone | this tolerance over the model's length |
 //! | another function of places and time alone | its change when a body moves by the tolerance of positions ([`slopes`]) |
 //! | a time, or a function of time alone | rounding: a moment is known exactly |
 //! | anything else | 1e-5 of the largest value of g so far, the share that errors of states may have |
@@ -145,7 +145,7 @@ pub struct Kinks {
     /// time that a program gives later.
     signals: Option<Signals>,
     sloped: Vec<Sloped>,
-    /// Slopes of the functions at the last accepted state and at the last evaluation; 1 for lengths and angles.
+    /// Slopes of the functions at the last accepted state and at the last evaluation; 1 for those that are not in `sloped`.
     slopes: [Vec<f64>; 2],
     /// Times (s) of the last accepted state and of the last evaluation.
     times: [f64; 2],
@@ -661,17 +661,17 @@ fn limit(model: &Model, element: usize, kink: &Kink, course: Course) -> Limit {
             let stated = stated.min_by(f64::total_cmp);
             stated.map_or(Limit::Tolerance(model.tolerance), Limit::Stated)
         }
-        (Some(Dimension::ANGLE), _) => Limit::Tolerance(model.tolerance / model.length),
         // the length that a class resolves may be the whole range of its functions, as the clearance is for a film
         (_, Course::Position) => Limit::Tolerance(model.tolerance),
+        (Some(Dimension::ANGLE), _) => Limit::Tolerance(model.tolerance / model.length),
         (Some(Dimension::TIME), _) => Limit::Time,
         _ => Limit::Share,
     }
 }
 
-/// Whether the function of a kink is a length or an angle, whose slopes are 1.
+/// Whether the function of a kink is a length, whose slope is 1. That of an angle may be much steeper, as of `atan2(x, 1 um)`.
 fn is_length(kink: &Kink) -> bool {
-    matches!(kink.dimension, Some(Dimension::LENGTH | Dimension::ANGLE))
+    kink.dimension == Some(Dimension::LENGTH)
 }
 
 /// A function with its rate; the time since its change of sign, if its rate is constant and the function depends on time alone.
