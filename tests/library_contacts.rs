@@ -279,6 +279,53 @@ fn a_roller_is_pressed_as_palmgren_says() {
     close("speed", last(&results, "speed"), 2.0, 1e-4);
 }
 
+/// A contact that begins deep has a warning: the marker of its plane is most often where the body begins. A touch has none.
+#[test]
+fn a_contact_that_begins_deep_has_a_warning() {
+    // `ground` itself begins where the ball is
+    for (b, due) in [("ground", true), ("inner", true), ("plate", false)] {
+        for (law, name) in [
+            (
+                "HuntCrossley(ball.origin, {b}, reach: 7 mm, reference_load: 60 N, reference_depth: 10 um)",
+                "inside",
+            ),
+            (
+                "EndStop(ball.origin, {b}, reach: 7 mm, stiffness: 1 kN/mm)",
+                "inside",
+            ),
+            (
+                "CylinderOnPlane(ball.origin, {b}, reach: 7 mm, length: 10 mm)",
+                "inside",
+            ),
+            (
+                "SphereOnSphere(ball.origin, {b}, radius_a: 4 mm, radius_b: 3 mm, ball_a: Steel, ball_b: Steel)",
+                "deep",
+            ),
+        ] {
+            let law = law.replace("{b}", b);
+            let text = format!(
+                "use std.contacts.*
+                use std.materials.Steel
+                model Drop {{
+                    marker plate = [0, 0, -6.9] mm
+                    marker inner = [0, 0, -4] mm
+                    body ball {{ mass = 0.1 kg; inertia = [4, 4, 4] mg*m^2; start position = [0, 0, 0] mm }}
+                    force contact = {law}
+                }}
+                analysis run = transient(Drop(), duration: 0.1 us, sample: 0.1 us)"
+            );
+            let program =
+                eng::check(&eng::Sources::from_text("m.eng", &text), "m.eng").into_program();
+            let outcome = program.unwrap().analysis("run").unwrap().run(&mut |_| {});
+            let warnings = outcome
+                .unwrap_or_else(|failed| panic!("{}", failed.error))
+                .warnings;
+            let found = warnings.iter().any(|warning| warning.name == name);
+            assert_eq!(found, due, "{law}: {warnings:?}");
+        }
+    }
+}
+
 #[test]
 fn wrong_numbers_are_refused() {
     for (law, says) in [

@@ -195,6 +195,13 @@ impl Signals {
         self.driven.get(index).copied().unwrap_or(false)
     }
 
+    /// Whether all inputs are known at any later time, until a program sets one: functions of time drive them, or they hold their
+    /// values.
+    pub fn are_known(&self) -> bool {
+        let mut inputs = self.driven.iter().zip(&self.inputs);
+        inputs.all(|(driven, input)| *driven || input.interpolation == Interpolation::Hold)
+    }
+
     /// The stated parameters, with the values of the inputs that a program sets at a time (s); `None` without such
     /// inputs. Functions of time continue to drive the others.
     pub fn stated_at(&self, time: f64) -> Option<Vec<Option<f64>>> {

@@ -12,7 +12,7 @@
 //! | --- | --- |
 //! | a length, in an element whose class states `resolve` | the smallest length that it resolves |
 //! | another length | the tolerance of positions, or a fiftieth of the constant distance from another kink of the element |
-//! | an angle | this tolerance over the model's length |
+//! | another angle than one of places and time alone | this tolerance over the model's length |
 //! | another function of places and time alone | its change when a body moves by the tolerance of positions ([`slopes`]) |
 //! | a time, or a function of time alone | rounding: a moment is known exactly |
 //! | anything else | 1e-5 of the largest value of g so far, the share that errors of states may have |
@@ -37,6 +37,7 @@ mod slopes;
 use crate::dynamics::Dynamics;
 use crate::elements::{self, Batch, Inputs};
 use crate::error::RuntimeError;
+use crate::inputs::Signals;
 use crate::model::Model;
 use crate::state::State;
 use beside::Neighbours;
@@ -140,8 +141,11 @@ pub struct Kinks {
     neighbours: Neighbours,
     points: Points,
     clocks: Vec<Clock>,
+    /// The inputs at the times at which clocks search; `None` if some have values between two points of
+    /// time that a program gives later.
+    signals: Option<Signals>,
     sloped: Vec<Sloped>,
-    /// Slopes of the functions at the last accepted state and at the last evaluation; 1 for lengths and angles.
+    /// Slopes of the functions at the last accepted state and at the last evaluation; 1 for those that are not in `sloped`.
     slopes: [Vec<f64>; 2],
     /// Times (s) of the last accepted state and of the last evaluation.
     times: [f64; 2],
@@ -186,6 +190,7 @@ impl Kinks {
             neighbours: Neighbours::default(),
             points: Points::default(),
             clocks: Vec::new(),
+            signals: Some(Signals::new(model)).filter(Signals::are_known),
             sloped: Vec::new(),
             slopes: [const { Vec::new() }; 2],
             times: [f64::NEG_INFINITY; 2],
@@ -215,17 +220,18 @@ impl Kinks {
             let (clocks, sloped) = (kinks.clocks.len(), kinks.sloped.len());
             for (member, element) in members.into_iter().enumerate() {
                 for (k, kink) in class.kinks.iter().enumerate() {
-                    let limit = limit(model, element, kink);
+                    let course = course(kink, kinks.signals.is_some());
+                    let limit = limit(model, element, kink, course);
                     let item = Item {
                         element,
                         kink: k,
                         limit,
                         constrains: kink.constrains,
                         wraps: kink.wraps,
-                        holds: kink.course == Course::Motion && limit != Limit::Time,
+                        holds: course == Course::Motion && limit != Limit::Time,
                     };
                     let first = kinks.items.len();
-                    let count = match (kink.table, kink.course) {
+                    let count = match (kink.table, course) {
                         (Some(table), _) => kinks.points.add(first, table, kink.constrains),
                         (None, Course::Time) => {
                             kinks
@@ -281,6 +287,7 @@ impl Kinks {
     ) -> Result<(), RuntimeError> {
         self.times[1] = state.time;
         self.phase_rate[1] = 0.0;
+        let known_ahead = self.signals.is_some();
         for index in 0..self.groups.len() {
             let group = &mut self.groups[index];
             if let Some(own) = &mut group.own {
@@ -299,7 +306,8 @@ impl Kinks {
             let count = class.kinks.len();
             let out = &mut self.out[..class.kink_outputs()];
             let mut at = group.first;
-            let mut clocks = self.clocks[group.clocks.clone()].iter();
+            let mut clocks = group.clocks.clone().zip(&self.clocks[group.clocks.clone()]);
+            let mut touched = Vec::new();
             for pair in 0..batch.pairs.len() {
                 elements::call(model, batch.class, Function::Kinks, batch.inputs(pair), out)?;
                 for lane in 0..batch.lanes(pair) {
@@ -311,15 +319,18 @@ impl Kinks {
                         let used = out[3 * count + k][lane] != 0.0;
                         self.used_next[at] = used;
                         let Some(table) = kink.table else {
-                            let changes = match kink.course {
+                            let changes = match course(kink, known_ahead) {
                                 Course::Time => clocks.next(),
                                 _ => None,
                             };
-                            let Some(clock) = changes else {
+                            let Some((index, clock)) = changes else {
                                 self.next[at] = timed(kink.course, [value, rate]);
                                 at += 1;
                                 continue;
                             };
+                            if value == 0.0 {
+                                touched.push(index);
+                            }
                             for function in clock.functions(state.time) {
                                 self.next[at] = function;
                                 self.used_next[at] = used;
@@ -338,6 +349,9 @@ impl Kinks {
                     }
                 }
             }
+            for clock in touched {
+                self.touch(model, dynamics, (index, clock))?;
+            }
             self.measure_slopes(model, dynamics, index)?;
         }
         Ok(())
@@ -351,36 +365,112 @@ impl Kinks {
         dynamics: &Dynamics,
         group: usize,
     ) -> Result<(), RuntimeError> {
-        let group = &self.groups[group];
-        let batch = group.batch(dynamics);
-        let class = &model.compiled.system.classes[batch.class];
-        let count = class.kinks.len();
         let [accepted, time] = self.times;
-        let out = &mut self.out[..class.kink_outputs()];
-        for clock in &mut self.clocks[group.clocks.clone()] {
-            if !clock.is_short_of(time) {
+        for index in self.groups[group].clocks.clone() {
+            if !self.clocks[index].is_short_of(time) {
                 continue;
             }
-            let [pair, lane, k] = clock.place;
-            let inputs = &mut self.inputs;
-            inputs.clear();
-            inputs.extend_from_slice(batch.inputs(pair));
-            let function = |time: f64| {
-                inputs[InputLayout::TIME as usize] = [time; 2];
-                elements::call(model, batch.class, Function::Kinks, inputs, out)?;
-                Ok([out[k][lane], out[count + k][lane]])
-            };
-            clock.search([accepted, time], function)?;
+            self.with_clock(model, dynamics, (group, index), |clock, function| {
+                clock.search([accepted, time], function)
+            })?;
+            let clock = &self.clocks[index];
             let functions = clock.functions(accepted);
             self.now[clock.first..clock.first + KEPT].copy_from_slice(&functions);
         }
         Ok(())
     }
 
-    /// Forgets the moments of functions of time alone, because constants have changed.
-    pub fn forget_moments(&mut self) {
+    /// Makes the time of the last evaluation a moment of a clock of a group, if its function only touches zero there.
+    fn touch(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        (group, index): (usize, usize),
+    ) -> Result<(), RuntimeError> {
+        let [accepted, time] = self.times;
+        // the first evaluation is that of the start
+        let now = if accepted.is_finite() { accepted } else { time };
+        let touches = self.with_clock(model, dynamics, (group, index), |clock, function| {
+            clock.touch(now, time, function)
+        })?;
+        if touches {
+            let clock = &self.clocks[index];
+            let items = clock.first..clock.first + KEPT;
+            self.now[items.clone()].copy_from_slice(&clock.functions(accepted));
+            self.next[items].copy_from_slice(&clock.functions(time));
+        }
+        Ok(())
+    }
+
+    /// A time (s), or one just behind it, if a function of time alone touches zero there: loads have another value for this time alone.
+    pub fn beside_touch(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        time: f64,
+    ) -> Result<f64, RuntimeError> {
+        let mut beside = time;
+        for group in 0..self.groups.len() {
+            for index in self.groups[group].clocks.clone() {
+                let place = (group, index);
+                let width = self.with_clock(model, dynamics, place, |clock, mut function| {
+                    clock.touches(time, &mut function)
+                })?;
+                beside = width.map_or(beside, |width| beside.max(time + width));
+            }
+        }
+        Ok(beside)
+    }
+
+    /// Calls `run` with a clock of a group and its function: value and rate at a time (s).
+    fn with_clock<R>(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        (group, index): (usize, usize),
+        run: impl FnOnce(
+            &mut Clock,
+            &mut dyn FnMut(f64) -> Result<[f64; 2], RuntimeError>,
+        ) -> Result<R, RuntimeError>,
+    ) -> Result<R, RuntimeError> {
+        let batch = self.groups[group].batch(dynamics);
+        let class = &model.compiled.system.classes[batch.class];
+        let count = class.kinks.len();
+        let clock = &mut self.clocks[index];
+        let [pair, lane, k] = clock.place;
+        let (inputs, out) = (&mut self.inputs, &mut self.out[..class.kink_outputs()]);
+        inputs.clear();
+        inputs.extend_from_slice(batch.inputs(pair));
+        let moving = &model.elements[self.items[clock.first].element].moving;
+        let mut signals = self.signals.as_mut().filter(|_| !moving.is_empty());
+        run(clock, &mut |time: f64| {
+            inputs[InputLayout::TIME as usize] = [time; 2];
+            if let Some(signals) = &mut signals {
+                signals.follow(model, time);
+                for (constant, slot) in moving {
+                    let at = class.layout.constant(*constant as u32) as usize;
+                    if let Some(value) = signals.values().get(*slot) {
+                        inputs[at][lane] = *value;
+                    }
+                }
+            }
+            elements::call(model, batch.class, Function::Kinks, inputs, out)?;
+            Ok([out[k][lane], out[count + k][lane]])
+        })
+    }
+
+    /// Forgets the moments of functions of time alone, because inputs have changed.
+    pub fn forget_moments(&mut self, signals: &Signals) {
+        self.set_signals(signals);
         for clock in &mut self.clocks {
             clock.forget();
+        }
+    }
+
+    /// Sets the inputs.
+    pub fn set_signals(&mut self, signals: &Signals) {
+        if let Some(known) = &mut self.signals {
+            known.clone_from(signals);
         }
     }
 
@@ -552,28 +642,36 @@ impl Kinks {
     }
 }
 
-fn limit(model: &Model, element: usize, kink: &Kink) -> Limit {
-    if kink.course.is_of_time() {
+/// The quantities on which a kink function depends. If all inputs are known ahead, one of inputs is one of time.
+fn course(kink: &Kink, known_ahead: bool) -> Course {
+    match kink.course {
+        Course::Inputs if known_ahead && kink.table.is_none() => Course::Time,
+        course => course,
+    }
+}
+
+fn limit(model: &Model, element: usize, kink: &Kink, course: Course) -> Limit {
+    if course.is_of_time() {
         return Limit::Time;
     }
     let resolves = &model.compiled.system.elements[element].resolves;
     let stated = resolves.iter().map(|slot| model.slot(*slot));
-    match (kink.dimension, kink.course) {
+    match (kink.dimension, course) {
         (Some(Dimension::LENGTH), _) => {
             let stated = stated.min_by(f64::total_cmp);
             stated.map_or(Limit::Tolerance(model.tolerance), Limit::Stated)
         }
-        (Some(Dimension::ANGLE), _) => Limit::Tolerance(model.tolerance / model.length),
         // the length that a class resolves may be the whole range of its functions, as the clearance is for a film
         (_, Course::Position) => Limit::Tolerance(model.tolerance),
+        (Some(Dimension::ANGLE), _) => Limit::Tolerance(model.tolerance / model.length),
         (Some(Dimension::TIME), _) => Limit::Time,
         _ => Limit::Share,
     }
 }
 
-/// Whether the function of a kink is a length or an angle, whose slopes are 1.
+/// Whether the function of a kink is a length, whose slope is 1. That of an angle may be much steeper, as of `atan2(x, 1 um)`.
 pub(crate) fn is_length(kink: &Kink) -> bool {
-    matches!(kink.dimension, Some(Dimension::LENGTH | Dimension::ANGLE))
+    kink.dimension == Some(Dimension::LENGTH)
 }
 
 /// A function with its rate; the time since its change of sign, if its rate is constant and the function depends on time alone.

@@ -214,9 +214,11 @@ pub struct TableKink {
 /// The quantities on which a kink function depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Course {
-    /// On velocities, states or an input.
+    /// On velocities or states, or on an input beside positions.
     #[default]
     Motion,
+    /// On inputs, and perhaps on time, but on nothing else: on time alone if all inputs are known ahead.
+    Inputs,
     /// On positions, and perhaps on time, but on nothing else: `sin(place/(1 mm)) - 0.9`.
     Position,
     /// On time alone, at a constant rate: `time - 1 s`.

@@ -309,7 +309,7 @@ fn course(
 ) -> Course {
     let constants = layout.constant(0)..layout.len();
     let turns = layout.rotation(0)..layout.answer(0);
-    let (mut of_time, mut of_places) = (true, true);
+    let (mut of_time, mut of_places, mut of_inputs) = (true, true, true);
     for input in inputs_of(graph, &[value]) {
         let constant = constants.contains(&input) && !changing.contains_key(&input);
         let placed = matches!(
@@ -319,11 +319,13 @@ fn course(
         let timed = constant || input == InputLayout::TIME;
         of_time &= timed;
         of_places &= timed || placed || turns.contains(&input);
+        of_inputs &= timed || constants.contains(&input);
     }
-    match (of_time, of_places) {
-        (true, _) => Course::Time,
-        (false, true) => Course::Position,
-        (false, false) => Course::Motion,
+    match (of_time, of_places, of_inputs) {
+        (true, _, _) => Course::Time,
+        (false, true, _) => Course::Position,
+        (false, false, true) => Course::Inputs,
+        (false, false, false) => Course::Motion,
     }
 }
 
@@ -423,6 +425,7 @@ fn with_rates(
         active.push(always);
         kinds.push(KinkKind {
             table: kink.table.map(|(_, kind)| kind),
+            course: Course::Inputs,
             ..KinkKind::default()
         });
     }

@@ -2,7 +2,7 @@
 
 use super::beside::APART;
 use super::clocks::Change;
-use super::crossing::{BEGIN, crossing, roots, same_side};
+use super::crossing::{BEGIN, crossing, roots, same_side, tip};
 use super::{Crossing, Kinks, Limit};
 use crate::integrator::STATE_SHARE;
 
@@ -57,28 +57,51 @@ impl Kinks {
         }
     }
 
-    /// The first kink that a trial of a step h (s) passes deeper than its limit. The trial ends at a time (s).
-    pub fn passed(&self, h: f64, time: f64, factor: f64) -> Option<Crossing> {
-        let mut first: Option<Crossing> = None;
+    /// The time (s) of the first kink that a trial of a step h (s) passes deeper than its limit, with the kink. The trial ends at a
+    /// time (s). Without a kink, the trial does not show whether a function passes its kink before this time and comes back.
+    pub fn passed(&self, h: f64, time: f64, factor: f64) -> Option<(f64, Option<usize>)> {
+        let mut first: Option<(f64, Option<usize>)> = None;
         for (item, (from, to)) in self.now.iter().zip(&self.next).enumerate() {
-            if !self.counts(item) || same_side(*from, *to, h) || self.stays[item] >= STAYS {
+            if !self.counts(item) || self.stays[item] >= STAYS {
                 continue;
             }
-            let limit = self.limit(item, time, factor);
-            // a moment is known exactly, and beside the kink of a valve states move infinitely fast; at a length rounding must
-            // not decide which side an end is on
-            let aim = BEFORE * limit;
-            let (depths, aim) = match self.items[item].limit {
-                Limit::Time | Limit::Share => ([limit; 2], 0.0),
-                _ => ([AT * aim, -BESIDE * aim], aim),
+            let crossing = match same_side(*from, *to, h) {
+                true => None,
+                false => self.crossing_deeper(item, h, time, factor),
             };
-            if let Some(found) = self.crossing(item, h, depths, aim)
-                && first.is_none_or(|first| found.time < first.time)
+            let found = match crossing {
+                Some(found) => Some((found.time, Some(item))),
+                None => self.tip(item, h, time, factor).map(|time| (time, None)),
+            };
+            if let Some(found) = found
+                && first.is_none_or(|first| found.0 < first.0)
             {
-                first = Some(Crossing { item, ..found });
+                first = Some(found);
             }
         }
         first
+    }
+
+    /// The crossing of a function in the last trial of h (s), deeper than its limit. The trial ends at a time (s).
+    fn crossing_deeper(&self, item: usize, h: f64, time: f64, factor: f64) -> Option<Crossing> {
+        let limit = self.limit(item, time, factor);
+        // a moment is known exactly, and beside the kink of a valve states move infinitely fast; at a length rounding must
+        // not decide which side an end is on
+        let aim = BEFORE * limit;
+        let (depths, aim) = match self.items[item].limit {
+            Limit::Time | Limit::Share => ([limit; 2], 0.0),
+            _ => ([AT * aim, -BESIDE * aim], aim),
+        };
+        self.crossing(item, h, depths, aim)
+    }
+
+    /// The time (s) at which a distance may have passed its kink unseen in the last trial of h (s), see [`tip`].
+    fn tip(&self, item: usize, h: f64, time: f64, factor: f64) -> Option<f64> {
+        if self.items[item].wraps || !self.items[item].is_way() {
+            return None;
+        }
+        let limit = || self.limit(item, time, factor);
+        tip(self.now[item], self.next[item], h, limit)
     }
 
     /// Whether a function counts in the last trial.

@@ -7,6 +7,9 @@
 //! The search goes forward by intervals. In an interval the function must be Hermite's cubic through its values and rates at both ends,
 //! which is tested at points within; otherwise the interval is halved. A function that is narrow itself, such as
 //! `exp(-((time - 1 s)/(1 ms))^2) - 0.5`, may pass all points.
+//!
+//! A function may touch zero without a change of sign, as `(time - 1 s)^2` does. Nothing lasts there, so the search passes it. But if a
+//! step ends there, to the last bit, this time becomes a moment, too.
 
 use super::crossing::same_side;
 use crate::error::RuntimeError;
@@ -30,12 +33,15 @@ const SHORTEST: f64 = 1e-9;
 const ROUNDINGS: f64 = 16.0;
 /// Largest number of intervals of a search. Where it ends, a step ends, too.
 const MOST: usize = 100_000;
-/// The shortest distance (s) from a moment, and the largest number of doublings of this distance until both sides of the moment are clear of
+/// The shortest distance (s) from a moment, and the largest multiple of this distance at which both sides of the moment may be clear of
 /// rounding.
 const LEAST: f64 = 1e-20;
-const DOUBLINGS: usize = 30;
+const DOUBLED: f64 = (1_u64 << 29) as f64;
+/// Largest distance (s) from a zero near the time zero at which a function that touches it may be clear of rounding: `1 - cos(t/(1 s))` is
+/// zero up to 1e-8 s.
+const TOUCHES: f64 = 1e-7;
 
-/// A change of sign.
+/// A change of sign, or a zero at which the end of a step would lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Change {
     /// Its time (s).
@@ -166,7 +172,7 @@ impl Clock {
     ) -> Result<(), RuntimeError> {
         let change = Change {
             time,
-            width: width(time, function)?.unwrap_or(0.0),
+            width: width(time, Sides::Opposite, function)?.unwrap_or(0.0),
         };
         if change.width > 0.0 {
             self.changes[0] = Some(change);
@@ -174,6 +180,42 @@ impl Clock {
         self.known_to = time + 2.0 * change.width;
         self.last = function(self.known_to)?;
         Ok(())
+    }
+
+    /// The distance (s) on both sides of a time (s) from which on the function is no zero, if it touches zero at this time.
+    pub fn touches(
+        &self,
+        time: f64,
+        function: &mut impl FnMut(f64) -> Result<[f64; 2], RuntimeError>,
+    ) -> Result<Option<f64>, RuntimeError> {
+        let mut known = self.changes.iter().flatten();
+        if known.any(|change| (time - change.time).abs() <= change.width)
+            || function(time)?[0] != 0.0
+        {
+            return Ok(None);
+        }
+        width(time, Sides::Equal, function)
+    }
+
+    /// Makes a time (s), at which the function is zero, one of the moments if the function touches zero there. Otherwise a step that ends
+    /// exactly there would see a load of no duration over all of its length. Returns whether it is one now.
+    pub fn touch(
+        &mut self,
+        now: f64,
+        time: f64,
+        mut function: impl FnMut(f64) -> Result<[f64; 2], RuntimeError>,
+    ) -> Result<bool, RuntimeError> {
+        let Some(width) = self.touches(time, &mut function)? else {
+            return Ok(false);
+        };
+        // later ones are found again
+        for slot in &mut self.changes {
+            *slot = slot.filter(|change| change.time < time);
+        }
+        self.keep(now, Change { time, width });
+        self.known_to = time + 2.0 * width;
+        self.last = function(self.known_to)?;
+        Ok(true)
     }
 
     /// A slot for one more change, if fewer than two lie ahead of a time (s).
@@ -280,25 +322,42 @@ fn locate(
             high = middle;
         }
     }
-    let width = width(high, function)?;
+    let width = width(high, Sides::Opposite, function)?;
     Ok(width.map(|width| Change { time: high, width }))
 }
 
-/// The distance (s) from a time at which a function has one sign before and the other one behind, clear of rounding: the signs at
-/// half of it and at twice of it are the same. `None` if the function does not change its sign.
+/// How the signs of a function on both sides of a zero are related.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sides {
+    Opposite,
+    /// The function touches zero.
+    Equal,
+}
+
+/// The distance (s) from a time at which a function has one sign before and the other one, or the same, behind, clear of rounding: the
+/// signs at half of it and at twice of it are the same. `None` if the function does not do this.
 fn width(
     time: f64,
+    sides: Sides,
     function: &mut impl FnMut(f64) -> Result<[f64; 2], RuntimeError>,
 ) -> Result<Option<f64>, RuntimeError> {
+    let (sign, least) = match sides {
+        Sides::Opposite => (-1.0, 0.0),
+        Sides::Equal => (1.0, TOUCHES),
+    };
     let mut distance = (2.0 * (time.next_up() - time)).max(LEAST);
-    for _ in 0..DOUBLINGS {
-        let mut clear = true;
-        for share in [1.0, 0.5, 2.0] {
-            let before = function(time - share * distance)?[0];
-            let behind = function(time + share * distance)?[0];
-            clear &= before * behind < 0.0;
-        }
-        if clear {
+    let most = (DOUBLED * distance).max(least);
+    let mut clear = |distance: f64| -> Result<bool, RuntimeError> {
+        let before = function(time - distance)?[0];
+        let behind = function(time + distance)?[0];
+        Ok(sign * before * behind > 0.0)
+    };
+    // a function that stays at zero touches it nowhere
+    if sides == Sides::Equal && !clear(most)? {
+        return Ok(None);
+    }
+    while distance <= most {
+        if clear(distance)? && clear(0.5 * distance)? && clear(2.0 * distance)? {
             return Ok(Some(distance));
         }
         distance *= 2.0;

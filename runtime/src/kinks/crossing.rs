@@ -61,6 +61,34 @@ pub(super) fn crossing(
     })
 }
 
+/// The time (s) at which the tangents at both ends of a step h (s) meet beyond zero, deeper than a limit, if both ends are on
+/// one side of zero.
+///
+/// A function that bends away from zero on this side, such as a distance, is nowhere deeper than its tangents. The cubic may stay
+/// clear of zero, because it lies above the tip of a distance that falls and rises again within the step:
+/// `sqrt(t² + d²)` is a hyperbola.
+pub(super) fn tip(
+    [a, da]: [f64; 2],
+    [b, db]: [f64; 2],
+    h: f64,
+    limit: impl FnOnce() -> f64,
+) -> Option<f64> {
+    let side = a.signum();
+    if !(a * b > 0.0 && side * da < 0.0 && side * db > 0.0) {
+        return None;
+    }
+    let time = (b - a - h * db) / (da - db);
+    let deep = -side * (a + time * da);
+    let within = time > BEGIN * h && time < (1.0 - BEGIN) * h;
+    if !within || deep <= 0.0 {
+        return None;
+    }
+    let limit = limit();
+    // an end at the kink itself shows it
+    let clear = a.abs().min(b.abs());
+    (deep > limit && clear > limit).then_some(time)
+}
+
 /// The place at which a function leaves a side, between two places between which it is monotone: bisection until
 /// the bracket is rounding.
 fn change(at: impl Fn(f64) -> f64, side: f64, mut low: f64, mut high: f64) -> f64 {
@@ -94,7 +122,7 @@ pub(super) fn roots(a: f64, b: f64, c: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{crossing, same_side};
+    use super::{crossing, same_side, tip};
 
     /// g = (t − 1)(t − 3) over 0…4 s: below zero between 1 and 3 s, though both ends are above.
     #[test]
@@ -137,5 +165,24 @@ mod tests {
             crossing([f64::NAN, 0.0], [1.0, 0.0], 1.0, [0.1; 2], 0.0),
             None
         );
+    }
+
+    /// A point that moves at 1 m/s passes another one at 9.95 mm; their distance less 10 mm, from 100 mm before to 80 mm behind.
+    #[test]
+    fn a_tip_between_the_ends() {
+        let g = |x: f64| {
+            let distance = x.hypot(9.95e-3);
+            [distance - 10e-3, x / distance]
+        };
+        let (from, to) = (g(-0.1), g(0.08));
+        assert!(same_side(from, to, 0.18));
+        // the tangents meet beside the tip by the difference of both slopes from 1
+        let at = tip(from, to, 0.18, || 1e-6).unwrap();
+        assert!((at - 0.1).abs() < 2e-4, "{at}");
+        assert_eq!(tip(from, to, 0.18, || 0.011), None);
+        // mirrored, and short steps on one side of the tip
+        let [from, to] = [from, to].map(|end| end.map(|x| -x));
+        assert_eq!(tip(from, to, 0.18, || 1e-6), Some(at));
+        assert_eq!(tip(g(-0.1), g(-0.08), 0.02, || 1e-6), None);
     }
 }

@@ -85,7 +85,7 @@ impl Kinks {
         Some(Overlooked {
             origin: Box::new(origin),
             text,
-            dimension: match kink.course.is_of_time() {
+            dimension: match item.limit == Limit::Time {
                 true => Some(Dimension::TIME),
                 false => kink.dimension,
             },

@@ -21,7 +21,7 @@ const ALONG: u32 = 3;
 /// Share of its largest value from which on the limit of a function matters, so that its slope is computed.
 const NEAR: f64 = 1e-2;
 
-/// A kink function of places that is neither a length nor an angle.
+/// A kink function of places that is no length.
 #[derive(Clone, Debug)]
 pub(super) struct Sloped {
     /// The pair of elements among those of its batch, the lane, and the index of the function in the class.

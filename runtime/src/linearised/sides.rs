@@ -311,12 +311,12 @@ impl<'a> Search<'a> {
     /// The kink functions at whose kinks the state is, element after element.
     fn sites(&mut self) -> Result<Vec<Site>, RuntimeError> {
         let mut sites = self.all()?;
-        // a length or an angle far from zero needs no slope: a move by the tolerance changes it by about this tolerance
+        // a length far from zero needs no slope: a move by the tolerance changes it by about this tolerance
         let (model, many) = (self.model, self.units.len() as f64);
         sites.retain(|site| {
             let kink = &model.class(site.element).kinks[site.kink];
             match crate::kinks::is_length(kink) {
-                true => site.value.abs() <= many * model.tolerance * (1.0 / model.length).max(1.0),
+                true => site.value.abs() <= many * model.tolerance,
                 false => true,
             }
         });

@@ -106,7 +106,7 @@ impl Simulation {
         if !unknown && !self.dynamics.signals().jumps(self.time()) {
             return Ok(());
         }
-        self.kinks.forget_moments();
+        self.kinks.forget_moments(self.dynamics.signals());
         self.begin_anew()?;
         self.dynamics.signals_mut().accept_jumps();
         Ok(())

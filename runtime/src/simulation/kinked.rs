@@ -84,7 +84,8 @@ impl Simulation {
     ///
     /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a
     /// pulse in time, a thin sheet. So such a trial is first repeated up to the middle, where its end shows
-    /// the load. A trial that ends at a moment, except for rounding, is repeated up to just before it,
+    /// the load. A trial over which a distance may have come to its kink and gone again is repeated up to this place,
+    /// where its end shows the distance. A trial that ends at a moment, except for rounding, is repeated up to just before it,
     /// because loads may jump there.
     pub(super) fn kink_within(
         &mut self,
@@ -99,22 +100,25 @@ impl Simulation {
                 let end = self.integrator.trial_state();
                 self.kinks.evaluate(&self.model, &self.dynamics, end)?;
                 let passed = self.kinks.passed(h, begin + h, factor);
-                let passed = passed.map(|passed| (passed.time, passed.item));
                 passed.or_else(|| {
                     let kink = self.kinks.reached(begin + h, factor)?;
                     let begins = self.kinks.begins_at_other(kink, h, begin, factor);
-                    (begins || self.kinks.is_moment(kink)).then_some((h, kink))
+                    (begins || self.kinks.is_moment(kink)).then_some((h, Some(kink)))
                 })
             }
-            Trial::Failed(_) => self.kinks.foreseen(h, begin, factor),
+            Trial::Failed(_) => {
+                let foreseen = self.kinks.foreseen(h, begin, factor);
+                foreseen.map(|(at, kink)| (at, Some(kink)))
+            }
         };
         let Some((at, kink)) = passed.filter(|_| *tries < MOST_CUTS) else {
             return Ok(None);
         };
         *tries += 1;
-        let (at, kink) = match self.kinks.begins_at_other(kink, at, begin, factor) {
-            true => (0.5 * at, None),
-            false => (self.before(kink, at, h, *tries, factor), Some(kink)),
+        let (at, kink) = match kink {
+            None => (at, None),
+            Some(kink) if self.kinks.begins_at_other(kink, at, begin, factor) => (0.5 * at, None),
+            Some(kink) => (self.before(kink, at, h, *tries, factor), Some(kink)),
         };
         if at >= h || at < SHORTEST || begin + at == begin {
             return Ok(None);
@@ -151,11 +155,16 @@ impl Simulation {
         }
     }
 
-    /// Starts the motion again after a kink at which loads jump. Returns the time (s) that passes, if they do.
-    pub(super) fn after_jump(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
+    /// Starts the motion again after a kink at which loads jump. Returns the time (s) that passes, if they do. The next step
+    /// would end at a time (s) at the latest.
+    pub(super) fn after_jump(
+        &mut self,
+        kink: usize,
+        end: f64,
+    ) -> Result<Option<f64>, RuntimeError> {
         let jump = std::mem::take(&mut self.jump_at_kink);
         if self.kinks.is_moment(kink) {
-            return self.after_jump_in_time(kink);
+            return self.after_jump_in_time(kink, end);
         }
         if jump > 0.0 {
             return self.after_jump_of_motion(kink, jump);
@@ -221,13 +230,16 @@ impl Simulation {
     /// Starts the motion again after a moment at which a load or the rate of a state jumps.
     ///
     /// The step before ends just before this moment, most often by some roundings of the time. The motion
-    /// continues up to both sides of it with the accelerations before it.
-    fn after_jump_in_time(&mut self, kink: usize) -> Result<Option<f64>, RuntimeError> {
+    /// continues up to both sides of it with the accelerations before it, also without a jump if the next step would end between
+    /// both sides: it would have no length.
+    fn after_jump_in_time(&mut self, kink: usize, end: f64) -> Result<Option<f64>, RuntimeError> {
         let moment = self.moment();
         let time = self.integrator.current.time;
         let moment_of_kink = self.kinks.moment_here(kink, time);
         let [before, behind] = self.kinks.around(kink, moment_of_kink);
         let (before, behind) = (before.min(time), behind.max(time));
+        let ends_here = end < behind + SHORTEST;
+        let behind = if ends_here { behind.max(end) } else { behind };
         let mut start = self.integrator.current.clone();
         let mut near = start.clone();
         near.time = before;
@@ -238,13 +250,18 @@ impl Simulation {
                 return Ok(None);
             }
         }
+        // a motion may begin where a load has another value for this moment alone
+        let alone = differ(&start.acceleration, &near.acceleration, JUMP)
+            || differ(&start.rates, &near.rates, JUMP);
         start.acceleration.copy_from_slice(&near.acceleration);
         start.rates.copy_from_slice(&near.rates);
         let Ok(mut far) = self.ahead(&start, behind - time) else {
             return Ok(None);
         };
         far.time = behind;
-        if !differ(&near.acceleration, &far.acceleration, JUMP)
+        if !alone
+            && !ends_here
+            && !differ(&near.acceleration, &far.acceleration, JUMP)
             && !differ(&near.rates, &far.rates, JUMP)
         {
             return Ok(None);

@@ -233,7 +233,8 @@ impl Simulation {
             self.integrator
                 .interpolate(&self.model, fraction, &mut self.work, &mut self.completed);
         }
-        self.completed.time = time;
+        // the velocities of a sample follow its loads
+        self.completed.time = (self.kinks).beside_touch(&self.model, &self.dynamics, time)?;
         Ok(())
     }
 

@@ -255,6 +255,7 @@ impl Simulation {
         let mut kinks = self.kinks.numbers();
         r.numbers(&mut kinks)?;
         self.kinks.set_numbers(&kinks);
+        self.kinks.set_signals(self.dynamics.signals());
         let mut memory = self.dynamics.memory().numbers();
         r.numbers(&mut memory)?;
         self.dynamics.memory_mut().set_numbers(&memory);

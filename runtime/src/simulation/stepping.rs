@@ -372,7 +372,7 @@ impl Simulation {
         self.after_jumps()?;
         self.refuse_jumps_here()?;
         if let Some(kink) = self.at_kink {
-            let passed = self.after_jump(kink)?;
+            let passed = self.after_jump(kink, end)?;
             let time = self.integrator.current.time;
             if passed.is_some() || time >= end {
                 let step = passed.unwrap_or_default();
