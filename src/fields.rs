@@ -112,7 +112,11 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
     let film = Film::new(source).map_err(|error| FieldError(error.to_string()))?;
     nothing_ignored(numbers)?;
     let elastic = match surface {
-        Some(surface) => Elastic::carried(film, surface.compliance.clone()),
+        Some(surface) => Elastic::carried(
+            film,
+            surface.compliance.clone(),
+            surface.static_compliance.clone(),
+        ),
         None => {
             let compliance = ring(&film, numbers)?;
             Elastic::new(film, compliance)

@@ -55,6 +55,8 @@ pub struct Elastic {
     film: Film,
     /// C, row by row, m/N.
     compliance: Vec<f64>,
+    /// The compliance for slow loads, with the part of the body's motion a; C without such a body.
+    slow: Vec<f64>,
     /// Whether the body that carries the surface moves it: a and ȧ are inputs, and the forces of the shapes outputs.
     carried: bool,
 }
@@ -74,6 +76,8 @@ pub struct ElasticWork {
     /// Whether the slopes are those of the last solution of the film.
     current: bool,
     feedback: Feedback,
+    /// G of slow motions.
+    slow_feedback: Feedback,
     /// The part of the amplitudes that follows the forces: at the last solution, and at the beginning of its
     /// step.
     amplitudes: Vec<f64>,
@@ -102,47 +106,37 @@ impl Elastic {
     /// # Errors
     /// If the compliance is not square or not symmetric, or has a negative number on its diagonal.
     pub fn new(film: Film, compliance: Vec<f64>) -> Result<Elastic, SourceError> {
-        Self::of(film, compliance, false)
+        Self::of(film, compliance.clone(), compliance, false)
     }
 
     /// A film on a surface that a moving body carries: amplitudes and their rates follow the openings among
-    /// the inputs, and the forces of the shapes follow the torque among the outputs.
+    /// the inputs, and the forces of the shapes follow the torque among the outputs. `slow` is the compliance with
+    /// the static deflection by the modes of this body.
     ///
     /// # Errors
-    /// As [`Elastic::new`].
-    pub fn carried(film: Film, compliance: Vec<f64>) -> Result<Elastic, SourceError> {
-        Self::of(film, compliance, true)
+    /// As [`Elastic::new`], for both compliances.
+    pub fn carried(
+        film: Film,
+        compliance: Vec<f64>,
+        slow: Vec<f64>,
+    ) -> Result<Elastic, SourceError> {
+        Self::of(film, compliance, slow, true)
     }
 
-    fn of(film: Film, compliance: Vec<f64>, carried: bool) -> Result<Elastic, SourceError> {
+    fn of(
+        film: Film,
+        compliance: Vec<f64>,
+        slow: Vec<f64>,
+        carried: bool,
+    ) -> Result<Elastic, SourceError> {
         let count = film.source().shapes.len();
-        let refuse = |value: f64, range: &'static str| SourceError::Range {
-            name: "compliance of the surface",
-            value,
-            range,
-        };
-        if compliance.len() != count * count {
-            return Err(refuse(
-                compliance.len() as f64,
-                "a square of the number of shapes",
-            ));
-        }
-        let size = largest(&compliance);
-        for row in 0..count {
-            let own = compliance[row * count + row];
-            if !(own >= 0.0 && own.is_finite()) {
-                return Err(refuse(own, "at least zero for each shape"));
-            }
-            for column in 0..row {
-                let skew = compliance[row * count + column] - compliance[column * count + row];
-                if skew.is_nan() || skew.abs() > 1e-6 * size {
-                    return Err(refuse(skew, "the same for both orders of two shapes"));
-                }
-            }
+        for compliance in [&compliance, &slow] {
+            check_compliance(compliance, count)?;
         }
         Ok(Elastic {
             film,
             compliance,
+            slow,
             carried,
         })
     }
@@ -249,6 +243,7 @@ impl Elastic {
             wanted,
             current: false,
             feedback: Feedback::new(count),
+            slow_feedback: Feedback::new(count),
             amplitudes: vec![0.0; count],
             before: vec![0.0; count],
             step: None,
@@ -566,13 +561,18 @@ impl Elastic {
     /// Makes G of the film's last solution.
     fn renew(&self, work: &mut ElasticWork) {
         self.differentiate(work);
-        let slopes = Slopes {
-            rows: &work.slopes,
+        let slopes = self.rows(&work.slopes);
+        work.feedback.make(&self.compliance, &slopes);
+    }
+
+    /// The derivatives that G needs, among all derivatives of the film.
+    fn rows<'s>(&self, rows: &'s [f64]) -> Slopes<'s> {
+        Slopes {
+            rows,
             inputs: self.film.inputs(),
             force: SHAPE_FORCE,
             amplitude: self.plain_inputs(),
-        };
-        work.feedback.make(&self.compliance, &slopes);
+        }
     }
 
     /// Factors G, and makes it before if it is not there.
@@ -636,8 +636,9 @@ impl Elastic {
     /// −K = ∂F/∂e + ∂F/∂b B_e      −D = ∂F/∂ė + ∂F/∂b B_v + ∂F/∂ḃ B_e
     /// ```
     ///
-    /// so they do not depend on the length of a step. A body that carries the surface is taken as at rest.
-    /// The content of a film with memory follows within its last step.
+    /// with the compliance C for slow loads. So they depend neither on the length of a step nor on the number of modes of a
+    /// body that carries the surface: its static deflection is in C, its inertia and its damping are left out. The
+    /// content of a film with memory follows within its last step.
     ///
     /// # Errors
     /// If the surface is unstable there.
@@ -652,7 +653,9 @@ impl Elastic {
             }
             _ => self.renew(work),
         }
-        if !work.feedback.factor(0.0) {
+        let feedback = &mut work.slow_feedback;
+        feedback.make(&self.slow, &self.rows(&work.slopes));
+        if !feedback.factor(0.0) {
             return Err(FilmError::NoSurface { rounds: ROUNDS });
         }
         let (amplitude, rate) = (self.plain_inputs(), self.plain_inputs() + count);
@@ -669,14 +672,14 @@ impl Elastic {
             for (sum, row) in by_place.iter_mut().zip(0..) {
                 *sum = self.yields(row, |shape| slope(SHAPE_FORCE + shape, ECCENTRICITY + axis));
             }
-            work.feedback.solve(by_place, 1);
+            feedback.solve(by_place, 1);
             for (sum, row) in by_rate.iter_mut().zip(0..) {
                 *sum = self.yields(row, |shape| {
                     let output = SHAPE_FORCE + shape;
                     slope(output, RATE + axis) + along(output, rate, by_place)
                 });
             }
-            work.feedback.solve(by_rate, 1);
+            feedback.solve(by_rate, 1);
             for force in 0..2 {
                 let output = FORCE + force;
                 let place = slope(output, ECCENTRICITY + axis) + along(output, amplitude, by_place);
@@ -689,10 +692,10 @@ impl Elastic {
         Ok(found)
     }
 
-    /// A row of C times forces of the shapes.
+    /// A row of the slow compliance times forces of the shapes.
     fn yields(&self, row: usize, force: impl Fn(usize) -> f64) -> f64 {
         let count = self.shapes();
-        let line = self.compliance[row * count..(row + 1) * count].iter();
+        let line = self.slow[row * count..(row + 1) * count].iter();
         line.enumerate().map(|(shape, c)| c * force(shape)).sum()
     }
 
@@ -735,4 +738,33 @@ impl Elastic {
         }
         if all > 0.0 { last / all } else { 0.0 }
     }
+}
+
+/// Refuses a matrix that is no compliance of this number of shapes.
+fn check_compliance(compliance: &[f64], count: usize) -> Result<(), SourceError> {
+    let refuse = |value: f64, range: &'static str| SourceError::Range {
+        name: "compliance of the surface",
+        value,
+        range,
+    };
+    if compliance.len() != count * count {
+        return Err(refuse(
+            compliance.len() as f64,
+            "a square of the number of shapes",
+        ));
+    }
+    let size = largest(compliance);
+    for row in 0..count {
+        let own = compliance[row * count + row];
+        if !(own >= 0.0 && own.is_finite()) {
+            return Err(refuse(own, "at least zero for each shape"));
+        }
+        for column in 0..row {
+            let skew = compliance[row * count + column] - compliance[column * count + row];
+            if skew.is_nan() || skew.abs() > 1e-6 * size {
+                return Err(refuse(skew, "the same for both orders of two shapes"));
+            }
+        }
+    }
+    Ok(())
 }

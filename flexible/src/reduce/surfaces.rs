@@ -520,6 +520,7 @@ impl Prepared {
             width: self.bore.width,
             content: vec![0.0; count * modes],
             compliance: vec![0.0; count * count],
+            static_compliance: vec![0.0; count * count],
         }
     }
 }
@@ -558,11 +559,13 @@ impl Answered {
         }
         let content = |shape: usize| &surface.content[shape * set.len()..(shape + 1) * set.len()];
         let mut rest = vec![0.0; count * count];
+        let whole = &mut surface.static_compliance;
         for i in 0..count {
             for j in 0..count {
                 let both = self.compliance[i * count + j] + self.compliance[j * count + i];
                 let spanned = content(i).iter().zip(content(j)).zip(&set.eigenvalues);
                 let spanned: f64 = spanned.map(|((x, y), lambda)| x * y / lambda).sum();
+                whole[i * count + j] = 0.5 * both;
                 rest[i * count + j] = 0.5 * both - spanned;
             }
         }
