@@ -44,6 +44,8 @@ const QUICK_ROUNDS: usize = 16;
 const LONGEST: f64 = 0.5;
 /// Least speed of the surfaces that a search counts with (m/s).
 const LEAST_SPEED: f64 = 1e-3;
+/// Length of a step in which the oil of a cavity stays in its place (s).
+const HELD: f64 = 1e-9;
 /// Growth of the changes beyond which a shorter one is tried.
 const GROWTH: f64 = 1.5;
 /// Least share of a change that a search tries.
@@ -76,6 +78,8 @@ pub struct ElasticWork {
     /// Whether the slopes are those of the last solution of the film.
     current: bool,
     feedback: Feedback,
+    /// The film with its oil held; made when stiffness and damping within a step are first read.
+    held: Option<Box<Held>>,
     /// G of slow motions.
     slow_feedback: Feedback,
     /// The part of the amplitudes that follows the forces: at the last solution, and at the beginning of its
@@ -98,6 +102,16 @@ pub struct ElasticWork {
     follows: Vec<f64>,
     /// Rounds of the last solution.
     pub rounds: usize,
+}
+
+/// A film in a step so short that the oil of its cavity stays in its place.
+#[derive(Clone, Debug)]
+struct Held {
+    film: Work,
+    content: Vec<f64>,
+    cavity: Vec<f64>,
+    outputs: Vec<f64>,
+    slopes: Vec<f64>,
 }
 
 impl Elastic {
@@ -243,6 +257,7 @@ impl Elastic {
             wanted,
             current: false,
             feedback: Feedback::new(count),
+            held: None,
             slow_feedback: Feedback::new(count),
             amplitudes: vec![0.0; count],
             before: vec![0.0; count],
@@ -637,24 +652,29 @@ impl Elastic {
     /// ```
     ///
     /// with the compliance C for slow loads. So they depend neither on the length of a step nor on the number of modes of a
-    /// body that carries the surface: its static deflection is in C, its inertia and its damping are left out. The
-    /// content of a film with memory follows within its last step.
+    /// body that carries the surface: its static deflection is in C, its inertia and its damping are left out. A
+    /// film with memory in balance has the slopes of balances. Within a step the slopes are those of motions that
+    /// leave the oil of its cavity no time, the limit of short steps, so they do not depend on the step's length, either.
     ///
     /// # Errors
     /// If the surface is unstable there.
     pub fn stiffness_and_damping(&self, work: &mut ElasticWork) -> Result<[f64; 8], FilmError> {
         let (count, inputs) = (self.shapes(), self.film.inputs());
-        match count {
-            0 => {
-                let mut forces = [false; SHAPE_FORCE];
-                forces[FORCE..MOMENT].fill(true);
-                self.film
-                    .tangent_of(&forces, &mut work.film, &mut work.slopes);
-            }
-            _ => self.renew(work),
-        }
+        let mut forces = [false; SHAPE_FORCE];
+        forces[FORCE..MOMENT].fill(true);
+        let held = if work.step.is_some() && self.film.memory() > 0 {
+            Some(self.hold_oil(&forces, work)?)
+        } else if count > 0 {
+            self.renew(work);
+            None
+        } else {
+            self.film
+                .tangent_of(&forces, &mut work.film, &mut work.slopes);
+            None
+        };
+        let slopes = held.as_ref().map_or(&work.slopes, |held| &held.slopes);
         let feedback = &mut work.slow_feedback;
-        feedback.make(&self.slow, &self.rows(&work.slopes));
+        feedback.make(&self.slow, &self.rows(slopes));
         if !feedback.factor(0.0) {
             return Err(FilmError::NoSurface { rounds: ROUNDS });
         }
@@ -664,7 +684,7 @@ impl Elastic {
         let mut follows = std::mem::take(&mut work.follows);
         for axis in 0..2 {
             let (by_place, by_rate) = follows[..2 * count].split_at_mut(count);
-            let slope = |output: usize, input: usize| work.slopes[output * inputs + input];
+            let slope = |output: usize, input: usize| slopes[output * inputs + input];
             let along = |output: usize, first: usize, changes: &[f64]| -> f64 {
                 let terms = changes.iter().enumerate();
                 terms.map(|(k, x)| slope(output, first + k) * x).sum()
@@ -689,7 +709,43 @@ impl Elastic {
             }
         }
         work.follows = follows;
+        if held.is_some() {
+            work.held = held;
+        }
         Ok(found)
+    }
+
+    /// The film of the last solution with its oil held, and the derivatives of these outputs and of the forces of the
+    /// shapes.
+    fn hold_oil(
+        &self,
+        wanted: &[bool; SHAPE_FORCE],
+        work: &mut ElasticWork,
+    ) -> Result<Box<Held>, FilmError> {
+        let mut held = work.held.take().unwrap_or_else(|| {
+            Box::new(Held {
+                film: self.film.work(),
+                content: vec![0.0; self.film.memory()],
+                cavity: Vec::new(),
+                outputs: vec![0.0; self.film.outputs()],
+                slopes: vec![0.0; self.film.outputs() * self.film.inputs()],
+            })
+        });
+        let Held {
+            film,
+            content,
+            cavity,
+            outputs,
+            slopes,
+        } = &mut *held;
+        self.film.accept(&work.film, content);
+        cavity.clear();
+        self.film.cavity(&work.film, cavity);
+        self.film.begin_at(film, cavity);
+        let step = work.step.map(|step| step.min(HELD));
+        (self.film).solve(&work.inputs, step, content, film, outputs)?;
+        self.film.tangent_of(wanted, film, slopes);
+        Ok(held)
     }
 
     /// A row of the slow compliance times forces of the shapes.
