@@ -1,7 +1,7 @@
 //! Kernels of the fields that a text can name: oil films by `eng-film`.
 
 use eng_film::{
-    Beside, Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Part,
+    Beside, Cavitation, Elastic, ElasticRing, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Part,
     Profile, Quantity, Roughness, Shape, Thinning, inputs,
 };
 use eng_system::field::{
@@ -309,12 +309,19 @@ fn ring(film: &Film, numbers: &FieldNumbers<'_>) -> Result<Vec<f64>, FieldError>
             )));
         }
     }
-    let radius = film.source().radius + thickness / 2.0;
-    let (area, inertia) = (
-        thickness * width,
-        width * thickness * thickness * thickness / 12.0,
-    );
-    Ok(Elastic::ring(film, radius, modulus, area, inertia))
+    let ring = ElasticRing {
+        thickness,
+        width,
+        modulus,
+        poisson: number("ring_poisson"),
+    };
+    if !(0.0..=0.5).contains(&ring.poisson) {
+        return Err(FieldError(format!(
+            "Poisson's ratio of the elastic ring is {}: it must be 0 to 0.5",
+            ring.poisson
+        )));
+    }
+    Ok(ring.compliance(film))
 }
 
 /// The roughness, if the surfaces have one.

@@ -155,35 +155,6 @@ impl Elastic {
         })
     }
 
-    /// Compliance of a thin ring that bends in its plane and stretches, for shapes without a change across (m/N; others
-    /// zero). E modulus (Pa), A and I area (m²) and second moment of area (m⁴) of its section, R its radius (m):
-    ///
-    /// ```text
-    /// C_0 = R/(2π E A)        C_k = R³/(π E I (k² − 1)²), k ≥ 2
-    /// ```
-    ///
-    /// The pressure acts as the line load `q = ∫ p dz`, whose wave k deflects an inextensible ring by
-    /// `q_k R⁴/(E I (k² − 1)²)` (Timoshenko & Gere, Theory of Elastic Stability, 1961, section 7.1). The wave
-    /// k = 1 moves the ring as a whole, which is the motion of the shell.
-    #[must_use]
-    pub fn ring(film: &Film, radius: f64, modulus: f64, area: f64, inertia: f64) -> Vec<f64> {
-        let shapes = &film.source().shapes;
-        let count = shapes.len();
-        let mut compliance = vec![0.0; count * count];
-        for (at, shape) in shapes.iter().enumerate() {
-            let waves = f64::from(shape.around);
-            let bend = (waves * waves - 1.0) * (waves * waves - 1.0);
-            compliance[at * count + at] = match (shape.around, shape.across) {
-                (0, 0) => radius / (std::f64::consts::TAU * modulus * area),
-                (2.., 0) => {
-                    radius * radius * radius / (std::f64::consts::PI * modulus * inertia * bend)
-                }
-                _ => 0.0,
-            };
-        }
-        compliance
-    }
-
     /// The film.
     #[must_use]
     pub fn film(&self) -> &Film {

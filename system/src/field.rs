@@ -219,6 +219,7 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         argument("ring_thickness", LENGTH, Takes::Setting, true),
         argument("ring_width", LENGTH, Takes::Setting, true),
         argument("ring_modulus", PRESSURE, Takes::Setting, true),
+        argument("ring_poisson", ONE, Takes::Setting, true),
         argument("surface", ONE, Takes::Surface, true),
         argument("around", ONE, Takes::Whole(12, 2000), false),
         argument("across", ONE, Takes::Whole(1, 500), false),
