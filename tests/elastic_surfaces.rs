@@ -76,11 +76,23 @@ fn slow_coefficients_do_not_depend_on_the_modes() {
                 "marker seat = origin",
                 &format!("marker seat = origin\n    marker place = [{x}, {y}, 0] um"),
             )
-            .replace("PointOnPlane(rotor.mid, seat)", "Revolute(rotor.mid, place)")
-            .replace("joint flat = ParallelAxes(rotor.mid, seat)", "joint hold = Fixed(shell.bore, seat)")
-            .replace("PrescribedRotation(rotor.mid, seat", "PrescribedRotation(rotor.mid, place")
+            .replace(
+                "PointOnPlane(rotor.mid, seat)",
+                "Revolute(rotor.mid, place)",
+            )
+            .replace(
+                "joint flat = ParallelAxes(rotor.mid, seat)",
+                "joint hold = Fixed(shell.bore, seat)",
+            )
+            .replace(
+                "PrescribedRotation(rotor.mid, seat",
+                "PrescribedRotation(rotor.mid, place",
+            )
             .replace("rotation(rotor.mid, seat)", "rotation(rotor.mid, place)")
-            .replace("transient(Shell(), duration: 4 rev, sample: 10 deg)", "static(Shell(), turning: true)");
+            .replace(
+                "transient(Shell(), duration: 4 rev, sample: 10 deg)",
+                "static(Shell(), turning: true)",
+            );
         let program = checked(&text, MESH).unwrap_or_else(|report| panic!("{report}"));
         let outcome = (program.analysis("run").expect("an analysis")).run(&mut |_| {});
         let outcome = outcome.unwrap_or_else(|failed| panic!("{}", failed.error));
@@ -115,7 +127,10 @@ fn slow_coefficients_do_not_depend_on_the_modes() {
             let slope = -(up(&path) - down(&path)) / 0.04e-6;
             let found = many(&format!("main.stiffness[{}]", 2 * force + axis + 1));
             println!("{component} {axis}: {found:e} {slope:e}");
-            assert!((found - slope).abs() < 2e-3 * size, "{component} {axis}: {found} {slope}");
+            assert!(
+                (found - slope).abs() < 2e-3 * size,
+                "{component} {axis}: {found} {slope}"
+            );
         }
     }
 }
@@ -331,6 +346,16 @@ fn wrong_surfaces_are_refused() {
             "diameter: 54 mm",
             "diameter: 84 mm",
             "and the surface of its shell one of 27 mm",
+        ),
+        (
+            "diameter: 54 mm",
+            "diameter: 54.2 mm",
+            "the surface is that of the film, or up to 15 % larger",
+        ),
+        (
+            "radius: 27 mm",
+            "radius: 40 mm",
+            "the surface is the outside of a shaft",
         ),
     ] {
         let report = refused(from, to);

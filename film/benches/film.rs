@@ -2,8 +2,8 @@
 //! runs the orbit in an elastic bore alone.
 
 use eng_film::{
-    Accuracy, Cavitation, Elastic, ElasticRing, Feed, Film, FilmSource, Inputs, Opening, Part, Roughness, Shape,
-    Thinning, inputs,
+    Accuracy, Cavitation, Elastic, ElasticRing, Feed, Film, FilmSource, Inputs, Opening, Part,
+    Roughness, Shape, Thinning, inputs,
 };
 use std::time::Instant;
 

@@ -94,5 +94,6 @@ fn deflection(waves: u32, ratio: f64, poisson: f64) -> f64 {
     substitute(matrix, &exchanged, &mut terms, 1);
     let kappa = (3.0 - poisson) / (1.0 + poisson);
     let [a, b, c, d] = terms;
-    (1.0 + poisson) * (-k * small * a + k * b + (kappa - k - 1.0) * small * c + (kappa + k - 1.0) * d)
+    (1.0 + poisson)
+        * (-k * small * a + k * b + (kappa - k - 1.0) * small * c + (kappa + k - 1.0) * d)
 }

@@ -22,6 +22,7 @@ use crate::inputs::{ECCENTRICITY, FORCE, MOMENT, RATE, SHAPE_FORCE, SPIN, SUPPLY
 use crate::tangent::ALL;
 use eng_system::dense::{add_scaled, dot, largest};
 use eng_system::field::Accuracy;
+use eng_system::surface::SurfaceShape as Shape;
 
 /// Most rounds of Newton's method.
 const ROUNDS: usize = 200;
@@ -751,15 +752,35 @@ impl Elastic {
     /// share shows that more waves are necessary.
     #[must_use]
     pub fn last_waves(&self, work: &ElasticWork) -> f64 {
+        self.last_share(work, |shape| shape.around, |shape| shape.around > 0)
+    }
+
+    /// Share of the highest degree across in the deflection of a surface that a body carries: 1 for a surface that stays
+    /// straight across, and 0 for a ring, which knows no change across.
+    #[must_use]
+    pub fn last_degrees(&self, work: &ElasticWork) -> f64 {
+        match self.carried {
+            true => self.last_share(work, |shape| shape.across, |_| true),
+            false => 0.0,
+        }
+    }
+
+    /// Share of the shapes with the highest number in the sum of those amplitudes that count.
+    fn last_share(
+        &self,
+        work: &ElasticWork,
+        number: impl Fn(&Shape) -> u32,
+        counts: impl Fn(&Shape) -> bool,
+    ) -> f64 {
         let shapes = &self.film.source().shapes;
-        let most = shapes.iter().map(|shape| shape.around).max().unwrap_or(0);
+        let most = shapes.iter().map(&number).max().unwrap_or(0);
         let (mut last, mut all) = (0.0, 0.0);
         for (shape, amplitude) in shapes.iter().zip(&work.inputs[self.plain_inputs()..]) {
-            if shape.around == 0 {
+            if !counts(shape) {
                 continue;
             }
             all += amplitude.abs();
-            if shape.around == most {
+            if number(shape) == most {
                 last += amplitude.abs();
             }
         }

@@ -142,28 +142,28 @@ impl Slopes<'_> {
 /// Replaces right-hand sides, a row of `width` numbers for each unknown, by the solutions. Factors and exchanged rows are those
 /// of [`eliminate`].
 pub(crate) fn substitute(factors: &[f64], exchanged: &[usize], sides: &mut [f64], width: usize) {
-        let count = exchanged.len();
-        for (column, other) in exchanged.iter().enumerate().filter(|(c, o)| c != *o) {
-            let (above, below) = sides.split_at_mut(other * width);
-            above[column * width..][..width].swap_with_slice(&mut below[..width]);
+    let count = exchanged.len();
+    for (column, other) in exchanged.iter().enumerate().filter(|(c, o)| c != *o) {
+        let (above, below) = sides.split_at_mut(other * width);
+        above[column * width..][..width].swap_with_slice(&mut below[..width]);
+    }
+    for row in 1..count {
+        let (above, own) = sides.split_at_mut(row * width);
+        let line = &factors[row * count..row * count + row];
+        for (factor, solved) in line.iter().zip(above.chunks_exact(width)) {
+            add_scaled(&mut own[..width], -factor, solved);
         }
-        for row in 1..count {
-            let (above, own) = sides.split_at_mut(row * width);
-            let line = &factors[row * count..row * count + row];
-            for (factor, solved) in line.iter().zip(above.chunks_exact(width)) {
-                add_scaled(&mut own[..width], -factor, solved);
-            }
+    }
+    for row in (0..count).rev() {
+        let (above, below) = sides.split_at_mut((row + 1) * width);
+        let own = &mut above[row * width..];
+        let line = &factors[row * count..(row + 1) * count];
+        for (factor, solved) in line[row + 1..].iter().zip(below.chunks_exact(width)) {
+            add_scaled(own, -factor, solved);
         }
-        for row in (0..count).rev() {
-            let (above, below) = sides.split_at_mut((row + 1) * width);
-            let own = &mut above[row * width..];
-            let line = &factors[row * count..(row + 1) * count];
-            for (factor, solved) in line[row + 1..].iter().zip(below.chunks_exact(width)) {
-                add_scaled(own, -factor, solved);
-            }
-            let inverse = 1.0 / line[row];
-            own.iter_mut().for_each(|number| *number *= inverse);
-        }
+        let inverse = 1.0 / line[row];
+        own.iter_mut().for_each(|number| *number *= inverse);
+    }
 }
 
 /// Rows of a length of at least one.

@@ -3,7 +3,8 @@
 mod states;
 
 use eng_film::{
-    Accuracy, Cavitation, Elastic, ElasticRing, ElasticWork, Film, FilmSource, Inputs, Shape, inputs,
+    Accuracy, Cavitation, Elastic, ElasticRing, ElasticWork, Film, FilmSource, Inputs, Shape,
+    inputs,
 };
 use states::{number, pair, reference};
 
@@ -639,7 +640,10 @@ fn a_thick_ring_is_a_plane_stress_annulus() {
     for (k, exact) in elements.into_iter().enumerate() {
         // the cosine of k + 1 waves
         let found = if k == 0 { own(0) } else { own(2 * k - 1) };
-        assert!((found / exact - 1.0).abs() < 1e-6, "{k}: {found:e} {exact:e}");
+        assert!(
+            (found / exact - 1.0).abs() < 1e-6,
+            "{k}: {found:e} {exact:e}"
+        );
     }
     let thin = |k: f64| {
         let (radius, inertia): (f64, f64) = (32e-3, 22e-3 * 16e-3_f64.powi(3) / 12.0);

@@ -3,7 +3,8 @@
 mod states;
 
 use eng_film::{
-    Accuracy, Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Inputs, Opening, Part, Quantity, Shape, inputs,
+    Accuracy, Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Inputs, Opening,
+    Part, Quantity, Shape, inputs,
 };
 use serde_json::Value;
 use states::{number, pair, reference};
@@ -315,7 +316,11 @@ fn coefficients_depend_on_no_step() {
         for (first, rates) in [(0, false), (4, true)] {
             let mut at = |by: f64| {
                 let (mut e, mut rate) = (e, [0.0; 2]);
-                if rates { rate[axis] += by } else { e[axis] += by }
+                if rates {
+                    rate[axis] += by
+                } else {
+                    e[axis] += by
+                }
                 solve(&place(e, rate), Some(step), &memory, &mut work)
             };
             let (up, down) = (at(d), at(-d));
@@ -323,7 +328,10 @@ fn coefficients_depend_on_no_step() {
                 let slope = -(up[force] - down[force]) / (2.0 * d);
                 let found = within[0][first + 2 * force + axis];
                 println!("{first} {force} {axis}: {found} {slope}");
-                assert!((found - slope).abs() < 1e-3 * size, "{force} {axis}: {found} {slope}");
+                assert!(
+                    (found - slope).abs() < 1e-3 * size,
+                    "{force} {axis}: {found} {slope}"
+                );
             }
         }
     }

@@ -253,6 +253,7 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("boundary_power", POWER, 1, 1.0),
         result("deflection", LENGTH, 1, 1e-6),
         result("last_wave_share", ONE, 1, 1.0),
+        result("last_degree_share", ONE, 1, 1.0),
         result("cavitated", ONE, 1, 1.0),
         result("content", ONE, 1, 1.0),
         KernelResult {
