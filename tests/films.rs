@@ -743,6 +743,7 @@ fn the_error_of_the_pressure_is_that_at_the_same_load() {
         let law = format!("Film(rotor.mid, seat, {BEARING}, around: {around}, across: {across})");
         let text = rotor(&law)
             .replace("center_of_mass = [50, 0, 0] um", "")
+            .replace("viscosity: 8 mPa*s", "viscosity: 10 mPa*s")
             .replace("mass = 200 kg", "mass = 2000 kg")
             .replace("3 rev, sample: 10", "10 deg, sample: 5");
         let program = eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program();
