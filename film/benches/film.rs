@@ -33,7 +33,7 @@ fn soft_ring() -> ElasticRing {
     ElasticRing {
         thickness: 0.775,
         width: 1.29,
-        modulus: 10.0,
+        modulus: 33.0,
         poisson: 0.3,
     }
 }
@@ -156,7 +156,7 @@ fn surfaces() {
                 deviation: 0.02,
                 direction: 1.0,
                 asperity: 1.0,
-                modulus: 10.0,
+                modulus: 33.0,
                 friction: 0.1,
             });
             source.thinning = Some(Thinning {

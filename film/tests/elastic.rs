@@ -47,7 +47,7 @@ fn soft_ring() -> ElasticRing {
     ElasticRing {
         thickness: 0.775,
         width: 1.29,
-        modulus: 10.0,
+        modulus: 33.0,
         poisson: 0.3,
     }
 }
