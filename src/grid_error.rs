@@ -115,7 +115,7 @@ pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError>
 }
 
 fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Option<GridError> {
-    let solved = field.twice(motion, moments).ok()?;
+    let solved = field.twice(motion, moments, "minimum_film").ok()?;
     let forces = solved.iter().map(|twice| twice.result::<2>("force"));
     let forces: Vec<[[f64; 2]; 2]> = forces.collect::<Option<_>>()?;
     let size = |force: [f64; 2]| libm::hypot(force[0], force[1]);

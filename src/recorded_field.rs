@@ -276,11 +276,12 @@ impl Twice {
     fn find_same_load(
         &mut self,
         with: &SolvedWith,
+        gap_name: &str,
         solver: &mut dyn FieldSolver,
     ) -> Option<Vec<f64>> {
         let [wanted, mut force] = self.result::<2>("force")?;
         let [_, mut stiffness] = self.result::<4>("stiffness")?;
-        let [_, [mut gap]] = self.result::<1>("minimum_film")?;
+        let [_, [mut gap]] = self.result::<1>(gap_name)?;
         let size = libm::hypot(wanted[0], wanted[1]);
         let mut place = with.drives.clone();
         for _ in 0..LOAD_ROUNDS {
@@ -305,7 +306,7 @@ impl Twice {
             solver.read(&mut self.readings[1], true);
             force = self.result::<2>("force")?[1];
             stiffness = self.result::<4>("stiffness")?[1];
-            gap = self.result::<1>("minimum_film")?[1][0];
+            gap = self.result::<1>(gap_name)?[1][0];
         }
         None
     }
@@ -317,7 +318,7 @@ const SAME_LOAD: f64 = 1e-6;
 
 impl RecordedField {
     /// The field at moments of a motion, on its own cells and on twice as many in both directions. Moments
-    /// that the finer grid does not solve are left out.
+    /// that the finer grid does not solve are left out. `gap_name` is the reading of the least gap.
     ///
     /// # Errors
     /// If there is no finer grid.
@@ -325,6 +326,7 @@ impl RecordedField {
         &self,
         motion: &Results,
         samples: &[usize],
+        gap_name: &str,
     ) -> Result<Vec<Twice>, FieldError> {
         let finer = self.own.refined()?;
         let mut solvers = [self.own.solver(&[]), finer.solver(&[])];
@@ -348,7 +350,7 @@ impl RecordedField {
             });
             if solved.is_ok() {
                 let mut moved = twice.clone();
-                twice.at_load = moved.find_same_load(&with, solvers[1].as_mut());
+                twice.at_load = moved.find_same_load(&with, gap_name, solvers[1].as_mut());
                 found.push(twice);
             }
         }
