@@ -189,7 +189,7 @@ pub(super) fn prepare(
             return Err(refuse(
                 surface.marker,
                 format!(
-                    "{name}: the surface is the outside of a shaft: the body is inside of it, and the film of a bearing presses on a bore outwards"
+                    "{name}: the surface is the outside of a shaft: the body is inside of it, and a film presses on a bore outwards"
                 ),
                 "state the ring of a bore, or leave out the `surface`: the surface of a pin is rigid",
             ));
