@@ -618,9 +618,13 @@ pub(crate) fn periodic(
         .collect();
     let decay = found.decay.as_ref().filter(|_| !found.erratic);
     if let Some((decay, mode)) = decay.and_then(|d| Some((d, d.mode?))) {
+        // what does not shrink in a motion that repeats is below the change that counts
+        let pace = match found.repeats && mode.factor >= crate::repetition::HARDLY_SHRINKS {
+            true => "are as small as the errors of the steps".to_owned(),
+            false => crate::repetition::pace(mode.factor),
+        };
         facts.push(format!(
-            "slowest decay: deviations of the motion {}; they show most in {}",
-            crate::repetition::pace(mode.factor),
+            "slowest decay: deviations of the motion {pace}; they show most in {}",
             name(decay.channel),
         ));
     }

@@ -1,8 +1,8 @@
 //! Kernels of the fields that a text can name: oil films by `eng-film`.
 
 use eng_film::{
-    Beside, Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Lines, Opening, Part,
-    Profile, Quantity, Roughness, Shape, Thinning, inputs,
+    Beside, Cavitation, Elastic, ElasticRing, ElasticWork, Ends, Feed, Film, FilmSource, Lines,
+    Opening, Part, Profile, Quantity, Roughness, Shape, Thinning, inputs,
 };
 use eng_system::field::{
     Accuracy, FILM_CELLS, FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers,
@@ -16,9 +16,11 @@ use std::sync::Arc;
 /// without a field continue at the same eccentricity ratio.
 const FLOOR: f64 = 1e-3;
 
-/// Share of its radius by which a film may differ from the surface that it presses on: a thin shell may lie
-/// between them.
-const SAME_RADIUS: f64 = 0.15;
+/// Share of its radius by which the surface of a body may be larger than its film: a thin shell may lie between them.
+const SHELL: f64 = 0.15;
+
+/// Share by which it may be smaller: the tolerance of the nodes of a ring.
+const SMALLER: f64 = 1e-3;
 
 /// Narrowest land, in clearances h. A film takes the resistance of a land L to be that of Poiseuille's flow, 12 μ L/h³. Its two
 /// mouths add 32 μ/(π h²) (H. Hasimoto, J. Phys. Soc. Japan 13 (1958) 633), which is 8.5 % at L = 10 h.
@@ -112,7 +114,11 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
     let film = Film::new(source).map_err(|error| FieldError(error.to_string()))?;
     nothing_ignored(numbers)?;
     let elastic = match surface {
-        Some(surface) => Elastic::carried(film, surface.compliance.clone()),
+        Some(surface) => Elastic::carried(
+            film,
+            surface.compliance.clone(),
+            surface.static_compliance.clone(),
+        ),
         None => {
             let compliance = ring(&film, numbers)?;
             Elastic::new(film, compliance)
@@ -214,18 +220,22 @@ fn fits_surface(numbers: &FieldNumbers<'_>, surface: &ReducedSurface) -> Result<
             "the surface of the shell's marker yields, and an elastic ring is stated too: state one of them".into(),
         ));
     }
-    if (radius / surface.radius - 1.0).abs() > SAME_RADIUS {
+    let mm = |length: f64| short(1e3 * length, 4);
+    let larger = surface.radius / radius - 1.0;
+    if !(-SMALLER..=SHELL).contains(&larger) {
         return Err(FieldError(format!(
-            "the film has a radius of {} mm, and the surface of its shell one of {} mm",
-            1e3 * radius,
-            1e3 * surface.radius
+            "the film has a radius of {} mm, and the surface of its shell one of {} mm: the surface is that of the film, or up to \
+             {} % larger, because a thin shell may lie between them",
+            mm(radius),
+            mm(surface.radius),
+            100.0 * SHELL
         )));
     }
     if width > surface.width * (1.0 + 1e-9) {
         return Err(FieldError(format!(
             "the film is {} mm wide, and the surface of its shell {} mm: it would press beside the surface",
-            1e3 * width,
-            1e3 * surface.width
+            mm(width),
+            mm(surface.width)
         )));
     }
     Ok(())
@@ -305,12 +315,19 @@ fn ring(film: &Film, numbers: &FieldNumbers<'_>) -> Result<Vec<f64>, FieldError>
             )));
         }
     }
-    let radius = film.source().radius + thickness / 2.0;
-    let (area, inertia) = (
-        thickness * width,
-        width * thickness * thickness * thickness / 12.0,
-    );
-    Ok(Elastic::ring(film, radius, modulus, area, inertia))
+    let ring = ElasticRing {
+        thickness,
+        width,
+        modulus,
+        poisson: number("ring_poisson"),
+    };
+    if !(0.0..=0.5).contains(&ring.poisson) {
+        return Err(FieldError(format!(
+            "Poisson's ratio of the elastic ring is {}: it must be 0 to 0.5",
+            ring.poisson
+        )));
+    }
+    Ok(ring.compliance(film))
 }
 
 /// The roughness, if the surfaces have one.
@@ -600,6 +617,7 @@ impl FieldSolver for Solver {
             summary.boundary_power,
             self.film.deflection(&self.work),
             self.film.last_waves(&self.work),
+            self.film.last_degrees(&self.work),
             summary.cavitated,
             summary.content,
             self.unexplained_flow(),

@@ -3,6 +3,10 @@
 //! The error of a film is of second order in the cells, so twice as many leave a quarter of it. The difference of both
 //! times 4/3 is the error of the coarser one (Richardson, Phil. Trans. A 210 (1911) 307).
 //!
+//! A film on few cells carries too much load at a place of the pin. So at a given load its pin is too near to the
+//! middle, the film too thick, and the highest pressure often too low, although it is too high at the same place. The
+//! load is compared at the same place, the highest pressure and the least film at the same load.
+//!
 //! A film with memory has no such error here: the finer one would continue from the memory of the coarser
 //! one, and a single step does not show the difference of two films that were always apart.
 
@@ -38,12 +42,14 @@ pub(crate) struct GridError {
 /// The errors of a film that carries a load.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LoadErrors {
-    /// Largest error of the load over the largest load of the moments; positive for a load that is too high.
+    /// Largest error of the load at the same places of the pin, over the largest load of the moments; positive for a load
+    /// that is too high.
     pub load: f64,
-    /// Largest error of the highest pressure over the largest one of the moments.
-    pub pressure: f64,
-    /// At the moment of the least film: that film (m), and by how much it would be thinner (m) if it carried
-    /// the same load at the same rates without the error. `None` without a stiffness.
+    /// Largest error of the highest pressure at the same load and the same rates, over the largest one of the moments.
+    /// `None` if no place with this load was found.
+    pub pressure: Option<f64>,
+    /// At the moment of the least film: that film (m), and by how much it is too thick (m) at the same load and
+    /// the same rates. `None` as above.
     pub film: Option<[f64; 2]>,
 }
 
@@ -72,22 +78,22 @@ impl LoadErrors {
             let side = if share < 0.0 { "low" } else { "high" };
             format!("{} % too {side}", significant(100.0 * share.abs(), 2))
         };
-        let film = match self.film {
-            Some([film, thinner]) => {
-                let side = if thinner < 0.0 { "thin" } else { "thick" };
-                format!(
-                    ", the least film of {} µm {} µm too {side}",
-                    significant(1e6 * film, 3),
-                    significant(1e6 * thinner.abs(), 2)
-                )
-            }
-            None => String::new(),
-        };
-        format!(
-            "the load is up to {}, the highest pressure {}{film}",
-            percent(self.load),
-            percent(self.pressure),
-        )
+        let mut text = format!("the load is up to {} at the same place", percent(self.load));
+        if let Some(pressure) = self.pressure {
+            text += &format!(
+                "; at the same load the highest pressure is up to {}",
+                percent(pressure)
+            );
+        }
+        if let Some([film, thicker]) = self.film {
+            let side = if thicker < 0.0 { "thin" } else { "thick" };
+            text += &format!(
+                ", the least film of {} µm {} µm too {side}",
+                significant(1e6 * film, 3),
+                significant(1e6 * thicker.abs(), 2)
+            );
+        }
+        text
     }
 }
 
@@ -109,27 +115,26 @@ pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError>
 }
 
 fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Option<GridError> {
-    let solved = field.twice(motion, moments).ok()?;
+    let solved = field.twice(motion, moments, "minimum_film").ok()?;
     let forces = solved.iter().map(|twice| twice.result::<2>("force"));
     let forces: Vec<[[f64; 2]; 2]> = forces.collect::<Option<_>>()?;
-    let pressures = solved.iter().map(|twice| twice.result("maximum_pressure"));
-    let pressures: Vec<[[f64; 1]; 2]> = pressures.collect::<Option<_>>()?;
     let size = |force: [f64; 2]| libm::hypot(force[0], force[1]);
     let loads: Vec<[f64; 2]> = forces.iter().map(|both| both.map(size)).collect();
-    let pressures: Vec<[f64; 2]> = pressures.iter().map(|both| both.map(|[p]| p)).collect();
-    let thinnest = solved
-        .iter()
-        .filter_map(|twice| Some((twice, twice.result::<1>("minimum_film")?)))
-        .min_by(|a, b| a.1[1][0].total_cmp(&b.1[1][0]));
+    let at_load = |name| -> Vec<[f64; 2]> {
+        let readings = solved.iter().filter_map(|twice| twice.at_same_load(name));
+        readings.collect()
+    };
+    let pressures = at_load("maximum_pressure");
+    let films = at_load("minimum_film").into_iter();
+    let thinnest = films.min_by(|a, b| a[0].total_cmp(&b[0]));
     let FieldGrid { around, across, .. } = field.grid();
     let most = loads.iter().map(|[_, finer]| *finer).fold(0.0, f64::max);
     let loaded = most > LEAST_LOAD && most > NO_LOAD * shear(&solved)?;
-    let of_load = |(load, pressure)| LoadErrors {
+    let of_load = |load| LoadErrors {
         load,
-        pressure,
-        film: thinnest.and_then(|(twice, film)| Some([film[0][0], thinner(twice)?])),
+        pressure: largest(&pressures),
+        film: thinnest.map(|[own, finer]| [own, WHOLE * (own - finer)]),
     };
-    let errors = largest(&loads).zip(largest(&pressures));
     Some(GridError {
         path: field.path.clone(),
         cells: [
@@ -137,7 +142,7 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
             across.len().saturating_sub(1),
         ],
         moments: solved.len(),
-        of_load: errors.filter(|_| loaded).map(of_load),
+        of_load: largest(&loads).filter(|_| loaded).map(of_load),
     })
 }
 
@@ -159,21 +164,4 @@ fn largest(both: &[[f64; 2]]) -> Option<f64> {
     let errors = both.iter().map(|[own, finer]| WHOLE * (own - finer));
     let error = errors.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     (most > 0.0).then_some(error / most)
-}
-
-/// The decrease of the least film (m) if the finer film carries the load of the coarser one. The pin moves by
-/// `S⁻¹ (F' − F)` with the stiffness S, and the film changes by the part of this move towards the least gap.
-fn thinner(twice: &Twice) -> Option<f64> {
-    let [own, finer] = twice.result::<2>("force")?;
-    let [_, [xx, xy, yx, yy]] = twice.result::<4>("stiffness")?;
-    let [_, [angle]] = twice.result::<1>("minimum_film_angle")?;
-    let [x, y] = [0, 1].map(|axis| WHOLE * (finer[axis] - own[axis]));
-    let determinant = xx * yy - xy * yx;
-    let moved = [
-        (yy * x - xy * y) / determinant,
-        (xx * y - yx * x) / determinant,
-    ];
-    let (sin, cos) = libm::sincos(angle);
-    let thinner = moved[0] * cos + moved[1] * sin;
-    thinner.is_finite().then_some(thinner)
 }

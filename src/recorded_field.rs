@@ -232,6 +232,7 @@ impl RecordedField {
 }
 
 /// A field at a moment, on its own grid and on one of twice as many cells in both directions.
+#[derive(Clone)]
 pub(crate) struct Twice {
     /// The kernel.
     pub kernel: &'static Kernel,
@@ -239,6 +240,9 @@ pub(crate) struct Twice {
     pub answers: [Vec<f64>; 2],
     /// Readings on both; those of the own grid without slopes.
     pub readings: [Vec<f64>; 2],
+    /// Readings of the finer grid where its force is that of the own grid, at the same rates; `None` if no such place
+    /// was found.
+    pub at_load: Option<Vec<f64>>,
 }
 
 impl Twice {
@@ -256,11 +260,65 @@ impl Twice {
         };
         Some([of(own)?, of(finer)?])
     }
+
+    /// A reading of the own grid, and that of the finer one at the same force; `None` if there is none.
+    pub fn at_same_load(&self, name: &str) -> Option<[f64; 2]> {
+        let (_, first, answer) = self.kernel.result(name)?;
+        let finer = self.at_load.as_ref().filter(|_| !answer)?;
+        Some([
+            *self.readings[0].get(first as usize)?,
+            *finer.get(first as usize)?,
+        ])
+    }
+
+    /// Moves the pin in the finer grid until its force is that of the own grid, by Newton's method with the stiffness
+    /// of the film, and keeps the readings there. A move is a third of the least film at most, so the film stays open.
+    fn find_same_load(
+        &mut self,
+        with: &SolvedWith,
+        gap_name: &str,
+        solver: &mut dyn FieldSolver,
+    ) -> Option<Vec<f64>> {
+        let [wanted, mut force] = self.result::<2>("force")?;
+        let [_, mut stiffness] = self.result::<4>("stiffness")?;
+        let [_, [mut gap]] = self.result::<1>(gap_name)?;
+        let size = libm::hypot(wanted[0], wanted[1]);
+        let mut place = with.drives.clone();
+        for _ in 0..LOAD_ROUNDS {
+            let missed = [0, 1].map(|axis| force[axis] - wanted[axis]);
+            if libm::hypot(missed[0], missed[1]) <= SAME_LOAD * size {
+                return Some(self.readings[1].clone());
+            }
+            let [xx, xy, yx, yy] = stiffness;
+            let determinant = xx * yy - xy * yx;
+            let moved = [
+                (yy * missed[0] - xy * missed[1]) / determinant,
+                (xx * missed[1] - yx * missed[0]) / determinant,
+            ];
+            let share = (gap / 3.0 / libm::hypot(moved[0], moved[1])).min(1.0);
+            // the eccentricity is the first drive of a film
+            for (drive, moved) in place.iter_mut().zip(moved) {
+                *drive += share * moved;
+            }
+            let [_, answers] = &mut self.answers;
+            let solved = solver.solve(&place, with.past(), Accuracy::Full, answers);
+            solved.ok()?;
+            solver.read(&mut self.readings[1], true);
+            force = self.result::<2>("force")?[1];
+            stiffness = self.result::<4>("stiffness")?[1];
+            gap = self.result::<1>(gap_name)?[1][0];
+        }
+        None
+    }
 }
+
+/// Most rounds of the search for a place with a given force, and its error as a share of the force.
+const LOAD_ROUNDS: usize = 20;
+const SAME_LOAD: f64 = 1e-6;
 
 impl RecordedField {
     /// The field at moments of a motion, on its own cells and on twice as many in both directions. Moments
-    /// that the finer grid does not solve are left out.
+    /// that the finer grid does not solve are left out. `gap_name` is the reading of the least gap.
     ///
     /// # Errors
     /// If there is no finer grid.
@@ -268,6 +326,7 @@ impl RecordedField {
         &self,
         motion: &Results,
         samples: &[usize],
+        gap_name: &str,
     ) -> Result<Vec<Twice>, FieldError> {
         let finer = self.own.refined()?;
         let mut solvers = [self.own.solver(&[]), finer.solver(&[])];
@@ -279,6 +338,7 @@ impl RecordedField {
                 kernel: self.kernel,
                 answers: blank(self.answer_count()),
                 readings: blank(self.kernel.reading_count() as usize),
+                at_load: None,
             };
             // the finer one alone has the slopes
             let both = [false, true].into_iter().zip(&mut solvers);
@@ -289,6 +349,8 @@ impl RecordedField {
                 Ok::<(), FieldError>(())
             });
             if solved.is_ok() {
+                let mut moved = twice.clone();
+                twice.at_load = moved.find_same_load(&with, gap_name, solvers[1].as_mut());
                 found.push(twice);
             }
         }

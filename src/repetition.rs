@@ -17,7 +17,7 @@ const NOISE: &str = "periodic.noise";
 const ERRATIC: &str = "periodic.erratic";
 
 /// Factor per cycle above which more cycles hardly help.
-const HARDLY_SHRINKS: f64 = 0.98;
+pub(crate) const HARDLY_SHRINKS: f64 = 0.98;
 /// Factor per cycle above which deviations grow.
 const HARDLY_GROWS: f64 = 1.02;
 

@@ -61,6 +61,80 @@ fn the_film_does_not_depend_on_the_modes() {
     assert!(many.mean("main.deflection") > 3e-6);
 }
 
+/// Stiffness and damping are those of slow motions, which the modes of the bore follow, too: they do not depend on the
+/// number of modes, and the stiffness is the difference of two balances.
+#[test]
+fn slow_coefficients_do_not_depend_on_the_modes() {
+    let held = |modes: u32, place: [f64; 2]| {
+        let [x, y] = place;
+        let text = MODEL
+            .replace("        support = foot\n", "")
+            .replace("        marker foot = set(\"FOOT\", tie: rigid)\n", "")
+            .replace("modes: Int = 6", &format!("modes: Int = {modes}"))
+            .replace("{PointOnPlane, ParallelAxes}", "{Fixed, Revolute}")
+            .replace(
+                "marker seat = origin",
+                &format!("marker seat = origin\n    marker place = [{x}, {y}, 0] um"),
+            )
+            .replace(
+                "PointOnPlane(rotor.mid, seat)",
+                "Revolute(rotor.mid, place)",
+            )
+            .replace(
+                "joint flat = ParallelAxes(rotor.mid, seat)",
+                "joint hold = Fixed(shell.bore, seat)",
+            )
+            .replace(
+                "PrescribedRotation(rotor.mid, seat",
+                "PrescribedRotation(rotor.mid, place",
+            )
+            .replace("rotation(rotor.mid, seat)", "rotation(rotor.mid, place)")
+            .replace(
+                "transient(Shell(), duration: 4 rev, sample: 10 deg)",
+                "static(Shell(), turning: true)",
+            );
+        let program = checked(&text, MESH).unwrap_or_else(|report| panic!("{report}"));
+        let outcome = (program.analysis("run").expect("an analysis")).run(&mut |_| {});
+        let outcome = outcome.unwrap_or_else(|failed| panic!("{}", failed.error));
+        move |path: &str| {
+            let values = &outcome.results.column(path).expect("a column").values;
+            *values.last().expect("a number")
+        }
+    };
+    let place = [10.0, -18.0];
+    let (few, many) = (held(2, place), held(40, place));
+    let size = many("main.stiffness[4]").abs();
+    for k in 1..=4 {
+        let path = format!("main.stiffness[{k}]");
+        let (x, y) = (few(&path), many(&path));
+        println!("{path}: {x:e} {y:e}");
+        assert!((x - y).abs() < 1e-3 * size, "{path}: {x} {y}");
+        let path = format!("main.damping[{k}]");
+        let (x, y) = (few(&path), many(&path));
+        let size = many("main.damping[4]").abs();
+        println!("{path}: {x:e} {y:e}");
+        assert!((x - y).abs() < 1e-3 * size, "{path}: {x} {y}");
+    }
+    for axis in 0..2 {
+        let at = |by: f64| {
+            let mut place = place;
+            place[axis] += by;
+            held(40, place)
+        };
+        let (up, down) = (at(0.02), at(-0.02));
+        for (force, component) in ["x", "y"].iter().enumerate() {
+            let path = format!("main.force.{component}");
+            let slope = -(up(&path) - down(&path)) / 0.04e-6;
+            let found = many(&format!("main.stiffness[{}]", 2 * force + axis + 1));
+            println!("{component} {axis}: {found:e} {slope:e}");
+            assert!(
+                (found - slope).abs() < 2e-3 * size,
+                "{component} {axis}: {found} {slope}"
+            );
+        }
+    }
+}
+
 /// The drive gives what the film loses, with a bore that yields by a seventh of the clearance.
 #[test]
 fn an_elastic_bore_takes_no_energy() {
@@ -272,6 +346,16 @@ fn wrong_surfaces_are_refused() {
             "diameter: 54 mm",
             "diameter: 84 mm",
             "and the surface of its shell one of 27 mm",
+        ),
+        (
+            "diameter: 54 mm",
+            "diameter: 54.2 mm",
+            "the surface is that of the film, or up to 15 % larger",
+        ),
+        (
+            "radius: 27 mm",
+            "radius: 40 mm",
+            "the surface is the outside of a shaft",
         ),
     ] {
         let report = refused(from, to);

@@ -728,10 +728,60 @@ fn the_error_of_the_cells_is_told() {
     assert!((stated / off - 1.0).abs() < 0.15, "{stated} {off}");
     assert!(
         told.starts_with("cells of main, 72 × 13: against twice as many both ways at 20 moments, the load is up to")
-            && told.contains("% too high, the highest pressure"),
+            && told.contains("% too high at the same place; at the same load the highest pressure is up to"),
         "{told}"
     );
     assert!(table.facts.iter().all(|fact| !fact.starts_with("cells")));
+}
+
+/// Cells that carry too much at the same place of the pin have too little pressure at the same load. The stated error is
+/// that against an extrapolation from four and eight times as many cells.
+#[test]
+fn the_error_of_the_pressure_is_that_at_the_same_load() {
+    let of = |cells: [u32; 2]| {
+        let [around, across] = cells;
+        let law = format!("Film(rotor.mid, seat, {BEARING}, around: {around}, across: {across})");
+        let text = rotor(&law)
+            .replace("center_of_mass = [50, 0, 0] um", "")
+            .replace("viscosity: 8 mPa*s", "viscosity: 10 mPa*s")
+            .replace("mass = 200 kg", "mass = 2000 kg")
+            .replace("3 rev, sample: 10", "10 deg, sample: 5");
+        let program = eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program();
+        let program = program.unwrap_or_else(|report| panic!("{report}"));
+        let analysis = program.analysis("run").expect("an analysis");
+        let run = eng::run::run(&analysis, true, &mut |_| {});
+        let run = run.unwrap_or_else(|failed| panic!("{}", failed.error));
+        let column = |path: &str| run.results.column(path).expect("a column").values[0];
+        let numbers = ["main.maximum_pressure", "main.minimum_film"].map(column);
+        let facts = run.facts.iter();
+        let told = facts.filter(|fact| fact.starts_with("cells of main"));
+        (numbers, told.cloned().collect::<String>())
+    };
+    let ((own, told), (half, _), (quarter, _)) = (of([36, 7]), of([72, 14]), of([144, 28]));
+    let exact = [0, 1].map(|k| quarter[k] + (quarter[k] - half[k]) / 3.0);
+    let pressure = 100.0 * (own[0] / exact[0] - 1.0);
+    let film = 1e6 * (own[1] - exact[1]);
+    println!("{pressure:.3} %, {film:.4} µm; {told}");
+    let number = |before: &str, after: &str| -> f64 {
+        let (_, rest) = told.split_once(before).unwrap_or_else(|| panic!("{told}"));
+        let (number, _) = rest.split_once(after).unwrap_or_else(|| panic!("{told}"));
+        number
+            .parse()
+            .unwrap_or_else(|_| panic!("{number} of {told}"))
+    };
+    let stated = -number("the highest pressure is up to ", " % too low");
+    assert!(
+        (stated - pressure).abs() < 0.15 * pressure.abs(),
+        "{stated} {pressure}"
+    );
+    let (_, film_told) = told.split_once("the least film of ").expect("a film");
+    let stated: f64 = film_told
+        .split(' ')
+        .nth(2)
+        .expect("a word")
+        .parse()
+        .expect("a number");
+    assert!((stated - film).abs() < 0.15 * film, "{stated} {film}");
 }
 
 /// The file of the cells has a list of all cells at each moment, and its pressure is highest where the run

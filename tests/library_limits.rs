@@ -111,6 +111,34 @@ const OF_FILMS: &[Change] = &[
         "eye: Ring(waves: 1, thickness: 5 mm, width: 25 mm, modulus: 210 GPa), openings:",
         "Bending begins with 2 waves: take 8 at first, or 0",
     ),
+    (
+        "openings:",
+        "eye: Ring(thickness: 5 mm, width: 25 mm, modulus: 210 GPa), openings:",
+        "waves",
+    ),
+    (
+        "openings:",
+        "eye: Ring(waves: 2, thickness: 60 mm, width: 25 mm, modulus: 210 GPa), openings:",
+        "60 mm thick, the diameter of 50 mm or more",
+    ),
+    (
+        "openings:",
+        "eye: Ring(waves: 2, thickness: 5 mm, width: 25 mm, modulus: 210 kPa), openings:",
+        "has a modulus of 0.00021 GPa: that of plastics",
+    ),
+    (
+        "openings:",
+        "eye: Ring(waves: 2, thickness: 5 mm, width: 25 mm, modulus: 210 GPa, poisson: 0.7), openings:",
+        "Poisson's ratio of the elastic ring is 0.7: it must be 0 to 0.5",
+    ),
+    (
+        "openings:",
+        "roughness: Roughness(sigma: 0.5 um, asperity: 1e-4, modulus: 100 GPa, boundary_friction: 10), openings:",
+        "asperities with a friction of 10: that of oiled metals",
+    ),
+    ("[15, 0, 0] um", "[24.9, 0, 0] um", "the highest pressure of the oil is "),
+    ("pressure: 4 bar", "pressure: 1 bar, content: 1.5", "opening 1 has a content of 1.5: it is the share"),
+    ("width: 8 mm, diameter: 50 mm", "width: 8 mm, diameter: 51 mm", "made for a diameter of 51 mm"),
     ("openings:", "around: 2000, across: 500, openings:", "the matrices of a solution need 12 GB"),
     ("openings:", "around: 100, across: 40, openings:", "Each solution takes some 0.003"),
     ("openings:", "piezo: 2000 GPa^-1, openings:", "fifty times that at rest at 1.956 MPa, and the pressure passes that at"),
@@ -329,6 +357,29 @@ fn numbers_that_no_machine_has_are_told() {
             assert!(wrong.contains(message), "{after}: {message} in\n{wrong}");
         }
     }
+}
+
+/// A film at rest resists the motion of its pin under the rule `half`, too: its pressure is zero, but not cut.
+#[test]
+fn a_film_of_the_rule_half_holds_its_pin() {
+    let text = "
+use std.journals.Film
+use std.joints.Planar
+use std.drives.PrescribedRotation
+model Rotor {
+    gravity = [-9.81, 0, 0] m/s^2
+    marker seat = origin
+    body shaft { mass = 60 kg; inertia = [0.2, 0.2, 0.3] kg*m^2; marker mid = origin; start angular_velocity = [0, 0, 3000] rpm }
+    joint plane = Planar(shaft.mid, seat)
+    drive turn = PrescribedRotation(shaft.mid, seat, speed: 3000 rpm)
+    journal main = Film(shaft.mid, seat, diameter: 54 mm, width: 24 mm, radial_clearance: 27 um, viscosity: 10 mPa*s, cavitation: half)
+    cycle angle = rotation(shaft.mid, seat) { period = 360 deg }
+}
+analysis run = transient(Rotor(), duration: 4 deg, sample: 2 deg)
+";
+    let told = said(text);
+    assert!(told.contains("the load is up to"), "{told}");
+    assert!(!told.contains("nothing holds it"), "{told}");
 }
 
 /// A pin in the middle of its shell carries nothing: its relative errors would be those of rounding.

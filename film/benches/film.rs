@@ -2,8 +2,8 @@
 //! runs the orbit in an elastic bore alone.
 
 use eng_film::{
-    Accuracy, Cavitation, Elastic, Feed, Film, FilmSource, Inputs, Opening, Part, Roughness, Shape,
-    Thinning, inputs,
+    Accuracy, Cavitation, Elastic, ElasticRing, Feed, Film, FilmSource, Inputs, Opening, Part,
+    Roughness, Shape, Thinning, inputs,
 };
 use std::time::Instant;
 
@@ -26,6 +26,16 @@ fn least(mut call: impl FnMut()) -> f64 {
         least = least.min(now.elapsed().as_secs_f64());
     }
     least * 1e6
+}
+
+/// A ring whose ovality yields by a tenth of the clearance, in units of R = c = μ = ω = 1.
+fn soft_ring() -> ElasticRing {
+    ElasticRing {
+        thickness: 0.775,
+        width: 1.29,
+        modulus: 33.0,
+        poisson: 0.3,
+    }
 }
 
 /// A bearing of B/D 1/2 with a supply groove; of half width it is aligned.
@@ -146,7 +156,7 @@ fn surfaces() {
                 deviation: 0.02,
                 direction: 1.0,
                 asperity: 1.0,
-                modulus: 10.0,
+                modulus: 33.0,
                 friction: 0.1,
             });
             source.thinning = Some(Thinning {
@@ -172,8 +182,7 @@ fn surfaces() {
         ("42 shapes", false, 8, 2),
     ] {
         let film = Film::new(source(rough, waves, degree)).expect("a film");
-        // the numbers make a ring whose ovality yields by a tenth of the clearance
-        let compliance = Elastic::ring(&film, 1.0, 10.0, 1.0, 0.05);
+        let compliance = soft_ring().compliance(&film);
         let elastic = Elastic::new(film, compliance).expect("a surface");
         let (mut work, mut y) = (elastic.work(), [0.0; inputs::SHAPE_FORCE]);
         let near = [0.0, 1e-6].map(|moved| {
@@ -247,7 +256,13 @@ fn elastic_orbit() {
     let shapes = source.shapes.clone();
     let film = Film::new(source).expect("a film");
     // a soft ring of aluminium, and the yielding of its face
-    let mut compliance = Elastic::ring(&film, 33e-3, 110e9, 2e-4, 1.1e-9);
+    let mut compliance = ElasticRing {
+        thickness: 8e-3,
+        width: 25e-3,
+        modulus: 110e9,
+        poisson: 0.3,
+    }
+    .compliance(&film);
     for (at, shape) in shapes.iter().enumerate() {
         let face = 3e-10 / f64::from((1 + shape.around) * (1 + shape.across));
         let own = &mut compliance[at * shapes.len() + at];

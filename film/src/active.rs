@@ -97,7 +97,7 @@ impl Film {
     #[must_use]
     pub fn undecided(&self, work: &Work) -> f64 {
         let (level, state) = (&self.levels[0], &work.levels[0]);
-        if self.source.cavitation != Cavitation::Reynolds {
+        if self.source.cavitation == Cavitation::MassConserving {
             return 0.0;
         }
         let highest = largest(&state.q);

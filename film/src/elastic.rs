@@ -22,6 +22,7 @@ use crate::inputs::{ECCENTRICITY, FORCE, MOMENT, RATE, SHAPE_FORCE, SPIN, SUPPLY
 use crate::tangent::ALL;
 use eng_system::dense::{add_scaled, dot, largest};
 use eng_system::field::Accuracy;
+use eng_system::surface::SurfaceShape as Shape;
 
 /// Most rounds of Newton's method.
 const ROUNDS: usize = 200;
@@ -44,6 +45,8 @@ const QUICK_ROUNDS: usize = 16;
 const LONGEST: f64 = 0.5;
 /// Least speed of the surfaces that a search counts with (m/s).
 const LEAST_SPEED: f64 = 1e-3;
+/// Length of a step in which the oil of a cavity stays in its place (s).
+const HELD: f64 = 1e-9;
 /// Growth of the changes beyond which a shorter one is tried.
 const GROWTH: f64 = 1.5;
 /// Least share of a change that a search tries.
@@ -55,6 +58,8 @@ pub struct Elastic {
     film: Film,
     /// C, row by row, m/N.
     compliance: Vec<f64>,
+    /// The compliance for slow loads, with the part of the body's motion a; C without such a body.
+    slow: Vec<f64>,
     /// Whether the body that carries the surface moves it: a and ȧ are inputs, and the forces of the shapes outputs.
     carried: bool,
 }
@@ -74,6 +79,10 @@ pub struct ElasticWork {
     /// Whether the slopes are those of the last solution of the film.
     current: bool,
     feedback: Feedback,
+    /// The film with its oil held; made when stiffness and damping within a step are first read.
+    held: Option<Box<Held>>,
+    /// G of slow motions.
+    slow_feedback: Feedback,
     /// The part of the amplitudes that follows the forces: at the last solution, and at the beginning of its
     /// step.
     amplitudes: Vec<f64>,
@@ -96,84 +105,55 @@ pub struct ElasticWork {
     pub rounds: usize,
 }
 
+/// A film in a step so short that the oil of its cavity stays in its place.
+#[derive(Clone, Debug)]
+struct Held {
+    film: Work,
+    content: Vec<f64>,
+    cavity: Vec<f64>,
+    outputs: Vec<f64>,
+    slopes: Vec<f64>,
+}
+
 impl Elastic {
     /// A film whose shapes have a compliance (m/N), `shapes × shapes` numbers row by row.
     ///
     /// # Errors
     /// If the compliance is not square or not symmetric, or has a negative number on its diagonal.
     pub fn new(film: Film, compliance: Vec<f64>) -> Result<Elastic, SourceError> {
-        Self::of(film, compliance, false)
+        Self::of(film, compliance.clone(), compliance, false)
     }
 
     /// A film on a surface that a moving body carries: amplitudes and their rates follow the openings among
-    /// the inputs, and the forces of the shapes follow the torque among the outputs.
+    /// the inputs, and the forces of the shapes follow the torque among the outputs. `slow` is the compliance with
+    /// the static deflection by the modes of this body.
     ///
     /// # Errors
-    /// As [`Elastic::new`].
-    pub fn carried(film: Film, compliance: Vec<f64>) -> Result<Elastic, SourceError> {
-        Self::of(film, compliance, true)
+    /// As [`Elastic::new`], for both compliances.
+    pub fn carried(
+        film: Film,
+        compliance: Vec<f64>,
+        slow: Vec<f64>,
+    ) -> Result<Elastic, SourceError> {
+        Self::of(film, compliance, slow, true)
     }
 
-    fn of(film: Film, compliance: Vec<f64>, carried: bool) -> Result<Elastic, SourceError> {
+    fn of(
+        film: Film,
+        compliance: Vec<f64>,
+        slow: Vec<f64>,
+        carried: bool,
+    ) -> Result<Elastic, SourceError> {
         let count = film.source().shapes.len();
-        let refuse = |value: f64, range: &'static str| SourceError::Range {
-            name: "compliance of the surface",
-            value,
-            range,
-        };
-        if compliance.len() != count * count {
-            return Err(refuse(
-                compliance.len() as f64,
-                "a square of the number of shapes",
-            ));
-        }
-        let size = largest(&compliance);
-        for row in 0..count {
-            let own = compliance[row * count + row];
-            if !(own >= 0.0 && own.is_finite()) {
-                return Err(refuse(own, "at least zero for each shape"));
-            }
-            for column in 0..row {
-                let skew = compliance[row * count + column] - compliance[column * count + row];
-                if skew.is_nan() || skew.abs() > 1e-6 * size {
-                    return Err(refuse(skew, "the same for both orders of two shapes"));
-                }
-            }
+        for compliance in [&compliance, &slow] {
+            check_compliance(compliance, count)?;
         }
         Ok(Elastic {
             film,
             compliance,
+            slow,
             carried,
         })
-    }
-
-    /// Compliance of a thin ring that bends in its plane and stretches, for shapes without a change across (m/N; others
-    /// zero). E modulus (Pa), A and I area (m²) and second moment of area (m⁴) of its section, R its radius (m):
-    ///
-    /// ```text
-    /// C_0 = R/(2π E A)        C_k = R³/(π E I (k² − 1)²), k ≥ 2
-    /// ```
-    ///
-    /// The pressure acts as the line load `q = ∫ p dz`, whose wave k deflects an inextensible ring by
-    /// `q_k R⁴/(E I (k² − 1)²)` (Timoshenko & Gere, Theory of Elastic Stability, 1961, section 7.1). The wave
-    /// k = 1 moves the ring as a whole, which is the motion of the shell.
-    #[must_use]
-    pub fn ring(film: &Film, radius: f64, modulus: f64, area: f64, inertia: f64) -> Vec<f64> {
-        let shapes = &film.source().shapes;
-        let count = shapes.len();
-        let mut compliance = vec![0.0; count * count];
-        for (at, shape) in shapes.iter().enumerate() {
-            let waves = f64::from(shape.around);
-            let bend = (waves * waves - 1.0) * (waves * waves - 1.0);
-            compliance[at * count + at] = match (shape.around, shape.across) {
-                (0, 0) => radius / (std::f64::consts::TAU * modulus * area),
-                (2.., 0) => {
-                    radius * radius * radius / (std::f64::consts::PI * modulus * inertia * bend)
-                }
-                _ => 0.0,
-            };
-        }
-        compliance
     }
 
     /// The film.
@@ -249,6 +229,8 @@ impl Elastic {
             wanted,
             current: false,
             feedback: Feedback::new(count),
+            held: None,
+            slow_feedback: Feedback::new(count),
             amplitudes: vec![0.0; count],
             before: vec![0.0; count],
             step: None,
@@ -566,13 +548,18 @@ impl Elastic {
     /// Makes G of the film's last solution.
     fn renew(&self, work: &mut ElasticWork) {
         self.differentiate(work);
-        let slopes = Slopes {
-            rows: &work.slopes,
+        let slopes = self.rows(&work.slopes);
+        work.feedback.make(&self.compliance, &slopes);
+    }
+
+    /// The derivatives that G needs, among all derivatives of the film.
+    fn rows<'s>(&self, rows: &'s [f64]) -> Slopes<'s> {
+        Slopes {
+            rows,
             inputs: self.film.inputs(),
             force: SHAPE_FORCE,
             amplitude: self.plain_inputs(),
-        };
-        work.feedback.make(&self.compliance, &slopes);
+        }
     }
 
     /// Factors G, and makes it before if it is not there.
@@ -636,23 +623,31 @@ impl Elastic {
     /// −K = ∂F/∂e + ∂F/∂b B_e      −D = ∂F/∂ė + ∂F/∂b B_v + ∂F/∂ḃ B_e
     /// ```
     ///
-    /// so they do not depend on the length of a step. A body that carries the surface is taken as at rest.
-    /// The content of a film with memory follows within its last step.
+    /// with the compliance C for slow loads. So they depend neither on the length of a step nor on the number of modes of a
+    /// body that carries the surface: its static deflection is in C, its inertia and its damping are left out. A
+    /// film with memory in balance has the slopes of balances. Within a step the slopes are those of motions that
+    /// leave the oil of its cavity no time, the limit of short steps, so they do not depend on the step's length, either.
     ///
     /// # Errors
     /// If the surface is unstable there.
     pub fn stiffness_and_damping(&self, work: &mut ElasticWork) -> Result<[f64; 8], FilmError> {
         let (count, inputs) = (self.shapes(), self.film.inputs());
-        match count {
-            0 => {
-                let mut forces = [false; SHAPE_FORCE];
-                forces[FORCE..MOMENT].fill(true);
-                self.film
-                    .tangent_of(&forces, &mut work.film, &mut work.slopes);
-            }
-            _ => self.renew(work),
-        }
-        if !work.feedback.factor(0.0) {
+        let mut forces = [false; SHAPE_FORCE];
+        forces[FORCE..MOMENT].fill(true);
+        let held = if work.step.is_some() && self.film.memory() > 0 {
+            Some(self.hold_oil(&forces, work)?)
+        } else if count > 0 {
+            self.renew(work);
+            None
+        } else {
+            self.film
+                .tangent_of(&forces, &mut work.film, &mut work.slopes);
+            None
+        };
+        let slopes = held.as_ref().map_or(&work.slopes, |held| &held.slopes);
+        let feedback = &mut work.slow_feedback;
+        feedback.make(&self.slow, &self.rows(slopes));
+        if !feedback.factor(0.0) {
             return Err(FilmError::NoSurface { rounds: ROUNDS });
         }
         let (amplitude, rate) = (self.plain_inputs(), self.plain_inputs() + count);
@@ -661,7 +656,7 @@ impl Elastic {
         let mut follows = std::mem::take(&mut work.follows);
         for axis in 0..2 {
             let (by_place, by_rate) = follows[..2 * count].split_at_mut(count);
-            let slope = |output: usize, input: usize| work.slopes[output * inputs + input];
+            let slope = |output: usize, input: usize| slopes[output * inputs + input];
             let along = |output: usize, first: usize, changes: &[f64]| -> f64 {
                 let terms = changes.iter().enumerate();
                 terms.map(|(k, x)| slope(output, first + k) * x).sum()
@@ -669,14 +664,14 @@ impl Elastic {
             for (sum, row) in by_place.iter_mut().zip(0..) {
                 *sum = self.yields(row, |shape| slope(SHAPE_FORCE + shape, ECCENTRICITY + axis));
             }
-            work.feedback.solve(by_place, 1);
+            feedback.solve(by_place, 1);
             for (sum, row) in by_rate.iter_mut().zip(0..) {
                 *sum = self.yields(row, |shape| {
                     let output = SHAPE_FORCE + shape;
                     slope(output, RATE + axis) + along(output, rate, by_place)
                 });
             }
-            work.feedback.solve(by_rate, 1);
+            feedback.solve(by_rate, 1);
             for force in 0..2 {
                 let output = FORCE + force;
                 let place = slope(output, ECCENTRICITY + axis) + along(output, amplitude, by_place);
@@ -686,13 +681,49 @@ impl Elastic {
             }
         }
         work.follows = follows;
+        if held.is_some() {
+            work.held = held;
+        }
         Ok(found)
     }
 
-    /// A row of C times forces of the shapes.
+    /// The film of the last solution with its oil held, and the derivatives of these outputs and of the forces of the
+    /// shapes.
+    fn hold_oil(
+        &self,
+        wanted: &[bool; SHAPE_FORCE],
+        work: &mut ElasticWork,
+    ) -> Result<Box<Held>, FilmError> {
+        let mut held = work.held.take().unwrap_or_else(|| {
+            Box::new(Held {
+                film: self.film.work(),
+                content: vec![0.0; self.film.memory()],
+                cavity: Vec::new(),
+                outputs: vec![0.0; self.film.outputs()],
+                slopes: vec![0.0; self.film.outputs() * self.film.inputs()],
+            })
+        });
+        let Held {
+            film,
+            content,
+            cavity,
+            outputs,
+            slopes,
+        } = &mut *held;
+        self.film.accept(&work.film, content);
+        cavity.clear();
+        self.film.cavity(&work.film, cavity);
+        self.film.begin_at(film, cavity);
+        let step = work.step.map(|step| step.min(HELD));
+        (self.film).solve(&work.inputs, step, content, film, outputs)?;
+        self.film.tangent_of(wanted, film, slopes);
+        Ok(held)
+    }
+
+    /// A row of the slow compliance times forces of the shapes.
     fn yields(&self, row: usize, force: impl Fn(usize) -> f64) -> f64 {
         let count = self.shapes();
-        let line = self.compliance[row * count..(row + 1) * count].iter();
+        let line = self.slow[row * count..(row + 1) * count].iter();
         line.enumerate().map(|(shape, c)| c * force(shape)).sum()
     }
 
@@ -721,18 +752,67 @@ impl Elastic {
     /// share shows that more waves are necessary.
     #[must_use]
     pub fn last_waves(&self, work: &ElasticWork) -> f64 {
+        self.last_share(work, |shape| shape.around, |shape| shape.around > 0)
+    }
+
+    /// Share of the highest degree across in the deflection of a surface that a body carries: 1 for a surface that stays
+    /// straight across, and 0 for a ring, which knows no change across.
+    #[must_use]
+    pub fn last_degrees(&self, work: &ElasticWork) -> f64 {
+        match self.carried {
+            true => self.last_share(work, |shape| shape.across, |_| true),
+            false => 0.0,
+        }
+    }
+
+    /// Share of the shapes with the highest number in the sum of those amplitudes that count.
+    fn last_share(
+        &self,
+        work: &ElasticWork,
+        number: impl Fn(&Shape) -> u32,
+        counts: impl Fn(&Shape) -> bool,
+    ) -> f64 {
         let shapes = &self.film.source().shapes;
-        let most = shapes.iter().map(|shape| shape.around).max().unwrap_or(0);
+        let most = shapes.iter().map(&number).max().unwrap_or(0);
         let (mut last, mut all) = (0.0, 0.0);
         for (shape, amplitude) in shapes.iter().zip(&work.inputs[self.plain_inputs()..]) {
-            if shape.around == 0 {
+            if !counts(shape) {
                 continue;
             }
             all += amplitude.abs();
-            if shape.around == most {
+            if number(shape) == most {
                 last += amplitude.abs();
             }
         }
         if all > 0.0 { last / all } else { 0.0 }
     }
+}
+
+/// Refuses a matrix that is no compliance of this number of shapes.
+fn check_compliance(compliance: &[f64], count: usize) -> Result<(), SourceError> {
+    let refuse = |value: f64, range: &'static str| SourceError::Range {
+        name: "compliance of the surface",
+        value,
+        range,
+    };
+    if compliance.len() != count * count {
+        return Err(refuse(
+            compliance.len() as f64,
+            "a square of the number of shapes",
+        ));
+    }
+    let size = largest(compliance);
+    for row in 0..count {
+        let own = compliance[row * count + row];
+        if !(own >= 0.0 && own.is_finite()) {
+            return Err(refuse(own, "at least zero for each shape"));
+        }
+        for column in 0..row {
+            let skew = compliance[row * count + column] - compliance[column * count + row];
+            if skew.is_nan() || skew.abs() > 1e-6 * size {
+                return Err(refuse(skew, "the same for both orders of two shapes"));
+            }
+        }
+    }
+    Ok(())
 }

@@ -128,28 +128,7 @@ impl Feedback {
 
     /// Replaces right-hand sides, a row of `width` numbers for each shape, by the solutions.
     pub fn solve(&self, sides: &mut [f64], width: usize) {
-        let count = self.count;
-        for (column, other) in self.exchanged.iter().enumerate().filter(|(c, o)| c != *o) {
-            let (above, below) = sides.split_at_mut(other * width);
-            above[column * width..][..width].swap_with_slice(&mut below[..width]);
-        }
-        for row in 1..count {
-            let (above, own) = sides.split_at_mut(row * width);
-            let line = &self.factors[row * count..row * count + row];
-            for (factor, solved) in line.iter().zip(above.chunks_exact(width)) {
-                add_scaled(&mut own[..width], -factor, solved);
-            }
-        }
-        for row in (0..count).rev() {
-            let (above, below) = sides.split_at_mut((row + 1) * width);
-            let own = &mut above[row * width..];
-            let line = &self.factors[row * count..(row + 1) * count];
-            for (factor, solved) in line[row + 1..].iter().zip(below.chunks_exact(width)) {
-                add_scaled(own, -factor, solved);
-            }
-            let inverse = 1.0 / line[row];
-            own.iter_mut().for_each(|number| *number *= inverse);
-        }
+        substitute(&self.factors, &self.exchanged, sides, width);
     }
 }
 
@@ -160,6 +139,33 @@ impl Slopes<'_> {
     }
 }
 
+/// Replaces right-hand sides, a row of `width` numbers for each unknown, by the solutions. Factors and exchanged rows are those
+/// of [`eliminate`].
+pub(crate) fn substitute(factors: &[f64], exchanged: &[usize], sides: &mut [f64], width: usize) {
+    let count = exchanged.len();
+    for (column, other) in exchanged.iter().enumerate().filter(|(c, o)| c != *o) {
+        let (above, below) = sides.split_at_mut(other * width);
+        above[column * width..][..width].swap_with_slice(&mut below[..width]);
+    }
+    for row in 1..count {
+        let (above, own) = sides.split_at_mut(row * width);
+        let line = &factors[row * count..row * count + row];
+        for (factor, solved) in line.iter().zip(above.chunks_exact(width)) {
+            add_scaled(&mut own[..width], -factor, solved);
+        }
+    }
+    for row in (0..count).rev() {
+        let (above, below) = sides.split_at_mut((row + 1) * width);
+        let own = &mut above[row * width..];
+        let line = &factors[row * count..(row + 1) * count];
+        for (factor, solved) in line[row + 1..].iter().zip(below.chunks_exact(width)) {
+            add_scaled(own, -factor, solved);
+        }
+        let inverse = 1.0 / line[row];
+        own.iter_mut().for_each(|number| *number *= inverse);
+    }
+}
+
 /// Rows of a length of at least one.
 fn rows(matrix: &mut [f64], length: usize) -> impl Iterator<Item = &mut [f64]> {
     matrix.chunks_exact_mut(length.max(1))
@@ -167,7 +173,7 @@ fn rows(matrix: &mut [f64], length: usize) -> impl Iterator<Item = &mut [f64]> {
 
 /// Replaces a square matrix, row by row, by its factors L U, and writes the row that was exchanged with each
 /// column's; `false` if it is singular. (Gauß, with the largest pivot of the column.)
-fn eliminate(matrix: &mut [f64], exchanged: &mut [usize]) -> bool {
+pub(crate) fn eliminate(matrix: &mut [f64], exchanged: &mut [usize]) -> bool {
     let count = exchanged.len();
     for column in 0..count {
         let size = |row: usize| matrix[row * count + column].abs();

@@ -38,6 +38,7 @@
 )]
 
 mod active;
+mod annulus;
 mod block;
 mod elastic;
 mod error;
@@ -55,6 +56,7 @@ mod tangent;
 mod turning;
 mod waves;
 
+pub use annulus::ElasticRing;
 pub use elastic::{Elastic, ElasticWork};
 pub use eng_system::field::Accuracy;
 pub use eng_system::surface::SurfaceShape as Shape;

@@ -90,7 +90,7 @@ impl Film {
         let limit = 1.0 - 1.0 / THICKEST;
         for (at, (pressure, q)) in state.pressure.iter_mut().zip(&state.q).enumerate() {
             // pressures that the rule `half` cuts have no force and no slope
-            *pressure = if *q <= 0.0 && self.source.cavitation == Cavitation::Half {
+            *pressure = if *q < 0.0 && self.source.cavitation == Cavitation::Half {
                 [0.0, 0.0]
             } else if piezo == 0.0 {
                 [*q, 1.0]
@@ -260,7 +260,7 @@ impl Film {
             load += cell.area * (touch + state.pressure[at][0]);
             summary.asperity_pressure = summary.asperity_pressure.max(touch);
             summary.content += cell.area * state.content[at];
-            if !state.full[at] || (self.source.cavitation == Cavitation::Half && state.q[at] <= 0.0)
+            if !state.full[at] || (self.source.cavitation == Cavitation::Half && state.q[at] < 0.0)
             {
                 summary.cavitated += cell.area;
             }

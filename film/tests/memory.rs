@@ -3,7 +3,8 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Ends, Feed, Film, FilmSource, Inputs, Opening, Part, Quantity, Shape, inputs,
+    Accuracy, Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Inputs, Opening,
+    Part, Quantity, Shape, inputs,
 };
 use serde_json::Value;
 use states::{number, pair, reference};
@@ -260,5 +261,78 @@ fn orbit_with_memory() {
         let error = errors.fold(0.0, f64::max);
         println!("{name:16} {error:.1e} of its peak");
         assert!(error < limit, "{name}: {error:.1e}");
+    }
+}
+
+/// Stiffness and damping within a step are those of motions in which the oil stays in its place. They do not depend on the
+/// length of the step, and are differences of short steps; those of a film in balance are others.
+#[test]
+fn coefficients_depend_on_no_step() {
+    let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::MassConserving, [48, 8]);
+    source.openings = vec![Opening {
+        on: Part::Shell,
+        around: [1.4, 1.7],
+        across: [-0.25, 0.25],
+        feed: Feed::Content(0.4),
+    }];
+    let elastic = Elastic::new(Film::new(source).expect("a film"), Vec::new()).expect("no surface");
+    let place = |e: [f64; 2], rate: [f64; 2]| {
+        let inputs = Inputs {
+            eccentricity: e,
+            rate,
+            spin: 1.0,
+            supply: &[0.0],
+            ..Inputs::still(1.0)
+        };
+        inputs.write()
+    };
+    let e = [0.5, -0.33];
+    let (mut work, mut y) = (elastic.work(), [0.0; inputs::SHAPE_FORCE]);
+    let mut solve = |x: &[f64], step: Option<f64>, memory: &[f64], work: &mut ElasticWork| {
+        let solved = elastic.solve(x, step, memory, Accuracy::Full, work, &mut y);
+        solved.expect("a film");
+        y
+    };
+    let still = place(e, [0.0; 2]);
+    solve(&still, None, &[], &mut work);
+    let balance = elastic.stiffness_and_damping(&mut work).expect("slopes");
+    let mut memory = vec![0.0; elastic.memory()];
+    elastic.accept(&work, &mut memory);
+    // the balance remains in steps of any length
+    let within = [1e-3, 0.1, 1.0].map(|step| {
+        solve(&still, Some(step), &memory, &mut work);
+        elastic.stiffness_and_damping(&mut work).expect("slopes")
+    });
+    let size = within[0].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    for found in &within[1..] {
+        for (x, y) in found.iter().zip(&within[0]) {
+            assert!((x - y).abs() < 1e-6 * size, "{found:?} {:?}", within[0]);
+        }
+    }
+    println!("{:?} in balance {balance:?}", within[0]);
+    assert!((balance[3] - within[0][3]).abs() > 0.1 * balance[3].abs());
+    let (step, d) = (1e-7, 1e-5);
+    for axis in 0..2 {
+        for (first, rates) in [(0, false), (4, true)] {
+            let mut at = |by: f64| {
+                let (mut e, mut rate) = (e, [0.0; 2]);
+                if rates {
+                    rate[axis] += by
+                } else {
+                    e[axis] += by
+                }
+                solve(&place(e, rate), Some(step), &memory, &mut work)
+            };
+            let (up, down) = (at(d), at(-d));
+            for force in 0..2 {
+                let slope = -(up[force] - down[force]) / (2.0 * d);
+                let found = within[0][first + 2 * force + axis];
+                println!("{first} {force} {axis}: {found} {slope}");
+                assert!(
+                    (found - slope).abs() < 1e-3 * size,
+                    "{force} {axis}: {found} {slope}"
+                );
+            }
+        }
     }
 }

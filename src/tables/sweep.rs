@@ -189,10 +189,10 @@ pub(crate) fn text(table: &Results) -> String {
         );
     }
     let more = columns.len() - shown.len();
-    let rest = if more > 0 {
-        format!("  and {more} more columns in the file\n")
-    } else {
-        String::new()
+    let rest = match more {
+        0 => String::new(),
+        1 => "  and one more column in the file\n".to_owned(),
+        _ => format!("  and {more} more columns in the file\n"),
     };
     format!("{}\n{}{rest}", table.analysis(), text.render())
 }

@@ -219,6 +219,7 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         argument("ring_thickness", LENGTH, Takes::Setting, true),
         argument("ring_width", LENGTH, Takes::Setting, true),
         argument("ring_modulus", PRESSURE, Takes::Setting, true),
+        argument("ring_poisson", ONE, Takes::Setting, true),
         argument("surface", ONE, Takes::Surface, true),
         argument("around", ONE, Takes::Whole(12, 2000), false),
         argument("across", ONE, Takes::Whole(1, 500), false),
@@ -252,6 +253,7 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("boundary_power", POWER, 1, 1.0),
         result("deflection", LENGTH, 1, 1e-6),
         result("last_wave_share", ONE, 1, 1.0),
+        result("last_degree_share", ONE, 1, 1.0),
         result("cavitated", ONE, 1, 1.0),
         result("content", ONE, 1, 1.0),
         KernelResult {

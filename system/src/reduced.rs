@@ -137,6 +137,8 @@ pub struct ReducedSurface {
     pub content: Block,
     /// C (m/N; K × K).
     pub compliance: Block,
+    /// `Ψ_static` (m/N; K × K): the deflection by slow loads, which the modes follow, too.
+    pub static_compliance: Block,
 }
 
 impl ReducedBody {

@@ -185,6 +185,15 @@ pub(super) fn prepare(
                 "check centre, radius and width of the ring, or widen its tolerance",
             ));
         }
+        if sums.convex > 0.5 * sums.area {
+            return Err(refuse(
+                surface.marker,
+                format!(
+                    "{name}: the surface is the outside of a shaft: the body is inside of it, and a film presses on a bore outwards"
+                ),
+                "state the ring of a bore, or leave out the `surface`: the surface of a pin is rigid",
+            ));
+        }
         enough_nodes(mesh, &nodes, &bore, &sums, *surface, name)?;
         Ok(Prepared {
             request: *surface,
@@ -259,6 +268,8 @@ struct Sums {
     count: usize,
     /// m².
     area: f64,
+    /// The part of the area whose solid elements are nearer to the axis than their faces (m²).
+    convex: f64,
     /// Widest steps between neighbouring nodes of a face: in angle (rad) and in ζ.
     steps: [f64; 2],
     /// ∫ ψ_i ψ_j dA, row by row.
@@ -272,6 +283,7 @@ impl Sums {
         Sums {
             count,
             area: 0.0,
+            convex: 0.0,
             steps: [0.0; 2],
             gram: vec![0.0; count * count],
             nodal: BTreeMap::new(),
@@ -300,6 +312,7 @@ impl Sums {
                 *place = node.position;
             }
         }
+        let middle = solid_middle(mesh, element);
         let corners = kind.corner_count();
         let points = match corners {
             3 => quadrature::triangle(POINTS),
@@ -327,6 +340,9 @@ impl Sums {
             }
             let area = point.weight * size;
             self.area += area;
+            if middle.is_some_and(|middle| dot(subtract(middle, place), away) < 0.0) {
+                self.convex += area;
+            }
             let values: Vec<f64> = shapes
                 .iter()
                 .map(|shape| shape.value(angle, zeta))
@@ -394,6 +410,20 @@ impl Sums {
         };
         Ok((0..count).map(load).collect())
     }
+}
+
+/// The mean place of the nodes of a solid element; none for a shell.
+fn solid_middle(mesh: &Mesh, element: u32) -> Option<[f64; 3]> {
+    let element = mesh.elements.get(element as usize)?;
+    if element.kind.description().faces.len() < 4 {
+        return None;
+    }
+    let nodes = mesh.nodes_of(element).iter();
+    let places: Vec<[f64; 3]> = nodes
+        .filter_map(|node| Some(mesh.nodes.get(*node as usize)?.position))
+        .collect();
+    let sum = |axis: usize| places.iter().map(|place| place[axis]).sum::<f64>();
+    Some([0, 1, 2].map(|axis| sum(axis) / places.len() as f64))
 }
 
 /// The element of a face, and its nodes: corners, then mid-side nodes, [`ABSENT`] where there is none.
@@ -520,6 +550,7 @@ impl Prepared {
             width: self.bore.width,
             content: vec![0.0; count * modes],
             compliance: vec![0.0; count * count],
+            static_compliance: vec![0.0; count * count],
         }
     }
 }
@@ -558,11 +589,13 @@ impl Answered {
         }
         let content = |shape: usize| &surface.content[shape * set.len()..(shape + 1) * set.len()];
         let mut rest = vec![0.0; count * count];
+        let whole = &mut surface.static_compliance;
         for i in 0..count {
             for j in 0..count {
                 let both = self.compliance[i * count + j] + self.compliance[j * count + i];
                 let spanned = content(i).iter().zip(content(j)).zip(&set.eigenvalues);
                 let spanned: f64 = spanned.map(|((x, y), lambda)| x * y / lambda).sum();
+                whole[i * count + j] = 0.5 * both;
                 rest[i * count + j] = 0.5 * both - spanned;
             }
         }

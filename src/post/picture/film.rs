@@ -104,6 +104,8 @@ impl Drawer<'_> {
         let extreme = extreme.and_then(|(cell, value)| {
             let angle = middles.get(cell / places.len().max(1))?.to_degrees();
             let place = 1e3 * places.get(cell % places.len().max(1))?;
+            // the middle of an odd number of cells is zero but for rounding
+            let place = if place.abs() < 1e-9 { 0.0 } else { place };
             Some((*value, angle.rem_euclid(360.0), place))
         });
         let facts = extreme.map(|(value, angle, place)| {
