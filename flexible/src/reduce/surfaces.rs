@@ -312,8 +312,12 @@ impl Sums {
                 *place = node.position;
             }
         }
-        let middle = solid_middle(mesh, element);
         let corners = kind.corner_count();
+        // chords lie inside of their arcs, by more than a thin wall is thick; the corners of face and element do so equally
+        let own = mean(&places[..corners.min(nodes.len())]);
+        let (_, _, out) = bore.seen(own);
+        let convex =
+            solid_middle(mesh, element).is_some_and(|of| dot(subtract(of, own), out) < 0.0);
         let points = match corners {
             3 => quadrature::triangle(POINTS),
             _ => quadrature::quadrilateral(POINTS),
@@ -340,7 +344,7 @@ impl Sums {
             }
             let area = point.weight * size;
             self.area += area;
-            if middle.is_some_and(|middle| dot(subtract(middle, place), away) < 0.0) {
+            if convex {
                 self.convex += area;
             }
             let values: Vec<f64> = shapes
@@ -412,18 +416,24 @@ impl Sums {
     }
 }
 
-/// The mean place of the nodes of a solid element; none for a shell.
+/// The mean place of the corners of a solid element; none for a shell.
 fn solid_middle(mesh: &Mesh, element: u32) -> Option<[f64; 3]> {
     let element = mesh.elements.get(element as usize)?;
     if element.kind.description().faces.len() < 4 {
         return None;
     }
-    let nodes = mesh.nodes_of(element).iter();
-    let places: Vec<[f64; 3]> = nodes
+    let corners = mesh.nodes_of(element).iter();
+    let places: Vec<[f64; 3]> = corners
+        .take(element.kind.corner_count())
         .filter_map(|node| Some(mesh.nodes.get(*node as usize)?.position))
         .collect();
+    Some(mean(&places))
+}
+
+/// The mean of places.
+fn mean(places: &[[f64; 3]]) -> [f64; 3] {
     let sum = |axis: usize| places.iter().map(|place| place[axis]).sum::<f64>();
-    Some([0, 1, 2].map(|axis| sum(axis) / places.len() as f64))
+    [0, 1, 2].map(|axis| sum(axis) / places.len() as f64)
 }
 
 /// The element of a face, and its nodes: corners, then mid-side nodes, [`ABSENT`] where there is none.
