@@ -124,7 +124,7 @@ impl Dynamics {
         Ok(())
     }
 
-    /// The derivatives of one element at the gathered inputs, as [`Scratch::tangents`](elements::Scratch::tangents)
+    /// The derivatives of one element at the gathered inputs, as `elements::Scratch::tangents`
     /// has them; empty for an element that is not dynamic.
     pub fn derivatives_of(
         &mut self,
