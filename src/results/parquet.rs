@@ -241,6 +241,17 @@ enum Refused {
     Foreign(String),
 }
 
+/// The named texts in the metadata of a file.
+pub(super) fn entries(metadata: &ParquetMetaData) -> BTreeMap<String, String> {
+    metadata
+        .file_metadata()
+        .key_value_metadata()
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| Some((entry.key.clone(), entry.value.clone()?)))
+        .collect()
+}
+
 fn read(file: File, length: u64) -> Result<Results, Refused> {
     let damaged = |_: parquet::errors::ParquetError| Refused::Damage;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(damaged)?;
@@ -251,14 +262,7 @@ fn read(file: File, length: u64) -> Result<Results, Refused> {
     if !is_sound(builder.metadata(), length) {
         return Err(Refused::Damage);
     }
-    let entries: BTreeMap<String, String> = builder
-        .metadata()
-        .file_metadata()
-        .key_value_metadata()
-        .into_iter()
-        .flatten()
-        .filter_map(|entry| Some((entry.key.clone(), entry.value.clone()?)))
-        .collect();
+    let entries = entries(builder.metadata());
     let (mut results, mut columns) =
         schema::header(&entries, builder.schema()).map_err(Refused::Foreign)?;
     let mut sum = Sum::new(&entries, builder.schema());

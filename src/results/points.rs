@@ -3,7 +3,7 @@
 //! Its columns are `point` (from 1), the numbers as nullable 64-bit floats in their display units with the metadata of
 //! [`super::schema`], then the texts [`TEXTS`]. An absent number is null, in the file, and no number (NaN) in memory.
 
-use super::parquet::{WriteError, damage};
+use super::parquet::{WriteError, damage, entries};
 use super::{Results, ResultsError, replace_file, schema};
 use crate::regular::open;
 use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
@@ -15,7 +15,6 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::schema::types::ColumnPath;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
@@ -179,14 +178,7 @@ impl PointRow {
 /// The table of a file. The error is a refusal, or `None` for damage.
 fn read(file: File) -> Result<PointTable, Option<String>> {
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|_| None)?;
-    let entries: BTreeMap<String, String> = builder
-        .metadata()
-        .file_metadata()
-        .key_value_metadata()
-        .into_iter()
-        .flatten()
-        .filter_map(|entry| Some((entry.key.clone(), entry.value.clone()?)))
-        .collect();
+    let entries = entries(builder.metadata());
     let fields = builder.schema().fields();
     let foreign = || Some("this is no part of a study".to_owned());
     let numbers = fields
