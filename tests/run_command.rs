@@ -486,7 +486,7 @@ fn timings_tell_every_phase_and_change_no_result() {
         "samples",
         "files",
         "check",
-        "machine code",
+        "reductions and machine code",
         "tables, pictures and reports",
     ] {
         let (_, rest) = told.split_once(&format!("{phase} ")).unwrap();

@@ -446,8 +446,8 @@ pub(super) struct RunArguments {
     /// Draw no pictures
     #[arg(long)]
     pub no_plots: bool,
-    /// Print the processor time of each phase: check, machine code, start, steps, samples, files, pictures. Films
-    /// that other threads solve do not count; `--threads 1` counts all
+    /// Print the processor time of each phase: check, reductions and machine code, start, steps, samples, files,
+    /// pictures. Films that other threads solve do not count; `--threads 1` counts all
     #[arg(long)]
     pub timings: bool,
     /// Print only warnings and errors

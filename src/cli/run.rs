@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     if arguments.timings && !arguments.quiet {
         let phases = [
             ("check", check),
-            ("machine code", code),
+            ("reductions and machine code", code),
             ("tables, pictures and reports", clock.since()),
         ];
         writeln!(console.output, "{}", timings::line(&phases))?;
