@@ -4,7 +4,7 @@ use crate::fe_meshes::{agrees, solve};
 use crate::nastran_deck::*;
 use eng_flexible::Place;
 use eng_flexible::fe::{Reduction, Rules, assemble};
-use eng_flexible::mesh::{Carries, Spring, Support, Tie};
+use eng_flexible::mesh::{Carries, Mesh, Spring, Support, Tie};
 
 /// Six grid points; 6 has an analysis frame with x = y, y = −x.
 const GRIDS: &str = "CORD2R,2,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.
@@ -370,6 +370,95 @@ fn rigid_elements_with_shared_freedoms() {
     assert_eq!(mesh.ties.len(), 8);
 }
 
+/// The sum of a tie's terms under a small rigid motion: translation u, rotation θ about the origin.
+fn rest(mesh: &Mesh, tie: &Tie, u: [f64; 3], theta: [f64; 3]) -> f64 {
+    let Tie::Equation { terms, .. } = tie else {
+        panic!("{tie:?}")
+    };
+    let part = |&(node, freedom, coefficient): &(u32, u8, f64)| {
+        let node = &mesh.nodes[node as usize];
+        let [x, y, z] = node.position;
+        let moved = [
+            u[0] + theta[1] * z - theta[2] * y,
+            u[1] + theta[2] * x - theta[0] * z,
+            u[2] + theta[0] * y - theta[1] * x,
+        ];
+        let seen = if freedom < 3 { moved } else { theta };
+        let axis = usize::from(freedom % 3);
+        let own = match node.frame {
+            Some(frame) => (0..3)
+                .map(|i| mesh.frames[frame as usize].rotation[i][axis] * seen[i])
+                .sum(),
+            None => seen[axis],
+        };
+        coefficient * own
+    };
+    terms.iter().map(part).sum()
+}
+
+#[test]
+fn rigid_plates_and_rods() {
+    let found = mesh(&format!(
+        "{GRIDS}GRID,7,,1.,3.,.5
+RTRPLT1,1,1,6,7,,3
+RTRPLT,2,1,6,7,123456,,,,+
++,123,12
+RTRPLT,3,1,6,7,123,13,3
+RROD,4,1,6,1
+RROD,5,1,6,,2
+"
+    ));
+    let rigid = |id, dependent: &[(u32, u8)]| Tie::Rigid {
+        id,
+        independent: 0,
+        dependent: dependent.to_vec(),
+    };
+    assert_eq!(found.ties[0], rigid(1, &[(5, 63), (6, 4)]));
+    assert_eq!(found.ties[1], rigid(2, &[(5, 7), (6, 3)]));
+    // twelve freedoms follow from the six of the third plate
+    assert_eq!(found.ties.len(), 2 + 12 + 2);
+    for tie in &found.ties[2..] {
+        let rest = rest(&found, tie, [0.3, -0.7, 0.2], [0.11, 0.05, -0.13]);
+        assert!(rest.abs() < 1e-14, "{rest}: {tie:?}");
+    }
+    // from 1 to 6 along (5, 1, 2); the axes of 6 are y and −x of the basic system
+    let length = 30_f64.sqrt();
+    let [a, b, c] = [5.0, 1.0, 2.0].map(|x| x / length);
+    for (tie, expected) in found.ties[14..].iter().zip([
+        [
+            (0, 0, -a),
+            (0, 1, -b),
+            (0, 2, -c),
+            (5, 0, b),
+            (5, 1, -a),
+            (5, 2, c),
+        ],
+        [
+            (5, 1, -a),
+            (0, 0, -a),
+            (0, 1, -b),
+            (0, 2, -c),
+            (5, 0, b),
+            (5, 2, c),
+        ],
+    ]) {
+        let Tie::Equation { terms, .. } = tie else {
+            panic!("{tie:?}")
+        };
+        assert_eq!(terms.len(), 6);
+        for (term, expected) in terms.iter().zip(expected) {
+            assert_eq!((term.0, term.1), (expected.0, expected.1), "{terms:?}");
+            close(term.2, expected.2, 1.0);
+        }
+    }
+    // a change of the distance is no motion of the rod
+    let stretched = Tie::Equation {
+        id: 4,
+        terms: vec![(0, 0, -a), (0, 1, -b), (0, 2, -c)],
+    };
+    assert!(rest(&found, &stretched, [1.0, 0.0, 0.0], [0.0; 3]).abs() > 0.9);
+}
+
 #[test]
 fn averaging_spiders() {
     let mesh = mesh(&format!(
@@ -459,6 +548,23 @@ fn ties_that_cannot_be() {
             "the independent freedoms of RBAR 1 do not hold all rigid motions",
         ),
         ("RBAR,1,1,2,123,45", "5 independent freedoms instead of six"),
+        (
+            "RTRPLT,1,1,2,6,123,123",
+            "the independent freedoms of RTRPLT 1 do not hold all rigid motions",
+        ),
+        ("RTRPLT1,1,1,2", "ends before its field GC"),
+        ("RBAR1,1,1", "ends before its field GB"),
+        ("RROD,1,1,2", "it does not name one dependent translation"),
+        ("RROD,1,1,2,4", "it does not name one dependent translation"),
+        (
+            "RROD,1,1,2,1,1",
+            "it does not name one dependent translation",
+        ),
+        (
+            "RROD,1,1,2,2",
+            "the dependent translation of RROD 1 is perpendicular to the rod",
+        ),
+        ("RROD,1,1,1,1", "its ends are at one place"),
         ("RBE1,1,1,123,2,456", "\"UM\" is missing"),
         ("MPC,1,1,1,0.,2,1,1.", "the first coefficient is zero"),
         ("MPC,1,1,,1.,2,1,1.", "states no freedom of grid point 1"),

@@ -1,12 +1,12 @@
-//! Rigid elements whose six independent freedoms are shared among several grid points (`RBAR`, `RBE1`),
-//! written as equations.
+//! Rigid elements written as equations: those whose six independent freedoms are shared among several grid points
+//! (`RBAR`, `RBE1`, `RTRPLT`), and the rod with pinned ends (`RROD`).
 //!
 //! All points move with one rigid body: the translation along e of a point at d from the origin is e·u + (d ×
 //! e)·θ, its rotation about e is e·θ. The six independent freedoms give u and θ, and u and θ give every
 //! dependent freedom.
 
 use super::vector::{IDENTITY, norm};
-use crate::fe::vector::{cross, subtract};
+use crate::fe::vector::{cross, dot, subtract};
 use crate::mesh::{Frame, Node};
 
 /// A freedom 0…5 of a node.
@@ -31,12 +31,7 @@ pub(super) fn dependence(
     }
     let row = |(node, freedom): Freedom| -> Option<[f64; 6]> {
         let node = nodes.get(node as usize)?;
-        let rotation = node
-            .frame
-            .and_then(|frame| frames.get(frame as usize))
-            .map_or(IDENTITY, |frame| frame.rotation);
-        let axis = usize::from(freedom % 3);
-        let [x, y, z] = rotation.map(|row| row.get(axis).copied().unwrap_or(0.0));
+        let [x, y, z] = direction(node, freedom, frames);
         if freedom >= 3 {
             return Some([0.0, 0.0, 0.0, x, y, z]);
         }
@@ -66,6 +61,53 @@ pub(super) fn dependence(
             Some(solution)
         })
         .collect()
+}
+
+/// The axis of a freedom 0…5 of a node, in basic axes.
+fn direction(node: &Node, freedom: u8, frames: &[Frame]) -> [f64; 3] {
+    let rotation = (node.frame)
+        .and_then(|frame| frames.get(frame as usize))
+        .map_or(IDENTITY, |frame| frame.rotation);
+    let axis = usize::from(freedom % 3);
+    rotation.map(|row| row.get(axis).copied().unwrap_or(0.0))
+}
+
+/// The least share of a translation along a rod for which the length of the rod decides it. Below it, small motions of
+/// the other end would move this end by more than a thousand times as much.
+const ALONG: f64 = 1e-3;
+
+/// The equation n·(u_b − u_a) = 0 of a rod with pinned ends, n along it. Its first term is the dependent translation
+/// (`dependent`: end 0 or 1, direction 0…2). Terms are node, freedom and coefficient, without those that are zero.
+/// `None` if the ends are at one place, or if the dependent translation is perpendicular to the rod.
+pub(super) fn rod(
+    ends: [u32; 2],
+    dependent: (usize, u8),
+    nodes: &[Node],
+    frames: &[Frame],
+) -> Option<Vec<(u32, u8, f64)>> {
+    let [a, b] = ends.map(|node| nodes.get(node as usize));
+    let (a, b) = (a?, b?);
+    let along = subtract(b.position, a.position);
+    let length = norm(along);
+    if length == 0.0 {
+        return None;
+    }
+    let mut terms = Vec::new();
+    for (end, (node, sign)) in [(a, -1.0), (b, 1.0)].into_iter().enumerate() {
+        for freedom in 0..3 {
+            let axis = direction(node, freedom, frames);
+            let share = dot(axis, along) / length;
+            if (end, freedom) == dependent {
+                if share.abs() < ALONG {
+                    return None;
+                }
+                terms.insert(0, (*ends.get(end)?, freedom, sign * share));
+            } else if share.abs() >= 1e-12 {
+                terms.push((*ends.get(end)?, freedom, sign * share));
+            }
+        }
+    }
+    Some(terms)
 }
 
 /// Solves `matrix · x = right` by elimination with row exchange; `None` if it is singular (entries are of

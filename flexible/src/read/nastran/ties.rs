@@ -1,11 +1,11 @@
-//! Rules between freedoms: `RBE2`, `RBE3`, `RBAR`, `RBAR1`, `RBE1`, `MPC`.
+//! Rules between freedoms: `RBE2`, `RBE3`, `RBAR`, `RBAR1`, `RBE1`, `RTRPLT`, `RTRPLT1`, `RROD`, `MPC`.
 
 use super::card::{Card, Ids};
 use super::grids::Lookup;
 use super::lines::At;
 use super::masses::distinct;
 use super::number;
-use super::rigid::{Freedom, dependence};
+use super::rigid::{Freedom, dependence, rod};
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, Frame, Node, Tie};
@@ -27,6 +27,11 @@ enum Kind {
     Shared {
         independent: Vec<(u64, u8)>,
         dependent: Vec<(u64, u8)>,
+    },
+    /// Two grid points at a fixed distance, and the freedom that follows: its end and its direction 0…2.
+    Rod {
+        ends: [u64; 2],
+        dependent: (usize, u8),
     },
     /// Grid point, freedom, coefficient.
     Equation(Vec<(u64, Option<u8>, f64)>),
@@ -54,14 +59,11 @@ impl Ties {
         let kind = match card.name.as_str() {
             "RBE2" => spider(card)?,
             "RBE3" => averaging(card)?,
-            "RBAR" => bar(card)?,
-            "RBAR1" => Kind::Rigid {
-                independent: card.id(1, "GA")?,
-                dependent: vec![(
-                    card.ids(2, 3, "GB")?,
-                    card.optional_components(3, "CB")?.unwrap_or(ALL),
-                )],
-            },
+            "RBAR" => stated(card, &["A", "B"])?,
+            "RTRPLT" => stated(card, &["A", "B", "C"])?,
+            "RBAR1" => hanging(card, &[(2, 3, "B")])?,
+            "RTRPLT1" => hanging(card, &[(2, 4, "B"), (3, 5, "C")])?,
+            "RROD" => pinned(card)?,
             "RBE1" => general(card)?,
             "MPC" => equation(card)?,
             _ => return Ok(false),
@@ -165,6 +167,20 @@ fn tie(
                 })?;
                 terms.push((node, freedom, coefficient));
             }
+            Tie::Equation { id, terms }
+        }
+        Kind::Rod { ends, dependent } => {
+            let [first, second] = [ends[0], ends[1]].map(|grid| lookup.require(grid, &user, &card.at));
+            let terms = rod([first?, second?], *dependent, nodes, frames);
+            let Some(terms) = terms else {
+                return Err(card.at.problem(
+                    format!(
+                        "the dependent translation of {} {id} is perpendicular to the rod, or its ends are at one place",
+                        card.name
+                    ),
+                    "name a translation along the rod, which its length can decide",
+                ));
+            };
             Tie::Equation { id, terms }
         }
         Kind::Shared {
@@ -272,23 +288,63 @@ fn averaging(card: &Card) -> Result<Kind, FileProblem> {
     })
 }
 
-/// `RBAR EID GA GB CNA CNB CMA CMB`: six independent freedoms (CN). The freedoms CM depend on them, or all
-/// others if CM is blank.
-fn bar(card: &Card) -> Result<Kind, FileProblem> {
-    let grids = [card.id(1, "GA")?, card.id(2, "GB")?];
-    let part = |i: usize, name: &str| {
-        Ok::<u8, FileProblem>(card.optional_components(i, name)?.unwrap_or(0))
-    };
-    let given = [part(3, "CNA")?, part(4, "CNB")?];
-    let mut following = [part(5, "CMA")?, part(6, "CMB")?];
-    if following == [0, 0] {
-        following = given.map(|components| ALL & !components);
+/// `RBAR EID GA GB CNA CNB CMA CMB` and `RTRPLT EID GA GB GC CNA CNB CNC CMA CMB CMC`: six independent freedoms
+/// (CN). The freedoms CM depend on them, or all others if CM is blank.
+fn stated(card: &Card, points: &[&str]) -> Result<Kind, FileProblem> {
+    let count = points.len();
+    let (mut given, mut following) = (Vec::new(), Vec::new());
+    for (i, point) in points.iter().enumerate() {
+        let grid = card.id(1 + i, &format!("G{point}"))?;
+        let part = |first: usize, name: &str| {
+            let components = card.optional_components(first + i, &format!("{name}{point}"))?;
+            Ok::<_, FileProblem>((grid, components.unwrap_or(0)))
+        };
+        given.push(part(1 + count, "CN")?);
+        following.push(part(1 + 2 * count, "CM")?);
     }
-    shared(
-        card,
-        grids.into_iter().zip(given).collect(),
-        grids.into_iter().zip(following).collect(),
-    )
+    if following.iter().all(|(_, components)| *components == 0) {
+        following = (given.iter())
+            .map(|(grid, components)| (*grid, ALL & !components))
+            .collect();
+    }
+    shared(card, given, following)
+}
+
+/// `RBAR1 EID GA GB CB` and `RTRPLT1 EID GA GB GC CB CC`: all freedoms of GA are independent. A blank C means all
+/// freedoms.
+fn hanging(card: &Card, points: &[(usize, usize, &str)]) -> Result<Kind, FileProblem> {
+    let mut dependent = Vec::new();
+    for (grid, components, point) in points {
+        dependent.push((
+            Ids::one(card.id(*grid, &format!("G{point}"))?),
+            (card.optional_components(*components, &format!("C{point}"))?).unwrap_or(ALL),
+        ));
+    }
+    Ok(Kind::Rigid {
+        independent: card.id(1, "GA")?,
+        dependent,
+    })
+}
+
+/// `RROD EID GA GB CMA CMB`: one translation, of GA or of GB, follows from the distance of both.
+fn pinned(card: &Card) -> Result<Kind, FileProblem> {
+    let ends = [card.id(1, "GA")?, card.id(2, "GB")?];
+    let mut named = Vec::new();
+    for (end, (field, name)) in [(3, "CMA"), (4, "CMB")].into_iter().enumerate() {
+        let components = card.optional_components(field, name)?.unwrap_or(0);
+        named.extend(
+            (0..6)
+                .filter(|bit| components >> bit & 1 == 1)
+                .map(|bit| (end, bit)),
+        );
+    }
+    match *named.as_slice() {
+        [dependent @ (_, 0..3)] => Ok(Kind::Rod { ends, dependent }),
+        _ => Err(card.problem(
+            "it does not name one dependent translation",
+            "give 1, 2 or 3 as CMA or as CMB, and leave the other one blank",
+        )),
+    }
 }
 
 /// `RBE1 EID GN1 CN1 GN2 CN2 GN3 CN3 / … / UM GM1 CM1 …`: six independent freedoms before `UM`, dependent

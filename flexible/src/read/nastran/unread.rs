@@ -21,9 +21,8 @@ const STRUCTURE: &[&str] = &[
     "CRAC3D", "CSEAM", "CSHEAR", "CSUPEXT", "CTRAX3", "CTRAX6", "CTRIAX", "CTRIAX6", "CQUADX4",
     "CQUADX8", "CWELD", "DMIG", "DMIAX", "EBDADD", "EBDSET", "GENEL", "GMBC", "GMSPC", "MATT1",
     "MATT9", "NSM", "NSM1", "NSMADD", "NSML", "NSML1", "PBUSH1D", "PGAP", "PMASS", "PSHEAR",
-    "RJOINT", "RROD", "RSPLINE", "RSSCON", "RTRPLT", "RTRPLT1", "SEBNDRY", "SEBULK", "SECONCT",
-    "SEELT", "SEEXCLD", "SELABEL", "SELOC", "SEMPLN", "SESET", "SETREE", "SNORM", "SPCOFF",
-    "SPCOFF1", "CYJOIN", "CYSYM", "TF",
+    "RJOINT", "RSPLINE", "RSSCON", "SEBNDRY", "SEBULK", "SECONCT", "SEELT", "SEEXCLD", "SELABEL",
+    "SELOC", "SEMPLN", "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
 ];
 
 /// Cards of loads, requests and solution methods, for [`carries`].
