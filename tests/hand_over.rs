@@ -20,17 +20,24 @@ impl Files for Written {
 }
 
 fn bar(body: &str) -> Reduction {
+    reduced(
+        include_str!("mesh/bar.bdf"),
+        &format!(
+            "{body}; damping = 1 %; marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+            marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid)"
+        ),
+    )
+}
+
+/// The only body of a model, from a deck in mm, t and s.
+fn reduced(deck: &str, body: &str) -> Reduction {
     let text = format!(
-        "model Bar {{ gravity = [0, 0, 0] m/s^2; flexible bar {{ mesh = nastran(\"bar.bdf\", units: mm_tonne_s); {body}
-            damping = 1 %; marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
-            marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid) }} }}"
+        "model Bar {{ gravity = [0, 0, 0] m/s^2
+            flexible bar {{ mesh = nastran(\"bar.bdf\", units: mm_tonne_s); {body} }} }}"
     );
     let sources = Sources::from_texts([
         ("bar.eng".to_owned(), text),
-        (
-            "bar.bdf".to_owned(),
-            include_str!("mesh/bar.bdf").to_owned(),
-        ),
+        ("bar.bdf".to_owned(), deck.to_owned()),
     ]);
     let program: Program = match eng::check(&sources, "bar.eng").into_program() {
         Ok(program) => program,
@@ -148,6 +155,163 @@ fn a_held_body_bends_as_a_cantilever() {
     // a turn of the frame moves the tip by its lever
     assert!((motion[(0, 4)] - length).abs() < 1e-12, "{motion}");
     assert!((motion[(1, 3)] + length).abs() < 1e-12, "{motion}");
+}
+
+/// Four beams without mass between five lumps, in no plane.
+const LUMPS: &str = "GRID,1,,0.,0.,0.
+GRID,2,,100.,10.,0.
+GRID,3,,180.,90.,20.
+GRID,4,,150.,160.,110.
+GRID,5,,60.,170.,180.
+CBAR,1,1,1,2,0.,0.,1.
+CBAR,2,1,2,3,0.,0.,1.
+CBAR,3,1,3,4,1.,0.,0.
+CBAR,4,1,4,5,1.,0.,0.
+PBAR,1,1,100.,800.,900.,1500.
+MAT1,1,2.1+5,,.3
+CONM2,11,1,,1.-3
+CONM2,12,2,,2.-3
+CONM2,13,3,,1.5-3
+CONM2,14,4,,3.-3
+CONM2,15,5,,2.5-3
+";
+
+/// The numbers of a record group, without lines of comments.
+fn record(text: &str, number: usize) -> Vec<f64> {
+    let head = format!("** RECORD GROUP {number},");
+    let lines = text
+        .lines()
+        .skip_while(|line| !line.starts_with(&head))
+        .skip(1);
+    let lines =
+        lines.take_while(|line| !line.starts_with("** RECORD") && !line.starts_with("** END"));
+    let lines = lines.filter(|line| !line.starts_with("**"));
+    lines
+        .flat_map(str::split_whitespace)
+        .map(|word| word.parse().expect("a number"))
+        .collect()
+}
+
+/// The data of MBDyn's joint against the sums that its manual states, over the five lumps and their shapes. The body is held at
+/// one lump: the shapes of a free body have no momentum, so two sums would be zero.
+#[test]
+fn the_data_of_a_modal_joint_are_sums_over_lumps() {
+    let markers: String = (1..=5)
+        .map(|k| format!("marker m{k} = node({k}); "))
+        .collect();
+    let bar = reduced(
+        LUMPS,
+        &format!("support = m1; modes = normal(8); damping = 1 %; {markers}"),
+    );
+    let files = bar.files(BodyFormat::Mbdyn, 1).expect("files");
+    let text = std::str::from_utf8(&files[1].contents).expect("a text");
+    assert_eq!(files[1].name, "bar.fem");
+    let n = bar.frequencies().len();
+    assert!(text.contains(&format!("REV0 5 {n} 0 0 0\n")), "{text}");
+    let places: [Vec<f64>; 3] = [5, 6, 7].map(|number| record(text, number));
+    let shapes = record(text, 8);
+    assert_eq!(shapes.len(), 5 * n * 6);
+    let masses = [1.0, 2.0, 1.5, 3.0, 2.5];
+    let vector = |values: [f64; 3]| nalgebra::Vector3::from(values);
+    let place = |lump: usize| vector([0, 1, 2].map(|axis| places[axis][lump]));
+    let shape = |lump: usize, mode: usize| {
+        let first = (mode * 5 + lump) * 6;
+        vector([0, 1, 2].map(|axis| shapes[first + axis]))
+    };
+    let sum = |part: &dyn Fn(usize) -> nalgebra::Matrix3<f64>| {
+        (0..5)
+            .map(|lump| masses[lump] * part(lump))
+            .sum::<nalgebra::Matrix3<f64>>()
+    };
+    let total: f64 = masses.iter().sum();
+    let centre = (0..5)
+        .map(|k| masses[k] / total * place(k))
+        .sum::<nalgebra::Vector3<f64>>();
+    let about = sum(&|k| {
+        let arm = (place(k) - centre).cross_matrix();
+        -arm * arm
+    });
+    let rigid: Vec<f64> = [total]
+        .into_iter()
+        .chain(centre.iter().copied())
+        .chain(about.transpose().iter().copied())
+        .collect();
+    let mut expected = vec![(12, rigid)];
+    let columns = |part: &dyn Fn(usize, usize) -> nalgebra::Vector3<f64>| {
+        let column = |mode: usize| {
+            (0..5)
+                .map(|k| masses[k] * part(k, mode))
+                .sum::<nalgebra::Vector3<f64>>()
+        };
+        DMatrix::from_fn(3, n, |row, mode| column(mode)[row])
+    };
+    let by_rows = |matrix: DMatrix<f64>| matrix.transpose().as_slice().to_vec();
+    expected.push((14, by_rows(columns(&|k, mode| shape(k, mode)))));
+    expected.push((
+        15,
+        by_rows(columns(&|k, mode| place(k).cross(&shape(k, mode)))),
+    ));
+    let wide = |columns: usize, part: &dyn Fn(usize) -> nalgebra::Matrix3<f64>| {
+        let parts: Vec<_> = (0..columns).map(part).collect();
+        by_rows(DMatrix::from_fn(3, 3 * columns, |row, column| {
+            parts[column / 3][(row, column % 3)]
+        }))
+    };
+    expected.push((
+        16,
+        wide(n, &|mode| {
+            sum(&|k| -place(k).cross_matrix() * shape(k, mode).cross_matrix())
+        }),
+    ));
+    let crossed = |j: usize, k: usize| {
+        (0..5)
+            .map(|lump| masses[lump] * shape(lump, j).cross(&shape(lump, k)))
+            .sum::<nalgebra::Vector3<f64>>()
+    };
+    expected.push((
+        17,
+        by_rows(DMatrix::from_fn(3, n * n, |row, pair| {
+            crossed(pair / n, pair % n)[row]
+        })),
+    ));
+    expected.push((
+        18,
+        wide(n * n, &|pair| {
+            sum(&|k| shape(k, pair / n).cross_matrix() * shape(k, pair % n).cross_matrix())
+        }),
+    ));
+    expected.push((
+        9,
+        by_rows(DMatrix::from_fn(n, n, |i, j| {
+            (0..5)
+                .map(|k| masses[k] * shape(k, i).dot(&shape(k, j)))
+                .sum()
+        })),
+    ));
+    for (number, expected) in expected {
+        let found = record(text, number);
+        assert_eq!(found.len(), expected.len(), "record group {number}");
+        let size = expected
+            .iter()
+            .fold(0.0_f64, |size, value| size.max(value.abs()));
+        for (found, expected) in found.iter().zip(&expected) {
+            let error = (found - expected).abs();
+            assert!(
+                error <= 1e-11 * size,
+                "record group {number}: {found} {expected} of {size}"
+            );
+        }
+    }
+    // the joint has the frequencies of the body
+    let matrix = |number: usize| DMatrix::from_row_slice(n, n, &record(text, number));
+    let (mass, stiffness, damping) = (matrix(9), matrix(10), matrix(13));
+    for (mode, frequency) in bar.frequencies().iter().enumerate() {
+        let found = (stiffness[(mode, mode)] / mass[(mode, mode)]).sqrt();
+        let exact = std::f64::consts::TAU * frequency;
+        assert!((found / exact - 1.0).abs() < 1e-9, "{found} {exact}");
+        let share = damping[(mode, mode)] / (2.0 * exact * mass[(mode, mode)]);
+        assert!((share - 0.01).abs() < 1e-9, "{share}");
+    }
 }
 
 fn reduce(folder: &Path, words: &[&str]) -> Output {

@@ -220,6 +220,8 @@ pub(super) enum BodyTarget {
     Dmig,
     /// Abaqus: *MATRIX INPUT with a deck, markers by *EQUATION
     Abaqus,
+    /// MBDyn: the data of its modal joint, with all constants of the floating frame
+    Mbdyn,
 }
 
 #[derive(Debug, Args)]

@@ -129,6 +129,7 @@ fn written(
         BodyTarget::Op4 => BodyFormat::Op4,
         BodyTarget::Dmig => BodyFormat::Dmig,
         BodyTarget::Abaqus => BodyFormat::Abaqus,
+        BodyTarget::Mbdyn => BodyFormat::Mbdyn,
     };
     if arguments.first_point.is_some() && !format.has_points() {
         return Err(Refused::NoPoints);

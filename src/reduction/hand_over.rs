@@ -7,7 +7,9 @@ use crate::results::file_stem;
 use eng_flexible::FlexibleError;
 use eng_flexible::recover::Recovery;
 use eng_flexible::small_motion::{Dense, RIGID, SmallMotion};
-use eng_flexible::write::{NumberedBody, abaqus_deck, abaqus_matrix, array, bulk_data, op4};
+use eng_flexible::write::{
+    NumberedBody, abaqus_deck, abaqus_matrix, array, bulk_data, modal_data, op4,
+};
 use serde_json::json;
 
 /// The largest number of a point in Nastran, which has eight columns for it.
@@ -24,6 +26,8 @@ pub enum BodyFormat {
     Dmig,
     /// Matrices and a deck of Abaqus.
     Abaqus,
+    /// The data of MBDyn's modal joint.
+    Mbdyn,
 }
 
 impl BodyFormat {
@@ -103,6 +107,10 @@ impl Reduction {
                 };
                 files.push(text(format!("{stem}.bdf"), bulk_data(&body)));
             }
+            BodyFormat::Mbdyn => {
+                let data = modal_data(&self.path, &markers, &self.body.invariants, &motion);
+                files.push(text(format!("{stem}.fem"), data));
+            }
             BodyFormat::Abaqus => {
                 let name = legal_name(&stem);
                 let body = NumberedBody {
@@ -131,7 +139,7 @@ impl Reduction {
     pub fn points(&self, format: BodyFormat) -> usize {
         let coordinates = RIGID + self.body.invariants.modes;
         let carriers = match format {
-            BodyFormat::Numpy | BodyFormat::Op4 => return 0,
+            BodyFormat::Numpy | BodyFormat::Op4 | BodyFormat::Mbdyn => return 0,
             BodyFormat::Dmig => coordinates,
             // a node carries six
             BodyFormat::Abaqus => coordinates.div_ceil(6),

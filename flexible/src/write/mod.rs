@@ -1,9 +1,11 @@
-//! Writers of matrices for other codes: OP4 and bulk data of Nastran, text of Abaqus, arrays of NumPy.
+//! Writers of reduced bodies for other codes: OP4 and bulk data of Nastran, text of Abaqus, arrays of NumPy, data of
+//! MBDyn's modal joint.
 //!
 //! Each writer makes the text or the bytes of one file. The readers in `read/matrix` read the first three back.
 
 mod abaqus;
 mod cards;
+mod mbdyn;
 mod number;
 mod numpy;
 mod op4;
@@ -12,6 +14,7 @@ use crate::small_motion::SmallMotion;
 
 pub use abaqus::{abaqus_deck, abaqus_matrix};
 pub use cards::bulk_data;
+pub use mbdyn::modal_data;
 pub use numpy::array;
 pub use op4::op4;
 
