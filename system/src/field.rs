@@ -56,8 +56,10 @@ pub struct KernelResult {
     pub count: u32,
     /// Its usual size where the first answer is 1 (SI). Static modes of flexible bodies follow from it.
     pub size: f64,
-    /// Whether it measures errors of the steps. Such a result does not repeat in a motion that repeats.
-    pub of_steps: bool,
+    /// Whether it is a continuous function of motion and memory. A place that jumps from cell to cell, a number
+    /// that changes where a cell ruptures or fills, and an error of the steps are not. They need not repeat in a
+    /// motion that repeats, because its steps end at other moments in each cycle.
+    pub continuous: bool,
 }
 
 /// A quantity in the cells of a kernel.
@@ -158,7 +160,15 @@ const fn result(name: &'static str, dimension: Dimension, count: u32, size: f64)
         dimension,
         count,
         size,
-        of_steps: false,
+        continuous: true,
+    }
+}
+
+/// A result that is not [`KernelResult::continuous`].
+const fn jumping(name: &'static str, dimension: Dimension, count: u32, size: f64) -> KernelResult {
+    KernelResult {
+        continuous: false,
+        ..result(name, dimension, count, size)
     }
 }
 
@@ -239,11 +249,11 @@ pub const KERNELS: &[Kernel] = &[Kernel {
     ],
     readings: &[
         result("minimum_film", LENGTH, 1, 1e-6),
-        result("minimum_film_angle", ANGLE, 1, 1.0),
-        result("minimum_film_across", LENGTH, 1, 1e-3),
+        jumping("minimum_film_angle", ANGLE, 1, 1.0),
+        jumping("minimum_film_across", LENGTH, 1, 1e-3),
         result("maximum_pressure", PRESSURE, 1, 1e6),
-        result("maximum_pressure_angle", ANGLE, 1, 1.0),
-        result("maximum_pressure_across", LENGTH, 1, 1e-3),
+        jumping("maximum_pressure_angle", ANGLE, 1, 1.0),
+        jumping("maximum_pressure_across", LENGTH, 1, 1e-3),
         result("inflow", FLOW, 1, 1e-6),
         result("supply_flow", FLOW, 1, 1e-6),
         result("shear_power", POWER, 1, 1.0),
@@ -254,14 +264,11 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("deflection", LENGTH, 1, 1e-6),
         result("last_wave_share", ONE, 1, 1.0),
         result("last_degree_share", ONE, 1, 1.0),
-        result("cavitated", ONE, 1, 1.0),
+        jumping("cavitated", ONE, 1, 1.0),
         result("content", ONE, 1, 1.0),
-        KernelResult {
-            of_steps: true,
-            ..result("unexplained_flow", FLOW, 1, 1e-6)
-        },
-        result("stiffness", of(0, 1, -2, 0), 4, 1.0),
-        result("damping", of(0, 1, -1, 0), 4, 1.0),
+        jumping("unexplained_flow", FLOW, 1, 1e-6),
+        jumping("stiffness", of(0, 1, -2, 0), 4, 1.0),
+        jumping("damping", of(0, 1, -1, 0), 4, 1.0),
     ],
     cells: &FILM_CELLS,
 }];
