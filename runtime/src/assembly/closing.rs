@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::rotation::{exponential, normalized, product, quaternion};
 use crate::state::{State, move_pose};
 use eng_system::dense::largest;
+use eng_system::system::Role;
 use nalgebra::DVector;
 use std::collections::BTreeSet;
 
@@ -181,6 +182,38 @@ fn follow_wishes(
     }
 }
 
+/// Where guesses keep a pin out of its shell, moves the pins into their shells without the guesses: these are only
+/// the first values of the search. A guess inside of all clearances stays, because a film lets the pin be anywhere there.
+fn leave_guesses(
+    model: &Model,
+    exact: &[usize],
+    stated: &[bool],
+    state: &mut State,
+) -> Result<(), RuntimeError> {
+    let system = &model.compiled.system;
+    let guessed = |body: usize| !system.bodies[body].guessed_at.is_empty();
+    let guesses = |role: &Role| *role == Role::StartPosition { exact: false };
+    if !(0..stated.len()).any(guessed) && !system.elements.iter().any(|e| guesses(&e.role)) {
+        return Ok(());
+    }
+    let mut wishes = super::rows::wishes(model);
+    wishes.retain(Wish::is_inside);
+    if wishes
+        .iter()
+        .all(|wish| wish.is_fulfilled(model, &at(state)))
+    {
+        return Ok(());
+    }
+    let held = stated.iter().enumerate();
+    let held: Vec<bool> = held
+        .map(|(body, stated)| *stated && !guessed(body))
+        .collect();
+    follow_wishes(model, exact, wishes, &held, state)?;
+    let rows = Rows::new(model, exact.to_vec());
+    close(model, &rows, &mobility(model, &held), state, 80)?;
+    Ok(())
+}
+
 /// Closes all rows on the right branches.
 pub fn close_all(
     model: &Model,
@@ -197,6 +230,7 @@ pub fn close_all(
     }
     let rows = Rows::new(model, exact.to_vec());
     close(model, &rows, &every, state, 80)?;
+    leave_guesses(model, exact, stated, state)?;
     let mut bad = offending(model, exact, conditioned, state)?;
     if bad.is_empty() {
         return Ok(());

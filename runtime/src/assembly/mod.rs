@@ -9,7 +9,8 @@
 //! 3. If a loop remains open or a branch condition fails, the bodies around it are displaced at random and
 //!    closed again.
 //! 4. Ground markers that coincide with their partners are fixed.
-//!    Pins of journals prefer the middle of their shells, after all stated and guessed values.
+//!    Pins of journals prefer the middle of their shells, after all stated values, and after guesses inside of
+//!    their clearances.
 //! 5. Velocities: smallest kinetic energy that satisfies `Φ̇ = 0` and the start rows ([`velocity`]).
 
 pub mod chains;
