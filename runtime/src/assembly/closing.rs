@@ -190,28 +190,33 @@ fn leave_guesses(
     stated: &[bool],
     state: &mut State,
 ) -> Result<(), RuntimeError> {
-    let system = &model.compiled.system;
-    let guessed = |body: usize| !system.bodies[body].guessed_at.is_empty();
-    let guesses = |role: &Role| *role == Role::StartPosition { exact: false };
-    if !(0..stated.len()).any(guessed) && !system.elements.iter().any(|e| guesses(&e.role)) {
+    if !a_guess_keeps_a_pin_out(model, state) {
         return Ok(());
     }
     let mut wishes = super::rows::wishes(model);
     wishes.retain(Wish::is_inside);
-    if wishes
-        .iter()
-        .all(|wish| wish.is_fulfilled(model, &at(state)))
-    {
-        return Ok(());
-    }
-    let held = stated.iter().enumerate();
-    let held: Vec<bool> = held
-        .map(|(body, stated)| *stated && !guessed(body))
-        .collect();
+    let held = stated.iter().zip(guessed(model));
+    let held: Vec<bool> = held.map(|(stated, guessed)| *stated && !guessed).collect();
     follow_wishes(model, exact, wishes, &held, state)?;
     let rows = Rows::new(model, exact.to_vec());
     close(model, &rows, &mobility(model, &held), state, 80)?;
     Ok(())
+}
+
+/// Whether the text guesses the position or orientation of each body.
+pub fn guessed(model: &Model) -> impl Iterator<Item = bool> {
+    let bodies = model.compiled.system.bodies.iter();
+    bodies.map(|body| !body.guessed_at.is_empty())
+}
+
+/// Whether the text has a guess, and a pin is outside of its shell.
+pub fn a_guess_keeps_a_pin_out(model: &Model, state: &State) -> bool {
+    let guess = Role::StartPosition { exact: false };
+    let mut elements = model.compiled.system.elements.iter();
+    (guessed(model).any(|guessed| guessed) || elements.any(|e| e.role == guess))
+        && super::rows::wishes(model)
+            .iter()
+            .any(|wish| wish.is_inside() && !wish.is_fulfilled(model, &at(state)))
 }
 
 /// Closes all rows on the right branches.
