@@ -760,8 +760,8 @@ impl Elastic {
     ///
     /// A surface that stays straight across cannot show the share of the degrees that it lacks. It has the share
     /// of the degree 1 in its pressure, as if it yielded alike to both. A pressure `p₀ + p₁ ζ` has the force
-    /// `|F| ~ 2 p₀` and the moment `|M| ~ p₁ B/3`, so the share is `p₁/(p₀ + p₁) = 6 |M|/(|F| B + 6 |M|)`. It is
-    /// zero for an aligned pin.
+    /// `|F| ~ 2 p₀` and the moment `|M| ~ p₁ B/3`, so the share is `p₁/(p₀ + p₁) = 6 |M|/(|F| B + 6 |M|)`, with sums
+    /// of magnitudes as in the other shares. It is zero for an aligned pin.
     #[must_use]
     pub fn last_degrees(&self, work: &ElasticWork) -> f64 {
         let source = self.film.source();
@@ -771,7 +771,7 @@ impl Elastic {
         if source.shapes.iter().any(|shape| shape.across > 0) {
             return self.last_share(work, |shape| shape.across, |_| true);
         }
-        let size = |at: usize| libm::hypot(work.outputs[at], work.outputs[at + 1]);
+        let size = |at: usize| work.outputs[at].abs() + work.outputs[at + 1].abs();
         let (even, odd) = (size(FORCE) * source.width, 6.0 * size(MOMENT));
         if odd > 0.0 { odd / (even + odd) } else { 0.0 }
     }

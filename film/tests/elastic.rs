@@ -701,10 +701,7 @@ fn a_straight_bore_lacks_the_degree_that_a_tilted_pin_needs() {
     ] {
         let (stated, found) = (on(0, tilt), on(1, tilt));
         println!("{tilt:?}: {stated:.3} {found:.3}");
-        assert!(
-            (stated / found - 1.0).abs() < 0.2,
-            "{tilt:?}: {stated} {found}"
-        );
+        assert!((stated / found - 1.0).abs() < 1e-6, "{stated} {found}");
     }
     assert!(on(0, [0.6e-3, 0.0]) > 0.1);
 }

@@ -298,23 +298,12 @@ impl<'a> Elaborator<'a, '_> {
             bound_kinks,
             graph,
         };
-        let readings = (element.fields.iter()).flat_map(|field| field.kernel.readings);
-        let readings = readings.flat_map(|row| (0..row.count).map(|_| row.continuous));
-        let readings: Vec<bool> = readings.collect();
-        let signals = element.signals.iter();
-        let signals = signals.map(|at| self.draft.channels.get(*at as usize));
-        let signals = signals.map(|source| source.is_none_or(|channel| channel.continuous));
-        let signals: Vec<bool> = signals.collect();
-        let jumps = |place: Place| match place {
-            Place::Reading(reading) => readings.get(reading as usize) == Some(&false),
-            Place::Signal(signal) => signals.get(signal as usize) == Some(&false),
-            _ => false,
-        };
+        let jumps = self.jumps(&element);
         let index = self.draft.elements.len() as u32;
         let first_channel = self.draft.channels.len() as u32;
         if matches!(role, Role::Dynamic | Role::Output) {
             self.add_channels(index, role, &origin.path, &draft, |output| {
-                !reads(&body.graph, body.outputs[output], &body.layout, jumps)
+                !reads(&body.graph, body.outputs[output], &body.layout, &jumps)
             });
         }
         let behind = (index, draft.infos.len() as u32);
@@ -367,6 +356,22 @@ impl<'a> Elaborator<'a, '_> {
                 .collect(),
         });
         Ok(index)
+    }
+
+    /// Whether an input of an element's outputs is a result or channel that jumps in a continuous motion.
+    fn jumps(&self, element: &ElementBuilder) -> impl Fn(Place) -> bool + use<> {
+        let readings = (element.fields.iter()).flat_map(|field| field.kernel.readings);
+        let readings = readings.flat_map(|row| (0..row.count).map(|_| row.continuous));
+        let readings: Vec<bool> = readings.collect();
+        let signals = element.signals.iter();
+        let signals = signals.map(|at| self.draft.channels.get(*at as usize));
+        let signals = signals.map(|source| source.is_none_or(|channel| channel.continuous));
+        let signals: Vec<bool> = signals.collect();
+        move |place| match place {
+            Place::Reading(reading) => readings.get(reading as usize) == Some(&false),
+            Place::Signal(signal) => signals.get(signal as usize) == Some(&false),
+            _ => false,
+        }
     }
 
     /// The channels of an element's outputs; `continuous` tells which outputs are.
