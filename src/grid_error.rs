@@ -9,15 +9,21 @@
 //!
 //! A film with memory has no such error here: the finer one would continue from the memory of the coarser
 //! one, and a single step does not show the difference of two films that were always apart.
+//!
+//! A solution on twice as many cells takes five to sixteen times as long. So the film on its own cells chooses the
+//! moments: those of the largest loads, of the highest pressures and of the least films. There all errors are
+//! largest, because the cells must follow the steepest pressure.
 
 use crate::machine::Machine;
-use crate::recorded_field::{RecordedField, Twice};
+use crate::recorded_field::{RecordedField, Solution, Twice};
 use crate::results::Results;
 use eng_system::field::FieldGrid;
 use eng_system::significant::significant;
 
-/// Moments of the last cycle at which films are solved again.
+/// Moments of the last cycle among which those of the finer cells are chosen.
 const MOMENTS: usize = 20;
+/// Number of moments with the largest loads; of those with the highest pressures and with the least films as many.
+const HARDEST: usize = 3;
 /// The error over the difference from twice as many cells.
 const WHOLE: f64 = 4.0 / 3.0;
 
@@ -33,8 +39,10 @@ pub(crate) struct GridError {
     pub path: String,
     /// Cells around and across.
     pub cells: [usize; 2],
-    /// Moments that were solved again.
+    /// Moments on the finer cells.
     pub moments: usize,
+    /// Moments among which they were chosen.
+    pub among: usize,
     /// The errors; `None` for a film without load.
     pub of_load: Option<LoadErrors>,
 }
@@ -59,14 +67,17 @@ impl GridError {
         let [around, across] = self.cells;
         let film = format!("cells of {}, {around} × {across}", self.path);
         match &self.of_load {
-            Some(errors) => format!(
-                "{film}: against twice as many both ways at {} moments, {}",
-                self.moments,
-                errors.text()
-            ),
+            Some(errors) => {
+                let moments = match self.moments < self.among {
+                    true => format!("the {} hardest of {} moments", self.moments, self.among),
+                    false => format!("{} moments", self.among),
+                };
+                let errors = errors.text();
+                format!("{film}: against twice as many both ways at {moments}, {errors}")
+            }
             None => format!(
                 "{film}: no load at {} moments, so the error of the cells is not known",
-                self.moments
+                self.among
             ),
         }
     }
@@ -115,14 +126,19 @@ pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError>
 }
 
 fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Option<GridError> {
-    let solved = field.twice(motion, moments, "minimum_film").ok()?;
-    let forces = solved.iter().map(|twice| twice.result::<2>("force"));
-    let forces: Vec<[[f64; 2]; 2]> = forces.collect::<Option<_>>()?;
-    let size = |force: [f64; 2]| libm::hypot(force[0], force[1]);
-    let loads: Vec<[f64; 2]> = forces.iter().map(|both| both.map(size)).collect();
+    let own = field.solved(motion, moments);
+    let among = own.len();
+    let solved = field.twice(hardest(own)?, "minimum_film").ok()?;
+    let loads = solved
+        .iter()
+        .map(|twice| Some([load(&twice.own)?, load(&twice.finer)?]));
+    let loads: Vec<[f64; 2]> = loads.collect::<Option<_>>()?;
     let at_load = |name| -> Vec<[f64; 2]> {
-        let readings = solved.iter().filter_map(|twice| twice.at_same_load(name));
-        readings.collect()
+        let both = solved.iter().filter_map(|twice| {
+            let at_load = twice.at_load.as_ref()?;
+            Some([number(&twice.own, name)?, number(at_load, name)?])
+        });
+        both.collect()
     };
     let pressures = at_load("maximum_pressure");
     let films = at_load("minimum_film").into_iter();
@@ -142,15 +158,48 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
             across.len().saturating_sub(1),
         ],
         moments: solved.len(),
+        among,
         of_load: largest(&loads).filter(|_| loaded).map(of_load),
     })
+}
+
+fn number(solution: &Solution, name: &str) -> Option<f64> {
+    solution.result::<1>(name).map(|[number]| number)
+}
+
+fn load(solution: &Solution) -> Option<f64> {
+    let force = solution.result::<2>("force")?;
+    Some(libm::hypot(force[0], force[1]))
+}
+
+/// The solutions with the largest loads, the highest pressures and the least films, in their order in time.
+fn hardest(solved: Vec<Solution>) -> Option<Vec<Solution>> {
+    let mut chosen = vec![false; solved.len()];
+    for sort in [
+        |solution: &Solution| load(solution),
+        |solution: &Solution| number(solution, "maximum_pressure"),
+        |solution: &Solution| number(solution, "minimum_film").map(|film| -film),
+    ] {
+        let sizes = solved.iter().map(sort).collect::<Option<Vec<f64>>>()?;
+        let mut order: Vec<usize> = (0..solved.len()).collect();
+        // of equal ones the first
+        order.sort_by(|a, b| sizes[*b].total_cmp(&sizes[*a]));
+        for at in order.into_iter().take(HARDEST) {
+            chosen[at] = true;
+        }
+    }
+    let both = solved.into_iter().zip(chosen);
+    Some(
+        both.filter_map(|(one, chosen)| chosen.then_some(one))
+            .collect(),
+    )
 }
 
 /// The largest torque of the shear over the least gap (N): the size of a load that the motion of the surfaces makes.
 fn shear(solved: &[Twice]) -> Option<f64> {
     let mut sizes = solved.iter().map(|twice| {
-        let [[torque], _] = twice.result("torque")?;
-        let [_, [gap]] = twice.result("minimum_film")?;
+        let torque = number(&twice.own, "torque")?;
+        let gap = number(&twice.finer, "minimum_film")?;
         Some(if gap > 0.0 { torque.abs() / gap } else { 0.0 })
     });
     sizes.try_fold(0.0_f64, |most, size| Some(most.max(size?)))

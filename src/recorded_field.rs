@@ -231,65 +231,58 @@ impl RecordedField {
     }
 }
 
-/// A field at a moment, on its own grid and on one of twice as many cells in both directions.
+/// The solution of a field at a moment.
 #[derive(Clone)]
-pub(crate) struct Twice {
-    /// The kernel.
-    pub kernel: &'static Kernel,
-    /// Answers on its own grid and on the finer one.
-    pub answers: [Vec<f64>; 2],
-    /// Readings on both; those of the own grid without slopes.
-    pub readings: [Vec<f64>; 2],
-    /// Readings of the finer grid where its force is that of the own grid, at the same rates; `None` if no such place
-    /// was found.
-    pub at_load: Option<Vec<f64>>,
+pub(crate) struct Solution {
+    kernel: &'static Kernel,
+    with: SolvedWith,
+    answers: Vec<f64>,
+    readings: Vec<f64>,
 }
 
-impl Twice {
-    /// Numbers of a result on both grids; `None` if the kernel has no such result.
-    pub fn result<const N: usize>(&self, name: &str) -> Option<[[f64; N]; 2]> {
+impl Solution {
+    /// Numbers of a result; `None` if the kernel has no such result.
+    pub fn result<const N: usize>(&self, name: &str) -> Option<[f64; N]> {
         let (_, first, answer) = self.kernel.result(name)?;
-        let [own, finer] = if answer {
-            &self.answers
-        } else {
-            &self.readings
+        let numbers = match answer {
+            true => &self.answers,
+            false => &self.readings,
         };
-        let of = |numbers: &[f64]| -> Option<[f64; N]> {
-            let place = first as usize..first as usize + N;
-            numbers.get(place)?.try_into().ok()
-        };
-        Some([of(own)?, of(finer)?])
+        let place = first as usize..first as usize + N;
+        numbers.get(place)?.try_into().ok()
     }
 
-    /// A reading of the own grid, and that of the finer one at the same force; `None` if there is none.
-    pub fn at_same_load(&self, name: &str) -> Option<[f64; 2]> {
-        let (_, first, answer) = self.kernel.result(name)?;
-        let finer = self.at_load.as_ref().filter(|_| !answer)?;
-        Some([
-            *self.readings[0].get(first as usize)?,
-            *finer.get(first as usize)?,
-        ])
+    /// Solves the field again with a solver; readings with slopes cost more.
+    fn solve(&mut self, solver: &mut dyn FieldSolver, slopes: bool) -> Result<(), FieldError> {
+        let Solution { with, answers, .. } = self;
+        solver.solve(&with.drives, with.past(), Accuracy::Full, answers)?;
+        solver.read(&mut self.readings, slopes);
+        Ok(())
     }
 
-    /// Moves the pin in the finer grid until its force is that of the own grid, by Newton's method with the stiffness
-    /// of the film, and keeps the readings there. A move is a third of the least film at most, so the film stays open.
-    fn find_same_load(
-        &mut self,
-        with: &SolvedWith,
+    /// Moves the pin until the force is the wanted one, by Newton's method with the stiffness of the film, which is
+    /// kept while it serves. The solver has this solution, and its readings have slopes. A move is a third of the least
+    /// film at most, so the film stays open. `None` if no such place was found.
+    fn moved_to(
+        mut self,
+        wanted: [f64; 2],
         gap_name: &str,
         solver: &mut dyn FieldSolver,
-    ) -> Option<Vec<f64>> {
-        let [wanted, mut force] = self.result::<2>("force")?;
-        let [_, mut stiffness] = self.result::<4>("stiffness")?;
-        let [_, [mut gap]] = self.result::<1>(gap_name)?;
+    ) -> Option<Solution> {
         let size = libm::hypot(wanted[0], wanted[1]);
-        let mut place = with.drives.clone();
+        let mut before = f64::INFINITY;
         for _ in 0..LOAD_ROUNDS {
+            let (force, [gap]) = (self.result::<2>("force")?, self.result::<1>(gap_name)?);
             let missed = [0, 1].map(|axis| force[axis] - wanted[axis]);
-            if libm::hypot(missed[0], missed[1]) <= SAME_LOAD * size {
-                return Some(self.readings[1].clone());
+            let miss = libm::hypot(missed[0], missed[1]);
+            if miss <= SAME_LOAD * size {
+                return Some(self);
             }
-            let [xx, xy, yx, yy] = stiffness;
+            if miss > SERVES * before {
+                solver.read(&mut self.readings, true);
+            }
+            before = miss;
+            let [xx, xy, yx, yy] = self.result::<4>("stiffness")?;
             let determinant = xx * yy - xy * yx;
             let moved = [
                 (yy * missed[0] - xy * missed[1]) / determinant,
@@ -297,64 +290,74 @@ impl Twice {
             ];
             let share = (gap / 3.0 / libm::hypot(moved[0], moved[1])).min(1.0);
             // the eccentricity is the first drive of a film
-            for (drive, moved) in place.iter_mut().zip(moved) {
+            for (drive, moved) in self.with.drives.iter_mut().zip(moved) {
                 *drive += share * moved;
             }
-            let [_, answers] = &mut self.answers;
-            let solved = solver.solve(&place, with.past(), Accuracy::Full, answers);
-            solved.ok()?;
-            solver.read(&mut self.readings[1], true);
-            force = self.result::<2>("force")?[1];
-            stiffness = self.result::<4>("stiffness")?[1];
-            gap = self.result::<1>(gap_name)?[1][0];
+            self.solve(solver, false).ok()?;
         }
         None
     }
 }
 
+/// A field at a moment, on its own grid and on one of twice as many cells in both directions.
+pub(crate) struct Twice {
+    /// On its own grid.
+    pub own: Solution,
+    /// On the finer grid.
+    pub finer: Solution,
+    /// On the finer grid where its force is that of the own grid, at the same rates; `None` if no such place
+    /// was found.
+    pub at_load: Option<Solution>,
+}
+
 /// Most rounds of the search for a place with a given force, and its error as a share of the force.
 const LOAD_ROUNDS: usize = 20;
 const SAME_LOAD: f64 = 1e-6;
+/// Share to which a move must bring the error, or else the stiffness is computed again.
+const SERVES: f64 = 0.1;
 
 impl RecordedField {
-    /// The field at moments of a motion, on its own cells and on twice as many in both directions. Moments
-    /// that the finer grid does not solve are left out. `gap_name` is the reading of the least gap.
+    /// The field at moments of a motion. Moments that its kernel does not solve are left out.
+    pub(crate) fn solved(&self, motion: &Results, samples: &[usize]) -> Vec<Solution> {
+        let mut solver = self.own.solver(&[]);
+        let numbers = self.columns_of(motion).unwrap_or_default();
+        let moments = samples.iter().filter_map(|at| self.at(&numbers, *at));
+        let solved = moments.filter_map(|with| {
+            let mut solution = Solution {
+                kernel: self.kernel,
+                with,
+                answers: vec![0.0; self.answer_count()],
+                readings: vec![0.0; self.kernel.reading_count() as usize],
+            };
+            solution.solve(solver.as_mut(), false).ok()?;
+            Some(solution)
+        });
+        solved.collect()
+    }
+
+    /// These solutions and those on twice as many cells in both directions. Moments that the finer grid does not
+    /// solve are left out. `gap_name` is the reading of the least gap.
     ///
     /// # Errors
     /// If there is no finer grid.
     pub(crate) fn twice(
         &self,
-        motion: &Results,
-        samples: &[usize],
+        solved: Vec<Solution>,
         gap_name: &str,
     ) -> Result<Vec<Twice>, FieldError> {
-        let finer = self.own.refined()?;
-        let mut solvers = [self.own.solver(&[]), finer.solver(&[])];
-        let mut found = Vec::new();
-        let numbers = self.columns_of(motion).unwrap_or_default();
-        for with in samples.iter().filter_map(|at| self.at(&numbers, *at)) {
-            let blank = |count: usize| [vec![0.0; count], vec![0.0; count]];
-            let mut twice = Twice {
-                kernel: self.kernel,
-                answers: blank(self.answer_count()),
-                readings: blank(self.kernel.reading_count() as usize),
-                at_load: None,
-            };
-            // the finer one alone has the slopes
-            let both = [false, true].into_iter().zip(&mut solvers);
-            let mut both = both.zip(&mut twice.answers).zip(&mut twice.readings);
-            let solved = both.try_for_each(|(((slopes, solver), answers), readings)| {
-                solver.solve(&with.drives, with.past(), Accuracy::Full, answers)?;
-                solver.read(readings, slopes);
-                Ok::<(), FieldError>(())
-            });
-            if solved.is_ok() {
-                let mut moved = twice.clone();
-                twice.at_load = moved.find_same_load(&with, gap_name, solvers[1].as_mut());
-                found.push(twice);
-            }
-        }
-        Ok(found)
+        let mut solver = self.own.refined()?.solver(&[]);
+        let both = solved.into_iter().filter_map(|own| {
+            let mut finer = own.clone();
+            finer.solve(solver.as_mut(), true).ok()?;
+            let wanted = own.result::<2>("force")?;
+            let at_load = finer.clone().moved_to(wanted, gap_name, solver.as_mut());
+            Some(Twice {
+                own,
+                finer,
+                at_load,
+            })
+        });
+        Ok(both.collect())
     }
 }
 

@@ -18,16 +18,19 @@ pub struct Timings {
     pub samples: Duration,
     /// Samples and checkpoints on their way into files.
     pub files: Duration,
+    /// Films on finer cells, which show the error of their own.
+    pub cells: Duration,
 }
 
 impl Timings {
     /// The phases with their names, in their order.
-    pub fn phases(&self) -> [(&'static str, Duration); 4] {
+    pub fn phases(&self) -> [(&'static str, Duration); 5] {
         [
             ("start", self.start),
             ("steps", self.steps),
             ("samples", self.samples),
             ("files", self.files),
+            ("error of the cells", self.cells),
         ]
     }
 }

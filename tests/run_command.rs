@@ -485,6 +485,7 @@ fn timings_tell_every_phase_and_change_no_result() {
         "steps",
         "samples",
         "files",
+        "error of the cells",
         "check",
         "reductions and machine code",
         "tables, pictures and reports",

@@ -596,3 +596,38 @@ fn an_argument_decides_the_length_of_its_array() {
         "E0205 there is no `count` here"
     );
 }
+
+/// Results of a film that jump from cell to cell, and outputs that read them, also those of other elements.
+#[test]
+fn channels_that_jump_are_known() {
+    let text = "use std.journals.Film
+         model Rotor {
+            gravity = [0, 0, 0] m/s^2
+            marker seat = [0, 0, 0] mm
+            body shaft { mass = 5 kg; inertia = [5, 5, 5] g*m^2; start angular_velocity = [0, 0, 300] rad/s }
+            journal main = Film(shaft.origin, seat, diameter: 54 mm, width: 24 mm, radial_clearance: 27 um, viscosity: 8 mPa*s)
+            output place = 2*main.minimum_film_across as mm
+            output again = place + 1 mm as mm
+            output least = 2*main.minimum_film as um
+         }
+         analysis a = assemble(Rotor())";
+    let made = elaborated(text).expect("no mistake");
+    let jumping = made.system.channels.iter().filter(|c| !c.continuous);
+    let jumping: Vec<&str> = jumping.map(|c| c.path.as_str()).collect();
+    let own = [
+        "minimum_film_angle",
+        "minimum_film_across",
+        "maximum_pressure_angle",
+        "maximum_pressure_across",
+        "cavitated",
+        "unexplained_flow",
+    ];
+    let own = own.map(|name| format!("main.{name}"));
+    let slopes = ["stiffness", "damping"];
+    let slopes = slopes
+        .iter()
+        .flat_map(|name| (1..=4).map(move |k| format!("main.{name}[{k}]")));
+    let mut expected: Vec<String> = own.into_iter().chain(slopes).collect();
+    expected.extend(["place", "again"].map(str::to_owned));
+    assert_eq!(jumping, expected);
+}

@@ -2,8 +2,8 @@
 //! runs the orbit in an elastic bore alone.
 
 use eng_film::{
-    Accuracy, Cavitation, Elastic, ElasticRing, Feed, Film, FilmSource, Inputs, Opening, Part,
-    Roughness, Shape, Thinning, inputs,
+    Accuracy, Cavitation, Elastic, ElasticRing, ElasticWork, Feed, Film, FilmSource, Inputs,
+    Opening, Part, Roughness, Shape, Thinning, inputs,
 };
 use std::time::Instant;
 
@@ -199,33 +199,18 @@ fn surfaces() {
         });
         let mut call = 0;
         let memory = vec![0.0; elastic.memory()];
-        let again = least(|| {
+        let mut solve = |work: &mut ElasticWork| {
             call += 1;
+            let near = &near[call % 2];
             elastic
-                .solve(
-                    &near[call % 2],
-                    Some(0.1),
-                    &memory,
-                    Accuracy::Full,
-                    &mut work,
-                    &mut y,
-                )
+                .solve(near, Some(0.1), &memory, Accuracy::Full, work, &mut y)
                 .expect("a film");
-        });
+        };
+        let again = least(|| solve(&mut work));
         let mut tangent = vec![0.0; inputs::SHAPE_FORCE * elastic.inputs()];
         let slopes = least(|| {
             // at a new solution: derivatives of the last one are kept
-            call += 1;
-            elastic
-                .solve(
-                    &near[call % 2],
-                    Some(0.1),
-                    &memory,
-                    Accuracy::Full,
-                    &mut work,
-                    &mut y,
-                )
-                .expect("a film");
+            solve(&mut work);
             elastic.tangent(&mut work, &mut tangent).expect("a tangent");
         });
         println!(

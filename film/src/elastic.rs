@@ -755,14 +755,25 @@ impl Elastic {
         self.last_share(work, |shape| shape.around, |shape| shape.around > 0)
     }
 
-    /// Share of the highest degree across in the deflection of a surface that a body carries: 1 for a surface that stays
-    /// straight across, and 0 for a ring, which knows no change across.
+    /// Share of the highest degree across in the deflection of a surface that a body carries. A ring knows no change
+    /// across: it has 0.
+    ///
+    /// A surface that stays straight across cannot show the share of the degrees that it lacks. It has the share
+    /// of the degree 1 in its pressure, as if it yielded alike to both. A pressure `p₀ + p₁ ζ` has the force
+    /// `|F| ~ 2 p₀` and the moment `|M| ~ p₁ B/3`, so the share is `p₁/(p₀ + p₁) = 6 |M|/(|F| B + 6 |M|)`, with sums
+    /// of magnitudes as in the other shares. It is zero for an aligned pin.
     #[must_use]
     pub fn last_degrees(&self, work: &ElasticWork) -> f64 {
-        match self.carried {
-            true => self.last_share(work, |shape| shape.across, |_| true),
-            false => 0.0,
+        let source = self.film.source();
+        if !self.carried {
+            return 0.0;
         }
+        if source.shapes.iter().any(|shape| shape.across > 0) {
+            return self.last_share(work, |shape| shape.across, |_| true);
+        }
+        let size = |at: usize| work.outputs[at].abs() + work.outputs[at + 1].abs();
+        let (even, odd) = (size(FORCE) * source.width, 6.0 * size(MOMENT));
+        if odd > 0.0 { odd / (even + odd) } else { 0.0 }
     }
 
     /// Share of the shapes with the highest number in the sum of those amplitudes that count.

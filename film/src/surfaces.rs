@@ -374,16 +374,23 @@ fn moment(n: i32, u: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// F_{5/2} at places where it is known to fifteen digits, and between the nodes against its integral.
+    /// F_{5/2} and F_{3/2}, its slope, at the eleven places of the reference, known to fifteen digits, and between the
+    /// nodes against the integral.
     #[test]
     fn asperities_by_the_exact_integral() {
         let contact = Contact::new();
-        for (u, exact) in [
-            (0.0, 0.616_634_218_996_844),
-            (2.0, 0.005_423_705_197_484_41),
-        ] {
-            let [value, _] = contact.at(u);
+        let text = include_str!("../tests/reference/film_reference.json");
+        let reference: serde_json::Value = serde_json::from_str(text).unwrap();
+        let rows = reference["greenwood_tripp"]["rows"].as_array().unwrap();
+        assert_eq!(rows.len(), 11);
+        for row in rows {
+            let [u, exact, _, slope] = [0, 1, 2, 3].map(|at| {
+                let text = row[at].as_str().unwrap();
+                text.parse::<f64>().unwrap()
+            });
+            let [value, found] = contact.at(u);
             assert!((value / exact - 1.0).abs() < 1e-10, "{value} at {u}");
+            assert!((-found / 2.5 / slope - 1.0).abs() < 1e-8, "{found} at {u}");
         }
         for k in 0..197 {
             let u = -11.9 + 0.1003 * f64::from(k);

@@ -654,3 +654,54 @@ fn a_thick_ring_is_a_plane_stress_annulus() {
         assert!((found - ratio).abs() < 0.01, "{k}: {found}");
     }
 }
+
+/// A bore that stays straight across states the share that the degree 1 would have. Here the surface yields alike
+/// to both degrees, by so little that the pressure stays that of a stiff bore.
+#[test]
+fn a_straight_bore_lacks_the_degree_that_a_tilted_pin_needs() {
+    let on = |degree: u32, tilt: [f64; 2]| {
+        let mut source = FilmSource::plain(24e-3, 22e-3, 25e-6, Cavitation::Reynolds, [36, 8]);
+        let shape = |across| {
+            [false, true].map(|sine| Shape {
+                around: 1,
+                sine,
+                across,
+            })
+        };
+        source.shapes = (0..=degree).flat_map(shape).collect();
+        let count = source.shapes.len();
+        let mut compliance = vec![0.0; count * count];
+        for (at, shape) in source.shapes.iter().enumerate() {
+            // a pressure `P_l(ζ)` does the work 2/(2l + 1) on its own shape
+            compliance[at * (count + 1)] = 1e-16 * f64::from(2 * shape.across + 1);
+        }
+        let film = Film::new(source).expect("a film");
+        let elastic = Elastic::carried(film, compliance.clone(), compliance).expect("a surface");
+        let at = Inputs {
+            eccentricity: [15e-6, 0.0],
+            tilt,
+            spin: 300.0,
+            ..Inputs::still(8e-3)
+        };
+        let (mut x, mut work) = (vec![0.0; elastic.inputs()], elastic.work());
+        let own = at.write();
+        x[..own.len()].copy_from_slice(&own);
+        let mut y = vec![0.0; elastic.outputs()];
+        elastic
+            .solve(&x, None, &[], Accuracy::Full, &mut work, &mut y)
+            .expect("a solution");
+        elastic.last_degrees(&work)
+    };
+    assert!(on(0, [0.0; 2]) < 1e-9);
+    for tilt in [
+        [0.1e-3, 0.0],
+        [0.6e-3, 0.0],
+        [0.0, 0.4e-3],
+        [0.2e-3, -0.3e-3],
+    ] {
+        let (stated, found) = (on(0, tilt), on(1, tilt));
+        println!("{tilt:?}: {stated:.3} {found:.3}");
+        assert!((stated / found - 1.0).abs() < 1e-6, "{stated} {found}");
+    }
+    assert!(on(0, [0.6e-3, 0.0]) > 0.1);
+}

@@ -1,5 +1,6 @@
 //! Errors on the way from a finite-element file to a reduced body.
 
+use eng_system::significant::fixed;
 use thiserror::Error;
 
 /// A place in a file.
@@ -162,4 +163,16 @@ impl FlexibleError {
             },
         }
     }
+}
+
+/// A length (m) in mm, to a tenth of a micrometre.
+pub(crate) fn mm(length: f64) -> String {
+    let text = fixed(1e3 * length, 4);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A place (m) in mm, with the unit.
+pub(crate) fn place(at: &[f64]) -> String {
+    let components: Vec<String> = at.iter().map(|x| mm(*x)).collect();
+    format!("[{}] mm", components.join(", "))
 }

@@ -1,6 +1,6 @@
 //! Markers on a mesh: one node, or several nodes tied to a centre.
 
-use crate::error::{FlexibleError, Part};
+use crate::error::{self, FlexibleError, Part, mm};
 use crate::fe::vector::dot;
 use crate::mesh::{Mesh, Node, Tie};
 pub use eng_system::flexible::{MarkerPlace, Selection, Spider};
@@ -61,7 +61,10 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
                 nodes,
                 |count| {
                     format!(
-                        "{name}: {count} nodes lie on the ring of radius {radius} m and width {width} m around {center:?} m"
+                        "{name}: {count} nodes lie on the ring of radius {} mm and width {} mm around {}",
+                        mm(*radius),
+                        mm(*width),
+                        error::place(center)
                     )
                 },
                 "check place, axis and the units of the mesh, or widen the tolerance",
@@ -82,7 +85,10 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             };
             at_least_three(
                 nodes,
-                |count| format!("{name}: {count} nodes lie in the plane at {center:?} m"),
+                |count| {
+                    let at = error::place(center);
+                    format!("{name}: {count} nodes lie in the plane at {at}")
+                },
                 "check place, normal and the units of the mesh, or widen the tolerance",
             )
         }

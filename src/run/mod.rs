@@ -8,7 +8,7 @@ use crate::grid_error::{GridError, grid_errors};
 use crate::lint::{self, Finding};
 use crate::machine::Machine;
 use crate::repetition::Repetition;
-use crate::timings::Timings;
+use crate::timings::{Clock, Timings};
 use crate::{Analysis, Error, Progress, Results, Slow, Verdict, Watch};
 use eng_grammar::{Diagnostic, Diagnostics};
 use eng_system::significant::{short, significant};
@@ -328,10 +328,12 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         }
     }
     let mut machine = analysis.machine()?;
+    let mut clock = Clock::new();
     let errors = match outcome.results.is_state() {
         true => Vec::new(),
         false => grid_errors(&machine, &outcome.motion),
     };
+    let cells = clock.since();
     facts.extend(errors.iter().map(GridError::text));
     if outcome.results.are_modes() || outcome.results.are_responses() {
         // these have no orbits and no peaks
@@ -344,7 +346,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         facts,
         point: analysis.point().to_vec(),
         periodic: repetition.map(|r| (r.cycles, r.repeats)),
-        timings: outcome.timings,
+        timings: outcome.timings.map(|spent| Timings { cells, ..spent }),
         motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
         results: outcome.results,
     })

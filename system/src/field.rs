@@ -25,11 +25,24 @@ pub enum Takes {
     /// One number that depends on parameters alone for each opening.
     Settings,
     /// A whole number in a range; a change compiles again.
-    Whole(i64, i64),
+    Whole(Range),
     /// A word of a choice among these; a change compiles again.
     Word(&'static [&'static str]),
     /// A marker, whose surface yields to the field if the marker states one.
     Surface,
+}
+
+/// A range of whole numbers, with the reason and the remedy for a number on either side of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Range {
+    /// The least number.
+    pub least: i64,
+    /// The largest number.
+    pub most: i64,
+    /// Reason and remedy for a smaller number.
+    pub smaller: &'static str,
+    /// The same for a larger number.
+    pub larger: &'static str,
 }
 
 /// An argument of a kernel.
@@ -56,8 +69,10 @@ pub struct KernelResult {
     pub count: u32,
     /// Its usual size where the first answer is 1 (SI). Static modes of flexible bodies follow from it.
     pub size: f64,
-    /// Whether it measures errors of the steps. Such a result does not repeat in a motion that repeats.
-    pub of_steps: bool,
+    /// Whether it is a continuous function of motion and memory. A place that jumps from cell to cell, a number
+    /// that changes where a cell ruptures or fills, and an error of the steps are not. They need not repeat in a
+    /// motion that repeats, because its steps end at other moments in each cycle.
+    pub continuous: bool,
 }
 
 /// A quantity in the cells of a kernel.
@@ -158,7 +173,15 @@ const fn result(name: &'static str, dimension: Dimension, count: u32, size: f64)
         dimension,
         count,
         size,
-        of_steps: false,
+        continuous: true,
+    }
+}
+
+/// A result that is not [`KernelResult::continuous`].
+const fn jumping(name: &'static str, dimension: Dimension, count: u32, size: f64) -> KernelResult {
+    KernelResult {
+        continuous: false,
+        ..result(name, dimension, count, size)
     }
 }
 
@@ -173,6 +196,25 @@ const fn in_cells(
         unit,
     }
 }
+
+const RING_WAVES: Range = Range {
+    least: 0,
+    most: 60,
+    smaller: "0 waves are a rigid ring; bending begins with 2 waves: take 8 at first",
+    larger: "a ring is the stiffer the more waves a load has around it: take 8 at first",
+};
+const AROUND: Range = Range {
+    least: 12,
+    most: 2000,
+    smaller: "with 12 cells around the load at an eccentricity ratio of 0.9 is 24 % too large already: take 36 or more",
+    larger: "more cells cost time and memory without a use: with 288 x 52 cells the load is some 0.1 % too large. Take 288 or fewer",
+};
+const ACROSS: Range = Range {
+    least: 1,
+    most: 500,
+    smaller: "the pressure falls to both ends, and few cells make the load too large: take 6 or more, and twice as many with a groove around",
+    larger: "the time of a solution grows with the third power of the cells across: with 288 x 52 cells the load is some 0.1 % too large. Take 52 or fewer",
+};
 
 /// All kernels.
 pub const KERNELS: &[Kernel] = &[Kernel {
@@ -215,14 +257,14 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         argument("thin_second", ONE, Takes::Setting, true),
         argument("thin_rate", of(0, 0, -1, 0), Takes::Setting, true),
         argument("thin_exponent", ONE, Takes::Setting, true),
-        argument("ring_waves", ONE, Takes::Whole(0, 60), true),
+        argument("ring_waves", ONE, Takes::Whole(RING_WAVES), true),
         argument("ring_thickness", LENGTH, Takes::Setting, true),
         argument("ring_width", LENGTH, Takes::Setting, true),
         argument("ring_modulus", PRESSURE, Takes::Setting, true),
         argument("ring_poisson", ONE, Takes::Setting, true),
         argument("surface", ONE, Takes::Surface, true),
-        argument("around", ONE, Takes::Whole(12, 2000), false),
-        argument("across", ONE, Takes::Whole(1, 500), false),
+        argument("around", ONE, Takes::Whole(AROUND), false),
+        argument("across", ONE, Takes::Whole(ACROSS), false),
         argument(
             "cavitation",
             ONE,
@@ -239,11 +281,11 @@ pub const KERNELS: &[Kernel] = &[Kernel {
     ],
     readings: &[
         result("minimum_film", LENGTH, 1, 1e-6),
-        result("minimum_film_angle", ANGLE, 1, 1.0),
-        result("minimum_film_across", LENGTH, 1, 1e-3),
+        jumping("minimum_film_angle", ANGLE, 1, 1.0),
+        jumping("minimum_film_across", LENGTH, 1, 1e-3),
         result("maximum_pressure", PRESSURE, 1, 1e6),
-        result("maximum_pressure_angle", ANGLE, 1, 1.0),
-        result("maximum_pressure_across", LENGTH, 1, 1e-3),
+        jumping("maximum_pressure_angle", ANGLE, 1, 1.0),
+        jumping("maximum_pressure_across", LENGTH, 1, 1e-3),
         result("inflow", FLOW, 1, 1e-6),
         result("supply_flow", FLOW, 1, 1e-6),
         result("shear_power", POWER, 1, 1.0),
@@ -254,14 +296,11 @@ pub const KERNELS: &[Kernel] = &[Kernel {
         result("deflection", LENGTH, 1, 1e-6),
         result("last_wave_share", ONE, 1, 1.0),
         result("last_degree_share", ONE, 1, 1.0),
-        result("cavitated", ONE, 1, 1.0),
+        jumping("cavitated", ONE, 1, 1.0),
         result("content", ONE, 1, 1.0),
-        KernelResult {
-            of_steps: true,
-            ..result("unexplained_flow", FLOW, 1, 1e-6)
-        },
-        result("stiffness", of(0, 1, -2, 0), 4, 1.0),
-        result("damping", of(0, 1, -1, 0), 4, 1.0),
+        jumping("unexplained_flow", FLOW, 1, 1e-6),
+        jumping("stiffness", of(0, 1, -2, 0), 4, 1.0),
+        jumping("damping", of(0, 1, -1, 0), 4, 1.0),
     ],
     cells: &FILM_CELLS,
 }];

@@ -411,8 +411,9 @@ pub struct Channel {
     pub display: DisplayUnit,
     /// The axes it is in, as a path (`block.main[5]`, `ground`); empty for a scalar.
     pub frame: String,
-    /// Whether it measures errors of the steps. It need not repeat in a motion that repeats.
-    pub of_steps: bool,
+    /// Whether it reads only [continuous](crate::field::KernelResult::continuous) results of fields. Otherwise it
+    /// need not repeat in a motion that repeats.
+    pub continuous: bool,
 }
 
 /// The machine's cycle.

@@ -9,7 +9,7 @@ use super::{
     location,
 };
 use crate::codes;
-use crate::ir::differentiate::reads;
+use crate::ir::differentiate::{Place, reads};
 use crate::ir::{ClassBody, Graph, KinkPlace, Node, Op};
 use eng_grammar::ast::{self, BindingKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
@@ -298,14 +298,12 @@ impl<'a> Elaborator<'a, '_> {
             bound_kinks,
             graph,
         };
-        let readings = (element.fields.iter()).flat_map(|field| field.kernel.readings);
-        let of_steps = readings.flat_map(|row| (0..row.count).map(|_| row.of_steps));
-        let of_steps: Vec<bool> = of_steps.collect();
+        let jumps = self.jumps(&element);
         let index = self.draft.elements.len() as u32;
         let first_channel = self.draft.channels.len() as u32;
         if matches!(role, Role::Dynamic | Role::Output) {
             self.add_channels(index, role, &origin.path, &draft, |output| {
-                reads(&body.graph, body.outputs[output], &body.layout, &of_steps)
+                !reads(&body.graph, body.outputs[output], &body.layout, &jumps)
             });
         }
         let behind = (index, draft.infos.len() as u32);
@@ -360,14 +358,30 @@ impl<'a> Elaborator<'a, '_> {
         Ok(index)
     }
 
-    /// The channels of an element's outputs; `of_steps` tells which outputs measure errors of the steps.
+    /// Whether an input of an element's outputs is a result or channel that jumps in a continuous motion.
+    fn jumps(&self, element: &ElementBuilder) -> impl Fn(Place) -> bool + use<> {
+        let readings = (element.fields.iter()).flat_map(|field| field.kernel.readings);
+        let readings = readings.flat_map(|row| (0..row.count).map(|_| row.continuous));
+        let readings: Vec<bool> = readings.collect();
+        let signals = element.signals.iter();
+        let signals = signals.map(|at| self.draft.channels.get(*at as usize));
+        let signals = signals.map(|source| source.is_none_or(|channel| channel.continuous));
+        let signals: Vec<bool> = signals.collect();
+        move |place| match place {
+            Place::Reading(reading) => readings.get(reading as usize) == Some(&false),
+            Place::Signal(signal) => signals.get(signal as usize) == Some(&false),
+            _ => false,
+        }
+    }
+
+    /// The channels of an element's outputs; `continuous` tells which outputs are.
     fn add_channels(
         &mut self,
         element: u32,
         role: Role,
         of: &str,
         draft: &Draft,
-        of_steps: impl Fn(usize) -> bool,
+        continuous: impl Fn(usize) -> bool,
     ) {
         for (i, info) in draft.infos.iter().enumerate() {
             let copied = draft.copied.iter().find(|(output, _)| *output == i);
@@ -391,7 +405,7 @@ impl<'a> Elaborator<'a, '_> {
                 dimension: info.dimension,
                 display: info.display.clone(),
                 frame,
-                of_steps: of_steps(i),
+                continuous: continuous(i),
             });
         }
     }

@@ -436,7 +436,7 @@ pub(crate) fn time_derivative_with(
             Place::Fixed => changing.get(&input).copied(),
             Place::Answer(_) | Place::Reading(_) => return Err(DifferentiateError::Field),
             Place::Acceleration => return Err(DifferentiateError::Acceleration),
-            Place::Signal => return Err(DifferentiateError::Signal),
+            Place::Signal(_) => return Err(DifferentiateError::Signal),
             Place::Outside => return Err(DifferentiateError::Input(input)),
         };
         if let Some(seed) = seed {
@@ -502,14 +502,16 @@ pub fn uses_fields(graph: &Graph, nodes: &[Node], layout: &InputLayout, readings
         })
 }
 
-/// Whether a node depends on one of these readings of fields.
-pub fn reads(graph: &Graph, node: Node, layout: &InputLayout, wanted: &[bool]) -> bool {
+/// Whether a node depends on one of the inputs that a question is true of.
+pub(crate) fn reads(
+    graph: &Graph,
+    node: Node,
+    layout: &InputLayout,
+    wanted: impl Fn(Place) -> bool,
+) -> bool {
     inputs_of(graph, &[node])
         .into_iter()
-        .any(|i| match Place::of(layout, i) {
-            Place::Reading(reading) => wanted.get(reading as usize) == Some(&true),
-            _ => false,
-        })
+        .any(|i| wanted(Place::of(layout, i)))
 }
 
 /// Whether nodes depend on inputs that only outputs have: accelerations, rates of states, multipliers,
@@ -548,7 +550,8 @@ pub(crate) enum Place {
     Fixed,
     /// Accelerations and state rates.
     Acceleration,
-    Signal,
+    /// A channel of another element.
+    Signal(u32),
     Outside,
 }
 
@@ -587,7 +590,7 @@ impl Place {
         } else if input < layout.signal(0) {
             Place::Acceleration
         } else if input < layout.outputs_len() {
-            Place::Signal
+            Place::Signal(input - layout.signal(0))
         } else {
             Place::Outside
         }

@@ -1,5 +1,6 @@
 //! Errors of stacked sections.
 
+use crate::error::{mm, place};
 use thiserror::Error;
 
 /// A stack that makes no mesh. Sections count from 1; places are coordinates in the plane of the sections, in mm.
@@ -152,15 +153,4 @@ impl StackError {
             StackError::Corners { .. } => "take fewer corners, and arcs for curves",
         }
     }
-}
-
-/// A length in mm.
-pub(super) fn mm(length: f64) -> String {
-    let text = format!("{:.4}", 1e3 * length);
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// A place in mm.
-fn place(at: &[f64; 2]) -> String {
-    format!("[{}, {}] mm", mm(at[0]), mm(at[1]))
 }

@@ -115,7 +115,7 @@ fn numbers(stack: &Stack) -> Result<(), StackError> {
         Err(StackError::Number {
             what,
             due,
-            value: format!("{} mm", error::mm(value)),
+            value: format!("{} mm", crate::error::mm(value)),
             section,
         })
     };

@@ -1,7 +1,8 @@
 //! Outlines of sections: their lines, area and errors.
 
-use super::error::{StackError, mm};
+use super::error::StackError;
 use super::piece::{Piece, apart};
+use crate::error::mm;
 use eng_system::stack::Section;
 use std::f64::consts::TAU;
 

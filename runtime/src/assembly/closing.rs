@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::rotation::{exponential, normalized, product, quaternion};
 use crate::state::{State, move_pose};
 use eng_system::dense::largest;
+use eng_system::system::Role;
 use nalgebra::DVector;
 use std::collections::BTreeSet;
 
@@ -181,6 +182,43 @@ fn follow_wishes(
     }
 }
 
+/// Where guesses keep a pin out of its shell, moves the pins into their shells without the guesses: these are only
+/// the first values of the search. A guess inside of all clearances stays, because a film lets the pin be anywhere there.
+fn leave_guesses(
+    model: &Model,
+    exact: &[usize],
+    stated: &[bool],
+    state: &mut State,
+) -> Result<(), RuntimeError> {
+    if !a_guess_keeps_a_pin_out(model, state) {
+        return Ok(());
+    }
+    let mut wishes = super::rows::wishes(model);
+    wishes.retain(Wish::is_inside);
+    let held = stated.iter().zip(guessed(model));
+    let held: Vec<bool> = held.map(|(stated, guessed)| *stated && !guessed).collect();
+    follow_wishes(model, exact, wishes, &held, state)?;
+    let rows = Rows::new(model, exact.to_vec());
+    close(model, &rows, &mobility(model, &held), state, 80)?;
+    Ok(())
+}
+
+/// Whether the text guesses the position or orientation of each body.
+pub fn guessed(model: &Model) -> impl Iterator<Item = bool> {
+    let bodies = model.compiled.system.bodies.iter();
+    bodies.map(|body| !body.guessed_at.is_empty())
+}
+
+/// Whether the text has a guess, and a pin is outside of its shell.
+pub fn a_guess_keeps_a_pin_out(model: &Model, state: &State) -> bool {
+    let guess = Role::StartPosition { exact: false };
+    let mut elements = model.compiled.system.elements.iter();
+    (guessed(model).any(|guessed| guessed) || elements.any(|e| e.role == guess))
+        && super::rows::wishes(model)
+            .iter()
+            .any(|wish| wish.is_inside() && !wish.is_fulfilled(model, &at(state)))
+}
+
 /// Closes all rows on the right branches.
 pub fn close_all(
     model: &Model,
@@ -197,6 +235,7 @@ pub fn close_all(
     }
     let rows = Rows::new(model, exact.to_vec());
     close(model, &rows, &every, state, 80)?;
+    leave_guesses(model, exact, stated, state)?;
     let mut bad = offending(model, exact, conditioned, state)?;
     if bad.is_empty() {
         return Ok(());

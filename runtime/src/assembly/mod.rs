@@ -9,7 +9,8 @@
 //! 3. If a loop remains open or a branch condition fails, the bodies around it are displaced at random and
 //!    closed again.
 //! 4. Ground markers that coincide with their partners are fixed.
-//!    Pins of journals prefer the middle of their shells, after all stated and guessed values.
+//!    Pins of journals prefer the middle of their shells, after all stated values, and after guesses inside of
+//!    their clearances.
 //! 5. Velocities: smallest kinetic energy that satisfies `Φ̇ = 0` and the start rows ([`velocity`]).
 
 pub mod chains;
@@ -136,13 +137,46 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
                     .any(|c| c.kind == ConditionKind::Branch)
         })
         .collect();
+    let begin = state.clone();
     placement::place(model, &exact, &mut state, &places)?;
     closing::close_all(model, &all, &exact, &conditioned, &stated, &mut state)?;
+    if closing::a_guess_keeps_a_pin_out(model, &state)
+        && let Some(free) = without_guesses(model, begin, [&exact, &conditioned], places, stated)
+    {
+        state = free;
+    }
     freeze(model, &state);
     settle_turns(model, &mut state)?;
     check_branches(model, &state)?;
     velocity::assemble(model, &mut state)?;
     Ok(state)
+}
+
+/// The assembly as if the text had no guesses; `None` if it does not close, or leaves a pin outside of its shell. A body
+/// that a ground marker follows stays at its guess, because nothing else places it.
+fn without_guesses(
+    model: &Model,
+    mut state: State,
+    [exact, conditioned]: [&[usize]; 2],
+    mut places: placement::Stated,
+    mut stated: Vec<bool>,
+) -> Option<State> {
+    let partners = model.markers.iter().filter_map(|marker| marker.placed_at);
+    let followed: Vec<usize> = partners
+        .filter_map(|partner| model.markers[partner].body)
+        .collect();
+    for (body, guessed) in closing::guessed(model).enumerate() {
+        if guessed && !followed.contains(&body) {
+            let pose = model.bodies[body].pose;
+            state.pose[pose..pose + 7].copy_from_slice(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+            places.position[body] = false;
+            places.orientation[body] = false;
+            stated[body] = false;
+        }
+    }
+    placement::place(model, exact, &mut state, &places).ok()?;
+    closing::close_all(model, exact, exact, conditioned, &stated, &mut state).ok()?;
+    (!closing::a_guess_keeps_a_pin_out(model, &state)).then_some(state)
 }
 
 /// Largest distance of a guessed body from all others, in sizes of the largest body.

@@ -45,8 +45,8 @@ pub struct Verdict {
 #[derive(Clone, Debug)]
 pub struct Comparison {
     dimensions: Vec<Dimension>,
-    /// Channels that measure errors of the steps; they need not repeat.
-    of_steps: Vec<bool>,
+    /// Whether a channel is continuous. Others need not repeat.
+    continuous: Vec<bool>,
     /// Least swing of a length (m). The largest length, such as a stroke, would be no measure for a film.
     length: f64,
     /// Mass (kg) and size (m) of the model and the rate of its cycle (rad/s), which determine its loads.
@@ -63,14 +63,14 @@ impl Comparison {
         let dimensions = system.channels.iter().map(|c| c.dimension).collect();
         Comparison {
             scale,
-            of_steps: system.channels.iter().map(|c| c.of_steps).collect(),
+            continuous: system.channels.iter().map(|c| c.continuous).collect(),
             ..Comparison::of(dimensions, length)
         }
     }
 
     fn of(dimensions: Vec<Dimension>, length: f64) -> Comparison {
         Comparison {
-            of_steps: vec![false; dimensions.len()],
+            continuous: vec![true; dimensions.len()],
             dimensions,
             length,
             scale: [0.0; 3],
@@ -113,7 +113,7 @@ impl Comparison {
         for (channel, swing) in swings.iter().enumerate() {
             let newest = self.column(0, channel);
             let most = largest(&newest);
-            if most == 0.0 || self.of_steps[channel] {
+            if most == 0.0 || !self.continuous[channel] {
                 continue;
             }
             if let Some(by) = self.growth(channel) {

@@ -175,13 +175,18 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 draft.settings.push((argument.name, nodes));
             }
-            Takes::Whole(low, high) => {
+            Takes::Whole(range) => {
                 if let Some(given) = given {
                     let value = self.integer(given, scope)?;
-                    if !(low..=high).contains(&value) {
+                    let (least, most) = (range.least, range.most);
+                    if !(least..=most).contains(&value) {
                         let message = format!("`{}` of a field is {value}", argument.name);
                         let message = Diagnostic::error(codes::FIELD, message)
-                            .at(given.span, format!("it must be {low} to {high}"));
+                            .at(given.span, format!("{value}: it must be {least} to {most}"))
+                            .with_help(match value < least {
+                                true => range.smaller,
+                                false => range.larger,
+                            });
                         return Err(self.report(self.with_use(message)));
                     }
                     draft.wholes.push((argument.name, value));

@@ -537,7 +537,7 @@ impl Builder {
                 dimension: output.dimension,
                 display: output.display.clone(),
                 frame: String::new(),
-                of_steps: false,
+                continuous: true,
             });
         }
         first
