@@ -2,12 +2,13 @@
 //! between welded bodies, bodies on the ground.
 
 use super::Finding;
-use super::assembled::{Start, rpm};
+use super::assembled::{STANDS, Start, rpm};
 use crate::codes;
 use eng_runtime::joint::Joint;
-use eng_runtime::loose::springs;
+use eng_runtime::loose::{kinetic_energy, springs, wound};
 use eng_system::lint;
 use eng_system::system::{Origin, Role};
+use std::f64::consts::PI;
 
 /// Largest slip of a coupling at the start, as a share of the speed.
 const SLIP: f64 = 0.1;
@@ -34,7 +35,9 @@ impl Start<'_> {
             return None;
         }
         // a brake or a damper does not wind up
-        if !matches!(springs(self.model, self.state, element), Ok(true)) {
+        if !matches!(springs(self.model, self.state, element), Ok(true))
+            || !self.turns_on(element, speeds)
+        {
             return None;
         }
         let message = format!(
@@ -51,6 +54,27 @@ impl Start<'_> {
         let slower = markers[usize::from(speeds[1].abs() < speeds[0].abs())];
         super::decide(&mut finding, self.what_turns(markers[0], slower));
         Some(finding)
+    }
+
+    /// Whether the ends of a spring turn against each other by a whole turn or more, and wind it up. A torque over a
+    /// wrapped angle repeats with each turn. A disc on a spring to a part at rest, without a drive, swings back if its
+    /// energy is below `π ΔM`, the work of a linear spring in a turn with the torque `ΔM` at its end.
+    fn turns_on(&self, element: usize, speeds: [f64; 2]) -> bool {
+        let system = &self.model.compiled.system;
+        let Ok(wound) = wound(self.model, self.state, element) else {
+            return false;
+        };
+        let driven = system.cycle.is_some()
+            || (0..self.model.elements.len()).any(|e| {
+                self.model.elements[e].dynamic && self.model.class(e).facts.rows_over_time
+            });
+        let [least, most] = match speeds[0].abs() < speeds[1].abs() {
+            true => speeds.map(f64::abs),
+            false => [speeds[1].abs(), speeds[0].abs()],
+        };
+        let swings = !driven && least <= STANDS * most;
+        let work = PI * wound;
+        wound > 0.0 && !(swings && kinetic_energy(self.model, self.state) < work)
     }
 
     /// A body and all bodies welded to it, without the ground.

@@ -75,6 +75,13 @@ impl<'p> Checker<'p> {
             self.infer(scope, value);
             return;
         }
+        if let Some((class, root)) = inside.at_use.zip(root(target))
+            && self.held(class, &root.text).is_none()
+        {
+            self.field_of_instance(class, &root, false);
+            self.infer(scope, value);
+            return;
+        }
         if self.is_brought_along(inside, target) {
             self.infer(scope, value);
             return;
@@ -152,6 +159,18 @@ impl<'p> Checker<'p> {
                 .with_help("classes, counts and words are arguments of the part: give its component a parameter for them"),
         );
         self.infer(scope, value);
+    }
+}
+
+/// The first name of a path.
+fn root(path: &Expr) -> Option<Name> {
+    match &path.kind {
+        ExprKind::Name(text) => Some(Name {
+            text: text.clone(),
+            span: path.span,
+        }),
+        ExprKind::Field { base, .. } | ExprKind::Index { base, .. } => root(base),
+        _ => None,
     }
 }
 
