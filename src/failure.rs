@@ -14,7 +14,9 @@ use eng_system::system::{Location, Origin, Parameter, System};
 use eng_system::table::Outside;
 
 mod geometry;
-use geometry::{MOST_PARAMETERS, contradiction, locked, open_loop, start_velocity, with_markers, wrong_branch};
+use geometry::{
+    MOST_PARAMETERS, contradiction, locked, open_loop, start_velocity, with_markers, wrong_branch,
+};
 pub(crate) use geometry::{does_not_turn, hanging};
 
 /// The warning of a vibration that the steps damped away, at the line of its analysis.

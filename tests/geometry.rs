@@ -444,11 +444,18 @@ fn a_start_that_contradicts_a_drive_is_named_with_it() {
         let other = "turn and start of main.angle contradict each other";
         assert!(said.contains(named) || said.contains(other), "{said}");
         assert!(!said.contains("bolts:"), "{angle}: {said}");
-        assert!(said.contains("state it as `initial:` of the drive"), "{said}");
+        assert!(
+            said.contains("state it as `initial:` of the drive"),
+            "{said}"
+        );
     }
     let twice = told(&text(
         "start rotation(wheel.hub, stand) = 0 deg; start rotation(crank.flange, stand) = 40 deg",
     ));
     assert!(twice.contains("contradict each other"), "{twice}");
-    assert_eq!(told(&text("start main.angle = 0 deg")), "", "the drive begins there");
+    assert_eq!(
+        told(&text("start main.angle = 0 deg")),
+        "",
+        "the drive begins there"
+    );
 }

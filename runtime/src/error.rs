@@ -326,7 +326,10 @@ pub enum RuntimeError {
         chain: Option<Box<Chain>>,
     },
     /// Starts and drives state positions that contradict each other.
-    #[error("the assembly does not close: {} contradict each other", together(starts))]
+    #[error(
+        "the assembly does not close: {} contradict each other",
+        together(starts)
+    )]
     Contradiction {
         /// Without any one of them the others hold.
         starts: Vec<Origin>,
@@ -625,7 +628,9 @@ pub enum RuntimeError {
         moment: Moment,
     },
     /// An output has other slopes on both sides of the state.
-    #[error("the output {path} has a kink at {moment}: its slopes to both sides of the state differ, so no matrix gives it")]
+    #[error(
+        "the output {path} has a kink at {moment}: its slopes to both sides of the state differ, so no matrix gives it"
+    )]
     KinkedOutput {
         /// Its channel.
         path: String,

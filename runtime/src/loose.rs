@@ -20,8 +20,8 @@ use crate::rotation::{M3, V3};
 use crate::state::{State, move_pose};
 use eng_system::code::{Function, Pair};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::PI;
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// Share of the largest singular value below which one counts as zero.
 const NONE: f64 = 1e-7;
@@ -205,6 +205,9 @@ pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, Run
     Ok(stiffness.largest() > 0.0)
 }
 
+/// Share of a torque up to which its change by a turn is rounding of the angle.
+const SAME: f64 = 1e-9;
+
 /// The change of an element's torques by one more turn of its angles, at rest (N m): `2π k` for a spring with the
 /// stiffness `k`, and 0 for a torque over a wrapped angle.
 ///
@@ -226,12 +229,20 @@ pub fn wound(model: &Model, state: &State, element: usize) -> Result<f64, Runtim
         Ok(torques.map(|(_, value)| value[0]).collect())
     };
     let before = torques(&rest)?;
-    for angle in rest.rotations.iter_mut().skip(own.rotation).take(layout.rotations as usize) {
+    for angle in rest
+        .rotations
+        .iter_mut()
+        .skip(own.rotation)
+        .take(layout.rotations as usize)
+    {
         *angle += 2.0 * PI;
     }
     let after = torques(&rest)?;
-    let changes = before.iter().zip(&after).map(|(a, b)| (b - a).abs());
-    Ok(changes.fold(0.0, f64::max))
+    let largest =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
+    let change = largest(&mut before.iter().zip(&after).map(|(a, b)| b - a));
+    let size = largest(&mut before.iter().chain(&after).copied());
+    Ok(if change > SAME * size { change } else { 0.0 })
 }
 
 /// The kinetic energy of all bodies as rigid ones (J).

@@ -100,7 +100,10 @@ impl<'p> Checker<'p> {
             true => None,
             false => Some(self.infer(scope, marker)),
         };
-        if found.as_ref().is_some_and(|ty| ty.is_error() || *ty == Type::Marker) {
+        if found
+            .as_ref()
+            .is_some_and(|ty| ty.is_error() || *ty == Type::Marker)
+        {
             return;
         }
         let message = match found {
@@ -111,16 +114,19 @@ impl<'p> Checker<'p> {
             .at(marker.span, "not known"),
             Some(ty) => {
                 let found = self.describe(&ty);
-                Diagnostic::error(codes::WRONG_TYPE, format!("{what} is a marker, not {found}"))
-                    .at(marker.span, format!("this is {found}"))
+                Diagnostic::error(
+                    codes::WRONG_TYPE,
+                    format!("{what} is a marker, not {found}"),
+                )
+                .at(marker.span, format!("this is {found}"))
             }
         };
         let mut known = Vec::new();
-        for id in scope.definition {
+        if let Some(id) = scope.definition {
             let table = self.class_table(id);
             for (name, held) in &table.members {
                 match self.member_type(held.home, name, held.member, marker.span) {
-                    Type::Marker => known.push(name.to_owned()),
+                    Type::Marker => known.push((*name).to_owned()),
                     Type::List { element, .. } if *element == Type::Marker => {
                         known.push(format!("{name}[1]"));
                     }

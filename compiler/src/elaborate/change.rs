@@ -34,7 +34,12 @@ pub(crate) struct Change<'a> {
 fn without_index<'p>(path: &'p str, known: &[&'p str]) -> Option<(&'p str, String)> {
     path.match_indices('[').find_map(|(at, _)| {
         let array = path.get(..at)?;
-        let index = |path: &'p str| path.strip_prefix(array)?.strip_prefix('[')?.split(']').next();
+        let index = |path: &'p str| {
+            path.strip_prefix(array)?
+                .strip_prefix('[')?
+                .split(']')
+                .next()
+        };
         let mut indices: Vec<&str> = known.iter().filter_map(|path| index(path)).collect();
         indices.dedup();
         let lacks = !indices.is_empty() && !indices.contains(&index(path)?);

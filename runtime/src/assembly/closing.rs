@@ -10,7 +10,6 @@ use crate::model::Model;
 use crate::rotation::{exponential, normalized, product, quaternion};
 use crate::state::{State, move_pose};
 use eng_system::dense::largest;
-use eng_system::system::Role;
 use nalgebra::DVector;
 use std::collections::BTreeSet;
 
@@ -184,7 +183,7 @@ fn follow_wishes(
 
 /// Closes all rows from the given position: first with guesses, then without, and again with the axes of markers
 /// aligned. Returns the elements that remain open or on a wrong branch.
-fn close_near(
+pub(super) fn close_near(
     model: &Model,
     (all, exact, conditioned): (&[usize], &[usize], &[usize]),
     stated: &[bool],
@@ -216,48 +215,6 @@ fn close_near(
     Ok(bad)
 }
 
-/// The largest number of starts and drives of which a contradiction is searched.
-const MOST_STARTS: usize = 24;
-
-/// A smallest set of starts and drives that do not hold together: leaving out any one of them lets the rest close.
-/// Empty if the joints alone do not close. Each of them is left out in turn, for good if the rest stays open without
-/// it.
-fn contradicting(
-    model: &Model,
-    (all, exact, conditioned): (&[usize], &[usize], &[usize]),
-    stated: &[bool],
-    begin: &State,
-) -> Vec<usize> {
-    let states_a_place = |e: &&usize| {
-        let element = &model.compiled.system.elements[**e];
-        let drives = || model.class(**e).facts.rows_over_time;
-        element.role == Role::StartPosition { exact: true }
-            || element.role == Role::Dynamic && drives()
-    };
-    let mut found: Vec<usize> = exact.iter().filter(states_a_place).copied().collect();
-    if found.len() > MOST_STARTS {
-        return Vec::new();
-    }
-    let mut left_out = Vec::new();
-    for element in found.clone() {
-        left_out.push(element);
-        let rest = |elements: &[usize]| -> Vec<usize> {
-            let kept = elements.iter().filter(|e| !left_out.contains(e));
-            kept.copied().collect()
-        };
-        let [all, exact, conditioned] = [all, exact, conditioned].map(rest);
-        let mut state = begin.clone();
-        let lists = (&*all, &*exact, &*conditioned);
-        // a trial without a value is open, too: the error of the whole is reported
-        let bad = close_near(model, lists, stated, &mut state);
-        match bad.is_ok_and(|bad| bad.is_empty()) {
-            true => left_out.truncate(left_out.len() - 1),
-            false => found.retain(|other| *other != element),
-        }
-    }
-    found
-}
-
 /// Closes all rows on the right branches.
 pub fn close_all(
     model: &Model,
@@ -267,7 +224,6 @@ pub fn close_all(
     stated: &[bool],
     state: &mut State,
 ) -> Result<(), RuntimeError> {
-    let begin = state.clone();
     let mut bad = close_near(model, (all, exact, conditioned), stated, state)?;
     let every = mobility(model, stated);
     let rows = Rows::new(model, exact.to_vec());
@@ -291,12 +247,12 @@ pub fn close_all(
         bad = offending(model, exact, conditioned, state)?;
     }
     // if this fails, the search begins at other positions
-    let shaken = state.clone();
+    let begin = state.clone();
     for _ in 0..6 {
         if bad.is_empty() {
             return Ok(());
         }
-        let mut trial = shaken.clone();
+        let mut trial = begin.clone();
         for (index, body) in model.bodies.iter().enumerate() {
             if !stated[index] {
                 turn_body(model, body.pose, &mut numbers, &mut trial, 0.5);
@@ -311,13 +267,6 @@ pub fn close_all(
     }
     if bad.is_empty() {
         return Ok(());
-    }
-    let starts = contradicting(model, (all, exact, conditioned), stated, &begin);
-    if starts.len() > 1 {
-        let origin = |e: &usize| model.compiled.system.elements[*e].origin.clone();
-        return Err(RuntimeError::Contradiction {
-            starts: starts.iter().map(origin).collect(),
-        });
     }
     let values = rows.values(model, &at(state))?;
     let mut open: Vec<(f64, usize)> = (0..rows.len())
