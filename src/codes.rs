@@ -189,7 +189,7 @@ eng_grammar::codes! {
         "marker support = at([0, 0, 100] mm, z: [1, 0, 0])\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)",
         "marker support = at([0, 0, 100] mm)\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)";
     IDLE = "W0757", "a coupling slips at the start, or a body or element does nothing",
-        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once. A pure damper, a torque that repeats with each turn, and a disc that swings on its spring get no warning. Or a body is held on the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
+        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once. A pure damper, a torque that repeats with each turn, and a disc that swings on a spring to the ground get no warning. Or a body is held on the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
         "joint bolts = Fixed(flywheel.hub, ground)",
         "joint bolts = Fixed(flywheel.hub, crank.flange)";
     BENDING_START = "W0767", "start velocities agree only if flexible bodies vibrate",

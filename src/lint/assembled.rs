@@ -14,7 +14,7 @@ use eng_system::lint;
 use eng_system::system::{Origin, Role};
 
 /// A speed below this share of the other counts as zero.
-pub(super) const STANDS: f64 = 1e-3;
+const STANDS: f64 = 1e-3;
 /// The pin counts as the part that does not turn if its speed is below this share of the shell's.
 const SLOWER: f64 = 0.5;
 /// Share of the cycle's speed below which a shell swings with a rod and does not turn with a shaft. A rod

@@ -2,7 +2,7 @@
 //! between welded bodies, bodies on the ground.
 
 use super::Finding;
-use super::assembled::{STANDS, Start, rpm};
+use super::assembled::{Start, rpm};
 use crate::codes;
 use eng_runtime::joint::Joint;
 use eng_runtime::loose::{kinetic_energy, springs, wound};
@@ -36,7 +36,7 @@ impl Start<'_> {
         }
         // a brake or a damper does not wind up
         if !matches!(springs(self.model, self.state, element), Ok(true))
-            || !self.turns_on(element, speeds)
+            || !self.turns_on(element, markers)
         {
             return None;
         }
@@ -57,24 +57,21 @@ impl Start<'_> {
     }
 
     /// Whether the ends of a spring turn against each other by a whole turn or more, and wind it up. A torque over a
-    /// wrapped angle repeats with each turn. A disc on a spring to a part at rest, without a drive, swings back if its
+    /// wrapped angle repeats with each turn. A disc on a spring to the ground, without a drive, swings back if its
     /// energy is below `π ΔM`, the work of a linear spring in a turn with the torque `ΔM` at its end.
-    fn turns_on(&self, element: usize, speeds: [f64; 2]) -> bool {
-        let system = &self.model.compiled.system;
+    fn turns_on(&self, element: usize, markers: [usize; 2]) -> bool {
         let Ok(wound) = wound(self.model, self.state, element) else {
             return false;
         };
-        let driven = system.cycle.is_some()
+        let driven = self.model.compiled.system.cycle.is_some()
             || (0..self.model.elements.len()).any(|e| {
                 self.model.elements[e].dynamic && self.model.class(e).facts.rows_over_time
             });
-        let [least, most] = match speeds[0].abs() < speeds[1].abs() {
-            true => speeds.map(f64::abs),
-            false => [speeds[1].abs(), speeds[0].abs()],
-        };
-        let swings = !driven && least <= STANDS * most;
-        let work = PI * wound;
-        wound > 0.0 && !(swings && kinetic_energy(self.model, self.state) < work)
+        let to_ground = markers
+            .iter()
+            .any(|m| self.model.markers[*m].body.is_none());
+        let swings = !driven && to_ground;
+        wound > 0.0 && !(swings && kinetic_energy(self.model, self.state) < PI * wound)
     }
 
     /// A body and all bodies welded to it, without the ground.

@@ -45,7 +45,9 @@ impl<'p> Checker<'p> {
                 ItemKind::Error => {}
                 ItemKind::Attribute(change) => {
                     let ty = self.field_of_instance(class, &change.name, false);
+                    self.changed = Some(class);
                     self.change(scope, &ty, &change.name, &change.value);
+                    self.changed = None;
                 }
                 ItemKind::Statement(Statement::Change { target, value }) => {
                     self.changed_path(&inside, scope, target, value);
@@ -114,7 +116,15 @@ impl<'p> Checker<'p> {
             text: self.sources.text(target.span).to_owned(),
             span: target.span,
         };
+        self.changed = match &target.kind {
+            ExprKind::Field { base, .. } if !ty.is_error() => match self.infer(inside, base) {
+                Type::Instance(id) | Type::InstanceOf(id) => Some(id),
+                _ => inside.at_use,
+            },
+            _ => inside.at_use,
+        };
         self.change(scope, &ty, &shown, value);
+        self.changed = None;
     }
 
     /// Whether a path leads into what a passed function, class or record brings along beyond its interface.

@@ -212,7 +212,13 @@ impl<'p> Checker<'p> {
             Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
                 .at(span, "not known");
         let filling = scope.definition.and_then(|id| self.filling_with(id, name));
-        if let Some(class) = filling {
+        let changed = self.changed.filter(|id| self.held(*id, name).is_some());
+        if let Some(class) = changed {
+            message = message.with_help(format!(
+                "`{}` has it, but a value after `with` belongs to the text around the part, as an argument does",
+                self.class_name(class)
+            ));
+        } else if let Some(class) = filling {
             message = message.with_help(format!(
                 "`{class}` has it, but an interface sees only its own names: declare `param {name}: …` in the interface, or a function without a body that each class gives"
             ));
