@@ -268,22 +268,31 @@ struct Lints {
     reported: Vec<Finding>,
     /// For each model with its constants: the system, and the used acceptances with their findings.
     models: Vec<(Arc<System>, Vec<Covered>)>,
+    /// The acceptances of models of which some lints could not run, because the machine does not assemble or does not
+    /// turn.
+    undecided: Vec<Accepted>,
 }
 
 impl Lints {
     /// Collects the findings of an analysis. Returns its dry turn if a lint made one, and the time of this
     /// turn. Another stage reports unusable parameters.
     fn collect(&mut self, analysis: &Analysis) -> (Option<Result<Turned, RuntimeError>>, Duration) {
+        let found = analysis.findings();
+        let system = &analysis.model().compiled().system;
+        let complete = analysis.assembled().is_ok()
+            && matches!(&found, Ok(found) if !matches!(found.turned, Some(Err(_))));
+        if !complete {
+            self.undecided.extend(system.accepted.iter().cloned());
+        }
         let Ok(Findings {
             list: mut findings,
             turned,
             turning,
-        }) = analysis.findings()
+        }) = found
         else {
             return (None, Duration::ZERO);
         };
         findings.extend(analysis.findings_of_start());
-        let system = &analysis.model().compiled().system;
         let sifted = sift(findings, system);
         // analyses before this one may have found the same with other numbers; within this one an indexed
         // condition fails for several indices
@@ -323,6 +332,7 @@ impl Lints {
             }
             // an acceptance is needed if one instance or one model needs it
             for (accepted, needed) in needed(system, covered) {
+                let needed = needed || self.undecided.contains(accepted);
                 match places.iter_mut().find(|(known, _)| known.at == accepted.at) {
                     Some((_, known)) => *known |= needed,
                     None => places.push((accepted, needed)),

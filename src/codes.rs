@@ -107,7 +107,7 @@ eng_grammar::codes! {
         "analysis shaken = response(Rotor(speed: 9000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)",
         "analysis shaken = response(Rotor(speed: 3000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)";
     KINKED = "E0746", "the state of a linearisation is at a kink whose sides differ",
-        "A stop that just touches, a spring that acts from one position on, `if`, `max`, `min` or `abs` with a condition that is just met: the load has one slope on one side and another slope on the other. Small motions then obey no linear equations, so they have no modes and no frequency response. Where both slopes are equal the analysis goes on with them. Move the state away from the kink by a load or a play, or round the law.",
+        "A stop that just touches, a spring that acts from one position on, `if`, `max`, `min` or `abs` with a condition that is just met: the load has one slope on one side and another slope on the other. Small motions then obey no linear equations, so they have no modes and no frequency response. Where both slopes are equal the analysis goes on with them. An output that `response` or the matrices of `linear` ask for may have such a kink, too, as the absolute value of a displacement has at zero: then the message names the output. Move the state away from the kink by a load or a play, or round the law.",
         "analysis modes = linear(Stop(height: 0 mm))",
         "analysis modes = linear(Stop(height: -0.1 mm))";
     LOCKED = "E0760", "the mechanism locks",
@@ -189,7 +189,7 @@ eng_grammar::codes! {
         "marker support = at([0, 0, 100] mm, z: [1, 0, 0])\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)",
         "marker support = at([0, 0, 100] mm)\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)";
     IDLE = "W0757", "a coupling slips at the start, or a body or element does nothing",
-        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once (a pure damper does not). Or a body is held on the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
+        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once. A pure damper, a torque that repeats with each turn, and a disc that swings on a spring to the ground get no warning. Or a body is held on the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
         "joint bolts = Fixed(flywheel.hub, ground)",
         "joint bolts = Fixed(flywheel.hub, crank.flange)";
     BENDING_START = "W0767", "start velocities agree only if flexible bodies vibrate",

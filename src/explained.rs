@@ -108,7 +108,7 @@ impl Program {
         let model = self.outlined(name)?;
         let texts = self.texts();
         let mut text = items_of(name, &model, texts);
-        let mut table = Table::new(&[&["parameter", "default", "stated at"]]);
+        let mut table = Table::new(&[&["parameter", "value", "stated at"]]);
         let parameters = &model.compiled().system.parameters;
         let mut found = false;
         for (parameter, value) in parameters.iter().zip(&bound(&model)?.parameters) {
@@ -457,7 +457,7 @@ impl Explained<'_> {
     /// The parameters of an item: those with its path before their name.
     fn parameters(&self, text: &mut String, path: &str) {
         let texts = self.program.texts();
-        let mut table = Table::new(&[&["parameter", "default", "stated at"]]);
+        let mut table = Table::new(&[&["parameter", "value", "stated at"]]);
         let mut found = false;
         for (parameter, value) in self.system.parameters.iter().zip(&self.bound.parameters) {
             let Some(name) =

@@ -14,7 +14,9 @@ use eng_system::system::{Location, Origin, Parameter, System};
 use eng_system::table::Outside;
 
 mod geometry;
-use geometry::{MOST_PARAMETERS, locked, open_loop, start_velocity, with_markers, wrong_branch};
+use geometry::{
+    MOST_PARAMETERS, contradiction, locked, open_loop, start_velocity, with_markers, wrong_branch,
+};
 pub(crate) use geometry::{does_not_turn, hanging};
 
 /// The warning of a vibration that the steps damped away, at the line of its analysis.
@@ -93,6 +95,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Body { origin, .. } => place(d(codes::BODY), origin, "this body")
             .with_help("check the unit, the signs of the products, and that the inertia is about the centre of mass"),
         R::OpenLoop { rows, chain } => open_loop(d(codes::OPEN_LOOP), rows, chain.as_deref(), system),
+        R::Contradiction { starts } => contradiction(d(codes::OPEN_LOOP), starts, system),
         R::Branch { origin, chain, .. } => {
             wrong_branch(d(codes::WRONG_BRANCH), origin, chain.as_deref(), system)
         }
@@ -171,6 +174,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("linearise the film under a load: leave out `start: assembled`, or state a load"),
         R::Kinked { origin, .. } => place(d(codes::KINKED), origin, "is at its kink")
             .with_help("move the state away from the kink, by a load or a play; or round the law there, such as by `positive` of `std.math` in place of `max`"),
+        R::KinkedOutput { .. } => d(codes::KINKED)
+            .with_help("ask for a quantity that is smooth there, such as a component in place of a distance or an absolute value; or move the state away by a load or a play"),
         R::Grows { .. } => d(codes::GROWS)
             .with_help("`linear` about the same state shows the mode; remove its cause, or linearise about another state by `after:`"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),

@@ -199,6 +199,31 @@ fn unfinished_results_are_not_written_through_a_link() {
     }
 }
 
+/// A message that several points of a sweep have is printed once, and a line names all of them.
+#[test]
+fn a_message_of_a_sweep_names_its_points() {
+    let model = "force Watch(a: Marker, b: Marker, limit: Length) {
+            advise far: dot(a.origin - b.origin, b.z) < limit else \"far away\"
+            apply force 0 N*b.z on a against b
+        }
+        model Block {
+            param limit: Length = 5 mm
+            gravity = [0, 0, 0] m/s^2
+            marker floor = [0, 0, 0] mm
+            body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2; start position = [0, 0, 10] mm }
+            force watch = Watch(block.origin, floor, limit: limit)
+        }
+        analysis still[l in [1, 20, 2] mm] = transient(Block(limit: l), duration: 1 ms, sample: 1 ms, start: assembled)";
+    let folder = Folder::with("points", model);
+    let output = folder.eng(&["run", "model.eng", "--no-plots"]);
+    let said = text(&output.stderr);
+    assert_eq!(said.matches("watch: far away").count(), 2, "{said}");
+    assert!(
+        said.contains("W0711 concerns 2 of 3 analyses, still[1], still[3]: watch: far away"),
+        "{said}"
+    );
+}
+
 #[test]
 fn a_parameter_is_set_once() {
     let folder = Folder::with("once", SWING);

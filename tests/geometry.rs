@@ -444,3 +444,47 @@ fn a_number_without_a_square_is_refused() {
     );
     assert!(!far.contains("inf"), "{far}");
 }
+
+/// A drive and a start state different angles of two bodies that are bolted together. The message names both, and no
+/// joint between them; it named the bolts or the turn of the drive, whose equations hold half a turn away, too.
+#[test]
+fn a_start_that_contradicts_a_drive_is_named_with_it() {
+    let text = |start: &str| {
+        format!(
+            "use std.joints.{{Fixed, Revolute}}
+             use std.drives.PrescribedRotation
+             model Shaft {{
+                gravity = [0, 0, 0] m/s^2
+                marker stand = [0, 0, 0] mm
+                body crank {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker main = origin; marker flange = [0, 0, 100] mm }}
+                body wheel {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin }}
+                joint main = Revolute(crank.main, stand)
+                joint bolts = Fixed(wheel.hub, crank.flange)
+                drive turn = PrescribedRotation(wheel.hub, stand, speed: 1000 rpm)
+                {start}
+             }}
+             analysis run = transient(Shaft(), duration: 1 ms, sample: 1 ms)"
+        )
+    };
+    for angle in ["30", "90", "180", "200"] {
+        let said = told(&text(&format!("start main.angle = {angle} deg")));
+        assert!(said.contains("E0703"), "{angle}: {said}");
+        let named = "start of main.angle and turn contradict each other";
+        let other = "turn and start of main.angle contradict each other";
+        assert!(said.contains(named) || said.contains(other), "{said}");
+        assert!(!said.contains("bolts:"), "{angle}: {said}");
+        assert!(
+            said.contains("state it as `initial:` of the drive"),
+            "{said}"
+        );
+    }
+    let twice = told(&text(
+        "start rotation(wheel.hub, stand) = 0 deg; start rotation(crank.flange, stand) = 40 deg",
+    ));
+    assert!(twice.contains("contradict each other"), "{twice}");
+    assert_eq!(
+        told(&text("start main.angle = 0 deg")),
+        "",
+        "the drive begins there"
+    );
+}

@@ -310,3 +310,58 @@ fn crossed_kinks_and_ends_of_tables_are_compared() {
         1e-9,
     );
 }
+
+/// A frequency response has no number for an output with other slopes on both sides of the state. Beside the kink, and for
+/// smooth outputs, it goes on: curved ones, and those that do not change at all.
+#[test]
+fn outputs_with_a_kink_at_the_state_are_refused() {
+    let shaken = |output: &str| {
+        let text = format!(
+            "use std.joints.Translational
+            use std.forces.LinearSpring
+            force Push(a: Marker, b: Marker, load: Force) {{ apply force load*b.z on a against b }}
+            model Block {{
+                gravity = [0, 0, 0] m/s^2
+                input load: Force = 0 N
+                marker floor = [0, 0, 0] mm
+                marker top = [0, 0, 100] mm
+                body block {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }}
+                joint rail = Translational(block.eye, floor)
+                force spring = LinearSpring(block.eye, top, stiffness: 1 N/mm, damping: 2 N*s/m, free_length: 100 mm)
+                force push = Push(block.eye, floor, load: load)
+                start rail.travel = 0 mm
+                output asked = {output} as mm
+            }}
+            analysis small = response(Block(), to: load, of: [asked], from: 1 Hz, up_to: 20 Hz, start: assembled)"
+        );
+        let program = program(&text);
+        let analysis = program.analysis("small").expect("an analysis");
+        match analysis.run(&mut |_| {}) {
+            Ok(_) => None,
+            Err(failed) => match *failed.error {
+                Error::Run { cause, .. } => match *cause {
+                    RuntimeError::KinkedOutput { path, .. } => Some(path),
+                    other => panic!("{other}"),
+                },
+                other => panic!("{other}"),
+            },
+        }
+    };
+    for bent in [
+        "abs(rail.travel)",
+        "max(rail.travel, 0 mm)",
+        "(if rail.travel > 0 mm then 2*rail.travel else rail.travel)",
+    ] {
+        assert_eq!(shaken(bent), Some("asked".to_owned()), "{bent}");
+    }
+    for smooth in [
+        "rail.travel",
+        "max(rail.travel, -1 um)",
+        "rail.travel + rail.travel^2/(1 um)",
+        "max(rail.travel, 0 mm) - max(-rail.travel, 0 mm)",
+        "abs(rail.travel)*rail.travel/(1 mm)",
+        "(dot(block.eye.origin, ground.x) + 1 mm + rail.travel)",
+    ] {
+        assert_eq!(shaken(smooth), None, "{smooth}");
+    }
+}

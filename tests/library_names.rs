@@ -1,4 +1,4 @@
-//! Rust code names no class of the library, and no parameter or output of a class or interface: only the paths of
+//! The Rust code of all crates names no class of the library, and no parameter or output of a class or interface: only the paths of
 //! interfaces. It finds their members by order and type.
 
 use eng_grammar::ast::{BindingKind, Form, ItemKind, Kind};
@@ -57,6 +57,59 @@ const WORDS: [&str; 14] = [
 
 /// Names of parameters that messages use in examples of a user's text: `law: JournalLaw`, `rod[1].mass = 0.6 kg`.
 const EXAMPLES: [&str; 2] = ["law", "rod"];
+
+/// Files and folders whose words are not those of the library, each with its reason.
+const OF_OTHER_WORDS: [(&str, &str); 9] = [
+    (
+        "compiler/src/codes/",
+        "examples of messages are texts for people",
+    ),
+    ("src/codes.rs", "examples of messages are texts for people"),
+    ("src/vocabulary.rs", "help on words of the language"),
+    (
+        "system/src/field.rs",
+        "arguments and results of the kernels are words of the language, which a class passes on",
+    ),
+    ("src/fields.rs", "arguments and results of the kernels"),
+    ("src/grid_error.rs", "results of the kernels"),
+    (
+        "film/src/",
+        "this crate is the kernel: its errors name its own arguments",
+    ),
+    ("compiler/src/library.rs", "the names of the modules"),
+    ("src/fmu/description.rs", "words of the standard of FMUs"),
+];
+
+/// Words that a name of the library happens to have, too: file, words, and their meaning there.
+const HOMONYMS: [(&str, &[&str], &str); 7] = [
+    (
+        "system/src/lint.rs",
+        &["bore", "firing"],
+        "lints of the language",
+    ),
+    ("system/src/recorded.rs", &["phase"], "columns of responses"),
+    (
+        "system/src/figure/spectrum.rs",
+        &["order"],
+        "argument of figures of spectra",
+    ),
+    ("flexible/src/", &["spring"], "elements of meshes"),
+    (
+        "report/src/page/contents.rs",
+        &["loss"],
+        "a kind of row in the table of the power",
+    ),
+    (
+        "report/src/signal/spectrum.rs",
+        &["order"],
+        "unit of an axis",
+    ),
+    (
+        "report/src/animation/gltf.rs",
+        &["height", "target"],
+        "words of the format glTF",
+    ),
+];
 
 /// Names of classes, interfaces, parameters and outputs of the library.
 fn names() -> BTreeSet<String> {
@@ -162,22 +215,22 @@ fn rust_knows_the_library_by_paths_of_interfaces_only() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let names = names();
     let mut wrong = Vec::new();
-    let mut read = BTreeSet::new();
-    for folder in ["compiler/src", "runtime/src", "src"] {
+    let (mut read, mut met) = (BTreeSet::new(), BTreeSet::new());
+    for folder in [
+        "grammar/src",
+        "system/src",
+        "compiler/src",
+        "flexible/src",
+        "film/src",
+        "runtime/src",
+        "report/src",
+        "src",
+        "python/src",
+        "capi/src",
+    ] {
         for (path, text) in sources(&root.join(folder)) {
             let file = path.strip_prefix(root).expect("inside").to_string_lossy();
-            // examples of messages are texts for people; the arguments and results of kernels are words of the
-            // language, which a class of the library passes on; the list of the library has the names of its modules; the
-            // description of an FMU has the words of its standard
-            let words = [
-                "src/codes.rs",
-                "src/vocabulary.rs",
-                "src/fields.rs",
-                "src/grid_error.rs",
-                "compiler/src/library.rs",
-                "src/fmu/description.rs",
-            ];
-            if file.starts_with("compiler/src/codes/") || words.contains(&&*file) {
+            if OF_OTHER_WORDS.iter().any(|(at, _)| file.starts_with(at)) {
                 continue;
             }
             let texts = quoted(&text);
@@ -186,10 +239,17 @@ fn rust_knows_the_library_by_paths_of_interfaces_only() {
                     .iter()
                     .find(|(at, known)| *at == file && known == name);
                 let usual = |words: &[&str]| words.contains(&name.as_str());
+                let own = |(at, words, _): &(&str, &[&str], &str)| {
+                    file.starts_with(at) && words.contains(&name.as_str())
+                };
                 if known.is_none() && (usual(&WORDS) || usual(&EXAMPLES)) {
                     continue;
                 }
                 if !texts.iter().any(|text| names_it(text, name)) {
+                    continue;
+                }
+                if let Some(place) = HOMONYMS.iter().position(|homonym| own(homonym)) {
+                    met.insert((place, name.as_str()));
                     continue;
                 }
                 match known {
@@ -206,4 +266,9 @@ fn rust_knows_the_library_by_paths_of_interfaces_only() {
     for known in KNOWN {
         assert!(read.contains(&known), "{known:?}");
     }
+    let unmet = HOMONYMS.iter().enumerate().flat_map(|(place, homonym)| {
+        let words = homonym.1.iter().map(move |word| (place, *word));
+        words.filter(|word| !met.contains(word))
+    });
+    assert_eq!(unmet.collect::<Vec<_>>(), []);
 }

@@ -457,3 +457,28 @@ model SliderCrank {";
     let told = numbers_behind(&said, "the piston runs at");
     assert!((told[0] / due - 1.0).abs() < 0.01, "{said}");
 }
+
+/// A machine that does not assemble has no lints of its start, so nothing tells whether it needs an acceptance of one.
+#[test]
+fn an_acceptance_is_kept_if_the_machine_does_not_assemble() {
+    let model = |angle: &str| {
+        format!(
+            "use std.joints.Revolute
+            use std.drives.PrescribedRotation
+            model Wheel {{
+                gravity = [0, 0, 0] m/s^2
+                accept loose
+                marker hub = [0, 0, 0] mm
+                body disc {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }}
+                joint pin = Revolute(disc.eye, hub)
+                drive spin = PrescribedRotation(disc.eye, hub, speed: 100 rpm)
+                start pin.angle = {angle} deg
+            }}
+            analysis run = transient(Wheel(), duration: 10 ms, sample: 1 ms)"
+        )
+    };
+    let (open, _) = Text::new("open", &model("30")).check();
+    assert!(open.contains("E0703") && !open.contains("W0750"), "{open}");
+    let (closed, _) = Text::new("closed", &model("0")).check();
+    assert!(closed.contains("W0750"), "{closed}");
+}

@@ -190,6 +190,15 @@ fn gaps(rows: &[NamedRow], per: &str) -> String {
     text
 }
 
+/// The paths of elements as a list: `a and b`, `a, b and c`.
+fn together(elements: &[Origin]) -> String {
+    let paths: Vec<&str> = elements.iter().map(|e| e.path.as_str()).collect();
+    match paths.as_slice() {
+        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        paths => paths.concat(),
+    }
+}
+
 /// A body that resists no motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Massless {
@@ -315,6 +324,15 @@ pub enum RuntimeError {
         rows: Vec<NamedRow>,
         /// The loop of the first row.
         chain: Option<Box<Chain>>,
+    },
+    /// Starts and drives state positions that contradict each other.
+    #[error(
+        "the assembly does not close: {} contradict each other",
+        together(starts)
+    )]
+    Contradiction {
+        /// Without any one of them the others hold.
+        starts: Vec<Origin>,
     },
     /// The assembled positions are on the wrong branch.
     #[error("{}: no start position with {condition} was found: {}", origin.path, missed(*value, *dimension))]
@@ -606,6 +624,16 @@ pub enum RuntimeError {
         text: String,
         /// The slopes of a load on both sides, if they differ.
         sides: Option<BothSides>,
+        /// When.
+        moment: Moment,
+    },
+    /// An output has other slopes on both sides of the state.
+    #[error(
+        "the output {path} has a kink at {moment}: its slopes to both sides of the state differ, so no matrix gives it"
+    )]
+    KinkedOutput {
+        /// Its channel.
+        path: String,
         /// When.
         moment: Moment,
     },

@@ -11,15 +11,17 @@ use crate::assembly::at;
 use crate::assembly::gradients::Gradients;
 use crate::assembly::independent::Independent;
 use crate::assembly::rows::{Along, At, Rows, inputs};
+use crate::body::BodyModel;
 use crate::chain;
 use crate::elements::{self, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{M3, V3};
 use crate::state::{State, move_pose};
-use eng_system::code::Pair;
+use eng_system::code::{Function, Pair};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// Share of the largest singular value below which one counts as zero.
 const NONE: f64 = 1e-7;
@@ -201,6 +203,62 @@ pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, Run
     rest.velocity.fill(0.0);
     let [stiffness, _] = answers_of(model, &rest, element..element + 1)?;
     Ok(stiffness.largest() > 0.0)
+}
+
+/// Share of a torque up to which its change by a turn is rounding of the angle.
+const SAME: f64 = 1e-9;
+
+/// The change of an element's torques by one more turn of its angles, at rest (N m): `2π k` for a spring with the
+/// stiffness `k`, and 0 for a torque over a wrapped angle.
+///
+/// # Errors
+///
+/// Those of evaluating the element.
+pub fn wound(model: &Model, state: &State, element: usize) -> Result<f64, RuntimeError> {
+    let mut rest = state.clone();
+    rest.velocity.fill(0.0);
+    let own = &model.elements[element];
+    let layout = &model.class(element).layout;
+    let torques = |rest: &State| -> Result<Vec<f64>, RuntimeError> {
+        let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
+        let inputs = inputs(model, element, &at(rest));
+        elements::call(model, own.class, Function::Residual, &inputs, &mut out)?;
+        let wrenches = out.iter().skip(layout.rows as usize);
+        let wrenches = wrenches.take(6 * own.markers.len()).enumerate();
+        let torques = wrenches.filter(|(at, _)| at % 6 >= 3);
+        Ok(torques.map(|(_, value)| value[0]).collect())
+    };
+    let before = torques(&rest)?;
+    for angle in rest
+        .rotations
+        .iter_mut()
+        .skip(own.rotation)
+        .take(layout.rotations as usize)
+    {
+        *angle += 2.0 * PI;
+    }
+    let after = torques(&rest)?;
+    let largest =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
+    let change = largest(&mut before.iter().zip(&after).map(|(a, b)| b - a));
+    let size = largest(&mut before.iter().chain(&after).copied());
+    Ok(if change > SAME * size { change } else { 0.0 })
+}
+
+/// The kinetic energy of all bodies as rigid ones (J).
+pub fn kinetic_energy(model: &Model, state: &State) -> f64 {
+    let of = |body: &BodyModel| {
+        let part = |first: usize| {
+            let at = body.velocity + first;
+            V3::from_fn(|i, _| state.velocity[at + i])
+        };
+        let (velocity, turning) = (part(0), part(3));
+        let arm = body.frame(&state.pose).rotation * turning.cross(&body.center());
+        0.5 * body.mass() * velocity.norm_squared()
+            + body.mass() * velocity.dot(&arm)
+            + 0.5 * turning.dot(&(body.inertia() * turning))
+    };
+    model.bodies.iter().map(of).sum()
 }
 
 /// Share of the largest stiffness below which a stiffness is rounding.

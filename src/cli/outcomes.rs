@@ -14,6 +14,9 @@ use crate::timings;
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::path::Path;
 
+/// The most analyses that a line about a repeated message names.
+const MOST_NAMES: usize = 20;
+
 /// The end of an analysis.
 pub(super) type Ended = Result<RunOutcome, Failed<RunOutcome>>;
 
@@ -26,8 +29,9 @@ pub(super) struct Outcomes<'a> {
     pub completed: Vec<RunOutcome>,
     /// Names of the analyses that failed.
     pub failures: Vec<String>,
-    /// Messages so far. Each is printed once, although analyses of one model often fail in the same way.
-    messages: Vec<Diagnostic>,
+    /// Messages so far, with the analyses that they concern. Each is printed once, although analyses of one model
+    /// often fail in the same way.
+    messages: Vec<(Diagnostic, Vec<String>)>,
 }
 
 impl<'a> Outcomes<'a> {
@@ -55,7 +59,7 @@ impl<'a> Outcomes<'a> {
     ) -> Result<(), Stop> {
         let Failed { error, partial } = match ended {
             Ok(outcome) => {
-                self.show(&outcome.diagnostics, console)?;
+                self.show(analysis, &outcome.diagnostics, console)?;
                 self.written(&outcome, console)?;
                 self.completed.push(outcome);
                 return Ok(());
@@ -65,7 +69,7 @@ impl<'a> Outcomes<'a> {
         let Some(report) = error.report() else {
             return Err(Refusal::from(*error).show(self.program.texts(), console));
         };
-        self.show(report.diagnostics(), console)?;
+        self.show(analysis, report.diagnostics(), console)?;
         self.failures.push(analysis.to_owned());
         if error.is_stopped() {
             writeln!(
@@ -86,7 +90,7 @@ impl<'a> Outcomes<'a> {
             let reason = reason.unwrap_or_else(|| "the run failed".to_owned());
             partial.results.set_failure(&reason);
         }
-        self.show(&partial.diagnostics, console)?;
+        self.show(analysis, &partial.diagnostics, console)?;
         writeln!(
             console.errors,
             "{analysis} failed; the results up to the failure are kept as {}, those of an earlier run stay as they are",
@@ -95,15 +99,48 @@ impl<'a> Outcomes<'a> {
         self.written(&partial, console)
     }
 
-    fn show(&mut self, diagnostics: &Diagnostics, console: &mut Terminal<'_>) -> Result<(), Stop> {
+    fn show(
+        &mut self,
+        analysis: &str,
+        diagnostics: &Diagnostics,
+        console: &mut Terminal<'_>,
+    ) -> Result<(), Stop> {
         let mut new = Diagnostics::new();
         for diagnostic in diagnostics.iter() {
-            if !self.messages.contains(diagnostic) {
-                self.messages.push(diagnostic.clone());
-                new.push(diagnostic.clone());
+            let mut known = self.messages.iter_mut();
+            match known.find(|(known, _)| known == diagnostic) {
+                Some((_, names)) if names.iter().all(|name| name != analysis) => {
+                    names.push(analysis.to_owned());
+                }
+                Some(_) => {}
+                None => {
+                    let names = vec![analysis.to_owned()];
+                    self.messages.push((diagnostic.clone(), names));
+                    new.push(diagnostic.clone());
+                }
             }
         }
         Ok(console.errors.messages(&new, self.program.texts())?)
+    }
+
+    /// A line for each message that concerns several analyses, which is printed at the first of them only.
+    pub fn repeated(&self, all: usize) -> Vec<String> {
+        let several = self.messages.iter().filter(|(_, names)| names.len() > 1);
+        let line = |(message, names): &(Diagnostic, Vec<String>)| {
+            let shown: Vec<&str> = names.iter().take(MOST_NAMES).map(String::as_str).collect();
+            let more = match names.len().saturating_sub(MOST_NAMES) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            format!(
+                "{} concerns {} of {all} analyses, {}{more}: {}",
+                message.code,
+                names.len(),
+                shown.join(", "),
+                message.title
+            )
+        };
+        several.map(line).collect()
     }
 
     /// Prints the table of an analysis and the names of its files, which the run itself has written. Writes

@@ -66,6 +66,9 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     let code = clock.since();
     let mut outcomes = Outcomes::new(arguments, &program, &folder);
     run_all(&names, prepared, &mut outcomes, console)?;
+    for line in outcomes.repeated(names.len()) {
+        writeln!(console.errors, "{line}")?;
+    }
     let Outcomes {
         completed,
         failures,

@@ -70,51 +70,31 @@ pub(super) fn open_loop(
         message.also(span(*at), format!("{}: it must hold exactly", of.path))
     });
     let message = with_angle(message, chain, system).with_help(PLACING);
-    let message = message.with_each(drive_of(&starts, system), |message, drive| {
-        with_drive(message, drive, rows, system)
-    });
     message.with_help(match starts.is_empty() {
         true => GUESSING,
         false => "each `start` must hold exactly: remove one that the loop decides, or replace it by a `guess`, where the search only begins",
     })
 }
 
-/// A drive of a body with a start: an element whose equations depend on time.
-fn drive_of<'a>(starts: &[(&Origin, Location)], system: &'a System) -> Option<&'a Element> {
-    let body = |marker: &u32| match system.markers.get(*marker as usize)?.body {
-        BodyRef::Body(body) => Some(body),
-        BodyRef::Ground => None,
-    };
-    let stated = |e: &&Element| starts.iter().any(|(of, _)| **of == e.origin);
-    let stated = system.elements.iter().filter(stated);
-    let started: Vec<u32> = stated
-        .flat_map(|e| e.markers.iter().filter_map(body))
-        .collect();
-    system.elements.iter().find(|e| {
+/// Starts and drives that state different positions.
+pub(super) fn contradiction(message: Diagnostic, starts: &[Origin], system: &System) -> Diagnostic {
+    let message = starts.iter().fold(message, |message, origin| {
+        place(message, origin, "states the position")
+    });
+    let drive = system.elements.iter().find(|e| {
         let class = system.classes.get(e.class as usize);
-        e.role == Role::Dynamic
-            && class.is_some_and(|class| class.facts.rows_over_time)
-            && e.markers
-                .iter()
-                .filter_map(body)
-                .any(|b| started.contains(&b))
+        starts.contains(&e.origin) && class.is_some_and(|class| class.facts.rows_over_time)
+    });
+    message.with_help(match drive {
+        Some(drive) => leave_to_drive(drive, system),
+        None => "remove one of them, or replace it by a `guess`, where the search only begins"
+            .to_owned(),
     })
 }
 
-/// Adds a drive that states the position at the start, too, and the remedy: its angles or lengths, or the start.
-fn with_drive(
-    message: Diagnostic,
-    drive: &Element,
-    rows: &[NamedRow],
-    system: &System,
-) -> Diagnostic {
+/// The remedy if a drive states the position at the start, too: its angles or lengths.
+fn leave_to_drive(drive: &Element, system: &System) -> String {
     let path = &drive.origin.path;
-    let message = match drive.origin.used_at {
-        Some(at) if rows.iter().all(|row| row.origin != drive.origin) => {
-            message.also(span(at), format!("{path}: it states the position, too"))
-        }
-        _ => message,
-    };
     let own = |parameter: &Parameter| {
         let name = (parameter.origin.path.strip_prefix(path.as_str()))?.strip_prefix('.')?;
         let of_place = [Dimension::ANGLE, Dimension::LENGTH].contains(&parameter.dimension);
@@ -125,9 +105,9 @@ fn with_drive(
         [] => "change the motion of the drive".to_owned(),
         names => format!("state it as {} of the drive", names.join(" or ")),
     };
-    message.with_help(format!(
+    format!(
         "the drive {path} states where its motion begins: leave the `start` of this freedom out, and {change}"
-    ))
+    )
 }
 
 /// A loop that closes only on the wrong branch.

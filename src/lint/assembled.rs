@@ -32,6 +32,8 @@ const STANDS_STILL: f64 = 0.01;
 const SINKS: f64 = 0.5;
 /// A body falls in a direction with at least this share of gravity.
 const FALLS: f64 = 0.1;
+/// A part of a direction below this share counts as zero in texts of two digits.
+const NO_PART: f64 = 5e-4;
 /// A slide without a stated position gets a message from this distance (m) on.
 const UNPLACED: f64 = 0.01;
 
@@ -76,7 +78,12 @@ fn axis(direction: &V3) -> String {
     match (0..3).find(|i| direction[*i].abs() > 0.999) {
         Some(i) => names[i].to_owned(),
         None => {
-            let [a, b, c] = [0, 1, 2].map(|i| short(direction[i], 2));
+            // the null space has rounding of some 1e-16
+            let part = |i: usize| match direction[i].abs() > NO_PART {
+                true => short(direction[i], 2),
+                false => "0".to_owned(),
+            };
+            let [a, b, c] = [0, 1, 2].map(part);
             format!("[{a}, {b}, {c}]")
         }
     }

@@ -5,9 +5,10 @@ use super::Finding;
 use super::assembled::{Start, rpm};
 use crate::codes;
 use eng_runtime::joint::Joint;
-use eng_runtime::loose::springs;
+use eng_runtime::loose::{kinetic_energy, springs, wound};
 use eng_system::lint;
 use eng_system::system::{Origin, Role};
+use std::f64::consts::PI;
 
 /// Largest slip of a coupling at the start, as a share of the speed.
 const SLIP: f64 = 0.1;
@@ -34,7 +35,9 @@ impl Start<'_> {
             return None;
         }
         // a brake or a damper does not wind up
-        if !matches!(springs(self.model, self.state, element), Ok(true)) {
+        if !matches!(springs(self.model, self.state, element), Ok(true))
+            || !self.turns_on(element, markers)
+        {
             return None;
         }
         let message = format!(
@@ -51,6 +54,24 @@ impl Start<'_> {
         let slower = markers[usize::from(speeds[1].abs() < speeds[0].abs())];
         super::decide(&mut finding, self.what_turns(markers[0], slower));
         Some(finding)
+    }
+
+    /// Whether the ends of a spring turn against each other by a whole turn or more, and wind it up. A torque over a
+    /// wrapped angle repeats with each turn. A disc on a spring to the ground, without a drive, swings back if its
+    /// energy is below `π ΔM`, the work of a linear spring in a turn with the torque `ΔM` at its end.
+    fn turns_on(&self, element: usize, markers: [usize; 2]) -> bool {
+        let Ok(wound) = wound(self.model, self.state, element) else {
+            return false;
+        };
+        let driven = self.model.compiled.system.cycle.is_some()
+            || (0..self.model.elements.len()).any(|e| {
+                self.model.elements[e].dynamic && self.model.class(e).facts.rows_over_time
+            });
+        let to_ground = markers
+            .iter()
+            .any(|m| self.model.markers[*m].body.is_none());
+        let swings = !driven && to_ground;
+        wound > 0.0 && !(swings && kinetic_energy(self.model, self.state) < PI * wound)
     }
 
     /// A body and all bodies welded to it, without the ground.

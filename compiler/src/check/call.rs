@@ -255,7 +255,7 @@ impl<'p> Checker<'p> {
         arguments: &[Argument],
     ) -> Type {
         if signature.name.is_empty() && signature.result.is_error() {
-            // The function calls itself.
+            // The function calls itself, or its definition has a message.
             for argument in arguments {
                 self.infer(scope, &argument.value);
             }
@@ -339,10 +339,28 @@ impl<'p> Checker<'p> {
         arguments: &[Argument],
         span: Span,
     ) -> bool {
+        if self.lacks_parameters(scope, id, arguments) {
+            return false;
+        }
         let slots = self.slots_with(id, given);
         let name = self.class_name(id);
         let solution = &mut Solution::default();
         self.arguments(scope, &name, &slots, arguments, span, solution)
+    }
+
+    /// Whether a class lacks parameters because it names an interface that it cannot have. The message about the
+    /// interface is enough.
+    fn lacks_parameters(
+        &mut self,
+        scope: &Scope<'p>,
+        class: DefinitionId,
+        arguments: &[Argument],
+    ) -> bool {
+        let lacks = self.lacks_interface(Some(class));
+        for argument in arguments.iter().filter(|_| lacks) {
+            self.infer(scope, &argument.value);
+        }
+        lacks
     }
 
     /// The parameters of a class of which some have an argument.
@@ -366,6 +384,9 @@ impl<'p> Checker<'p> {
         arguments: &[Argument],
         span: Span,
     ) -> Type {
+        if self.lacks_parameters(scope, class, arguments) {
+            return Type::Error;
+        }
         let mut slots = self.slots_with(class, before);
         for slot in &mut slots {
             slot.optional = true;

@@ -45,7 +45,9 @@ impl<'p> Checker<'p> {
                 ItemKind::Error => {}
                 ItemKind::Attribute(change) => {
                     let ty = self.field_of_instance(class, &change.name, false);
+                    self.changed = Some(class);
                     self.change(scope, &ty, &change.name, &change.value);
+                    self.changed = None;
                 }
                 ItemKind::Statement(Statement::Change { target, value }) => {
                     self.changed_path(&inside, scope, target, value);
@@ -72,6 +74,13 @@ impl<'p> Checker<'p> {
                         "write a line for each: `rod[1].mass = 0.6 kg; rod[2].mass = 0.6 kg`",
                     ),
             );
+            self.infer(scope, value);
+            return;
+        }
+        if let Some((class, root)) = inside.at_use.zip(root(target))
+            && self.held(class, &root.text).is_none()
+        {
+            self.field_of_instance(class, &root, false);
             self.infer(scope, value);
             return;
         }
@@ -107,7 +116,15 @@ impl<'p> Checker<'p> {
             text: self.sources.text(target.span).to_owned(),
             span: target.span,
         };
+        self.changed = match &target.kind {
+            ExprKind::Field { base, .. } if !ty.is_error() => match self.infer(inside, base) {
+                Type::Instance(id) | Type::InstanceOf(id) => Some(id),
+                _ => inside.at_use,
+            },
+            _ => inside.at_use,
+        };
         self.change(scope, &ty, &shown, value);
+        self.changed = None;
     }
 
     /// Whether a path leads into what a passed function, class or record brings along beyond its interface.
@@ -152,6 +169,18 @@ impl<'p> Checker<'p> {
                 .with_help("classes, counts and words are arguments of the part: give its component a parameter for them"),
         );
         self.infer(scope, value);
+    }
+}
+
+/// The first name of a path.
+fn root(path: &Expr) -> Option<Name> {
+    match &path.kind {
+        ExprKind::Name(text) => Some(Name {
+            text: text.clone(),
+            span: path.span,
+        }),
+        ExprKind::Field { base, .. } | ExprKind::Index { base, .. } => root(base),
+        _ => None,
     }
 }
 

@@ -96,6 +96,8 @@ struct Checker<'p> {
     start_of: Option<Span>,
     /// The choice whose words need no name of the choice before them here.
     choice_due: Option<DefinitionId>,
+    /// The component or class with the number for which a value after `with` is due.
+    changed: Option<DefinitionId>,
     /// Values and functions being inferred.
     depth: u32,
     /// Units that each module reads.
@@ -175,6 +177,7 @@ impl<'p> Checker<'p> {
             function_due: false,
             start_of: None,
             choice_due: None,
+            changed: None,
             depth: 0,
             lints: program.lints(),
             turns_reported: BTreeSet::new(),

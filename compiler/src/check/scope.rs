@@ -211,7 +211,18 @@ impl<'p> Checker<'p> {
         let mut message =
             Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
                 .at(span, "not known");
-        if let Some(choice) = self.choice_with(scope.module, name) {
+        let filling = scope.definition.and_then(|id| self.filling_with(id, name));
+        let changed = self.changed.filter(|id| self.held(*id, name).is_some());
+        if let Some(class) = changed {
+            message = message.with_help(format!(
+                "`{}` has it, but a value after `with` belongs to the text around the part, as an argument does",
+                self.class_name(class)
+            ));
+        } else if let Some(class) = filling {
+            message = message.with_help(format!(
+                "`{class}` has it, but an interface sees only its own names: declare `param {name}: …` in the interface, or a function without a body that each class gives"
+            ));
+        } else if let Some(choice) = self.choice_with(scope.module, name) {
             message = message.with_help(format!(
                 "`{name}` is a word of the choice `{choice}`, which is not expected here: write `{choice}.{name}`"
             ));
@@ -232,6 +243,25 @@ impl<'p> Checker<'p> {
             message = message.with_help(format!("did you mean `{near}` of `{}`?", path.module));
         }
         self.report(message);
+    }
+
+    /// A class that fills an interface and has a name that the interface lacks.
+    fn filling_with(&mut self, interface: DefinitionId, name: &str) -> Option<String> {
+        if self.declaration(interface)?.kind != Kind::Interface {
+            return None;
+        }
+        let modules = self.program.modules.iter().enumerate();
+        let all = modules.flat_map(|(module, m)| {
+            (0..m.file.items.len()).map(move |item| DefinitionId {
+                module: module as u32,
+                item: item as u32,
+            })
+        });
+        let fills = |id: &DefinitionId| *id != interface && self.program.fills(*id, interface);
+        let filling: Vec<DefinitionId> = all.filter(fills).collect();
+        let mut filling = filling.into_iter();
+        let class = filling.find(|id| self.held(*id, name).is_some())?;
+        Some(self.class_name(class))
     }
 
     /// The module that defines an unknown name.

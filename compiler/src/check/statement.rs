@@ -5,7 +5,7 @@ use super::mismatch::Due;
 use super::scope::{Scope, torque_dimension};
 use super::types::{Quantity, Type};
 use crate::codes;
-use crate::resolve::suggest::nearest;
+use crate::resolve::suggest::{listing, nearest};
 use crate::words::START_VALUES;
 use eng_grammar::ast::{
     Attribute, Declaration, Expr, ExprKind, Form, ItemKind, Kind, Name, Statement,
@@ -50,9 +50,8 @@ impl<'p> Checker<'p> {
             // a change belongs after `with`, where `changes` checks it
             Statement::Change { .. } => {}
             Statement::Place { moving, on, height } => {
-                let due = Due::new("the value after `place`");
-                self.expect(scope, moving, &Type::Marker, &due);
-                self.expect(scope, on, &Type::Marker, &Due::new("the value after `on`"));
+                self.placed_marker(scope, moving, "the value after `place`");
+                self.placed_marker(scope, on, "the value after `on`");
                 self.placed_on_itself(moving, on);
                 if let Some(height) = height {
                     let length = Type::Scalar(Quantity::hard(Dimension::LENGTH));
@@ -89,6 +88,61 @@ impl<'p> Checker<'p> {
                 self.expect(scope, value, &rate, &due);
             }
         }
+    }
+
+    /// Checks a marker of `place`. Its message lists the markers of the class.
+    fn placed_marker(&mut self, scope: &Scope<'p>, marker: &Expr, what: &str) {
+        let unknown = match &marker.kind {
+            ExprKind::Name(name) => name != "ground" && self.find(scope, name).is_none(),
+            _ => false,
+        };
+        let found = match unknown {
+            true => None,
+            false => Some(self.infer(scope, marker)),
+        };
+        if found
+            .as_ref()
+            .is_some_and(|ty| ty.is_error() || *ty == Type::Marker)
+        {
+            return;
+        }
+        let message = match found {
+            None => Diagnostic::error(
+                codes::UNKNOWN_NAME,
+                format!("there is no `{}` here", self.sources.text(marker.span)),
+            )
+            .at(marker.span, "not known"),
+            Some(ty) => {
+                let found = self.describe(&ty);
+                Diagnostic::error(
+                    codes::WRONG_TYPE,
+                    format!("{what} is a marker, not {found}"),
+                )
+                .at(marker.span, format!("this is {found}"))
+            }
+        };
+        let mut known = Vec::new();
+        if let Some(id) = scope.definition {
+            let table = self.class_table(id);
+            for (name, held) in &table.members {
+                match self.member_type(held.home, name, held.member, marker.span) {
+                    Type::Marker => known.push((*name).to_owned()),
+                    Type::List { element, .. } if *element == Type::Marker => {
+                        known.push(format!("{name}[1]"));
+                    }
+                    _ => {}
+                }
+            }
+        }
+        let names = listing(known.iter().map(String::as_str), 12);
+        self.report(
+            message
+                .with_note(match known.is_empty() {
+                    true => "this class has no markers".to_owned(),
+                    false => format!("the markers of this class: {names}"),
+                })
+                .with_help("`place` names two markers, the moving one first: `place pin on shell`"),
+        );
     }
 
     fn placed_on_itself(&mut self, moving: &Expr, on: &Expr) {

@@ -30,6 +30,28 @@ pub(crate) struct Change<'a> {
     used: bool,
 }
 
+/// The array of a path whose index none of the known paths has, with the indices that they have.
+fn without_index<'p>(path: &'p str, known: &[&'p str]) -> Option<(&'p str, String)> {
+    path.match_indices('[').find_map(|(at, _)| {
+        let array = path.get(..at)?;
+        let index = |path: &'p str| {
+            path.strip_prefix(array)?
+                .strip_prefix('[')?
+                .split(']')
+                .next()
+        };
+        let mut indices: Vec<&str> = known.iter().filter_map(|path| index(path)).collect();
+        indices.dedup();
+        let lacks = !indices.is_empty() && !indices.contains(&index(path)?);
+        lacks.then(|| (array, listing_plain(&indices)))
+    })
+}
+
+/// `1, 2 and 3`.
+fn listing_plain(indices: &[&str]) -> String {
+    listing(indices.iter().copied(), 12).replace('`', "")
+}
+
 impl<'a> Elaborator<'a, '_> {
     /// Notes the numbers that a part changes inside of the part with this path.
     pub fn note_changes(
@@ -197,6 +219,11 @@ impl<'a> Elaborator<'a, '_> {
                 change.at,
                 "not a parameter, nor an attribute that a body states",
             );
+            if let Some((array, indices)) = without_index(&change.path, &known) {
+                let note = format!("`{array}` has the indices {indices}");
+                self.report(message.with_note(note));
+                continue;
+            }
             let message = match nearest(&change.path, known.iter().copied()) {
                 Some(near) => message.with_help(format!("did you mean `{near}`?")),
                 None if beside.is_empty() => message

@@ -219,15 +219,14 @@ pub fn a_guess_keeps_a_pin_out(model: &Model, state: &State) -> bool {
             .any(|wish| wish.is_inside() && !wish.is_fulfilled(model, &at(state)))
 }
 
-/// Closes all rows on the right branches.
-pub fn close_all(
+/// Closes all rows from the given position: first with guesses, then without, and again with the axes of markers
+/// aligned. Returns the elements that remain open or on a wrong branch.
+pub(super) fn close_near(
     model: &Model,
-    all: &[usize],
-    exact: &[usize],
-    conditioned: &[usize],
+    (all, exact, conditioned): (&[usize], &[usize], &[usize]),
     stated: &[bool],
     state: &mut State,
-) -> Result<(), RuntimeError> {
+) -> Result<Vec<usize>, RuntimeError> {
     let every = mobility(model, stated);
     follow_wishes(model, all, super::rows::wishes(model), stated, state)?;
     if all.len() > exact.len() {
@@ -236,9 +235,9 @@ pub fn close_all(
     let rows = Rows::new(model, exact.to_vec());
     close(model, &rows, &every, state, 80)?;
     leave_guesses(model, exact, stated, state)?;
-    let mut bad = offending(model, exact, conditioned, state)?;
+    let bad = offending(model, exact, conditioned, state)?;
     if bad.is_empty() {
-        return Ok(());
+        return Ok(bad);
     }
     // A joint may close with its axes exchanged, on the border of its branches. Aligning its markers' axes
     // avoids this.
@@ -249,9 +248,24 @@ pub fn close_all(
     close(model, &rows, &every, &mut trial, 80)?;
     let found = offending(model, exact, conditioned, &trial)?;
     if found.len() < bad.len() {
-        bad = found;
         *state = trial;
+        return Ok(found);
     }
+    Ok(bad)
+}
+
+/// Closes all rows on the right branches.
+pub fn close_all(
+    model: &Model,
+    all: &[usize],
+    exact: &[usize],
+    conditioned: &[usize],
+    stated: &[bool],
+    state: &mut State,
+) -> Result<(), RuntimeError> {
+    let mut bad = close_near(model, (all, exact, conditioned), stated, state)?;
+    let every = mobility(model, stated);
+    let rows = Rows::new(model, exact.to_vec());
     let mut numbers = Numbers::new(1);
     for _ in 0..(2 * model.elements.len()).min(40) {
         let Some(first) = bad.first().copied() else {

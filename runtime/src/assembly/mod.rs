@@ -139,7 +139,21 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
         .collect();
     let begin = state.clone();
     placement::place(model, &exact, &mut state, &places)?;
-    closing::close_all(model, &all, &exact, &conditioned, &stated, &mut state)?;
+    let closed = closing::close_all(model, &all, &exact, &conditioned, &stated, &mut state);
+    match closed {
+        Err(error @ (RuntimeError::OpenLoop { .. } | RuntimeError::Branch { .. })) => {
+            let lists = [&*all, &*exact, &*conditioned];
+            let starts = contradicting(model, lists, (&places, stated.as_slice()), &begin);
+            let origins = starts.iter().map(|e| system.elements[*e].origin.clone());
+            return Err(match starts.len() {
+                0 | 1 => error,
+                _ => RuntimeError::Contradiction {
+                    starts: origins.collect(),
+                },
+            });
+        }
+        closed => closed?,
+    }
     if closing::a_guess_keeps_a_pin_out(model, &state)
         && let Some(free) = without_guesses(model, begin, [&exact, &conditioned], places, stated)
     {
@@ -177,6 +191,52 @@ fn without_guesses(
     placement::place(model, exact, &mut state, &places).ok()?;
     closing::close_all(model, exact, exact, conditioned, &stated, &mut state).ok()?;
     (!closing::a_guess_keeps_a_pin_out(model, &state)).then_some(state)
+}
+
+/// The largest number of starts and drives of which a contradiction is searched.
+const MOST_STARTS: usize = 24;
+
+/// A smallest set of starts and drives that do not hold together: leaving out any one of them lets the rest close.
+/// Empty if the joints alone do not close. Each of them is left out in turn, for good if the rest stays open without
+/// it. `begin` is the state before bodies are placed.
+fn contradicting(
+    model: &Model,
+    lists: [&[usize]; 3],
+    (places, stated): (&placement::Stated, &[bool]),
+    begin: &State,
+) -> Vec<usize> {
+    let system = &model.compiled.system;
+    let states_a_place = |e: &&usize| match system.elements[**e].role {
+        Role::StartPosition { exact } => exact,
+        Role::Dynamic => model.class(**e).facts.rows_over_time,
+        _ => false,
+    };
+    let [_, exact, _] = lists;
+    let mut found: Vec<usize> = exact.iter().filter(states_a_place).copied().collect();
+    if found.len() > MOST_STARTS {
+        return Vec::new();
+    }
+    let mut left_out = Vec::new();
+    for element in found.clone() {
+        left_out.push(element);
+        let [all, exact, conditioned] = lists.map(|elements| {
+            let kept = elements.iter().filter(|e| !left_out.contains(e));
+            kept.copied().collect::<Vec<usize>>()
+        });
+        let mut state = begin.clone();
+        // a trial without a value counts as open: the error of the whole is reported
+        let closes = placement::place(model, &exact, &mut state, places)
+            .and_then(|()| {
+                let lists = (&*all, &*exact, &*conditioned);
+                closing::close_near(model, lists, stated, &mut state)
+            })
+            .is_ok_and(|bad| bad.is_empty());
+        match closes {
+            true => left_out.truncate(left_out.len() - 1),
+            false => found.retain(|other| *other != element),
+        }
+    }
+    found
 }
 
 /// Largest distance of a guessed body from all others, in sizes of the largest body.

@@ -23,6 +23,17 @@ const FASTEST: f64 = 25_000.0;
 /// Move of a difference along states alone, as a share of their sizes.
 const STATES: f64 = 1e-5;
 
+/// Steps over which the slopes to both sides are compared, in steps of a difference: up to a quarter of the position
+/// tolerance.
+const WIDER: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+/// Ratios of the differences of slopes over neighbouring steps at a kink. A kink that the state misses by half a step
+/// gives 1.5, a curved output 2, rounding 0.5.
+const ALIKE: std::ops::Range<f64> = 0.8..1.6;
+/// Share of the slope up to which both sides agree.
+const BENT: f64 = 1e-3;
+/// Number of roundings of an output that count as zero.
+const ROUNDINGS: f64 = 1e3;
+
 /// A direction of motion, as the runtime's increments.
 #[derive(Clone, Debug)]
 pub(super) struct Direction {
@@ -109,8 +120,8 @@ impl<'a> Probe<'a> {
         Ok([state.acceleration, state.rates, self.outputs.values.clone()])
     }
 
-    /// Derivatives of all channels (SI) per unit of the direction.
-    pub fn along(&mut self, direction: &Direction) -> Result<Vec<f64>, RuntimeError> {
+    /// The step of a difference along a direction; `None` if the direction moves nothing.
+    fn step(&self, direction: &Direction) -> Option<f64> {
         let sizes: Vec<f64> = self
             .model
             .state_scales
@@ -121,11 +132,53 @@ impl<'a> Probe<'a> {
         let longest = largest_scaled(&direction.place, &self.scales)
             .max(largest_scaled(&direction.velocity, &self.scales) / FASTEST);
         let fallback = largest_scaled(&direction.states, &sizes);
-        let step = if longest > 0.0 {
-            REACH * self.model.tolerance / (self.model.length * longest)
-        } else if fallback > 0.0 {
-            STATES / fallback
+        if longest > 0.0 {
+            Some(REACH * self.model.tolerance / (self.model.length * longest))
         } else {
+            (fallback > 0.0).then(|| STATES / fallback)
+        }
+    }
+
+    /// The first of some channels with a kink at the state, along a direction. `here` are the channels at the state.
+    ///
+    /// The difference of the slopes to both sides, `b(h) = (f(h) + f(−h) − 2 f(0))/h`, is the same over every step h
+    /// at a kink, doubles with h for a curved output, and falls with h if it is rounding. So it is compared over steps
+    /// of h, 2h, 4h and 8h.
+    pub fn bent(
+        &mut self,
+        direction: &Direction,
+        channels: &[usize],
+        here: &[f64],
+    ) -> Result<Option<usize>, RuntimeError> {
+        let Some(step) = self.step(direction) else {
+            return Ok(None);
+        };
+        let mut bends = vec![[0.0; WIDER.len()]; channels.len()];
+        let mut slopes = vec![0.0_f64; channels.len()];
+        for (i, wider) in WIDER.iter().enumerate() {
+            let h = step * wider;
+            let sides = [self.at(direction, h)?, self.at(direction, -h)?];
+            for (k, channel) in channels.iter().enumerate() {
+                let value = |of: &[f64]| of.get(*channel).copied().unwrap_or(0.0);
+                let [up, down] = [&sides[0], &sides[1]].map(|side| value(side) - value(here));
+                bends[k][i] = (up + down) / h;
+                slopes[k] = slopes[k].max(up.abs().max(down.abs()) / h);
+                let rounding = ROUNDINGS * f64::EPSILON * value(here).abs() / h;
+                if bends[k][i].abs() <= rounding {
+                    bends[k][i] = 0.0;
+                }
+            }
+        }
+        let stays = |pair: &[f64]| ALIKE.contains(&(pair[1] / pair[0]));
+        let bent = bends.iter().zip(&slopes).position(|(bends, slope)| {
+            bends.windows(2).all(stays) && bends[0].abs() > BENT * slope
+        });
+        Ok(bent.and_then(|at| channels.get(at).copied()))
+    }
+
+    /// Derivatives of all channels (SI) per unit of the direction.
+    pub fn along(&mut self, direction: &Direction) -> Result<Vec<f64>, RuntimeError> {
+        let Some(step) = self.step(direction) else {
             return Ok(vec![0.0; self.outputs.values.len()]);
         };
         let near = [self.at(direction, step)?, self.at(direction, -step)?];

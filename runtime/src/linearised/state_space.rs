@@ -68,7 +68,8 @@ struct Answer {
 /// channels. The model has the present values of its inputs as parameters.
 ///
 /// # Errors
-/// Those of [`linearise`](super::linearise); an input whose effect has a kink at its value.
+/// Those of [`linearise`](super::linearise); an input whose effect has a kink at its value, an output that has one at
+/// the state.
 pub(crate) fn state_space(
     model: &Model,
     state: &State,
@@ -82,7 +83,15 @@ pub(crate) fn state_space(
     let (p, size) = (equations.freedoms(), a.nrows());
     let mut c = DMatrix::zeros(channels.len(), size);
     let mut probe = Probe::new(model, state, moment)?;
+    let [.., here] = probe.here()?;
     for k in 0..size {
+        if let Some(bent) = probe.bent(&equations.direction(k), channels, &here)? {
+            let channel = model.compiled.system.channels.get(bent);
+            return Err(RuntimeError::KinkedOutput {
+                path: channel.map_or(String::new(), |channel| channel.path.clone()),
+                moment,
+            });
+        }
         let slopes = probe.along(&equations.direction(k))?;
         for (row, channel) in channels.iter().enumerate() {
             c[(row, k)] = slopes.get(*channel).copied().unwrap_or(0.0);
