@@ -85,6 +85,20 @@ pub enum Error {
         /// The analysis.
         analysis: String,
     },
+    /// Gradients of an analysis that has none.
+    #[error(
+        "{analysis} has no gradients: they belong to a motion in time, so name a transient analysis"
+    )]
+    NoGradients {
+        /// The analysis.
+        analysis: String,
+    },
+    /// A parameter that gradients name twice.
+    #[error("gradients have {path} twice; name it once")]
+    GradientTwice {
+        /// The path.
+        path: String,
+    },
     /// No such element, body, marker, parameter or output.
     #[error("there is no {path} in the model{}", hint(nearest))]
     NoItem {

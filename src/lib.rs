@@ -109,7 +109,7 @@ pub use program::{Checked, Program, check, open};
 pub use quantity::{Quantity, QuantityError};
 pub use recorded_field::RecordedField;
 pub use reduction::{BodyFile, BodyFormat, HandOverError, Reduction};
-pub use results::Results;
+pub use results::{Gradient, Results};
 pub use simulation::{Simulation, SimulationBuilder};
 pub use sources::Sources;
 pub use tables::{Summarised, SummaryTable};

@@ -126,6 +126,74 @@ fn a_run_writes_files_and_prints_a_table() {
     assert_eq!(read.samples(), 73);
 }
 
+#[test]
+fn gradients_are_a_file_of_their_own() {
+    use arrow_array::{Float64Array, StringArray};
+    use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+    let folder = Folder::new("gradients", SWING);
+    let run = ["--analysis", "one", "--no-plots", "--quiet"];
+    let gradients = [
+        "--gradients",
+        "length",
+        "--gradients",
+        "load",
+        "--channels",
+        "height",
+    ];
+    let (code, _, errors) = folder.eng("run", &[&run[..], &gradients[..]].concat());
+    assert_eq!((code, errors.as_str()), (0, ""));
+    let path = folder.path("out/one.gradients.parquet");
+    let file = std::fs::File::open(&path).unwrap();
+    let mut reader = ParquetRecordBatchReaderBuilder::try_new(file)
+        .unwrap()
+        .build()
+        .unwrap();
+    let batch = reader.next().unwrap().unwrap();
+    assert_eq!(batch.num_rows(), 2 * 11);
+    let names: Vec<String> = batch
+        .schema()
+        .fields()
+        .iter()
+        .map(|f| f.name().clone())
+        .collect();
+    assert_eq!(names, ["parameter", "parameter_unit", "time", "height"]);
+    assert_eq!(
+        batch.schema().field(3).metadata()["unit"],
+        "mm/parameter_unit"
+    );
+    let text = |name: &str, row: usize| {
+        let column = batch.column_by_name(name).unwrap().as_any();
+        column
+            .downcast_ref::<StringArray>()
+            .unwrap()
+            .value(row)
+            .to_owned()
+    };
+    assert_eq!(
+        [text("parameter", 10), text("parameter_unit", 10)],
+        ["length", "mm"]
+    );
+    assert_eq!(
+        [text("parameter", 11), text("parameter_unit", 11)],
+        ["load", "kg"]
+    );
+    // at the start the height is −l cos 30°
+    let height = batch.column_by_name("height").unwrap().as_any();
+    let slope = height.downcast_ref::<Float64Array>().unwrap().value(0);
+    assert!((slope + 30f64.to_radians().cos()).abs() < 1e-9, "{slope}");
+    // they are no results, and a run without gradients removes them
+    assert!(Results::read(Path::new(&path)).is_err());
+    let (code, _, errors) = folder.eng("run", &run);
+    assert_eq!((code, errors.as_str()), (0, ""));
+    assert!(!Path::new(&path).exists());
+    let (code, _, errors) = folder.eng("run", &[&run[..], &["--gradients", "lenght"]].concat());
+    assert_eq!(code, 2);
+    assert!(
+        errors.contains("--gradients: there is no parameter lenght"),
+        "{errors}"
+    );
+}
+
 fn files_of_two_analyses() -> Vec<String> {
     let mut names = Vec::new();
     for analysis in ["slow", "fast"] {

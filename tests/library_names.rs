@@ -248,7 +248,7 @@ fn rust_knows_the_library_by_paths_of_interfaces_only() {
                 if !texts.iter().any(|text| names_it(text, name)) {
                     continue;
                 }
-                if let Some(place) = HOMONYMS.iter().position(|homonym| own(homonym)) {
+                if let Some(place) = HOMONYMS.iter().position(own) {
                     met.insert((place, name.as_str()));
                     continue;
                 }

@@ -32,6 +32,7 @@ mod free_trains;
 mod gallery;
 mod gallery_checks;
 mod geometry;
+mod gradients;
 mod hand_over;
 mod handles;
 mod inputs;

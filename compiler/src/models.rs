@@ -87,7 +87,7 @@ impl SharedModels {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Checks the names of inputs and channels that analyses state. Other stages report a model with a mistake.
+    /// Checks the names of inputs, channels and parameters that analyses state. Other stages report a model with a mistake.
     pub fn names(
         &self,
         typed: &TypedProgram,

@@ -79,6 +79,8 @@ pub struct AccelerationSystem {
     stale: bool,
     /// The position of the factors.
     pose: Vec<f64>,
+    /// Largest |Φ| (m or rad) at which the projection ends.
+    goal: f64,
 }
 
 impl AccelerationSystem {
@@ -135,10 +137,16 @@ impl AccelerationSystem {
             correction: vec![0.0; size],
             stale: false,
             pose: vec![0.0; model.poses],
+            goal: POSITION_GOAL,
             pattern,
             bodies,
             transposed,
         })
+    }
+
+    /// Lets every projection end at rounding, so that its result is smooth in the state before it.
+    pub fn project_to_rounding(&mut self) {
+        self.goal = 0.0;
     }
 
     /// Makes the factors at the position of `dynamics`, and evaluates the gradients there.
@@ -269,7 +277,8 @@ impl AccelerationSystem {
         moment: Moment,
     ) -> Result<(), RuntimeError> {
         self.project(model, dynamics, state, moment, Factors::Made)?;
-        self.finish(model, dynamics, integrator, state, moment)
+        let settles = state.time < integrator.current.time;
+        self.finish(model, dynamics, integrator, state, (moment, settles))
     }
 
     /// Brings positions back to Φ = 0 and places `dynamics` there, with multipliers zero.
@@ -306,7 +315,7 @@ impl AccelerationSystem {
             if (attempt == 0 && first) || attempt == ATTEMPTS / 2 {
                 self.factor(model, dynamics, moment)?;
             }
-            if worst.abs() <= POSITION_GOAL || (attempt >= 3 && worst.abs() <= POSITION_LIMIT) {
+            if worst.abs() <= self.goal || (attempt >= 3 && worst.abs() <= POSITION_LIMIT) {
                 return Ok(());
             }
             if attempt + 1 == ATTEMPTS
@@ -334,17 +343,18 @@ impl AccelerationSystem {
     /// After [`AccelerationSystem::project`]: velocities with |Φ̇| below 1e-9 of its first value or at rounding,
     /// accelerations, multipliers and rates.
     ///
-    /// Loads belong to the given velocity, at which `dynamics` is placed: see the head of this module.
+    /// Loads belong to the given velocity, at which `dynamics` is placed: see the head of this module. A state within the last
+    /// step is settled first ([`Integrator::settle`]).
     pub fn finish(
         &mut self,
         model: &Model,
         dynamics: &mut Dynamics,
         integrator: &mut Integrator,
         state: &mut State,
-        moment: Moment,
+        (moment, settles): (Moment, bool),
     ) -> Result<(), RuntimeError> {
         let n = model.velocities;
-        if state.time < integrator.current.time {
+        if settles {
             integrator.settle(model, dynamics, state)?;
         }
         dynamics.evaluate(model)?;

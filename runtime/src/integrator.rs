@@ -37,9 +37,11 @@
 mod dense;
 mod nearest;
 mod newton;
+mod variation;
 mod vibration;
 
 pub use newton::STATE_SHARE;
+pub use variation::{StepDerivative, Variation};
 pub use vibration::{Damped, Vibration};
 
 use crate::body::Weights;

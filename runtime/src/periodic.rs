@@ -184,6 +184,7 @@ pub fn run_periodic(
         duration: Extent::Angle(period * f64::from(periodic.cycles)),
         sample: Extent::Angle(period / samples),
         integration: periodic.integration,
+        gradients: Vec::new(),
     };
     let run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
     cycles.give();

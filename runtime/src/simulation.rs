@@ -4,6 +4,7 @@ mod astray;
 mod beginning;
 mod demanded;
 mod driving;
+mod gradients;
 mod kinked;
 mod pace;
 mod reading;
@@ -32,6 +33,7 @@ use astray::Astray;
 use eng_system::analysis::Integration;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
+pub use gradients::Gradients;
 use pace::Limit;
 pub use reading::Reading;
 use std::sync::OnceLock;
@@ -155,6 +157,8 @@ pub struct Simulation {
     before_kink: f64,
     /// The kink that a fixed step overlooked most.
     overlooked: Option<Overlooked>,
+    /// How often the motion began again at a jump of accelerations.
+    renewals: u64,
     /// The state of the last outputs, projected and completed.
     completed: State,
     /// Time of the state in `completed` whose outputs are evaluated.
@@ -286,6 +290,7 @@ impl Simulation {
             integrator: Integrator::new(&model, &state, options.rho_infinity, goal)?,
             kinks: Kinks::new(&model, dynamics.batches()),
             overlooked: None,
+            renewals: 0,
             at_kink: None,
             jump_at_kink: 0.0,
             before_kink: 0.0,

@@ -6,9 +6,9 @@ use crate::decay::CycleReport;
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::{Damped, Statistics};
 use crate::kinks::Overlooked;
-use crate::simulation::{Energy, Options, Simulation, Slow, Warning};
+use crate::simulation::{Energy, Gradients, Options, Simulation, Slow, Warning};
 use crate::start::StartReport;
-use eng_system::analysis::Kind;
+use eng_system::analysis::{Kind, Names};
 use eng_system::code::Compiled;
 use eng_system::significant::short;
 use eng_system::system::{Extent, StepControl, Transient};
@@ -89,6 +89,9 @@ pub trait Observer {
     fn sampled(&mut self) {}
     /// Takes a sample; `Break` ends the run after it.
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
+    /// Takes the derivatives of all channels (SI) by one of the parameters of [`Transient::gradients`], in their order, at
+    /// the sample that it took last.
+    fn gradient(&mut self, _parameter: usize, _values: &[f64]) {}
     /// Called after every step. No verdict changes a bit of the results.
     fn progress(&mut self, _advance: &Advance) -> Verdict {
         Verdict::GoOn
@@ -297,6 +300,31 @@ fn begin(
     Ok((simulation, sense))
 }
 
+/// The derivatives that a transient asks for, beside its simulation at the start.
+fn gradients(
+    compiled: &Compiled,
+    overrides: &[Option<f64>],
+    transient: &Transient,
+    simulation: &Simulation,
+    resumes: bool,
+) -> Result<Option<(Gradients, usize)>, RuntimeError> {
+    if transient.gradients.is_empty() {
+        return Ok(None);
+    }
+    let refuse = |message: String| Err(RuntimeError::Options { message });
+    if resumes {
+        return refuse(
+            "a checkpoint has no gradients, so a run with gradients cannot be resumed: start it again".into(),
+        );
+    }
+    let paths = compiled.system.paths_of(Names::Parameters);
+    let Ok(parameters) = Names::Parameters.indices(&transient.gradients, &paths) else {
+        return refuse("a path of `gradients` names no parameter of its own".into());
+    };
+    let made = Gradients::new(compiled, overrides, &parameters, simulation)?;
+    Ok(Some((made, parameters.len())))
+}
+
 /// The progress of a run towards its end.
 struct Way {
     duration: Extent,
@@ -362,6 +390,13 @@ fn run(
     };
     let mut run = Run {
         values: vec![0.0; simulation.model().compiled.system.channels.len()],
+        gradients: gradients(
+            compiled,
+            overrides,
+            transient,
+            &simulation,
+            resume.is_some(),
+        )?,
         observer,
         points,
         next: 1,
@@ -373,7 +408,8 @@ fn run(
         simulation.evaluate_channels(&mut run.values)?;
         let cycle = simulation.cycle_angle().zip(simulation.cycle_rate());
         run.give_warnings(&mut simulation);
-        if run.give(&simulation, simulation.time(), cycle).is_break() {
+        let time = simulation.time();
+        if run.give(&mut simulation, time, cycle, None)?.is_break() {
             return Ok((run.summary(&simulation, true), simulation));
         }
     } else {
@@ -402,6 +438,9 @@ fn run(
                 .map_or(limit, |renewal| renewal.end(&simulation).min(limit));
             let longest = points.between(&simulation);
             let step = simulation.step_no_longer(end, longest)?.step;
+            if let Some((gradients, _)) = run.gradients.as_mut().filter(|_| step > 0.0) {
+                gradients.follow(&mut simulation, step)?;
+            }
             if let Some(renewal) = &mut renewal {
                 renewal.after(&mut simulation, step);
             }
@@ -415,16 +454,16 @@ fn run(
         let advance = Advance::new(&simulation, fraction);
         follow(&simulation, run.observer, &advance, end.is_some())?;
         if let Some(end) = end {
-            let (end, cycle) = match transient.duration {
-                Extent::Time(_) => (end, simulation.sample_at(end, &mut run.values)?),
+            let (end, cycle, angle) = match transient.duration {
+                Extent::Time(_) => (end, simulation.sample_at(end, &mut run.values)?, None),
                 Extent::Angle(duration) => {
-                    let (time, cycle) =
-                        simulation.sample_at_angle(start + sense * duration, &mut run.values)?;
-                    (time, Some(cycle))
+                    let angle = start + sense * duration;
+                    let (time, cycle) = simulation.sample_at_angle(angle, &mut run.values)?;
+                    (time, Some(cycle), Some(angle))
                 }
             };
             // the run ends here anyway, so the observer's wish to stop makes no difference
-            let _ = run.give(&simulation, end, cycle.map(|c| (c[0], c[1])));
+            let _ = run.give(&mut simulation, end, cycle.map(|c| (c[0], c[1])), angle)?;
             return Ok((run.summary(&simulation, false), simulation));
         }
         if run.observer.wants_checkpoint() {
@@ -451,6 +490,8 @@ pub(crate) fn follow(
 
 struct Run<'a> {
     values: Vec<f64>,
+    /// The derivatives by parameters, and their number.
+    gradients: Option<(Gradients, usize)>,
     observer: &'a mut dyn Observer,
     points: Points,
     /// The next point.
@@ -485,17 +526,17 @@ impl Run<'_> {
                     break;
                 }
             }
-            let (time, cycle) = match points {
-                Points::Time { .. } => (time, simulation.sample_at(time, &mut self.values)?),
+            let (time, cycle, angle) = match points {
+                Points::Time { .. } => (time, simulation.sample_at(time, &mut self.values)?, None),
                 Points::Angle { .. } => {
-                    let (time, cycle) =
-                        simulation.sample_at_angle(points.at(self.next), &mut self.values)?;
-                    (time, Some(cycle))
+                    let angle = points.at(self.next);
+                    let (time, cycle) = simulation.sample_at_angle(angle, &mut self.values)?;
+                    (time, Some(cycle), Some(angle))
                 }
             };
             self.next += 1;
             if self
-                .give(simulation, time, cycle.map(|c| (c[0], c[1])))
+                .give(simulation, time, cycle.map(|c| (c[0], c[1])), angle)?
                 .is_break()
             {
                 return Ok(ControlFlow::Break(()));
@@ -504,15 +545,17 @@ impl Run<'_> {
         Ok(ControlFlow::Continue(()))
     }
 
+    /// Gives a sample, and the derivatives there; at a cycle angle, if the sample lies at one.
     fn give(
         &mut self,
-        simulation: &Simulation,
+        simulation: &mut Simulation,
         time: f64,
         cycle: Option<(f64, f64)>,
-    ) -> ControlFlow<()> {
+        angle: Option<f64>,
+    ) -> Result<ControlFlow<()>, RuntimeError> {
         self.samples += 1;
         self.last = time;
-        self.observer.sample(&Sample {
+        let taken = self.observer.sample(&Sample {
             time,
             cycle_angle: cycle.map(|c| c.0),
             cycle_rate: cycle.map(|c| c.1),
@@ -523,7 +566,14 @@ impl Run<'_> {
             velocity: &simulation.sampled_state().velocity,
             states: &simulation.sampled_state().states,
             fields: &simulation.sampled_fields(),
-        })
+        });
+        if let Some((gradients, count)) = &mut self.gradients {
+            for parameter in 0..*count {
+                gradients.sample(simulation, parameter, angle, &mut self.values)?;
+                self.observer.gradient(parameter, &self.values);
+            }
+        }
+        Ok(taken)
     }
 
     fn give_warnings(&mut self, simulation: &mut Simulation) {

@@ -1,6 +1,7 @@
 //! Running the analyses of a program.
 
 mod choose;
+mod gradients;
 mod motion;
 mod run;
 
@@ -10,7 +11,7 @@ use crate::model::{Model, Parameter};
 use crate::places::{place, set_by, span};
 use crate::program::{Bodies, Program};
 use crate::recorded_field::RecordedField;
-use crate::results::{Recording, Results};
+use crate::results::{Gradient, Recording, Results};
 use crate::simulation::{SimulationBuilder, run_error_with};
 use crate::timings::{Clock, Timings};
 use crate::{Error, Quantity, RuntimeError};
@@ -113,6 +114,8 @@ pub struct Outcome {
     pub modes: Option<LinearModes>,
     /// The response over frequency, whose amplitudes and phases are the rows of `results`; absent after a failure.
     pub response: Option<FrequencyResponse>,
+    /// The derivatives of the channels by the parameters that the analysis names; empty after a failure.
+    pub gradients: Vec<Gradient>,
     /// Whether all this comes from an earlier run, and nothing was computed.
     pub made_before: bool,
     /// Processor time of the phases, if the analysis is [`Analysis::timed`].

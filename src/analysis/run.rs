@@ -1,5 +1,6 @@
 //! Runs of analyses: the solution of each kind, and its records.
 
+use super::gradients::GradientColumns;
 use super::motion::Motion;
 use super::{Analysis, Failed, Outcome, Progress, Watch};
 use crate::error::Error;
@@ -64,6 +65,8 @@ impl Analysis {
             resumed: point.is_some(),
             warnings: point.iter().flat_map(|p| &p.warnings).map(given).collect(),
             motion: Motion::begin(self, point.as_ref().map(|p| p.samples))?,
+            gradients: self.gradient_columns(),
+            at: Vec::new(),
             start: None,
             cycles: None,
             last: None,
@@ -124,6 +127,7 @@ impl Analysis {
             periodic: None,
             modes: None,
             response: None,
+            gradients: Vec::new(),
             made_before: true,
             timings: None,
         })
@@ -168,8 +172,14 @@ impl Analysis {
             // the failure of the run is more informative than that of its table
             Err(error) => return Err(cause.unwrap_or_else(|| error.into()).into()),
         };
+        let mut gradients = Vec::new();
         if cause.is_none() {
             self.write_matrices(solved.modes.as_ref())
+                .map_err(Error::from)?;
+            for columns in recorder.gradients {
+                gradients.push(columns.finish(&results).map_err(Error::from)?);
+            }
+            self.write_gradients(&gradients, &results)
                 .map_err(Error::from)?;
         }
         let motion = recorder.motion.results(self, results.metadata())?;
@@ -185,6 +195,7 @@ impl Analysis {
             periodic: solved.periodic,
             modes: solved.modes,
             response: solved.response,
+            gradients,
             made_before: false,
             timings: recorder.clock.map(|(_, spent)| spent),
         };
@@ -317,6 +328,10 @@ struct Recorder<'a> {
     resumed: bool,
     warnings: Vec<Warning>,
     motion: Motion,
+    /// The derivatives by parameters.
+    gradients: Vec<GradientColumns>,
+    /// Time and cycle at the last sample.
+    at: Vec<f64>,
     start: Option<StartReport>,
     cycles: Option<(u32, Option<f64>)>,
     /// The last progress of the run.
@@ -373,6 +388,12 @@ impl Recorder<'_> {
         }
         if let Err(error) = self.motion.push(sample) {
             return self.keep(Err(error));
+        }
+        if !self.gradients.is_empty() {
+            self.at.clear();
+            self.at.push(sample.time);
+            self.at
+                .extend(sample.cycle_angle.into_iter().chain(sample.cycle_rate));
         }
         let e = &sample.energy;
         let audit = [
@@ -466,8 +487,16 @@ impl Observer for Recorder<'_> {
         taken
     }
 
+    fn gradient(&mut self, parameter: usize, values: &[f64]) {
+        self.spent(|timings| &mut timings.samples);
+        if let Some(columns) = self.gradients.get_mut(parameter) {
+            columns.push(self.at.iter().chain(values).copied());
+        }
+    }
+
     fn wants_checkpoint(&mut self) -> bool {
-        self.refused.is_none() && self.table.wants_checkpoint()
+        // a checkpoint has no gradients
+        self.refused.is_none() && self.gradients.is_empty() && self.table.wants_checkpoint()
     }
 
     fn checkpoint(&mut self, bytes: Vec<u8>) {

@@ -439,6 +439,10 @@ pub(super) struct RunArguments {
     /// Keep only these channels, by patterns: `main[*].force.*`; may be given several times [default: all]
     #[arg(long, value_name = "PATTERN", value_parser = pattern)]
     pub channels: Vec<String>,
+    /// Differentiate the channels by these parameters: `main[*].radial_clearance`; may be given several times
+    /// [default: those of the text]
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["design", "points", "slice"])]
+    pub gradients: Vec<String>,
     /// Keep only the last part of each analysis: `"2 rev"`, `720deg`, `50ms` [default: the whole]
     #[arg(long, value_name = "PART")]
     pub last: Option<String>,

@@ -8,6 +8,7 @@ use crate::analysis::Failed;
 use crate::figures;
 use crate::post::Run;
 use crate::program::Program;
+use crate::results::gradients_file;
 use crate::run::RunOutcome;
 use crate::tables::{SummaryTable, modes, response, state};
 use crate::timings;
@@ -160,6 +161,10 @@ impl<'a> Outcomes<'a> {
         let matrices = crate::matrices::file_of(folder, results.analysis());
         if results.are_modes() && results.failure().is_none() && matrices.is_file() {
             wrote(&matrices, arguments, console)?;
+        }
+        let gradients = gradients_file(folder, results.analysis());
+        if results.are_samples() && results.failure().is_none() && gradients.is_file() {
+            wrote(&gradients, arguments, console)?;
         }
         if arguments.csv {
             let path = or_stop(results.write_csv(folder), console)?;

@@ -56,7 +56,11 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
         .analyses_of(&names)
         .into_iter()
         .map(|made| {
-            let analysis = prepare(made?, settings, steps)?.record(recording.clone());
+            let mut analysis = prepare(made?, settings, steps)?.record(recording.clone());
+            if !arguments.gradients.is_empty() {
+                let usage = |e: Error| Refusal::Usage(format!("--gradients: {e}"));
+                analysis = analysis.gradients(&arguments.gradients).map_err(usage)?;
+            }
             Ok(match arguments.timings {
                 true => analysis.timed(),
                 false => analysis,

@@ -119,6 +119,7 @@ impl Entry {
                 facts: Vec::new(),
                 point: described.point.clone(),
                 periodic: Repetition::of(results.metadata()).map(|r| (r.cycles, r.repeats)),
+                gradients: Vec::new(),
                 timings: None,
                 results,
                 motion,

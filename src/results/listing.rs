@@ -1,6 +1,7 @@
 //! Summaries of result files.
 
 use super::cells::is_cells;
+use super::gradients::is_gradients;
 use super::points::is_points;
 use super::recording::{is_partial, is_result};
 use super::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
@@ -68,8 +69,8 @@ impl Column {
     }
 }
 
-/// The result files at a path: the file, or those of the folder in the order of their names. Files of cells
-/// and of points have no channels, so they are left out.
+/// The result files at a path: the file, or those of the folder in the order of their names. Files of cells,
+/// of points and of gradients have no channels of a run, so they are left out.
 pub fn listed(path: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     let refused = |source| ResultsError::File {
         path: path.to_owned(),
@@ -81,7 +82,8 @@ pub fn listed(path: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(refused)? {
         let file = entry.map_err(refused)?.path();
-        if is_result(&file) && !is_cells(&file) && !is_points(&file) && !hidden(&file) {
+        let other = is_cells(&file) || is_points(&file) || is_gradients(&file);
+        if is_result(&file) && !other && !hidden(&file) {
             files.push(file);
         }
     }

@@ -256,7 +256,8 @@ fn read(file: File, length: u64) -> Result<Results, Refused> {
     let damaged = |_: parquet::errors::ParquetError| Refused::Damage;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(damaged)?;
     let refusal = super::cells::refusal(builder.schema());
-    if let Some(refusal) = refusal.or_else(|| super::points::refusal(builder.schema())) {
+    let refusal = refusal.or_else(|| super::points::refusal(builder.schema()));
+    if let Some(refusal) = refusal.or_else(|| super::gradients::refusal(builder.schema())) {
         return Err(Refused::Foreign(refusal));
     }
     if !is_sound(builder.metadata(), length) {

@@ -9,7 +9,7 @@ use crate::lint::{self, Finding};
 use crate::machine::Machine;
 use crate::repetition::Repetition;
 use crate::timings::{Clock, Timings};
-use crate::{Analysis, Error, Progress, Results, Slow, Verdict, Watch};
+use crate::{Analysis, Error, Gradient, Progress, Results, Slow, Verdict, Watch};
 use eng_grammar::{Diagnostic, Diagnostics};
 use eng_system::significant::{short, significant};
 use eng_system::system::PointValue;
@@ -39,6 +39,8 @@ pub struct RunOutcome {
     pub point: Vec<PointValue>,
     /// For a periodic analysis: number of cycles, and whether the last repeats; absent after a failure.
     pub periodic: Option<(u32, bool)>,
+    /// The derivatives of the channels by the parameters that the analysis names.
+    pub gradients: Vec<Gradient>,
     /// Processor time of the phases, if the analysis is [`Analysis::timed`].
     pub timings: Option<Timings>,
 }
@@ -346,6 +348,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         facts,
         point: analysis.point().to_vec(),
         periodic: repetition.map(|r| (r.cycles, r.repeats)),
+        gradients: outcome.gradients,
         timings: outcome.timings.map(|spent| Timings { cells, ..spent }),
         motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
         results: outcome.results,

@@ -69,6 +69,7 @@ impl Study {
                 point: analysis.point().to_vec(),
                 periodic: matches!(analysis.kind(), AnalysisKind::Periodic(_))
                     .then_some((0, false)),
+                gradients: Vec::new(),
                 timings: None,
             };
             for column in self.numbers(&empty).0.columns() {

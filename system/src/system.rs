@@ -523,7 +523,7 @@ pub struct System {
 }
 
 impl System {
-    /// Paths of the inputs or channels, in their order.
+    /// Paths of the inputs, channels or parameters, in their order.
     pub fn paths_of(&self, names: Names) -> Vec<&str> {
         match names {
             Names::Inputs => {
@@ -532,6 +532,10 @@ impl System {
                 self.inputs.iter().map(|i| path(i.parameter)).collect()
             }
             Names::Channels => self.channels.iter().map(|c| c.path.as_str()).collect(),
+            Names::Parameters => {
+                let parameters = self.parameters.iter();
+                parameters.map(|p| p.origin.path.as_str()).collect()
+            }
         }
     }
 }

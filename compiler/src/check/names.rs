@@ -1,4 +1,4 @@
-//! Names of inputs and channels in the arguments of an analysis. Elaboration checks whether they exist.
+//! Names of inputs, channels and parameters in the arguments of an analysis. Elaboration checks whether they exist.
 
 use super::Checker;
 use super::scope::Scope;

@@ -1,4 +1,4 @@
-//! Names of inputs and channels in the arguments of an analysis: `outputs: [speed, main[1..5].force]`.
+//! Names of inputs, channels and parameters in the arguments of an analysis: `outputs: [speed, main[1..5].force]`.
 
 use super::binding::span_of;
 use super::value::{ScopeId, Value};
@@ -88,7 +88,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// Checks the names of inputs and channels that an analysis states against its model.
+/// Checks the names of inputs, channels and parameters that an analysis states against its model.
 pub(crate) fn check_names(analysis: &Analysis, system: &System, diagnostics: &mut Diagnostics) {
     for (argument, names, stated) in analysis.kind.named() {
         let paths = system.paths_of(names);
@@ -110,6 +110,7 @@ pub(crate) fn check_names(analysis: &Analysis, system: &System, diagnostics: &mu
         let kind = match names {
             Names::Inputs => "input",
             Names::Channels => "channel",
+            Names::Parameters => "parameter",
         };
         let title = format!("`{}` has no {kind} `{}`", system.name, name.path);
         let message = Diagnostic::error(codes::NO_CHANNEL_OF_ANALYSIS, title);

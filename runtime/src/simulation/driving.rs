@@ -115,6 +115,7 @@ impl Simulation {
     /// Starts the motion again at the present state, because loads jump there.
     pub(super) fn begin_anew(&mut self) -> Result<(), RuntimeError> {
         let moment = self.moment();
+        self.renewals += 1;
         // the constraints' compensation of the steps before, which does not depend on loads
         self.pass_defect(moment)?;
         let first = self.first_rates(moment)?;

@@ -145,12 +145,13 @@ impl Simulation {
         self.system
             .project(&self.model, &mut self.dynamics, state, moment, factors)?;
         if reading.depth > Depth::Position {
+            let settles = state.time < self.integrator.current.time;
             self.system.finish(
                 &self.model,
                 &mut self.dynamics,
                 &mut self.integrator,
                 state,
-                moment,
+                (moment, settles),
             )?;
         }
         Ok(())

@@ -33,7 +33,7 @@ impl Simulation {
         self.copy_channels(out)
     }
 
-    fn copy_channels(&self, out: &mut [f64]) -> Result<(), RuntimeError> {
+    pub(super) fn copy_channels(&self, out: &mut [f64]) -> Result<(), RuntimeError> {
         if out.len() != self.outputs.values.len() {
             return Err(RuntimeError::Options {
                 message: format!(
@@ -187,13 +187,14 @@ impl Simulation {
             time: self.completed.time,
             cycle_angle: Some(angle),
         };
+        let settles = self.completed.time < self.integrator.current.time;
         self.system
             .finish(
                 &self.model,
                 &mut self.dynamics,
                 &mut self.integrator,
                 &mut self.completed,
-                moment,
+                (moment, settles),
             )
             .map_err(|error| self.at_moment(error))?;
         self.evaluate_completed()?;
@@ -247,7 +248,7 @@ impl Simulation {
     }
 
     /// Cycle angle and rate of `self.completed`, at which the dynamics are placed.
-    fn cycle_of_completed(&mut self) -> Result<Option<[f64; 2]>, RuntimeError> {
+    pub(super) fn cycle_of_completed(&mut self) -> Result<Option<[f64; 2]>, RuntimeError> {
         match &mut self.cycle {
             Some(cycle) => {
                 cycle.evaluate(&self.model, &self.dynamics, &self.completed)?;

@@ -68,6 +68,7 @@ fn transient(duration: Extent, sample: Extent, step: StepControl) -> Transient {
             rho_infinity: 0.8,
             start: Start::Assembled,
         },
+        gradients: Vec::new(),
     }
 }
 

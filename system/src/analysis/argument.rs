@@ -39,7 +39,7 @@ pub enum Takes {
     Switch,
     /// A word of [`Start::NAMED`].
     Start,
-    /// Names of inputs or channels.
+    /// Names of inputs, channels or parameters.
     Names(Names),
 }
 
@@ -87,7 +87,7 @@ pub enum Value {
     Switch(bool),
     /// The kind of start.
     Start(Start),
-    /// Names of inputs or channels.
+    /// Names of inputs, channels or parameters.
     Names(Vec<Named>),
 }
 
@@ -157,7 +157,7 @@ impl Given {
         }
     }
 
-    /// Names of inputs or channels, if the text states them.
+    /// Names of inputs, channels or parameters, if the text states them.
     pub fn names(&self, name: &str) -> Option<Vec<Named>> {
         match self.find(name)? {
             Value::Names(names) => Some(names.clone()),

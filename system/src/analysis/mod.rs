@@ -108,7 +108,7 @@ pub trait Kind {
     /// The meaning of the rows of its results.
     fn rows(&self) -> Rows;
 
-    /// Lists of inputs or channels that its text names, with the name of each argument.
+    /// Lists of inputs, channels or parameters that its text names, with the name of each argument.
     fn named(&self) -> Vec<(&'static str, Names, &[Named])> {
         Vec::new()
     }

@@ -1,4 +1,4 @@
-//! Inputs and channels that an analysis names, such as `inputs: [brake]` of `linear`.
+//! Inputs, channels and parameters that an analysis names, such as `inputs: [brake]` of `linear`.
 
 use crate::place::Location;
 
@@ -9,6 +9,8 @@ pub enum Names {
     Inputs,
     /// Channels: outputs of the model and of its elements. A name may be that of a vector, which has several.
     Channels,
+    /// Parameters of the model and of its parts.
+    Parameters,
 }
 
 /// A name of the text with its place.
@@ -25,15 +27,15 @@ pub struct Named {
 pub struct Misnamed {
     /// Its index in the list.
     pub index: usize,
-    /// Whether the input or channel of this name also belongs to an earlier name of the list.
+    /// Whether the input, channel or parameter of this name also belongs to an earlier name of the list.
     pub again: bool,
 }
 
 impl Names {
-    /// Indices of the named inputs or channels among all `paths` of a system, in the order of the names.
+    /// Indices of the named inputs, channels or parameters among all `paths` of a system, in the order of the names.
     ///
     /// # Errors
-    /// The first name without an input or channel, or with one that an earlier name has.
+    /// The first name to which nothing belongs, or only something that an earlier name has.
     pub fn indices(self, named: &[Named], paths: &[&str]) -> Result<Vec<usize>, Misnamed> {
         let mut found = Vec::new();
         for (index, name) in named.iter().enumerate() {
@@ -98,5 +100,6 @@ mod tests {
         assert!(channels.means("main[2].force.y", "main[2].force.y"));
         assert!(!channels.means("main[2]", "main[2].force.y"));
         assert!(!Names::Inputs.means("push", "push.x"));
+        assert!(Names::Parameters.means("rod[*].length", "rod[2].length"));
     }
 }

@@ -2,8 +2,8 @@
 
 use super::argument::{PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument};
 use super::{
-    AnalysisKind, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Rows, Start, Takes,
-    Unplanned,
+    AnalysisKind, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Named, Names, Rows,
+    Start, Takes, Unplanned,
 };
 
 /// Most samples of an analysis: it keeps all of them in memory until it ends.
@@ -12,7 +12,7 @@ const MOST_SAMPLES: f64 = 1e7;
 const PLAIN_SAMPLES: f64 = 1000.0;
 
 /// A transient analysis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Transient {
     /// Its duration.
     pub duration: Extent,
@@ -20,6 +20,8 @@ pub struct Transient {
     pub sample: Extent,
     /// Settings of its integration.
     pub integration: Integration,
+    /// Parameters by which the channels are differentiated.
+    pub gradients: Vec<Named>,
 }
 
 pub(super) const ROW: KindRow = KindRow {
@@ -47,6 +49,13 @@ pub(super) const ROW: KindRow = KindRow {
             "ms",
             POSITIVE,
             "the distance of samples; by default 0.5° of an angle, a thousandth of a time",
+        ),
+        argument(
+            "gradients",
+            Takes::Names(Names::Parameters),
+            "",
+            &[],
+            "the parameters by which the channels are differentiated",
         ),
         START,
     ],
@@ -80,6 +89,7 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         duration,
         sample,
         integration: given.integration(Start::Automatic),
+        gradients: given.names("gradients").unwrap_or_default(),
     }))
 }
 
@@ -94,6 +104,10 @@ impl Kind for Transient {
 
     fn sampling(&self) -> Option<(Extent, Option<Extent>)> {
         Some((self.sample, Some(self.duration)))
+    }
+
+    fn named(&self) -> Vec<(&'static str, Names, &[Named])> {
+        vec![("gradients", Names::Parameters, &self.gradients)]
     }
 
     fn rows(&self) -> Rows {

@@ -1,0 +1,628 @@
+//! Derivatives of the channels of a motion by parameters, with the steps of the motion.
+//!
+//! The derivative of the state goes along with the motion ([`StepDerivative`]). Beside the motion stand simulations with the
+//! parameter a little above and below its value. They never take a step: they give the derivatives of the start, of a
+//! step's residual and of the outputs at a state of the motion. All these are central differences of fourth order,
+//! `(8 (f(ε) − f(−ε)) − (f(2ε) − f(−2ε)))/12ε`. The motion itself does not change by a bit.
+
+use super::{Simulation, Warning};
+use crate::acceleration::Factors;
+use crate::body::BodyKind;
+use crate::dynamics::Dynamics;
+use crate::error::{Moment, RuntimeError};
+use crate::integrator::{Integrator, StepDerivative, Variation};
+use crate::model::Model;
+use crate::start::StartReport;
+use crate::state::State;
+use eng_system::code::Compiled;
+use eng_system::dense::{add_scaled, largest, largest_scaled};
+use eng_system::dimension::Dimension;
+use eng_system::system::{Origin, Parameter};
+
+/// Distances of a difference, in increments, and the weights of the values there.
+const AROUND: [(f64, f64); 4] = [
+    (1.0, 8.0 / 12.0),
+    (-1.0, -8.0 / 12.0),
+    (2.0, -1.0 / 12.0),
+    (-2.0, 1.0 / 12.0),
+];
+/// Increment of a parameter, as a share of its size.
+const SHARE: f64 = 2.5e-4;
+/// Largest displacement of a marker by an increment, as a share of the model's position tolerance, which is a thousandth of
+/// the smallest clearance; and as a share of the model's length if no class resolves a length. Forces are smooth over it.
+const REACH: f64 = 0.25;
+const REACH_OF_LENGTH: f64 = 1e-4;
+/// Largest move of the state over the increment of a parameter, in multiples of the lengths above, for one difference of
+/// samples over both.
+const JOINT: f64 = 4.0;
+/// Largest change of a state by an increment, as a share of its size.
+const STATES: f64 = 1e-4;
+/// Largest difference between the derivatives of the start over one and over two increments, as a share of the largest, and
+/// as one of the model's size per change of the parameter by its size.
+const START: (f64, f64) = (1e-4, 1e-6);
+/// Displacement, of the model's length, per change of a parameter by its size, from which on a gradient predicts only tiny
+/// changes.
+const SENSITIVE: f64 = 1e6;
+/// Corrections of the time of a sample at a cycle angle. Each leaves the square of the error before it.
+const ROUNDS: usize = 4;
+
+/// The derivatives by several parameters beside a simulation.
+#[derive(Debug)]
+pub struct Gradients {
+    parameters: Vec<Beside>,
+    step: StepDerivative,
+    dynamics: Dynamics,
+    /// The same model, for differences along the motion of the state.
+    same: Box<Simulation>,
+    /// The step (s) to which the auxiliary numbers belong, and whether their own part of the velocity is in the derivatives.
+    auxiliary_step: f64,
+    at_start: bool,
+    /// Length (m) over which forces are smooth.
+    reach: f64,
+    /// Whether a kink, and a sensitive motion, were told.
+    warned: [bool; 2],
+}
+
+/// The derivative by one parameter.
+#[derive(Debug)]
+struct Beside {
+    /// The parameter.
+    origin: Origin,
+    /// Its size and its increment (SI).
+    size: f64,
+    increment: f64,
+    /// The simulations at the distances of [`AROUND`].
+    around: Vec<Simulation>,
+    /// At the beginning and at the end of the last step.
+    before: Variation,
+    now: Variation,
+    /// Channels at the start.
+    start: Vec<f64>,
+}
+
+fn refused(message: String) -> RuntimeError {
+    RuntimeError::Options { message }
+}
+
+impl Gradients {
+    /// The derivatives by parameters (indices in the system) beside a simulation at its start. `overrides` are the stated
+    /// values of parameters of this simulation.
+    ///
+    /// # Errors
+    /// A model or a parameter without derivatives; a start that is not smooth in a parameter; those of the start at values
+    /// of a parameter nearby.
+    pub fn new(
+        compiled: &Compiled,
+        overrides: &[Option<f64>],
+        parameters: &[usize],
+        base: &Simulation,
+    ) -> Result<Gradients, RuntimeError> {
+        let model = &base.model;
+        let mut fields = model.kernels.iter().zip(&compiled.system.elements);
+        if let Some((_, element)) = fields.find(|(kernels, _)| !kernels.is_empty()) {
+            return Err(refused(format!(
+                "{} solves its film on cells, and gradients do not pass such a film yet: take a film with a law, such as `Impedance`, or \
+                 compare two runs",
+                element.origin.path
+            )));
+        }
+        let mut bodies = model.bodies.iter().zip(&compiled.system.bodies);
+        if let Some((_, body)) = bodies.find(|(own, _)| matches!(own.kind, BodyKind::Flexible(_))) {
+            return Err(refused(format!(
+                "{} is flexible, and gradients of flexible bodies are not yet compared with other runs: take a rigid body, or compare \
+                 two runs",
+                body.origin.path
+            )));
+        }
+        let reach = match compiled.system.resolutions.is_empty() {
+            true => REACH_OF_LENGTH * model.length,
+            false => REACH * model.tolerance,
+        };
+        let parameters = parameters.iter();
+        let beside = parameters.map(|index| Beside::new(compiled, overrides, *index, base, reach));
+        let state = base.integrator.current.clone();
+        let mut same = Simulation::with_state(model.clone(), state, base.options)?;
+        same.system.project_to_rounding();
+        Ok(Gradients {
+            parameters: beside.collect::<Result<_, _>>()?,
+            step: StepDerivative::new(model),
+            dynamics: Dynamics::new(model),
+            same: Box::new(same),
+            auxiliary_step: base.integrator.auxiliary_step,
+            at_start: true,
+            reach,
+            warned: [false; 2],
+        })
+    }
+
+    /// Carries the derivatives over the step (s) that the motion took last.
+    ///
+    /// # Errors
+    /// A jump of accelerations; derivatives that are not finite.
+    pub fn follow(&mut self, base: &mut Simulation, h: f64) -> Result<(), RuntimeError> {
+        if base.renewals > 0 {
+            return Err(refused(format!(
+                "accelerations jump at {} s, and gradients do not pass such a jump yet: make the load smooth, or take a fixed `step`",
+                base.integrator.previous.time
+            )));
+        }
+        let model = &base.model;
+        let from = &base.integrator;
+        let ratio = h / self.auxiliary_step;
+        let changed = !self.at_start && ratio != 1.0;
+        if changed {
+            self.find_defects(model, &from.previous)?;
+        }
+        let (start, end) = (&from.previous, &from.current);
+        self.dynamics
+            .place(model, end.time, &end.pose, &end.velocity);
+        (self.dynamics).gather(model, &end.states, &end.multipliers, &start.rotations);
+        self.dynamics.evaluate(model)?;
+        self.step.make(model, &mut self.dynamics, from, h)?;
+        let mut partial = vec![0.0; from.unknowns()];
+        let mut residual = partial.clone();
+        for beside in &mut self.parameters {
+            partial.fill(0.0);
+            for (simulation, (_, weight)) in beside.around.iter_mut().zip(AROUND) {
+                residual_at(simulation, end, &start.rotations, &mut residual)?;
+                add_scaled(&mut partial, weight / beside.increment, &residual);
+            }
+            std::mem::swap(&mut beside.before, &mut beside.now);
+            let share = match (self.at_start, changed) {
+                (true, _) => ratio * ratio,
+                (false, true) => ratio * ratio - 1.0,
+                (false, false) => 0.0,
+            };
+            let mut old = beside.before.clone();
+            add_scaled(&mut old.velocity, share, &beside.before.defect);
+            let steps = (h, ratio);
+            beside.now = self.step.advance(model, from, steps, &old, &partial);
+            // behind a kink the auxiliary numbers begin with the accelerations
+            if from.auxiliary_step != h {
+                beside.now.auxiliary.clone_from(&beside.now.acceleration);
+                beside.now.state_auxiliary.clone_from(&beside.now.rates);
+            }
+        }
+        self.at_start = false;
+        self.auxiliary_step = from.auxiliary_step;
+        self.warn_of_kinks(base);
+        self.warn_of_growth(base);
+        Ok(())
+    }
+
+    /// Gives a warning if small changes decide the motion.
+    fn warn_of_growth(&mut self, base: &mut Simulation) {
+        let scales = base.model.velocity_scales();
+        let grown = self
+            .parameters
+            .iter()
+            .find(|beside| largest_scaled(&beside.now.place, &scales) * beside.size > SENSITIVE);
+        let Some(beside) = grown.filter(|_| !self.warned[1]) else {
+            return;
+        };
+        self.warned[1] = true;
+        let moment = base.moment();
+        base.warnings.push(Warning {
+            name: String::new(),
+            origin: beside.origin.clone(),
+            message: format!(
+                "small changes of {} decide this motion, as after impacts: from here on its gradients predict only changes below a millionth",
+                beside.origin.path
+            ),
+            moment,
+        });
+    }
+
+    /// Gives a warning for the first state at which two sides of a load or a constraint are active.
+    fn warn_of_kinks(&mut self, base: &mut Simulation) {
+        let (time, factor) = (base.integrator.current.time, base.options.step.tolerance());
+        let mut here = base.kinks.here(time, factor).into_iter();
+        let kink = here.find(|kink| !base.kinks.is_moment(*kink));
+        let Some(kink) = kink.filter(|_| !self.warned[0]) else {
+            return;
+        };
+        self.warned[0] = true;
+        let (origin, function) = base.kinks.place(&base.model, kink);
+        let moment = base.moment();
+        base.warnings.push(Warning {
+            name: String::new(),
+            origin,
+            message: format!(
+                "the motion stands at a kink of {function}: from here on the gradients are those of one of its two sides"
+            ),
+            moment,
+        });
+    }
+
+    /// The derivatives of the part of the velocity that violates the constraints, at the beginning of the last step.
+    ///
+    /// With `x = P Φ̇(q, v)`, `G P = 1`, and without the part, `v̄ = v − x`, the derivative is `P δΦ̇(q, v̄)`. The derivative of the
+    /// measure P is left out: it moves tangentially by a share of x, which is of the size `C h² v̈`.
+    fn find_defects(&mut self, model: &Model, start: &State) -> Result<(), RuntimeError> {
+        let mut base = start.clone();
+        let mut rates = rates_at(&mut self.dynamics, model, &base)?;
+        let mut change = vec![0.0; model.velocities];
+        for _ in 0..2 {
+            self.step.nearest_change(model, &rates, &mut change);
+            add_scaled(&mut base.velocity, -1.0, &change);
+            rates = rates_at(&mut self.dynamics, model, &base)?;
+        }
+        for beside in &mut self.parameters {
+            let mut sum = vec![0.0; model.rows];
+            for (simulation, (_, weight)) in beside.around.iter_mut().zip(AROUND) {
+                let (dynamics, model) = (&mut simulation.dynamics, &simulation.model);
+                let rates = rates_at(dynamics, model, &base)?;
+                add_scaled(&mut sum, weight / beside.increment, &rates);
+            }
+            let along = Variation {
+                place: beside.now.place.clone(),
+                velocity: beside.now.velocity.clone(),
+                states: beside.now.states.clone(),
+                ..Variation::new(model)
+            };
+            if let Some(distance) = distance(model, &base, [&along; 2], self.reach) {
+                let mut moved = base.clone();
+                for (at, weight) in AROUND {
+                    along.moved(model, &base, at * distance, &mut moved);
+                    let rates = rates_at(&mut self.dynamics, model, &moved)?;
+                    add_scaled(&mut sum, weight / distance, &rates);
+                }
+            }
+            self.step
+                .nearest_change(model, &sum, &mut beside.now.defect);
+            self.dynamics.set_state(model, &base, &[]);
+            let mut left = vec![0.0; model.rows];
+            self.dynamics
+                .constraints_along(model, &beside.now.defect, &mut left)?;
+            for (left, sum) in left.iter_mut().zip(&sum) {
+                *left = sum - *left;
+            }
+            self.step.nearest_change(model, &left, &mut change);
+            add_scaled(&mut beside.now.defect, 1.0, &change);
+        }
+        Ok(())
+    }
+
+    /// The derivatives of all channels (SI) by one of the parameters, at the sample that the simulation took last. A sample at
+    /// a cycle angle has the derivatives at this angle.
+    ///
+    /// # Errors
+    /// Outputs that are not defined nearby.
+    pub fn sample(
+        &mut self,
+        base: &mut Simulation,
+        parameter: usize,
+        angle: Option<f64>,
+        out: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        let Some(beside) = self.parameters.get_mut(parameter) else {
+            return Err(refused(format!(
+                "there is no parameter {parameter} of gradients"
+            )));
+        };
+        if self.at_start {
+            out.copy_from_slice(&beside.start);
+            return Ok(());
+        }
+        out.fill(0.0);
+        let ends = [&beside.before, &beside.now];
+        let sample = Sampled {
+            time: base.completed.time,
+            angle,
+            settles: base.completed.time < base.integrator.current.time,
+        };
+        let mut values = vec![0.0; out.len()];
+        let state = &base.integrator.current;
+        let distance = distance(&base.model, state, ends, self.reach);
+        // one difference serves both parts if the state moves little enough over the increment of the parameter
+        let joint = distance.is_none_or(|distance| beside.increment <= JOINT * distance);
+        let along = if joint { beside.increment } else { 0.0 };
+        for (simulation, (at, weight)) in beside.around.iter_mut().zip(AROUND) {
+            (simulation.integrator).stand_beside(&base.model, &base.integrator, ends, at * along);
+            sample_beside(simulation, &mut base.integrator, sample, &mut values)?;
+            add_scaled(out, weight / beside.increment, &values);
+        }
+        let Some(distance) = distance.filter(|_| !joint) else {
+            return Ok(());
+        };
+        for (at, weight) in AROUND {
+            (self.same.integrator).stand_beside(&base.model, &base.integrator, ends, at * distance);
+            sample_beside(&mut self.same, &mut base.integrator, sample, &mut values)?;
+            add_scaled(out, weight / distance, &values);
+        }
+        Ok(())
+    }
+}
+
+/// A sample in the last step.
+#[derive(Clone, Copy, Debug)]
+struct Sampled {
+    time: f64,
+    angle: Option<f64>,
+    /// Whether it is settled: see [`Integrator::settle`].
+    settles: bool,
+}
+
+impl Beside {
+    fn new(
+        compiled: &Compiled,
+        overrides: &[Option<f64>],
+        index: usize,
+        base: &Simulation,
+        reach: f64,
+    ) -> Result<Beside, RuntimeError> {
+        let model = &base.model;
+        let system = &compiled.system;
+        let (Some(parameter), Some(value)) =
+            (system.parameters.get(index), model.parameters.get(index))
+        else {
+            return Err(refused(format!("there is no parameter {index}")));
+        };
+        let path = &parameter.origin.path;
+        if system
+            .inputs
+            .iter()
+            .any(|input| input.parameter as usize == index)
+        {
+            return Err(refused(format!(
+                "{path} is an input, which may change during the run, and there are no gradients by inputs yet: declare it as `param`"
+            )));
+        }
+        let at = |value: f64| {
+            let mut stated = overrides.to_vec();
+            stated.resize(system.parameters.len(), None);
+            stated[index] = Some(value);
+            stated
+        };
+        let increment = increment(model, parameter, *value)?;
+        let size = increment / SHARE;
+        let near = Model::bind(compiled, &at(value + increment))?;
+        if near
+            .slots
+            .iter()
+            .zip(&model.slots)
+            .all(|(a, b)| a.to_bits() == b.to_bits())
+        {
+            return Err(refused(format!(
+                "no number of the motion depends on {path}, so there are no gradients by it: a constant or a mesh does not follow a parameter"
+            )));
+        }
+        let moved = moved_by(model, &near);
+        let increment = increment * (reach / moved).min(1.0);
+        let mut around = Vec::with_capacity(AROUND.len());
+        for (distance, _) in AROUND {
+            let mut simulation =
+                Simulation::new(compiled, &at(value + distance * increment), base.options)?;
+            simulation.same_start(base, path)?;
+            simulation.system.project_to_rounding();
+            around.push(simulation);
+        }
+        let mut beside = Beside {
+            origin: parameter.origin.clone(),
+            size,
+            increment,
+            before: Variation::new(model),
+            now: Variation::new(model),
+            start: vec![0.0; system.channels.len()],
+            around,
+        };
+        beside.begin(base, path)?;
+        Ok(beside)
+    }
+
+    /// The derivatives of the start and of its channels.
+    fn begin(&mut self, base: &Simulation, path: &str) -> Result<(), RuntimeError> {
+        let model = &base.model;
+        let mut values = self.start.clone();
+        let mut short = Variation::new(model);
+        let mut long = Variation::new(model);
+        for (simulation, (distance, weight)) in self.around.iter_mut().zip(AROUND) {
+            let share = weight / self.increment;
+            let (own, from) = (&simulation.integrator, &base.integrator);
+            self.now.add_difference(model, own, from, share);
+            // the derivative over one increment, and that over two
+            let one = if distance.abs() < 1.5 {
+                &mut short
+            } else {
+                &mut long
+            };
+            one.add_difference(model, own, from, 0.5 / (distance * self.increment));
+            simulation.evaluate_channels(&mut values)?;
+            add_scaled(&mut self.start, share, &values);
+            // rows of the kept factors have the scales of the motion
+            let (length, mass) = (model.length, model.mass);
+            (simulation.model.length, simulation.model.mass) = (length, mass);
+        }
+        self.before.clone_from(&self.now);
+        let scales = model.velocity_scales();
+        let size = 1.0 / self.size;
+        let pairs = [
+            (&short.place, &long.place, &scales),
+            (&short.velocity, &long.velocity, &scales),
+            (&short.states, &long.states, &model.state_scales),
+        ];
+        for (short, long, scales) in pairs {
+            let differences: Vec<f64> = short.iter().zip(long).map(|(a, b)| a - b).collect();
+            let differ = largest_scaled(&differences, scales);
+            let largest = largest_scaled(short, scales);
+            if differ > START.0 * largest + START.1 * size {
+                return Err(refused(format!(
+                    "the start is not smooth in {path}: its derivatives over two increments of {:.2e} (SI) differ by {:.1e} of their size; \
+                     state `start: assembled`, or begin from a state that does not depend on it",
+                    self.increment,
+                    differ / largest
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Simulation {
+    /// Refuses a start of another kind than that of the base, at a value of a parameter nearby.
+    fn same_start(&self, base: &Simulation, path: &str) -> Result<(), RuntimeError> {
+        let kind = |start: &StartReport| std::mem::discriminant(start);
+        if kind(&self.start) == kind(&base.start) {
+            return Ok(());
+        }
+        Err(refused(format!(
+            "the start is not smooth in {path}: a value nearby has another kind of start; state `start: assembled`"
+        )))
+    }
+}
+
+/// The increment (SI) of a parameter, from its value, its limits and its dimension.
+fn increment(model: &Model, parameter: &Parameter, value: f64) -> Result<f64, RuntimeError> {
+    let (low, high) = parameter.limits;
+    let size = match (value != 0.0, high - low) {
+        (true, _) => value.abs(),
+        (false, range) if range.is_finite() => range,
+        (false, _) if parameter.dimension == Dimension::LENGTH => model.length,
+        (false, _) if parameter.dimension == Dimension::ANGLE => 1.0,
+        (false, _) => {
+            return Err(refused(format!(
+                "{} is zero and has no limits, so there is no measure for a small change of it: state limits, such as `in (-1, 1)`",
+                parameter.origin.path
+            )));
+        }
+    };
+    // both limits are open
+    let room = (high - value).min(value - low);
+    Ok((SHARE * size).min(0.4 * room))
+}
+
+/// The largest displacement (m) of a marker in its body between two models, or its rotation times the model's length.
+fn moved_by(model: &Model, near: &Model) -> f64 {
+    let pairs = model.markers.iter().zip(&near.markers);
+    // the assembly places a marker at another one
+    let own = pairs.filter(|(_, near)| near.placed_at.is_none());
+    own.fold(0.0_f64, |most, (a, b)| {
+        let turned = (a.orientation - b.orientation).amax() * model.length;
+        most.max((a.position - b.position).amax()).max(turned)
+    })
+}
+
+/// The residual of a step at its end, unscaled, for the parameters of another simulation.
+fn residual_at(
+    simulation: &mut Simulation,
+    end: &State,
+    rotations: &[f64],
+    out: &mut [f64],
+) -> Result<(), RuntimeError> {
+    let (model, dynamics) = (&simulation.model, &mut simulation.dynamics);
+    let (n, s) = (model.velocities, model.states);
+    dynamics.place(model, end.time, &end.pose, &end.velocity);
+    dynamics.gather(model, &end.states, &end.multipliers, rotations);
+    dynamics.evaluate(model)?;
+    out.fill(0.0);
+    dynamics.add_inertia(model, &end.velocity, &end.acceleration, &mut out[..n]);
+    dynamics.add_forces(model, -1.0, &mut out[..n]);
+    for (r, rate) in out[n..n + s].iter_mut().zip(dynamics.rates()) {
+        *r = -rate;
+    }
+    out[n + s..].copy_from_slice(dynamics.constraints());
+    Ok(())
+}
+
+/// Φ̇ at a state.
+fn rates_at(
+    dynamics: &mut Dynamics,
+    model: &Model,
+    state: &State,
+) -> Result<Vec<f64>, RuntimeError> {
+    dynamics.set_state(model, state, &[]);
+    dynamics.rate_level(model)?;
+    Ok(dynamics.constraint_rates().to_vec())
+}
+
+/// The largest multiple of derivatives along which forces at a state are smooth; `None` if nothing moves.
+fn distance(model: &Model, state: &State, along: [&Variation; 2], reach: f64) -> Option<f64> {
+    let scales = model.velocity_scales();
+    let pace = state.pace(model);
+    let sizes: Vec<f64> = (model.state_scales.iter().zip(&state.states))
+        .map(|(scale, y)| scale.max(y.abs()))
+        .collect();
+    let shares = along.map(|change| {
+        let place = largest_scaled(&change.place, &scales) * model.length / reach;
+        let speed = largest_scaled(&change.velocity, &scales) * model.length / reach;
+        let speed = if pace > 0.0 { speed / pace } else { 0.0 };
+        let states = largest_scaled(&change.states, &sizes) / STATES;
+        place.max(speed).max(states)
+    });
+    let share = shares[0].max(shares[1]);
+    let others = along.iter().any(|change| {
+        largest(&change.velocity) > 0.0
+            || largest(&change.acceleration) > 0.0
+            || largest(&change.rates) > 0.0
+            || largest(&change.multipliers) > 0.0
+    });
+    if share > 0.0 {
+        Some(1.0 / share)
+    } else {
+        others.then_some(1e-6)
+    }
+}
+
+/// The channels (SI) of a sample, for a simulation that stands beside the motion, with the factors of the motion.
+fn sample_beside(
+    simulation: &mut Simulation,
+    base: &mut Integrator,
+    sample: Sampled,
+    out: &mut [f64],
+) -> Result<(), RuntimeError> {
+    base.exchange_factors(&mut simulation.integrator);
+    let done = simulation.sample_near(sample);
+    // the scales are the same, so the way back changes none
+    base.exchange_factors(&mut simulation.integrator);
+    done?;
+    simulation.copy_channels(out)
+}
+
+impl Simulation {
+    /// Evaluates the outputs of a sample of the step beside which this simulation stands.
+    fn sample_near(&mut self, sample: Sampled) -> Result<(), RuntimeError> {
+        self.evaluated = None;
+        let mut time = sample.time;
+        let mut factors = Factors::Made;
+        for round in 0..=ROUNDS {
+            let moment = Moment {
+                time,
+                cycle_angle: sample.angle,
+            };
+            let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
+            let fraction = (time - from) / (to - from);
+            (self.integrator).interpolate(
+                &self.model,
+                fraction,
+                &mut self.work,
+                &mut self.completed,
+            );
+            self.completed.time = time;
+            let (model, dynamics) = (&self.model, &mut self.dynamics);
+            (self.system).project(model, dynamics, &mut self.completed, moment, factors)?;
+            factors = Factors::Kept;
+            let Some(angle) = sample.angle.filter(|_| round < ROUNDS) else {
+                break;
+            };
+            let [now, rate] = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
+            let next = time + (angle - now) / rate;
+            if next == time || !next.is_finite() {
+                break;
+            }
+            time = next;
+        }
+        let moment = Moment {
+            time,
+            cycle_angle: sample.angle,
+        };
+        self.system.finish(
+            &self.model,
+            &mut self.dynamics,
+            &mut self.integrator,
+            &mut self.completed,
+            (moment, sample.settles),
+        )?;
+        self.outputs
+            .evaluate(&self.model, &self.dynamics, &self.completed)
+    }
+}

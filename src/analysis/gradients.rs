@@ -1,0 +1,154 @@
+//! The derivatives of the channels of a run by parameters of its model.
+
+use super::Analysis;
+use crate::error::Error;
+use crate::results::{Column, Gradient, Results, ResultsError, gradients_file, write_gradients};
+use eng_system::analysis::{Named, Names};
+use eng_system::recorded::recorded;
+use eng_system::system::{AnalysisKind, Location};
+
+impl Analysis {
+    /// Differentiates the channels by parameters, in place of those of the text: see [`Outcome::gradients`]. In a path `[*]`
+    /// stands for every index.
+    ///
+    /// # Errors
+    /// No such parameter; one that is named twice; another kind of analysis than `transient`.
+    ///
+    /// [`Outcome::gradients`]: super::Outcome::gradients
+    pub fn gradients<P: AsRef<str>>(mut self, paths: &[P]) -> Result<Self, Error> {
+        let at = self.plan.origin.used_at.unwrap_or(Location {
+            source: 0,
+            start: 0,
+            end: 0,
+        });
+        let named: Vec<Named> = paths
+            .iter()
+            .map(|path| Named {
+                path: path.as_ref().to_owned(),
+                at,
+            })
+            .collect();
+        let system = &self.model.compiled().system;
+        let known = system.paths_of(Names::Parameters);
+        if let Err(misnamed) = Names::Parameters.indices(&named, &known) {
+            let path = named
+                .get(misnamed.index)
+                .map_or("", |name| name.path.as_str());
+            if misnamed.again {
+                return Err(Error::GradientTwice {
+                    path: path.to_owned(),
+                });
+            }
+            return Err(match self.parameter(path) {
+                Err(error) => error,
+                Ok(_) => Error::OtherModel,
+            });
+        }
+        match &mut self.plan.kind {
+            AnalysisKind::Transient(transient) => transient.gradients = named,
+            _ if named.is_empty() => {}
+            _ => {
+                return Err(Error::NoGradients {
+                    analysis: self.name().to_owned(),
+                });
+            }
+        }
+        Ok(self)
+    }
+
+    /// The gradients of a run that begins.
+    pub(super) fn gradient_columns(&self) -> Vec<GradientColumns> {
+        let AnalysisKind::Transient(transient) = &self.plan.kind else {
+            return Vec::new();
+        };
+        let system = &self.model.compiled().system;
+        let known = system.paths_of(Names::Parameters);
+        // the run reports names that are wrong
+        let found = Names::Parameters.indices(&transient.gradients, &known);
+        let parameters = found.unwrap_or_default().into_iter();
+        let found = parameters.filter_map(|index| system.parameters.get(index));
+        found
+            .map(|parameter| {
+                let columns = recorded(system).into_iter();
+                let head = 1 + if system.cycle.is_some() { 2 } else { 0 };
+                let kept = columns.take(head + system.channels.len());
+                let columns = kept.enumerate().map(|(k, column)| {
+                    let per = k >= head;
+                    Column {
+                        dimension: match per {
+                            true => column.dimension.over(parameter.dimension),
+                            false => column.dimension,
+                        },
+                        display: match per {
+                            true => column.display.over(&parameter.display),
+                            false => column.display,
+                        },
+                        path: column.path,
+                        frame: column.frame,
+                        values: Vec::new(),
+                    }
+                });
+                GradientColumns {
+                    columns: columns.collect(),
+                    parameter: parameter.origin.path.clone(),
+                    unit: parameter.display.clone(),
+                }
+            })
+            .collect()
+    }
+
+    /// Writes gradients into the folder of the results, and removes those of an earlier text.
+    pub(super) fn write_gradients(
+        &self,
+        gradients: &[Gradient],
+        of: &Results,
+    ) -> Result<(), ResultsError> {
+        let Some(folder) = self.recorded_to() else {
+            return Ok(());
+        };
+        let path = gradients_file(folder, self.name());
+        if !gradients.is_empty() {
+            return write_gradients(&path, gradients, of);
+        }
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                Err(ResultsError::File { path, source })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The derivatives by a parameter during a run.
+#[derive(Debug)]
+pub(super) struct GradientColumns {
+    columns: Vec<Column>,
+    parameter: String,
+    unit: eng_system::DisplayUnit,
+}
+
+impl GradientColumns {
+    /// Adds a sample: time, cycle, and derivatives of the channels (SI).
+    pub fn push(&mut self, row: impl Iterator<Item = f64>) {
+        for (column, value) in self.columns.iter_mut().zip(row) {
+            column.values.push(value);
+        }
+    }
+
+    /// The gradients at the kept samples of a run, of its kept channels.
+    pub fn finish(self, kept: &Results) -> Result<Gradient, ResultsError> {
+        let mut results = kept.without_columns();
+        for mut column in self.columns {
+            if kept.column(&column.path).is_some() {
+                let first = column.values.len().saturating_sub(kept.samples());
+                column.values.drain(..first);
+                results.push(column)?;
+            }
+        }
+        Ok(Gradient {
+            parameter: self.parameter,
+            unit: self.unit,
+            results,
+        })
+    }
+}
