@@ -64,6 +64,8 @@ pub enum Variant {
     },
     /// A shell whose membrane has rotations about the normal: `CTRIAR`, `CQUADR`.
     Drilling,
+    /// `CBEAM` of Nastran: its lumped mass has inertia about its axis, that of `CBAR` has none.
+    Beam,
     /// A solid of ANSYS.
     Technology {
         /// Its number: 186 of SOLID186.
@@ -535,6 +537,8 @@ pub struct Unread {
 pub struct Mesh {
     /// The code for which it was written.
     pub code: Code,
+    /// Whether this code lumps the masses of the elements here: Nastran without `PARAM,COUPMASS,1`.
+    pub lumped: bool,
     /// Nodes in the order of the file.
     pub nodes: Vec<Node>,
     /// Analysis frames of nodes.

@@ -28,7 +28,7 @@ pub type EndMatrix = [[f64; 12]; 12];
 pub struct BeamMatrices {
     /// Stiffness.
     pub stiffness: EndMatrix,
-    /// Consistent mass, with the rotary inertia of the sections.
+    /// Mass: consistent with the rotary inertia of the sections, or lumped.
     pub mass: EndMatrix,
 }
 
@@ -276,6 +276,22 @@ impl Beam {
 }
 
 impl Beam {
+    /// Lumped mass of Nastran: half of the mass at each end (MSC Nastran, Basic Dynamic Analysis User's Guide;
+    /// MYSTRAN `BREL1.f90`), and half of the inertia ρ (I_y + I_z) L (kg m²) about the axis if it `turns`.
+    fn lumped(&self, turns: bool) -> EndMatrix {
+        let mut mass = [[0.0; 12]; 12];
+        for end in [0, 6] {
+            for axis in 0..3 {
+                mass[end + axis][end + axis] = 0.5 * self.mass * self.length;
+            }
+            if turns {
+                mass[end + 3][end + 3] =
+                    0.5 * (self.inertia[0][0] + self.inertia[1][1]) * self.length;
+            }
+        }
+        mass
+    }
+
     /// Geometric stiffness per unit of tension (1/m, –, m): `∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx`
     /// with the slopes of the stiffness' own deformation, v' = θ_z + V_y/(k_y GA) and w' = −θ_y + V_z/(k_z
     /// GA) (Przemieniecki, ch. 15; the last term is H. Wagner's, of the fibres that a turn inclines). Shear
@@ -424,6 +440,18 @@ fn placed(
     Ok((local, transformation))
 }
 
+/// The mass of a beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BeamMass {
+    /// Of the displacements between the ends, with the rotary inertia of the sections.
+    Consistent,
+    /// Half of it at each end; with half of the inertia about the axis if it turns.
+    Lumped {
+        /// Whether there is inertia about the axis.
+        turns: bool,
+    },
+}
+
 /// Stiffness and mass of a beam between two nodes.
 ///
 /// # Errors
@@ -434,8 +462,13 @@ pub fn matrices(
     axes: &BeamAxes,
     section: &Section,
     material: &Material,
+    mass: BeamMass,
 ) -> Result<BeamMatrices, String> {
-    let (local, transformation) = placed(positions, axes, section, material, Beam::mass)?;
+    let mass = |beam: &Beam| match mass {
+        BeamMass::Consistent => beam.mass(),
+        BeamMass::Lumped { turns } => beam.lumped(turns),
+    };
+    let (local, transformation) = placed(positions, axes, section, material, mass)?;
     Ok(BeamMatrices {
         stiffness: turned(&local.stiffness, &transformation),
         mass: turned(&local.other, &transformation),
