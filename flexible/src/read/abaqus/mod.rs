@@ -70,6 +70,9 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
     ties::make(&mut model, &mut mesh, unread)?;
     let mut cards = HoldingCards::default();
     mesh.supports = supports::supports(&model, &mut cards, unread)?;
+    if code == Code::CalculiX {
+        mesh.doubts = supports::free_rotations(&model, &mut mesh.supports)?;
+    }
     mesh.support_cards = cards.into_list();
     mesh.sets = sets::sets(&model);
     mesh.nodes = model.nodes;
