@@ -135,8 +135,10 @@ pub enum ShellAxis {
 pub struct BeamAxes {
     /// Vector in the section's first plane (basic frame), not parallel to the beam.
     pub orientation: [f64; 3],
-    /// From each node to the beam's end (basic frame).
+    /// From each node to the beam's end (basic frame). The line between the ends is that of the shear centres.
     pub offsets: [[f64; 3]; 2],
+    /// From this line to the centroids of the sections, along y and z.
+    pub centroid: [f64; 2],
     /// Freedoms 1…6 (bit 0 … bit 5, element axes) released at each end.
     pub released: [u8; 2],
 }

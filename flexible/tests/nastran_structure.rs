@@ -826,3 +826,78 @@ fn sections_with_a_shear_centre_of_their_own() {
         );
     }
 }
+
+/// Forces at the shear centre, and the neutral axis beside it (`N1`, `N2` of `PBEAM`): N at (y, z) with the moments
+/// of its distance, shear and torque without twist and bending.
+#[test]
+fn a_neutral_axis_beside_the_shear_centre() {
+    let mesh = mesh(
+        "GRID,1,,0.,0.,0.
+GRID,2,,2.,0.,0.
+MAT1,8,2.1+11,,.3,7850.
+CBEAM,1,6,1,2,0.,1.,0.
+PBEAM,6,8,.01,2.-5,3.-5,,4.-5
+,,,,,,,,
+,0.,0.
+,,,,,.02,-.03
+",
+    );
+    assert_eq!(unread(&mesh), []);
+    let (length, y, z) = (2.0, 0.02, -0.03);
+    let (young, area, i_z, i_y, torsion) = (2.1e11, 0.01, 2e-5, 3e-5, 4e-5);
+    let structure = assemble(&mesh, &Rules::default()).unwrap();
+    let reduction = Reduction::new(&mesh, &structure, &[support(0, 63)]).unwrap();
+    let squared = length * length;
+    let stretch = length / (young * area) + (y * y / i_z + z * z / i_y) * length / young;
+    let turn = length / (2.1e11 / 2.6 * torsion);
+    for (component, expected) in [
+        (
+            0,
+            [
+                stretch,
+                y * squared / (2.0 * young * i_z),
+                z * squared / (2.0 * young * i_y),
+                0.0,
+                -z * length / (young * i_y),
+                y * length / (young * i_z),
+            ],
+        ),
+        (
+            1,
+            [
+                y * squared / (2.0 * young * i_z),
+                squared * length / (3.0 * young * i_z),
+                0.0,
+                0.0,
+                0.0,
+                squared / (2.0 * young * i_z),
+            ],
+        ),
+        (3, [0.0, 0.0, 0.0, turn, 0.0, 0.0]),
+    ] {
+        let mut force = vec![0.0; structure.freedoms.size()];
+        force[structure.freedoms.freedom(1, component).unwrap()] = 1.0;
+        let found = solve(&structure, &reduction, &force);
+        for (own, expected) in (0..6).zip(expected) {
+            let own = found[structure.freedoms.freedom(1, own).unwrap()];
+            assert!(
+                (own - expected).abs() < 1e-9 * turn,
+                "{component}: {own} {expected}"
+            );
+        }
+    }
+    // the mass is at the neutral axis, by both rules
+    let mass = 7850.0 * area * length;
+    for rules in [Rules::default(), Rules::nastran()] {
+        let found = assemble(&mesh, &rules).unwrap().mass.rigid(&mesh);
+        for (own, expected) in found.centre().iter().zip([0.5 * length, y, z]) {
+            assert!((own - expected).abs() < 1e-12, "{own} {expected}");
+        }
+        let inertia = 7850.0 * length * (i_y + i_z) + mass * (y * y + z * z);
+        assert!(
+            agrees(found.inertia[0][0], inertia, 1e-12),
+            "{}",
+            found.inertia[0][0]
+        );
+    }
+}

@@ -344,7 +344,9 @@ impl Deck {
                         systems,
                         lookup,
                     };
-                    Some(beams::axes(beam, card.id, [a, b], &around, &card.at)?)
+                    let mut axes = beams::axes(beam, card.id, [a, b], &around, &card.at)?;
+                    axes.centroid = self.properties.neutral(card.family, card.property);
+                    Some(axes)
                 }
                 _ => None,
             };

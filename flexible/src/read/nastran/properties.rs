@@ -122,6 +122,8 @@ pub(super) struct Properties {
     properties: BTreeMap<(Family, u64), PropertyCard>,
     laminates: Vec<LaminateCard>,
     materials: BTreeMap<u64, MaterialCard>,
+    /// N1 and N2 of `PBEAM`: from the shear centre to the neutral axis.
+    neutral: BTreeMap<u64, [f64; 2]>,
 }
 
 impl Properties {
@@ -148,6 +150,14 @@ impl Properties {
                 "renumber or remove one of them",
             )),
             None => Ok(()),
+        }
+    }
+
+    /// From the shear centre of a beam to its neutral axis, along y and z.
+    pub fn neutral(&self, family: Family, id: u64) -> [f64; 2] {
+        match family {
+            Family::Beam => self.neutral.get(&id).copied().unwrap_or_default(),
+            _ => [0.0; 2],
         }
     }
 
@@ -287,8 +297,9 @@ impl Properties {
     }
 
     /// `PBEAM PID MID A I1 I2 I12 J NSM / C1…F2 / [SO X/XB A I1 I2 I12 J NSM / C1…F2]… / K1 K2 S1 S2 NSI(A)
-    /// NSI(B) CW(A) CW(B) / M1…N2`. Blank shear factors are 1. The mean of a tapered section is taken, and
-    /// listed.
+    /// NSI(B) CW(A) CW(B) / M1(A) M2(A) M1(B) M2(B) N1(A) N2(A) N1(B) N2(B)`. Blank shear factors are 1. N1 and
+    /// N2 lead from the shear centre, where the ends are, to the neutral axis (y, z). Added mass has a place of
+    /// its own, M1 and M2. The mean of a tapered section is taken, and listed.
     fn beam(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let material = card.id(1, "MID")?;
         let mut section = BeamSection {
@@ -335,11 +346,20 @@ impl Properties {
             card.optional_real(line, "K1")?.unwrap_or(1.0),
             card.optional_real(line + 1, "K2")?.unwrap_or(1.0),
         ];
-        for i in line + 2..line + 16 {
-            if card.optional_real(i, "S1…N2(B)")?.unwrap_or(0.0) != 0.0 {
-                unread.note("PBEAM axes and warping", &card.at, Carries::Structure);
-                break;
-            }
+        let mut last = [0.0; 14];
+        for (i, value) in last.iter_mut().enumerate() {
+            *value = card.real_or_zero(line + 2 + i, "S1…N2(B)")?;
+        }
+        let [others @ .., n1, n2, n1_b, n2_b] = last;
+        let alike =
+            (n1 == n1_b || card.is_blank(line + 14)) && (n2 == n2_b || card.is_blank(line + 15));
+        let beside = [n1, n2] != [0.0; 2];
+        if others.iter().any(|x| *x != 0.0) || !alike || (beside && section.mass_per_length != 0.0)
+        {
+            unread.note("PBEAM axes and warping", &card.at, Carries::Structure);
+        }
+        if beside {
+            self.neutral.insert(card.id(0, "PID")?, [n1, n2]);
         }
         self.insert(card, Family::Beam, Some(material), Kind::Line(section))
     }
