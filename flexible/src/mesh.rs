@@ -64,6 +64,8 @@ pub enum Variant {
     },
     /// A shell whose membrane has rotations about the normal: `CTRIAR`, `CQUADR`.
     Drilling,
+    /// `CBEAM` of Nastran: its lumped mass has inertia about its axis, that of `CBAR` has none.
+    Beam,
     /// A solid of ANSYS.
     Technology {
         /// Its number: 186 of SOLID186.
@@ -133,8 +135,10 @@ pub enum ShellAxis {
 pub struct BeamAxes {
     /// Vector in the section's first plane (basic frame), not parallel to the beam.
     pub orientation: [f64; 3],
-    /// From each node to the beam's end (basic frame).
+    /// From each node to the beam's end (basic frame). The line between the ends is that of the shear centres.
     pub offsets: [[f64; 3]; 2],
+    /// From this line to the centroids of the sections, along y and z.
+    pub centroid: [f64; 2],
     /// Freedoms 1…6 (bit 0 … bit 5, element axes) released at each end.
     pub released: [u8; 2],
 }
@@ -535,6 +539,8 @@ pub struct Unread {
 pub struct Mesh {
     /// The code for which it was written.
     pub code: Code,
+    /// Whether this code lumps the masses of the elements here: Nastran without `PARAM,COUPMASS,1`.
+    pub lumped: bool,
     /// Nodes in the order of the file.
     pub nodes: Vec<Node>,
     /// Analysis frames of nodes.

@@ -405,7 +405,7 @@ fn matrices(
 ) -> Result<(fe::Structure, Vec<Support>), FlexibleError> {
     let Some((stiffness, mass)) = nodal else {
         let full = assemble(mesh, &request.rules)?;
-        let differences = fe::form::warnings(mesh, request.rules.stiffness);
+        let differences = fe::form::warnings(mesh, &request.rules);
         report.warnings.extend(differences);
         let shells = match full.without_stiffness.len() {
             0 => None,

@@ -24,6 +24,7 @@ impl Mesh {
         }
         for axes in &mut self.beam_axes {
             axes.offsets = axes.offsets.map(|offset| offset.map(|x| x * length));
+            axes.centroid = axes.centroid.map(|x| x * length);
         }
         for shape in &mut self.shell_shapes {
             shape.offsets = shape.offsets.map(|x| x * length);

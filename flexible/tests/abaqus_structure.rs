@@ -892,3 +892,44 @@ fn problems_tell_their_place() {
     }
     assert_eq!(problem("*HEADING\nempty\n").place, Place::File);
 }
+
+/// Their data files are not needed, and the hyphen belongs to the name.
+#[test]
+fn matrices_and_pre_tension_are_named() {
+    let lost = |keyword: &str| {
+        let mesh = mesh(&format!("{CUBES}{keyword}\n"));
+        let unread = mesh.unread.into_iter();
+        let lost = unread.filter(|unread| unread.carries != Carries::Nothing);
+        lost.map(|unread| (unread.name, unread.carries))
+            .collect::<Vec<_>>()
+    };
+    for (keyword, name) in [
+        ("*MATRIX INPUT, NAME=K, INPUT=missing.mtx", "*MATRIX INPUT"),
+        (
+            "*PRE-TENSION SECTION, SURFACE=S, NODE=1",
+            "*PRE-TENSION SECTION",
+        ),
+    ] {
+        assert_eq!(lost(keyword), [(name.to_string(), Carries::Structure)]);
+    }
+}
+
+/// CalculiX 2.20 leaves the rotations of a rigid body free if no node is named for them.
+#[test]
+fn rotations_of_a_rigid_body_of_calculix_have_a_node_of_their_own() {
+    let deck = format!(
+        "{CUBES}*NSET, NSET=B\n5, 6\n*RIGID BODY, REF NODE=100, NSET=B\n*BOUNDARY\n100, 1, 6\n"
+    );
+    let held = |code: Code| {
+        let mesh = read_inp(&Memory::new(&[("deck.inp", &deck)]), "deck.inp", code).unwrap();
+        let components: Vec<u8> = mesh.supports.iter().map(|held| held.components).collect();
+        (components, mesh.doubts)
+    };
+    assert_eq!(held(Code::Abaqus), (vec![0b11_1111], vec![]));
+    let (components, doubts) = held(Code::CalculiX);
+    assert_eq!(components, [0b111]);
+    assert!(
+        doubts[0].contains("*BOUNDARY holds rotations of node 100, and CalculiX leaves those"),
+        "{doubts:?}"
+    );
+}

@@ -187,7 +187,7 @@ fn repeated_nodes_make_other_shapes() {
             assert_eq!(a.column(column), b.column(column));
         }
     }
-    let words = form::warnings(&solids, Rules::default().stiffness).join("\n");
+    let words = form::warnings(&solids, &Rules::default()).join("\n");
     assert!(
         words.contains("SOLID186 (KEYOPT(2) = 0, pyramid)") && words.contains("2³ points"),
         "{words}"

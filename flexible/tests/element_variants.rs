@@ -166,7 +166,7 @@ fn solids_of_nastran_in_full_are_told() {
     let told = |kind, code, rules: Rules| {
         let mut mesh = fe_meshes::bar(kind, [2, 1, 1], [0.2, 0.1, 0.1]);
         mesh.code = code;
-        form::warnings(&mesh, rules.stiffness)
+        form::warnings(&mesh, &rules)
     };
     for (kind, name) in [
         (Hexahedron20, "CHEXA (20 nodes)"),
@@ -293,10 +293,9 @@ fn variants_without_their_rule_are_refused_by_name() {
                 );
                 assert!(error.advice().contains("element_rules = exact"), "{error}");
             }
-            let full = Rules::exact().stiffness;
-            assert!(form::check(&mesh, full).is_ok());
+            assert!(form::check(&mesh, Rules::exact().stiffness).is_ok());
             // not without a message
-            assert!(form::warnings(&mesh, full)[0].contains(name));
+            assert!(form::warnings(&mesh, &Rules::exact())[0].contains(name));
         }
     }
     for (name, nodes, code) in [
@@ -312,7 +311,7 @@ fn variants_without_their_rule_are_refused_by_name() {
             "{name}"
         );
         assert!(
-            form::warnings(&mesh, Rules::default().stiffness).is_empty(),
+            form::warnings(&mesh, &Rules::default()).is_empty(),
             "{name}"
         );
     }

@@ -31,6 +31,7 @@ fn section(product: f64) -> Section {
 
 fn axes(orientation: [f64; 3]) -> BeamAxes {
     BeamAxes {
+        centroid: [0.0; 2],
         orientation,
         offsets: [[0.0; 3]; 2],
         released: [0; 2],
@@ -178,6 +179,7 @@ fn rigid_motions_of_beams_with_offsets_cost_nothing_and_have_their_mass() {
     add_node(&mut mesh, [0.9, 0.4, -0.3]);
     let offsets = [[0.05, 0.02, -0.04], [-0.03, 0.06, 0.01]];
     let beam = BeamAxes {
+        centroid: [0.0; 2],
         offsets,
         ..axes([0.1, 0.2, 1.0])
     };

@@ -96,6 +96,7 @@ fn sections_must_make_sense() {
                 mass_per_length: 0.0,
             });
             let axes = BeamAxes {
+                centroid: [0.0; 2],
                 orientation,
                 offsets: [[0.0; 3]; 2],
                 released: [0; 2],

@@ -615,7 +615,7 @@ fn a_curved_panel_has_the_frequencies_of_calculix() {
 /// 99.5 %. Plain triangles and quadrilaterals do not lock, and an edge is no curvature.
 #[test]
 fn drilling_triangles_too_large_for_a_curved_surface_are_told() {
-    let told = |mesh: &Mesh| form::warnings(mesh, Rules::default().stiffness);
+    let told = |mesh: &Mesh| form::warnings(mesh, &Rules::default());
     for (kind, cells, expected) in [
         (DRILLING, 16, true),
         (DRILLING, 32, false),

@@ -77,6 +77,7 @@ fn rectangle([y, z]: [f64; 2], torsion: f64) -> Section {
 
 fn axes(orientation: [f64; 3]) -> BeamAxes {
     BeamAxes {
+        centroid: [0.0; 2],
         orientation,
         offsets: [[0.0; 3]; 2],
         released: [0; 2],

@@ -33,6 +33,7 @@ mod modes;
 mod nastran_deck;
 mod nastran_files;
 mod nastran_format;
+mod nastran_masses;
 mod nastran_mesh;
 mod nastran_mutations;
 mod nastran_structure;

@@ -401,7 +401,6 @@ CBEND,5,5,1,2
 FORCE,1,2,,1.,0.,0.,1.
 PLOTEL,1,1,2
 MYCARD,1
-PARAM,COUPMASS,1
 PARAM,POST,-1
 PLOAD4,1,1,1.
 "
@@ -413,7 +412,6 @@ PLOAD4,1,1,1.
             ("FORCE", 2, Carries::Nothing),
             ("MYCARD", 1, Carries::Unknown),
             ("PARAM", 1, Carries::Nothing),
-            ("PARAM COUPMASS", 1, Carries::Nothing),
             ("PLOAD4", 1, Carries::Nothing),
             ("PLOTEL", 1, Carries::Nothing),
         ]

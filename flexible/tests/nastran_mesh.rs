@@ -515,9 +515,68 @@ fn one_of_three_elastic_constants_may_be_blank() {
         );
         assert!(found.problem.contains(message), "{found}");
     }
-    let odd = mesh(&format!("{}MAT1,1,2.6,2.,.3\nMAT1,2,2.6\n", grids(4)));
-    assert_eq!(odd.unread.len(), 2);
+    let odd = mesh(&format!("{}MAT1,2,2.6\n", grids(4)));
+    assert_eq!(odd.unread.len(), 1);
     assert!(odd.unread.iter().all(|u| u.carries == Carries::Structure));
+}
+
+/// E, G and NU of one card may disagree: G resists the shear of lines and shells. Solids stop the reduction.
+#[test]
+fn a_shear_modulus_of_its_own() {
+    let deck = |cards: &str| {
+        mesh(
+            &grids(4)
+                .replace("MAT1,8,2.1+11,,.3,7850.", "MAT1,8,2.6,2.,.3,5.")
+                .replace("PSOLID", &format!("{cards}\nPSOLID")),
+        )
+    };
+    let line = deck("CBAR,1,7,1,2,0.,0.,1.\nPBAR,7,8,1.,1.,1.,1.");
+    close(line.materials[0].young, 2.6, 1.0);
+    close(line.materials[0].poisson, 2.6 / 4.0 - 1.0, 1.0);
+    assert_eq!(line.unread, []);
+    let shell = deck("CTRIA3,1,7,1,2,3\nPSHELL,7,8,.1,8,,8");
+    let sheet = shell.materials[0].sheet.unwrap();
+    let plane = 2.6 / (1.0 - 0.09);
+    for (found, expected) in sheet.plane.as_flattened().iter().zip([
+        plane,
+        0.3 * plane,
+        0.0,
+        0.3 * plane,
+        plane,
+        0.0,
+        0.0,
+        0.0,
+        2.0,
+    ]) {
+        close(*found, expected, 3.0);
+    }
+    assert_eq!(sheet.across, Some([[2.0, 0.0], [0.0, 2.0]]));
+    assert_eq!(shell.unread, []);
+    let solid = deck("CTETRA,1,3,1,2,3,4\nCTETRA,2,3,1,2,3,4");
+    assert_eq!(solid.unread.len(), 1);
+    let unread = &solid.unread[0];
+    assert_eq!(
+        (unread.name.as_str(), unread.count, unread.carries),
+        (
+            "MAT1 of solids with G other than E/(2 (1+NU))",
+            1,
+            Carries::Structure
+        )
+    );
+}
+
+/// NU12 of a sheet has no bound but NU12² < E1/E2.
+#[test]
+fn a_sheet_with_a_large_ratio() {
+    let sheet = mesh(&grids(4).replace(
+        "PSOLID",
+        "MAT8,5,4.,1.,1.5,1.,,,7.\nCTRIA3,1,7,1,2,3\nPSHELL,7,5,.1,5\nPSOLID",
+    ));
+    let plane = sheet.materials[0].sheet.unwrap().plane;
+    // ν21 = 3/8
+    close(plane[0][0], 4.0 / (1.0 - 1.5 * 0.375), 10.0);
+    close(plane[0][1], 0.375 * plane[0][0], 10.0);
+    assert!(eng_flexible::fe::assemble(&sheet, &eng_flexible::fe::Rules::default()).is_ok());
 }
 
 #[test]

@@ -650,6 +650,52 @@ SPCADD,8,2,3
     assert!(unread(&sum).contains(&("SPC of sets not selected", 2, Carries::Nothing)));
     let none = mesh(&control("TITLE = free"));
     assert_eq!(none.supports, all.supports);
+    // the subcase of the modes counts, and no other
+    let modes = mesh(&control(
+        "SUBCASE 1\n SPC=1\nSUBCASE 2\n METHOD = 4\n SPC=8",
+    ));
+    assert_eq!(modes.supports, sum.supports);
+    assert_eq!(modes.doubts, [""; 0]);
+    let free = mesh(&control("SUBCASE 1\n SPC=1\nSUBCASE 2\n METHOD = 4"));
+    assert_eq!(free.supports, [support(6, 0b11_0000)]);
+    // entries above the subcases are those of all
+    let above = mesh(&control("SPC=1\nMETHOD=4\nSUBCASE 1\nSUBCASE 2\n LOAD=3"));
+    assert_eq!(above.supports, one.supports);
+    assert_eq!(above.doubts, [""; 0]);
+    let both = mesh(&control("METHOD=4\nSUBCASE 1\n SPC=1\nSUBCASE 2\n SPC=8"));
+    assert_eq!(both.supports, one.supports);
+    assert_eq!(
+        both.doubts,
+        [
+            "deck.bdf:7: the supports differ: subcase 1 selects SPC = 1 (line 5), subcase 2 selects SPC = 8 (line 7); the first ones are read. Keep METHOD in the subcase of the wanted modes alone, or leave out the other subcases"
+        ]
+    );
+}
+
+/// An equation changes the stiffness, so two subcases of modes must agree in them.
+#[test]
+fn equations_are_those_of_the_subcase_of_the_modes() {
+    let deck = |control: &str| {
+        format!(
+            "SOL 103\nCEND\n{control}\nBEGIN BULK\n{GRIDS}MPC,5,1,1,1.,2,1,-1.\nMPC,6,1,2,1.,2,2,-1.\n"
+        )
+    };
+    let component = |mesh: &Mesh| {
+        let first = mesh.ties.iter().map(|tie| match tie {
+            Tie::Equation { terms, .. } => terms[0].1,
+            _ => 9,
+        });
+        first.collect::<Vec<_>>()
+    };
+    let found = mesh(&deck("SUBCASE 1\n MPC=6\nSUBCASE 2\n METHOD=1\n MPC=5"));
+    assert_eq!(component(&found), [0]);
+    let found = mesh(&deck("SUBCASE 1\n MPC=6\nSUBCASE 2\n METHOD=1"));
+    assert_eq!(component(&found), [0u8; 0]);
+    let found = problem(&deck("METHOD=1\nSUBCASE 1\n MPC=6\nSUBCASE 2\n MPC=5"));
+    assert_eq!(
+        found.problem,
+        "the equations differ: subcase 1 selects MPC = 6 (line 5), subcase 2 selects MPC = 5 (line 7)"
+    );
 }
 
 #[test]
@@ -723,4 +769,135 @@ SET1,7,1,98
         unread(&mesh),
         [("SET members that are missing", 1, Carries::Nothing)]
     );
+}
+
+/// Cards of other programs and of optimisation, and a static condensation that is not made.
+#[test]
+fn cards_that_change_nothing_and_one_that_does() {
+    let cards = "DEBUG,185,1\nDEQATN,1,F(A,B)=MAX(A,B,1.,2.,3.,4.,5.,6.,7.,8.,9.)\n";
+    let read = mesh(&format!("{GRIDS}{cards}"));
+    assert_eq!(
+        unread(&read),
+        [
+            ("DEBUG", 1, Carries::Nothing),
+            ("DEQATN", 1, Carries::Nothing)
+        ]
+    );
+    let deck = |method: &str, card: &str| {
+        mesh(&format!(
+            "SOL 103\nCEND\n{method}\nBEGIN BULK\n{GRIDS}{card}\n"
+        ))
+        .doubts
+    };
+    for (card, name) in [("ASET1,123,1", "ASET1"), ("OMIT1,456,1", "OMIT1")] {
+        assert_eq!(
+            deck("METHOD = 1", card),
+            [format!(
+                "deck.bdf:13: {name} asks for modes of the kept freedoms alone (Guyan's condensation), and the modes here are those of all; their frequencies are lower"
+            )]
+        );
+        assert_eq!(deck("TITLE = interface", card), [""; 0]);
+    }
+}
+
+/// The nodes of CBEAM are at the shear centre, which is the centroid of some shapes only.
+#[test]
+fn sections_with_a_shear_centre_of_their_own() {
+    for (card, centred) in [
+        ("T,,,,,\n,6.,4.,1.,1.", false),
+        ("CHAN,,,,,\n,6.,4.,1.,1.", false),
+        ("L,,,,,\n,6.,4.,1.,1.", false),
+        ("I,,,,,\n,6.,4.,4.,1.,1.,1.", true),
+        ("I,,,,,\n,6.,4.,3.,1.,1.,1.", false),
+        ("BOX1,,,,,\n,6.,4.,1.,1.,1.,.5", false),
+        ("BOX,,,,,\n,6.,4.,1.,.5", true),
+        ("Z,,,,,\n,2.,1.,4.,6.", true),
+    ] {
+        let found = mesh(&format!("{GRIDS}PBEAML,3,8,,{card}\n"));
+        let lost = [(
+            "PBEAML with its shear centre beside its centroid",
+            1,
+            Carries::Structure,
+        )];
+        assert_eq!(
+            unread(&found),
+            if centred { &lost[..0] } else { &lost[..] },
+            "{card}"
+        );
+    }
+}
+
+/// Forces at the shear centre, and the neutral axis beside it (`N1`, `N2` of `PBEAM`): N at (y, z) with the moments
+/// of its distance, shear and torque without twist and bending.
+#[test]
+fn a_neutral_axis_beside_the_shear_centre() {
+    let mesh = mesh(
+        "GRID,1,,0.,0.,0.
+GRID,2,,2.,0.,0.
+MAT1,8,2.1+11,,.3,7850.
+CBEAM,1,6,1,2,0.,1.,0.
+PBEAM,6,8,.01,2.-5,3.-5,,4.-5
+,,,,,,,,
+,0.,0.
+,,,,,.02,-.03
+",
+    );
+    assert_eq!(unread(&mesh), []);
+    let (length, y, z) = (2.0, 0.02, -0.03);
+    let (young, area, i_z, i_y, torsion) = (2.1e11, 0.01, 2e-5, 3e-5, 4e-5);
+    let structure = assemble(&mesh, &Rules::default()).unwrap();
+    let reduction = Reduction::new(&mesh, &structure, &[support(0, 63)]).unwrap();
+    let squared = length * length;
+    let stretch = length / (young * area) + (y * y / i_z + z * z / i_y) * length / young;
+    let turn = length / (2.1e11 / 2.6 * torsion);
+    for (component, expected) in [
+        (
+            0,
+            [
+                stretch,
+                y * squared / (2.0 * young * i_z),
+                z * squared / (2.0 * young * i_y),
+                0.0,
+                -z * length / (young * i_y),
+                y * length / (young * i_z),
+            ],
+        ),
+        (
+            1,
+            [
+                y * squared / (2.0 * young * i_z),
+                squared * length / (3.0 * young * i_z),
+                0.0,
+                0.0,
+                0.0,
+                squared / (2.0 * young * i_z),
+            ],
+        ),
+        (3, [0.0, 0.0, 0.0, turn, 0.0, 0.0]),
+    ] {
+        let mut force = vec![0.0; structure.freedoms.size()];
+        force[structure.freedoms.freedom(1, component).unwrap()] = 1.0;
+        let found = solve(&structure, &reduction, &force);
+        for (own, expected) in (0..6).zip(expected) {
+            let own = found[structure.freedoms.freedom(1, own).unwrap()];
+            assert!(
+                (own - expected).abs() < 1e-9 * turn,
+                "{component}: {own} {expected}"
+            );
+        }
+    }
+    // the mass is at the neutral axis, by both rules
+    let mass = 7850.0 * area * length;
+    for rules in [Rules::default(), Rules::nastran()] {
+        let found = assemble(&mesh, &rules).unwrap().mass.rigid(&mesh);
+        for (own, expected) in found.centre().iter().zip([0.5 * length, y, z]) {
+            assert!((own - expected).abs() < 1e-12, "{own} {expected}");
+        }
+        let inertia = 7850.0 * length * (i_y + i_z) + mass * (y * y + z * z);
+        assert!(
+            agrees(found.inertia[0][0], inertia, 1e-12),
+            "{}",
+            found.inertia[0][0]
+        );
+    }
 }

@@ -33,6 +33,7 @@ fn beam(offset: [f64; 3]) -> Mesh {
         mass_per_length: 0.0,
     });
     let axes = BeamAxes {
+        centroid: [0.0; 2],
         orientation: [0.1, 1.0, 0.2],
         offsets: [[0.0; 3]; 2],
         released: [0; 2],

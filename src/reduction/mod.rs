@@ -38,8 +38,8 @@ pub struct Reduction {
     pub(crate) stored: Arc<StoredBody>,
     /// Place of its mode set in the text.
     at: Location,
-    /// Whether its mass differs from that of the code of its file because the text states no rules.
-    own_mass: bool,
+    /// A note if its mass differs from that of the code of its file because the text states no rules.
+    own_mass: Option<&'static str>,
 }
 
 impl Reduction {
@@ -194,7 +194,7 @@ impl Reducer {
         body.damp(&source.damping);
         let by_default = source.element_rules.is_none() && source.stiffness.is_none();
         Ok(Reduction {
-            own_mass: by_default && sense::mass_is_not_calculix(&stored.mesh),
+            own_mass: by_default.then(|| sense::own_mass(&stored.mesh)).flatten(),
             path: source.origin.path.clone(),
             body: Arc::new(body),
             stored,

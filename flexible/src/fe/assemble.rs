@@ -4,14 +4,14 @@
 //! them, each into its own columns and in the order of the elements. So a sum has the same order, and the
 //! same bits, for any number of threads. Memory is that of the matrices and a few megabytes.
 
-use super::beam;
+use super::beam::{self, BeamMass};
 use super::check::{self, Role, role, wrong};
 use super::connection;
 use super::form::{self, Form};
 use super::freedoms::{FreedomMap, direction, is_isotropic};
 use super::mass::Mass;
 use super::pattern::{Layout, Pattern};
-use super::rules::{Rules, Table};
+use super::rules::{MassRule, Rules, Table};
 use super::shell::{self, Plate, Shell, ShellMatrices};
 use super::solid::{self, PAIR, Present, pair};
 use super::surface;
@@ -55,6 +55,7 @@ pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Structure, FlexibleError> 
 pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structure, FlexibleError> {
     check::check(mesh)?;
     form::check(mesh, rules.stiffness)?;
+    let rules = &rules.for_mesh(mesh);
     let freedoms = FreedomMap::new(mesh, rules.stiffness)?;
     connection::check(mesh, &freedoms)?;
     let parts = Parts::new(mesh);
@@ -72,7 +73,7 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
     system.add_areas(&parts.areas, rules, threads.clamp(1, 64))?;
     let mut general = Vec::new();
     system.add_shells(&parts.shells, rules, &mut general)?;
-    system.add_beams(&parts.beams, &mut general)?;
+    system.add_beams(&parts.beams, rules, &mut general)?;
     system.add_springs();
     system.add_point_masses(&mut general);
     let node_layout = system.pattern.node_layout();
@@ -396,11 +397,20 @@ impl System<'_> {
     fn add_beams(
         &mut self,
         beams: &[u32],
+        rules: &Rules,
         mass: &mut Vec<(u32, u32, f64)>,
     ) -> Result<(), FlexibleError> {
         for &index in beams {
             let element = self.mesh.elements[index as usize];
-            let matrices = of_beam(self.mesh, &element, beam::matrices)?;
+            let own = match rules.mass {
+                MassRule::Nastran => BeamMass::Lumped {
+                    turns: element.variant == Variant::Beam,
+                },
+                _ => BeamMass::Consistent,
+            };
+            let matrices = of_beam(self.mesh, &element, |positions, axes, section, material| {
+                beam::matrices(positions, axes, section, material, own)
+            })?;
             let nodes = self.mesh.nodes_of(&element);
             let freedoms: Vec<usize> = nodes
                 .iter()

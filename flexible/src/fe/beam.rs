@@ -12,7 +12,8 @@
 //! ```
 //!
 //! (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, ch. 5 and 11, is the case without a
-//! product of moments). With a shear factor of zero the section does not shear. A section without a second
+//! product of moments). The ends lie at the shear centre; where the centroid is beside it, N and the moments are those
+//! about the centroid. With a shear factor of zero the section does not shear. A section without a second
 //! moment carries no bending in that plane, one without a torsion constant no torque: rods and cables.
 
 use super::vector::{add, cross, norm, scale, subtract};
@@ -28,7 +29,7 @@ pub type EndMatrix = [[f64; 12]; 12];
 pub struct BeamMatrices {
     /// Stiffness.
     pub stiffness: EndMatrix,
-    /// Consistent mass, with the rotary inertia of the sections.
+    /// Mass: consistent with the rotary inertia of the sections, or lumped.
     pub mass: EndMatrix,
 }
 
@@ -53,10 +54,17 @@ struct Beam {
     /// m).
     mass: f64,
     inertia: [[f64; 2]; 2],
+    /// From the line of the ends, which is that of the shear centres, to the centroids along y and z (m).
+    centroid: [f64; 2],
 }
 
 impl Beam {
-    fn new(length: f64, section: &Section, material: &Material) -> Option<Self> {
+    fn new(
+        length: f64,
+        section: &Section,
+        material: &Material,
+        centroid: [f64; 2],
+    ) -> Option<Self> {
         let Section::Beam(BeamSection {
             area,
             moment_z,
@@ -97,6 +105,7 @@ impl Beam {
                 [material.density * moment_y, -material.density * product],
                 [-material.density * product, material.density * moment_z],
             ],
+            centroid,
         })
     }
 
@@ -206,7 +215,30 @@ impl Beam {
             stiffness[freedom][freedom + 6] = -value;
             stiffness[freedom + 6][freedom] = -value;
         }
-        stiffness
+        self.from_line(stiffness, false)
+    }
+
+    /// A matrix over the freedoms of the ends from one whose displacements u are those of the centroids, `u + z θ_y − y
+    /// θ_z`; with `across` also v and w are, `v − z θ_x` and `w + y θ_x`. Shear and torque act in the line of the ends,
+    /// axial force and moments in that of the centroids.
+    fn from_line(&self, matrix: EndMatrix, across: bool) -> EndMatrix {
+        let [y, z] = self.centroid;
+        if y == 0.0 && z == 0.0 {
+            return matrix;
+        }
+        let mut shift = [[0.0; 12]; 12];
+        for (i, row) in shift.iter_mut().enumerate() {
+            row[i] = 1.0;
+        }
+        for end in [0, 6] {
+            shift[end][end + 4] = z;
+            shift[end][end + 5] = -y;
+            if across {
+                shift[end + 1][end + 3] = -z;
+                shift[end + 2][end + 3] = y;
+            }
+        }
+        turned(&matrix, &shift)
     }
 
     /// Displacements and rotations of the section at `s`: 6 × 12.
@@ -255,7 +287,12 @@ impl Beam {
         let mut mass = [[0.0; 12]; 12];
         // cubic displacements: products of degree 6, exact with four points
         for (t, weight) in unit_interval(4) {
-            let shape = self.section_shape(t * self.length, &force);
+            let mut shape = self.section_shape(t * self.length, &force);
+            let (turn, [y, z]) = (shape[3], self.centroid);
+            for (i, turn) in turn.into_iter().enumerate() {
+                shape[1][i] -= z * turn;
+                shape[2][i] += y * turn;
+            }
             let weight = weight * self.length;
             for (i, row) in mass.iter_mut().enumerate() {
                 for (j, x) in row.iter_mut().enumerate() {
@@ -271,11 +308,27 @@ impl Beam {
                 }
             }
         }
-        mass
+        self.from_line(mass, false)
     }
 }
 
 impl Beam {
+    /// Lumped mass of Nastran: half of the mass at each end (MSC Nastran, Basic Dynamic Analysis User's Guide;
+    /// MYSTRAN `BREL1.f90`), and half of the inertia ρ (I_y + I_z) L (kg m²) about the axis if it `turns`.
+    fn lumped(&self, turns: bool) -> EndMatrix {
+        let mut mass = [[0.0; 12]; 12];
+        for end in [0, 6] {
+            for axis in 0..3 {
+                mass[end + axis][end + axis] = 0.5 * self.mass * self.length;
+            }
+            if turns {
+                mass[end + 3][end + 3] =
+                    0.5 * (self.inertia[0][0] + self.inertia[1][1]) * self.length;
+            }
+        }
+        self.from_line(mass, true)
+    }
+
     /// Geometric stiffness per unit of tension (1/m, –, m): `∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx`
     /// with the slopes of the stiffness' own deformation, v' = θ_z + V_y/(k_y GA) and w' = −θ_y + V_z/(k_z
     /// GA) (Przemieniecki, ch. 15; the last term is H. Wagner's, of the fibres that a turn inclines). Shear
@@ -395,7 +448,8 @@ fn placed(
     }
     let z = scale(1.0 / across, normal);
     let frame = [x, cross(z, x), z];
-    let beam = Beam::new(length, section, material).ok_or("its section is no beam section")?;
+    let beam = Beam::new(length, section, material, axes.centroid)
+        .ok_or("its section is no beam section")?;
     let mut local = Pair {
         stiffness: beam.stiffness(),
         other: other(&beam),
@@ -424,6 +478,18 @@ fn placed(
     Ok((local, transformation))
 }
 
+/// The mass of a beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BeamMass {
+    /// Of the displacements between the ends, with the rotary inertia of the sections.
+    Consistent,
+    /// Half of it at each end; with half of the inertia about the axis if it turns.
+    Lumped {
+        /// Whether there is inertia about the axis.
+        turns: bool,
+    },
+}
+
 /// Stiffness and mass of a beam between two nodes.
 ///
 /// # Errors
@@ -434,8 +500,13 @@ pub fn matrices(
     axes: &BeamAxes,
     section: &Section,
     material: &Material,
+    mass: BeamMass,
 ) -> Result<BeamMatrices, String> {
-    let (local, transformation) = placed(positions, axes, section, material, Beam::mass)?;
+    let mass = |beam: &Beam| match mass {
+        BeamMass::Consistent => beam.mass(),
+        BeamMass::Lumped { turns } => beam.lumped(turns),
+    };
+    let (local, transformation) = placed(positions, axes, section, material, mass)?;
     Ok(BeamMatrices {
         stiffness: turned(&local.stiffness, &transformation),
         mass: turned(&local.other, &transformation),
@@ -461,6 +532,9 @@ pub fn tension(
     section: &Section,
     material: &Material,
 ) -> Result<BeamTension, String> {
+    if axes.centroid != [0.0; 2] {
+        return Err("its geometric stiffness is not computed, because its centroid is beside its shear centre".into());
+    }
     let (local, transformation) = placed(positions, axes, section, material, Beam::tension)?;
     let mut tension = [0.0; 12];
     for (force, line) in local.stiffness[6].iter().zip(&transformation) {

@@ -74,11 +74,13 @@ pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
     }
 }
 
-fn material_fault(material: &Material) -> Option<String> {
+/// `line`: whether lines alone use it, which may have any shear modulus.
+fn material_fault(material: &Material, line: bool) -> Option<String> {
+    let most = if line { f64::INFINITY } else { 0.5 };
     let (young, poisson, density) = (material.young, material.poisson, material.density);
     if !(young > 0.0 && young.is_finite()) {
         Some(format!("Young's modulus {young} Pa; it must be above zero"))
-    } else if !(poisson > -1.0 && poisson < 0.5) {
+    } else if !(poisson > -1.0 && poisson < most) && material.sheet.is_none() {
         Some(format!(
             "Poisson's ratio {poisson}; it must lie between -1 and 0.5, both excluded"
         ))
@@ -258,7 +260,8 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
             if *seen {
                 continue;
             }
-            if let Some(fault) = material_fault(material) {
+            let line = matches!(role, Role::Beam(_));
+            if let Some(fault) = material_fault(material, line) {
                 return Err(wrong(
                     format!(
                         "element {}: the material “{}” has {fault}",
@@ -267,7 +270,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
                     "check the material and the units",
                 ));
             }
-            *seen = true;
+            *seen = !line;
         }
     }
     Ok(())

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use super::bubbles;
 use super::check::{Role, role};
 use super::hexahedron::{self, EnhancedPoint};
-use super::rules::{MassRule, Rules, StiffnessRule, Table};
+use super::rules::{MassRule, Rules, StiffnessRule, Table, shares_equally};
 use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{Code, Element, Material, Mesh, VARIANT_LETTERS, Variant};
@@ -479,8 +479,9 @@ pub fn check(mesh: &Mesh, rule: StiffnessRule) -> Result<(), FlexibleError> {
     })
 }
 
-/// The warnings about the forms of a mesh's elements.
-pub fn warnings(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
+/// The warnings about the forms and masses of a mesh's elements.
+pub fn warnings(mesh: &Mesh, rules: &Rules) -> Vec<String> {
+    let rule = rules.stiffness;
     let mut warnings = Vec::new();
     for ((kind, variant), (count, _)) in types(mesh) {
         let name = name(mesh, kind, variant);
@@ -497,5 +498,33 @@ pub fn warnings(mesh: &Mesh, rule: StiffnessRule) -> Vec<String> {
         }
     }
     warnings.extend(super::shell::too_curved(mesh));
+    if rules.for_mesh(mesh).mass == MassRule::Nastran {
+        warnings.extend(not_lumped(mesh));
+    }
     warnings
+}
+
+/// The warning about elements whose lumped mass in Nastran is not public.
+fn not_lumped(mesh: &Mesh) -> Option<String> {
+    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
+    for element in &mesh.elements {
+        let heavy = matches!(
+            role(mesh, element),
+            Some(Role::Solid(_) | Role::Shell(_) | Role::Coat(_))
+        );
+        if heavy && !shares_equally(element.kind) {
+            let name = name(mesh, element.kind, Variant::Plain);
+            *kinds.entry(name).or_default() += 1;
+        }
+    }
+    let listed: Vec<String> = kinds
+        .into_iter()
+        .map(|(name, count)| format!("{count} × {name}"))
+        .collect();
+    (!listed.is_empty()).then(|| {
+        format!(
+            "{} have a consistent mass, because Nastran's lumped one is not public: `PARAM,COUPMASS,1` in the deck gives all elements a consistent mass, `element_rules = exact` here alone",
+            listed.join(", ")
+        )
+    })
 }

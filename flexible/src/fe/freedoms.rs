@@ -56,7 +56,7 @@ impl FreedomMap {
             }
         }
         for point in &mesh.point_masses {
-            need(point.node, if is_isotropic(point) { 3 } else { 6 });
+            need(point.node, if turns(point) { 6 } else { 3 });
         }
         for spring in &mesh.springs {
             for &(node, component, _) in &spring.terms {
@@ -267,7 +267,13 @@ fn needs(component: u8) -> u32 {
     if component < 3 { 3 } else { 6 }
 }
 
-/// Whether a point mass is equal in all directions and is at its node. Such a mass needs no rotations.
+/// Whether a point mass is beside its node or has rotary inertia, so that the node's rotations move it.
+pub(super) fn turns(point: &PointMass) -> bool {
+    let matrix = &point.matrix;
+    (0..6).any(|i| (3..6).any(|j| matrix[i][j] != 0.0 || matrix[j][i] != 0.0))
+}
+
+/// Whether a point mass is equal in all directions and is at its node.
 pub(super) fn is_isotropic(point: &PointMass) -> bool {
     let matrix = &point.matrix;
     (0..6).all(|i| {

@@ -422,7 +422,7 @@ impl Reduction {
                 loose.len(),
                 list(loose)
             ),
-            "tie the node to several others, hold the freedom, or give it a spring; solids do not hold rotations",
+            "tie the node to several others, hold the freedom, or give it a spring; solids do not hold rotations, also not those that a mass beside its node or with rotary inertia (CONM2) needs. Nastran's AUTOSPC holds such freedoms: write SPC1 cards for them, and `support = deck`",
         ))
     }
 

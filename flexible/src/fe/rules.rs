@@ -3,6 +3,7 @@
 use super::form::Form;
 use crate::element::quadrature::{self, Point};
 use crate::element::{ElementKind, Shape};
+use crate::mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 /// The code whose rules give each solid its form: see [`super::form`].
@@ -28,8 +29,8 @@ pub enum StiffnessRule {
     Nastran,
 }
 
-/// Integration and form of the elements' mass. The rules of the codes differ in solids only. The mass of
-/// beams is consistent in all.
+/// Integration and form of the elements' mass. The mass of beams is consistent in all rules but that of
+/// Nastran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum MassRule {
     /// Consistent mass, integrated exactly for any element, curved ones included.
@@ -46,6 +47,13 @@ pub enum MassRule {
     /// ANSYS: consistent mass, of the 20-node hexahedron at 14 points, of other solids at the points of the
     /// stiffness. Checked against its frequencies for SOLID186.
     Ansys,
+    /// Nastran: a deck with a positive `PARAM,COUPMASS` has the exact mass. In others each node of an element
+    /// has an equal share of its mass, in its translations alone; `CBEAM` has half of its inertia about its
+    /// axis at each end. Lines are checked against the frequencies of MSC Nastran and MYSTRAN. The rule of
+    /// solids and shells is that of MYSTRAN's source. Elements with mid-side nodes keep the exact mass, because
+    /// MSC Nastran does not share the mass of its CTETRA of 10 nodes equally, as MYSTRAN does; pyramids, which
+    /// MYSTRAN has not, keep it too.
+    Nastran,
     /// Diagonal mass. Linear elements have row sums. The row sums of quadratic elements are partly negative,
     /// so these have the exact diagonal, scaled to the element's mass (E. Hinton, T. Rock, O. C. Zienkiewicz,
     /// Earthq. Eng. Struct. Dyn. 4, 1976).
@@ -70,12 +78,20 @@ impl Rules {
         }
     }
 
-    /// The forms of Nastran, exact mass.
+    /// The rules of Nastran; see [`MassRule::Nastran`].
     pub fn nastran() -> Self {
         Rules {
             stiffness: StiffnessRule::Nastran,
-            mass: MassRule::Exact,
+            mass: MassRule::Nastran,
         }
+    }
+
+    /// These rules for a mesh: those of Nastran are exact in the mass where the file does not lump it.
+    pub(super) fn for_mesh(mut self, mesh: &Mesh) -> Self {
+        if self.mass == MassRule::Nastran && !mesh.lumped {
+            self.mass = MassRule::Exact;
+        }
+        self
     }
 
     /// The rules of CalculiX; see [`MassRule::CalculiX`].
@@ -101,6 +117,8 @@ pub(super) enum Spread {
     Consistent,
     RowSum,
     ScaledDiagonal,
+    /// Equal parts for the nodes.
+    Equal,
 }
 
 pub(super) fn spread(kind: ElementKind, rule: MassRule) -> Spread {
@@ -109,12 +127,19 @@ pub(super) fn spread(kind: ElementKind, rule: MassRule) -> Spread {
         return Spread::Consistent;
     }
     match (rule, linear) {
+        (MassRule::Nastran, _) if shares_equally(kind) => Spread::Equal,
+        (MassRule::Nastran, _) => Spread::Consistent,
         (MassRule::Exact | MassRule::CalculiX | MassRule::Ansys, _) | (MassRule::Abaqus, false) => {
             Spread::Consistent
         }
         (MassRule::Abaqus | MassRule::Lumped, true) => Spread::RowSum,
         (MassRule::Lumped, false) => Spread::ScaledDiagonal,
     }
+}
+
+/// Whether Nastran's lumped mass of a solid or shell is an equal share for each node.
+pub(super) fn shares_equally(kind: ElementKind) -> bool {
+    kind.linear() == kind && kind != ElementKind::Pyramid5
 }
 
 /// Points for the stiffness of a solid; none for other elements.

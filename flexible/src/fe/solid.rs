@@ -322,6 +322,7 @@ pub(super) fn add_mass(
     let entry = |a: usize, b: usize| PAIR * pair(a.min(b), a.max(b)) + 9;
     for (a, sum) in diagonal.iter_mut().enumerate().take(count) {
         *sum = match table.spread {
+            Spread::Equal => total / count as f64,
             Spread::RowSum => (0..count).map(|b| blocks[entry(a, b)]).sum(),
             _ => blocks[entry(a, a)],
         };

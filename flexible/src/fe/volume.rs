@@ -3,7 +3,7 @@
 
 use super::check::{Role, role};
 use super::mass::RigidMass;
-use super::vector::{cross, dot, norm, subtract};
+use super::vector::{add, cross, dot, norm, subtract};
 use crate::mesh::{ABSENT, BeamSection, Mesh, Section};
 
 /// Volume (m³), area (m²) or length (m).
@@ -86,6 +86,15 @@ pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
         else {
             continue;
         };
+        let axes = element
+            .beam
+            .and_then(|beam| mesh.beam_axes.get(beam as usize));
+        let mut corners = corners;
+        if let Some(axes) = axes {
+            for (corner, offset) in corners.iter_mut().zip(axes.offsets) {
+                *corner = add(*corner, offset);
+            }
+        }
         for simplex in element.kind.description().simplices {
             let places: Vec<[f64; 3]> = simplex.iter().map(|i| corners[*i]).collect();
             sum.add(density * measure(&places), &places);

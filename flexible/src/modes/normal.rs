@@ -198,12 +198,22 @@ fn loose(structure: &Structure, eigenvalues: &[f64], vectors: &[f64]) -> Result<
     Err(FlexibleError::Singular {
         row,
         problem: format!(
-            "besides its rigid motions, the structure has {count} motion{} without stiffness: it is a mechanism",
-            if count == 1 { "" } else { "s" }
+            "{} has {count} motion{} without stiffness: {}",
+            match structure.rigid {
+                Some(_) => "besides its rigid motions, the structure",
+                None => "the held structure",
+            },
+            if count == 1 { "" } else { "s" },
+            match structure.rigid {
+                Some(_) => "it is a mechanism",
+                None => "its supports leave rigid motions, or it is a mechanism",
+            }
         ),
-        advice:
-            "join its parts by whole faces or by ties; they may touch only in a node or an edge"
-                .into(),
+        advice: match structure.rigid {
+            Some(_) => "join its parts by whole faces or by ties; they may touch only in a node or an edge",
+            None => "hold all six motions of the body, or none and let joints of the model hold it; else join its parts by whole faces or by ties, because they may touch only in a node or an edge",
+        }
+        .into(),
     })
 }
 

@@ -185,7 +185,7 @@ fn check_stretch(stiffness: &SymmetricMatrix, motions: &[f64]) -> Result<f64, Fl
                     number + 1,
                     short(share, 2)
                 ),
-                advice: "remove supports and ties to the ground from a free body; give matrices of another code with all their digits, and with the mesh and the units of the same run".into(),
+                advice: "remove supports, springs and equations (MPC) to the ground from a free body; give matrices of another code with all their digits, and with the mesh and the units of the same run".into(),
             });
         }
     }

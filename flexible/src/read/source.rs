@@ -14,7 +14,7 @@ const DEEPEST: usize = 60;
 const MOST_INCLUDES: usize = 10_000;
 
 /// A place in a file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct At {
     /// The file, under the name of the request.
     pub file: Rc<str>,

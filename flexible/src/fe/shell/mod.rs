@@ -284,10 +284,18 @@ impl<'a> Shell<'a> {
                 }
             }
         }
+        let spread = spread(self.kind, rule);
         for table in &mut tables {
-            lump(table, own, spread(self.kind, rule));
+            lump(table, own, spread);
         }
-        let [mass, first_moment, inertia] = tables;
+        let [mass, first_moment, mut inertia] = tables;
+        if spread == Spread::Equal {
+            // a point at the distance f/m from the surface: no inertia of its own
+            for a in 0..own {
+                let (m, f) = (mass[a][a], first_moment[a][a]);
+                inertia[a][a] = if m > 0.0 { f * f / m } else { 0.0 };
+            }
+        }
         out.mass = mass;
         let beside =
             self.arms != [[0.0; 3]; NODES] || first_moment.iter().flatten().any(|x| *x != 0.0);
@@ -346,6 +354,7 @@ fn lump(table: &mut [[f64; NODES]; NODES], count: usize, spread: Spread) {
             Spread::Consistent => return,
             _ if a >= count => row[a],
             Spread::RowSum => row.iter().sum(),
+            Spread::Equal => whole / count as f64,
             Spread::ScaledDiagonal if diagonal == 0.0 => 0.0,
             Spread::ScaledDiagonal => row[a] * whole / diagonal,
         };

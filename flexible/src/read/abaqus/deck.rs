@@ -106,7 +106,13 @@ pub(super) fn read(files: &dyn Files, name: &str) -> Result<Deck, FileProblem> {
                 let input = keyword.get("INPUT").map(str::to_string);
                 let at = keyword.at.clone();
                 let block = deck.open(keyword)?;
-                if let (Some(file), false) = (input, matches!(block, Open::Skipped)) {
+                // the data of a keyword that is not read are not needed
+                let needed = match &block {
+                    Open::Skipped => false,
+                    Open::Block(block) => KEPT.contains(&block.keyword.key.as_str()),
+                    _ => true,
+                };
+                if let (Some(file), true) = (input, needed) {
                     lines.include(&file, &at)?;
                 }
                 open = Some(block);

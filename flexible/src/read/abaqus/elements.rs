@@ -121,6 +121,7 @@ fn line(
         ));
     }
     let axes = BeamAxes {
+        centroid: [0.0; 2],
         orientation,
         offsets: [[0.0; 3]; 2],
         released: [0; 2],

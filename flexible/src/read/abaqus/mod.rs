@@ -70,6 +70,10 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
     ties::make(&mut model, &mut mesh, unread)?;
     let mut cards = HoldingCards::default();
     mesh.supports = supports::supports(&model, &mut cards, unread)?;
+    if code == Code::CalculiX {
+        let notes = supports::free_rotations(&model, &mut mesh.supports)?;
+        mesh.doubts.extend(notes);
+    }
     mesh.support_cards = cards.into_list();
     mesh.sets = sets::sets(&model);
     mesh.nodes = model.nodes;

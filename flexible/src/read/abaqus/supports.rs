@@ -64,6 +64,8 @@ pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
     Ok(frames)
 }
 
+const ROTATIONS: u8 = 0b11_1000;
+
 /// Supports named by a word.
 fn named(word: &str) -> Option<u8> {
     Some(match word {
@@ -124,6 +126,39 @@ pub(super) fn supports(
         .into_iter()
         .map(|(node, components)| Support { node, components })
         .collect())
+}
+
+/// Frees the rotations of a rigid body's reference node in CalculiX: they belong to its `ROT NODE`, and CalculiX
+/// 2.20 holds nothing where supports name them. Returns notes.
+pub(super) fn free_rotations(
+    model: &Model,
+    supports: &mut Vec<Support>,
+) -> Result<Vec<String>, FileProblem> {
+    let mut notes = Vec::new();
+    for (place, block) in model.blocks() {
+        let keyword = &block.keyword;
+        if keyword.key != "RIGIDBODY" || keyword.has("ROTNODE") {
+            continue;
+        }
+        let reference = keyword.require("REFNODE", "REF NODE")?;
+        let reference = model.node_of(place, reference, &keyword.at)?;
+        let held = supports.iter_mut().find(|held| held.node == reference);
+        if let Some(held) = held
+            && held.components & ROTATIONS != 0
+        {
+            held.components &= !ROTATIONS;
+            let id = model
+                .nodes
+                .get(reference as usize)
+                .map_or(0, |node| node.id);
+            notes.push(format!(
+                "{}:{}: *BOUNDARY holds rotations of node {id}, and CalculiX leaves those of a *RIGID BODY without ROT NODE free, as here",
+                keyword.at.file, keyword.at.line
+            ));
+        }
+    }
+    supports.retain(|held| held.components != 0);
+    Ok(notes)
 }
 
 /// Nodes and components of the lines of a `*BOUNDARY`, whether they are moved, and their places in the file.

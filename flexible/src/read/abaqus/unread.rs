@@ -58,7 +58,7 @@ const STRUCTURE: &[&str] = &[
     "NMAP",
     "NONSTRUCTURALMASS",
     "NORMAL",
-    "PRETENSIONSECTION",
+    "PRE-TENSIONSECTION",
     "REBAR",
     "REBARLAYER",
     "RELEASE",

@@ -360,6 +360,7 @@ pub(super) fn axes(
         return Err(no_axes(id, along, at));
     }
     Ok(BeamAxes {
+        centroid: [0.0; 2],
         orientation,
         offsets,
         released: beam.released,

@@ -56,8 +56,10 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
         if called || (fields.len() == count + 1 && !long) {
             tail = fields.pop().unwrap_or_default();
         }
+        // the commas of an equation are those of its functions
         if fields.len() > count
             && !long
+            && !head.eq_ignore_ascii_case("DEQATN")
             && let Some(extra) = fields
                 .get(count..)
                 .and_then(|rest| rest.iter().find(|f| !f.is_empty()))

@@ -5,7 +5,7 @@ use super::grids::Lookup;
 use super::lines::At;
 use super::plates::ShellFields;
 use crate::error::FileProblem;
-use crate::mesh::{ABSENT, ElementKind};
+use crate::mesh::{ABSENT, ElementKind, Variant};
 
 /// The family of an element's property. Properties of different families may share a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,8 +50,8 @@ pub(super) struct ElementCard {
     pub first: usize,
     /// Fields of a shell, beam.
     pub extra: Extra,
-    /// Whether its rotations about the normal belong to the membrane.
-    pub drilling: bool,
+    /// The variant that the card names; that of a solid is in its property.
+    pub variant: Variant,
     /// Place of the card.
     pub at: At,
 }
@@ -125,7 +125,11 @@ impl Elements {
             property,
             first,
             extra,
-            drilling: matches!(card.name.as_str(), "CTRIAR" | "CQUADR"),
+            variant: match card.name.as_str() {
+                "CTRIAR" | "CQUADR" => Variant::Drilling,
+                "CBEAM" => Variant::Beam,
+                _ => Variant::Plain,
+            },
             at: card.at.clone(),
         });
     }

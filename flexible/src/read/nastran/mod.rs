@@ -4,8 +4,8 @@
 //! The reader accepts free, small and large field in any mixture, continuations next to their card or
 //! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =` and `MPC =`: without
 //! such a selection all sets apply. Sets of the mesh have the names `set:3` (`SET1`, `SET3`) and `pid:3`
-//! (elements with property 3). `PARAM,WTMASS` multiplies densities and masses here. The rule for lumped
-//! masses (`PARAM,COUPMASS`) does not belong to a mesh and is listed as not read.
+//! (elements with property 3). `PARAM,WTMASS` multiplies densities and masses here. Without a positive
+//! `PARAM,COUPMASS` the mesh is one of lumped masses.
 //!
 //! ```text
 //! lines ─▶ sections ─▶ continuation ─▶ card ─▶ grids, elements, … (cards) ─▶ mesh
@@ -97,6 +97,7 @@ struct Deck {
     supports: Supports,
     sets: Sets,
     mass_scale: f64,
+    coupled: bool,
     unread: UnreadCards,
     doubts: Vec<String>,
 }
@@ -192,9 +193,14 @@ impl Deck {
                 }
                 self.mass_scale = scale;
             }
-            "COUPMASS" => self
-                .unread
-                .note("PARAM COUPMASS", &card.at, Carries::Nothing),
+            // OptiStruct has the words
+            "COUPMASS" => {
+                self.coupled = match card.text(1) {
+                    "YES" => true,
+                    "NO" => false,
+                    value => number::integer(value).is_some_and(|value| value > 0),
+                }
+            }
             _ => self.unread.card("PARAM", &card.at),
         }
         Ok(())
@@ -227,6 +233,7 @@ impl Deck {
         let (nodes, frames) = grids::nodes(&grids, &systems)?;
         let mut mesh = Mesh {
             code: Code::Nastran,
+            lumped: !self.coupled,
             nodes,
             frames,
             ..Mesh::default()
@@ -252,7 +259,7 @@ impl Deck {
         };
         let bushes = self.bushes.springs(&around, &mesh.frames)?;
         mesh.springs.extend(bushes);
-        let equations = self.supports.equations(case.mpc.as_ref())?;
+        let equations = self.supports.equations(&case.mpc)?;
         let selected = |set: u64| equations.as_ref().is_none_or(|sets| sets.contains(&set));
         mesh.ties = self.ties.ties(
             &lookup,
@@ -261,17 +268,17 @@ impl Deck {
             &mut self.unread,
         )?;
         let mut cards = HoldingCards::default();
-        mesh.supports = self.supports.supports(
-            &grids,
-            &lookup,
-            case.spc.as_ref(),
-            &mut cards,
-            &mut self.unread,
-        )?;
+        mesh.supports =
+            self.supports
+                .supports(&grids, &lookup, &case.spc, &mut cards, &mut self.unread)?;
         mesh.support_cards = cards.into_list();
         mesh.interface = self.supports.interface(&lookup)?;
         mesh.unread = self.unread.into_list();
         mesh.doubts = self.doubts;
+        mesh.doubts.extend(case.doubt.clone());
+        if case.modes {
+            mesh.doubts.extend(self.supports.condensation());
+        }
         Ok(mesh)
     }
 
@@ -337,22 +344,28 @@ impl Deck {
                         systems,
                         lookup,
                     };
-                    Some(beams::axes(beam, card.id, [a, b], &around, &card.at)?)
+                    let mut axes = beams::axes(beam, card.id, [a, b], &around, &card.at)?;
+                    axes.centroid = self.properties.neutral(card.family, card.property);
+                    Some(axes)
                 }
                 _ => None,
             };
             let new = NewElement {
                 id: card.id,
                 kind: card.kind,
-                variant: match card.drilling {
-                    true => Variant::Drilling,
-                    false => self.properties.variant(card.family, card.property),
+                variant: match card.variant {
+                    Variant::Plain => self.properties.variant(card.family, card.property),
+                    named => named,
                 },
                 property,
                 shell: shape,
             };
             add_element(mesh, new, &nodes, axes).map_err(|e| e.at(&card.at))?;
             numbers.push(card.property);
+        }
+        for at in &made.odd_shear {
+            let name = "MAT1 of solids with G other than E/(2 (1+NU))";
+            self.unread.note(name, at, Carries::Structure);
         }
         mesh.properties = made.properties.all;
         mesh.materials = made.materials.all;

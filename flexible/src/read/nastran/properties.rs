@@ -12,7 +12,8 @@ use super::shapes;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
 use crate::mesh::{
-    BeamSection, Carries, Layer, Layup, Material, Property, Section, ShellSection, Variant,
+    BeamSection, Carries, Layer, Layup, Material, Property, Section, SheetElasticity, ShellSection,
+    Variant,
 };
 use crate::read::builder::Once;
 
@@ -75,8 +76,8 @@ impl PropertyCard {
 
 #[derive(Clone, Debug)]
 enum Constants {
-    /// Young's modulus, Poisson's ratio, density.
-    Isotropic([f64; 3]),
+    /// Young's modulus, Poisson's ratio, density, and the shear modulus if the card states all three.
+    Isotropic([f64; 3], Option<f64>),
     /// Of a sheet.
     Sheet(Box<SheetConstants>),
     /// A material that can't be expressed.
@@ -94,6 +95,19 @@ enum Use {
     Across,
 }
 
+/// The form of a material for a kind of section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Form {
+    /// As its card states it.
+    Stated,
+    /// `MAT1` of a line: G counts, and NU is E/(2 G) − 1.
+    Shear,
+    /// `MAT1` of a sheet with its own G.
+    Sheet,
+    /// `MAT2` or `MAT8` of the shear across a shell.
+    Across,
+}
+
 /// A material card.
 #[derive(Clone, Debug)]
 struct MaterialCard {
@@ -108,6 +122,8 @@ pub(super) struct Properties {
     properties: BTreeMap<(Family, u64), PropertyCard>,
     laminates: Vec<LaminateCard>,
     materials: BTreeMap<u64, MaterialCard>,
+    /// N1 and N2 of `PBEAM`: from the shear centre to the neutral axis.
+    neutral: BTreeMap<u64, [f64; 2]>,
 }
 
 impl Properties {
@@ -134,6 +150,14 @@ impl Properties {
                 "renumber or remove one of them",
             )),
             None => Ok(()),
+        }
+    }
+
+    /// From the shear centre of a beam to its neutral axis, along y and z.
+    pub fn neutral(&self, family: Family, id: u64) -> [f64; 2] {
+        match family {
+            Family::Beam => self.neutral.get(&id).copied().unwrap_or_default(),
+            _ => [0.0; 2],
         }
     }
 
@@ -233,7 +257,8 @@ impl Properties {
         self.insert(card, Family::Beam, Some(material), kind)
     }
 
-    /// `PBEAML PID MID GROUP TYPE / DIM1 … NSM [SO X/XB DIM1 … NSM]…`.
+    /// `PBEAML PID MID GROUP TYPE / DIM1 … NSM [SO X/XB DIM1 … NSM]…`. The nodes of a CBEAM lie at the shear
+    /// centre. A section whose centroid is beside it is listed.
     fn beam_shape(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let material = card.id(1, "MID")?;
         let kind = match shapes::dimension_count(card.text(3)) {
@@ -257,6 +282,13 @@ impl Properties {
                         section = mean(section, other);
                     }
                 }
+                let dimensions = (0..count)
+                    .map(|i| card.real(8 + i, "DIM"))
+                    .collect::<Result<Vec<_>, _>>()?;
+                if !shapes::is_centred(card.text(3), &dimensions) {
+                    let name = "PBEAML with its shear centre beside its centroid";
+                    unread.note(name, &card.at, Carries::Structure);
+                }
                 Kind::Line(section)
             }
             None => Kind::Unreadable,
@@ -265,8 +297,9 @@ impl Properties {
     }
 
     /// `PBEAM PID MID A I1 I2 I12 J NSM / C1…F2 / [SO X/XB A I1 I2 I12 J NSM / C1…F2]… / K1 K2 S1 S2 NSI(A)
-    /// NSI(B) CW(A) CW(B) / M1…N2`. Blank shear factors are 1. The mean of a tapered section is taken, and
-    /// listed.
+    /// NSI(B) CW(A) CW(B) / M1(A) M2(A) M1(B) M2(B) N1(A) N2(A) N1(B) N2(B)`. Blank shear factors are 1. N1 and
+    /// N2 lead from the shear centre, where the ends are, to the neutral axis (y, z). Added mass has a place of
+    /// its own, M1 and M2. The mean of a tapered section is taken, and listed.
     fn beam(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let material = card.id(1, "MID")?;
         let mut section = BeamSection {
@@ -313,11 +346,20 @@ impl Properties {
             card.optional_real(line, "K1")?.unwrap_or(1.0),
             card.optional_real(line + 1, "K2")?.unwrap_or(1.0),
         ];
-        for i in line + 2..line + 16 {
-            if card.optional_real(i, "S1…N2(B)")?.unwrap_or(0.0) != 0.0 {
-                unread.note("PBEAM axes and warping", &card.at, Carries::Structure);
-                break;
-            }
+        let mut last = [0.0; 14];
+        for (i, value) in last.iter_mut().enumerate() {
+            *value = card.real_or_zero(line + 2 + i, "S1…N2(B)")?;
+        }
+        let [others @ .., n1, n2, n1_b, n2_b] = last;
+        let alike =
+            (n1 == n1_b || card.is_blank(line + 14)) && (n2 == n2_b || card.is_blank(line + 15));
+        let beside = [n1, n2] != [0.0; 2];
+        if others.iter().any(|x| *x != 0.0) || !alike || (beside && section.mass_per_length != 0.0)
+        {
+            unread.note("PBEAM axes and warping", &card.at, Carries::Structure);
+        }
+        if beside {
+            self.neutral.insert(card.id(0, "PID")?, [n1, n2]);
         }
         self.insert(card, Family::Beam, Some(material), Kind::Line(section))
     }
@@ -343,24 +385,16 @@ impl Properties {
         self.insert(card, Family::Rod, Some(material), Kind::Line(section))
     }
 
-    /// `MAT1 MID E G NU RHO`. Of E, G and ν one may be blank: E = 2 (1 + ν) G.
+    /// `MAT1 MID E G NU RHO`. Of E, G and ν one may be blank: E = 2 (1 + ν) G. If all are stated, G resists the
+    /// shear of lines and shells, whatever E and ν (MSC Nastran, Quick Reference Guide, MAT1).
     fn isotropic(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let young = card.optional_real(1, "E")?;
         let shear = card.optional_real(2, "G")?;
         let poisson = card.optional_real(3, "NU")?;
         let density = card.real_or_zero(4, "RHO")?;
+        let own = shear.filter(|shear| *shear > 0.0 && young.is_some() && poisson.is_some());
         let (young, poisson) = match (young, shear, poisson) {
-            (Some(young), Some(shear), Some(poisson)) => {
-                if (young - 2.0 * (1.0 + poisson) * shear).abs() > 0.01 * young.abs() {
-                    unread.note(
-                        "MAT1 with G other than E/(2 (1+NU))",
-                        &card.at,
-                        Carries::Structure,
-                    );
-                }
-                (young, poisson)
-            }
-            (Some(young), None, Some(poisson)) => (young, poisson),
+            (Some(young), _, Some(poisson)) => (young, poisson),
             (None, Some(shear), Some(poisson)) => (2.0 * (1.0 + poisson) * shear, poisson),
             (Some(young), Some(shear), None) if shear != 0.0 => {
                 (young, young / (2.0 * shear) - 1.0)
@@ -373,7 +407,7 @@ impl Properties {
                 return Err(card.problem("E is missing, and one of G and NU", "give E and NU"));
             }
         };
-        self.material(card, Constants::Isotropic([young, poisson, density]))
+        self.material(card, Constants::Isotropic([young, poisson, density], own))
     }
 
     fn material(&mut self, card: &Card, constants: Constants) -> Result<(), FileProblem> {
@@ -451,9 +485,10 @@ pub(super) struct Made<'d> {
     mass_scale: f64,
     /// Properties in the order of their first use, by family, number and a shell's own thickness.
     pub properties: Once<(Family, u64, Option<u64>), Property>,
-    /// Materials in the order of their first use, by number and whether they resist the shear across a shell
-    /// by other constants.
-    pub materials: Once<(u64, bool), Material>,
+    /// Materials in the order of their first use, by number and form.
+    pub materials: Once<(u64, Form), Material>,
+    /// The cards of materials of solids with a G of its own.
+    pub odd_shear: Vec<At>,
     /// Layers, by the order of the deck's laminates.
     pub laminates: Once<usize, Vec<Layer>>,
 }
@@ -466,6 +501,7 @@ impl<'d> Made<'d> {
             mass_scale,
             properties: Once::default(),
             materials: Once::default(),
+            odd_shear: Vec::new(),
             laminates: Once::default(),
         }
     }
@@ -620,7 +656,7 @@ impl<'d> Made<'d> {
         })
     }
 
-    /// Index of the material of a property. A beam uses E and G separately, so any NU is valid for it.
+    /// Index of the material of a property. A line uses E and G separately, so any NU is valid for it.
     fn material(&mut self, id: u64, user: &PropertyCard, usage: Use) -> Result<u32, FileProblem> {
         let Some(card) = self.cards.materials.get(&id) else {
             return Err(user.at.problem(
@@ -628,15 +664,40 @@ impl<'d> Made<'d> {
                 "add its MAT1 card, or INCLUDE the file that holds it",
             ));
         };
-        let (young, poisson, density, sheet) = match (&card.constants, usage) {
-            (Constants::Isotropic([young, poisson, density]), _) => {
-                (*young, *poisson, *density, None)
+        let line = matches!(user.kind, Kind::Line(_));
+        let (young, poisson, density, sheet, form) = match (&card.constants, usage) {
+            (Constants::Isotropic([young, poisson, density], shear), _) => {
+                let (young, stated, density) = (*young, *poisson, *density);
+                let odd = shear.filter(|g| (young - 2.0 * (1.0 + stated) * g).abs() > 0.01 * young);
+                let sheet = odd.and_then(|shear| {
+                    SheetElasticity::orthotropic([young, young, stated, shear], [shear, shear])
+                });
+                match (shear, usage) {
+                    (Some(shear), Use::Body) if line => (
+                        young,
+                        young / (2.0 * shear) - 1.0,
+                        density,
+                        None,
+                        Form::Shear,
+                    ),
+                    (_, Use::Sheet | Use::Across) if sheet.is_some() => {
+                        (young, stated, density, sheet, Form::Sheet)
+                    }
+                    _ => {
+                        if odd.is_some() && !self.odd_shear.contains(&card.at) {
+                            self.odd_shear.push(card.at.clone());
+                        }
+                        (young, stated, density, None, Form::Stated)
+                    }
+                }
             }
             (Constants::Sheet(own), Use::Sheet) => {
-                (own.young, own.poisson, own.density, Some(own.plane))
+                let sheet = Some(own.plane);
+                (own.young, own.poisson, own.density, sheet, Form::Stated)
             }
             (Constants::Sheet(own), Use::Across) => {
-                (own.young, own.poisson, own.density, Some(own.across))
+                let sheet = Some(own.across);
+                (own.young, own.poisson, own.density, sheet, Form::Across)
             }
             _ => {
                 return Err(card.at.problem(
@@ -645,8 +706,9 @@ impl<'d> Made<'d> {
                 ));
             }
         };
-        let beam = matches!(user.kind, Kind::Line(_));
-        let elastic = young >= 0.0 && poisson > -1.0 && (poisson < 0.5 || beam);
+        // the constants of a sheet are checked by its card
+        let solid = poisson > -1.0 && (poisson < 0.5 || line);
+        let elastic = young >= 0.0 && (solid || sheet.is_some());
         if !(elastic && density >= 0.0) {
             return Err(card.at.problem(
                 format!(
@@ -656,7 +718,7 @@ impl<'d> Made<'d> {
                 "E and RHO must not be negative, and NU must lie between -1 and 0.5; a blank NU is E/(2 G) - 1",
             ));
         }
-        let by = (id, sheet.is_some() && usage == Use::Across);
+        let by = (id, form);
         if let Some(index) = self.materials.find(&by) {
             return Ok(index);
         }

@@ -1,5 +1,6 @@
 //! The sections of a deck: executive and case control are skipped, except for the entries that select
-//! supports and equations; a deck of cards alone has none of them.
+//! supports and equations; a deck of cards alone has none of them. Of several subcases those with a `METHOD`
+//! count, which are the ones of the modes, else all.
 
 use super::card::{Card, cut};
 use super::continuation::Assembler;
@@ -13,10 +14,138 @@ const LONGEST_HEAD: usize = 100_000;
 /// The entries of case control that select parts of the mesh.
 #[derive(Debug, Default)]
 pub(super) struct CaseControl {
-    /// The set of supports it selects first.
-    pub spc: Option<(u64, At)>,
-    /// The set of equations it selects first.
-    pub mpc: Option<(u64, At)>,
+    /// Its supports.
+    pub spc: Selection,
+    /// Its equations.
+    pub mpc: Selection,
+    /// Whether it asks for modes.
+    pub modes: bool,
+    /// The note about subcases with different supports.
+    pub doubt: Option<String>,
+}
+
+/// The sets that case control selects.
+#[derive(Clone, Debug, Default)]
+pub(super) enum Selection {
+    /// All: no entry selects any.
+    #[default]
+    All,
+    /// None: only other subcases select some.
+    Nothing,
+    /// One, with the place of the entry.
+    One(u64, At),
+}
+
+/// The entries of one subcase, or of all of them.
+#[derive(Clone, Debug, Default)]
+struct Case {
+    /// `subcase 2`.
+    name: String,
+    spc: Option<(u64, At)>,
+    mpc: Option<(u64, At)>,
+    /// Whether it selects a method for modes.
+    method: bool,
+}
+
+impl Case {
+    /// Keeps the entry of a line; in one case the last entry of a name holds.
+    fn entry(&mut self, text: &str, at: &At) {
+        if let Some(number) = selected(text, "SPC") {
+            self.spc = Some((number, at.clone()));
+        } else if let Some(number) = selected(text, "MPC") {
+            self.mpc = Some((number, at.clone()));
+        } else {
+            self.method |= text.contains('=') && first_word(text) == "METHOD";
+        }
+    }
+}
+
+/// The entries above all subcases, and the subcases.
+#[derive(Debug, Default)]
+struct Cases {
+    above: Case,
+    subcases: Vec<Case>,
+}
+
+impl Cases {
+    fn line(&mut self, line: &Line) {
+        if first_word(&line.text) == "SUBCASE" {
+            self.subcases.push(Case {
+                name: line.text.trim().to_ascii_lowercase(),
+                ..self.above.clone()
+            });
+        } else {
+            let case = self.subcases.last_mut();
+            case.unwrap_or(&mut self.above).entry(&line.text, &line.at);
+        }
+    }
+
+    /// The selection that holds for the modes.
+    ///
+    /// # Errors
+    /// Subcases of modes with different equations.
+    fn selection(mut self) -> Result<CaseControl, FileProblem> {
+        if self.subcases.is_empty() {
+            self.subcases.push(self.above);
+        }
+        let some = [
+            self.subcases.iter().any(|case| case.spc.is_some()),
+            self.subcases.iter().any(|case| case.mpc.is_some()),
+        ];
+        let modes = self.subcases.iter().any(|case| case.method);
+        if modes {
+            self.subcases.retain(|case| case.method);
+        }
+        let number = |set: &Option<(u64, At)>| set.as_ref().map(|(number, _)| *number);
+        let Some(first) = self.subcases.first() else {
+            return Ok(CaseControl::default());
+        };
+        let words = |name: &str, set: &Option<(u64, At)>, case: &Case| match set {
+            Some((number, at)) => {
+                format!("{} selects {name} = {number} (line {})", case.name, at.line)
+            }
+            None => format!("{} selects no {name}", case.name),
+        };
+        let mut doubt = None;
+        for case in &self.subcases {
+            if number(&case.mpc) != number(&first.mpc)
+                && let Some((_, at)) = case.mpc.as_ref().or(first.mpc.as_ref())
+            {
+                return Err(at.problem(
+                    format!(
+                        "the equations differ: {}, {}",
+                        words("MPC", &first.mpc, first),
+                        words("MPC", &case.mpc, case)
+                    ),
+                    "keep METHOD in the subcase of the wanted modes alone, or leave out the other subcases",
+                ));
+            }
+            if doubt.is_none()
+                && number(&case.spc) != number(&first.spc)
+                && let Some((_, at)) = case.spc.as_ref().or(first.spc.as_ref())
+            {
+                doubt = Some(format!(
+                    "{}:{}: the supports differ: {}, {}; the first ones are read. Keep METHOD in the subcase of the wanted modes alone, or leave out the other subcases",
+                    at.file,
+                    at.line,
+                    words("SPC", &first.spc, first),
+                    words("SPC", &case.spc, case)
+                ));
+            }
+        }
+        let [spc, mpc] =
+            [(&first.spc, some[0]), (&first.mpc, some[1])].map(|(set, some)| match set {
+                Some((number, at)) => Selection::One(*number, at.clone()),
+                None if some => Selection::Nothing,
+                None => Selection::All,
+            });
+        Ok(CaseControl {
+            spc,
+            mpc,
+            modes,
+            doubt,
+        })
+    }
 }
 
 /// Reads a deck and hands over its cards, those with scattered continuations last.
@@ -26,7 +155,7 @@ pub(super) fn read_cards(
     mut give: impl FnMut(Card) -> Result<(), FileProblem>,
 ) -> Result<CaseControl, FileProblem> {
     let mut lines = Lines::open(files, name)?;
-    let mut case = CaseControl::default();
+    let mut cases = Cases::default();
     let mut cards = Assembler::default();
     let mut head = Some(Head::default());
     while let Some(line) = lines.next_line()? {
@@ -64,7 +193,7 @@ pub(super) fn read_cards(
         for earlier in head
             .take()
             .into_iter()
-            .flat_map(|head| head.cards(begins, &mut case))
+            .flat_map(|head| head.cards(begins, &mut cases))
         {
             for card in cards.push(&earlier)? {
                 give(card)?;
@@ -84,7 +213,7 @@ pub(super) fn read_cards(
                 "write the bulk data between BEGIN BULK and ENDDATA; the file may have been cut",
             ));
         }
-        for earlier in before.cards(false, &mut case) {
+        for earlier in before.cards(false, &mut cases) {
             for card in cards.push(&earlier)? {
                 give(card)?;
             }
@@ -93,7 +222,7 @@ pub(super) fn read_cards(
     for card in cards.finish()? {
         give(card)?;
     }
-    Ok(case)
+    cases.selection()
 }
 
 /// Lines before it is known whether the deck begins with control sections.
@@ -106,33 +235,26 @@ struct Head {
 impl Head {
     /// The lines of these that are cards: all of them in a deck without control sections, `PARAM` alone in
     /// others.
-    fn cards(self, begins: bool, case: &mut CaseControl) -> Vec<Line> {
+    fn cards(self, begins: bool, cases: &mut Cases) -> Vec<Line> {
         if !begins && !self.control {
             return self.lines;
         }
         self.lines
             .into_iter()
             .filter(|line| {
-                select(&line.text, "SPC", &mut case.spc, &line.at);
-                select(&line.text, "MPC", &mut case.mpc, &line.at);
+                cases.line(line);
                 first_word(&line.text) == "PARAM" && !line.text.contains('=')
             })
             .collect()
     }
 }
 
-/// Reads `SPC = 3`; the first selection holds.
-fn select(text: &str, name: &str, selected: &mut Option<(u64, At)>, at: &At) {
+/// The number in `SPC = 3`.
+fn selected(text: &str, name: &str) -> Option<u64> {
     let text = text.trim().to_ascii_uppercase();
-    let number = text
-        .strip_prefix(name)
+    text.strip_prefix(name)
         .and_then(|rest| rest.trim_start().strip_prefix('='))
-        .and_then(|number| number.trim().parse::<u64>().ok());
-    if let Some(number) = number
-        && selected.is_none()
-    {
-        *selected = Some((number, at.clone()));
-    }
+        .and_then(|number| number.trim().parse::<u64>().ok())
 }
 
 /// The first word of a line, in upper case, up to a comma, bracket or asterisk.

@@ -23,6 +23,16 @@ pub(super) fn dimension_count(shape: &str) -> Option<usize> {
     })
 }
 
+/// Whether the shear centre of a shape is its centroid by symmetry about a point.
+pub(super) fn is_centred(shape: &str, dimensions: &[f64]) -> bool {
+    match (shape, dimensions) {
+        ("T" | "T1" | "T2" | "L" | "CHAN" | "CHAN1" | "CHAN2" | "HAT", _) => false,
+        ("I", &[_, a, b, _, ta, tb]) => a == b && ta == tb,
+        ("BOX1", &[_, _, top, bottom, left, right]) => top == bottom && left == right,
+        _ => true,
+    }
+}
+
 /// A wall: centre, extent along y and z, thickness and length of its mid-line in torsion.
 struct Wall {
     y: f64,

@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::card::{Card, Ids};
 use super::grids::{GridCard, Lookup};
 use super::lines::At;
+use super::sections::Selection;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, Support};
@@ -33,6 +34,8 @@ pub(super) struct Supports {
     /// Sets of equations that combine other sets.
     equation_sums: BTreeMap<u64, Vec<u64>>,
     equation_sets: BTreeSet<u64>,
+    /// The first card that asks for a static condensation: its name and place.
+    condensed: Option<(String, At)>,
 }
 
 impl Supports {
@@ -72,6 +75,11 @@ impl Supports {
                 let parts = vec![(list_of(card, 1)?, components(card, 0)?)];
                 self.interface.push(entry(card, 0, parts));
             }
+            "OMIT" | "OMIT1" => {
+                self.condensed
+                    .get_or_insert_with(|| (card.name.clone(), card.at.clone()));
+                return Ok(false);
+            }
             "SPCADD" => add_sum(&mut self.support_sums, card)?,
             "MPCADD" => add_sum(&mut self.equation_sums, card)?,
             "MPC" => {
@@ -89,7 +97,7 @@ impl Supports {
         &self,
         grids: &[GridCard],
         lookup: &Lookup,
-        selection: Option<&(u64, At)>,
+        selection: &Selection,
         cards: &mut HoldingCards,
         unread: &mut UnreadCards,
     ) -> Result<Vec<Support>, FileProblem> {
@@ -116,6 +124,19 @@ impl Supports {
         Ok(list(bits))
     }
 
+    /// The note about a static condensation (Guyan) that a deck of modes asks for by naming the freedoms that
+    /// are omitted or kept.
+    pub fn condensation(&self) -> Option<String> {
+        let kept = self.interface.first();
+        let (name, at) = (self.condensed.as_ref())
+            .map(|(name, at)| (name, at))
+            .or_else(|| kept.map(|entry| (&entry.name, &entry.at)))?;
+        Some(format!(
+            "{}:{}: {name} asks for modes of the kept freedoms alone (Guyan's condensation), and the modes here are those of all; their frequencies are lower",
+            at.file, at.line
+        ))
+    }
+
     /// The interface freedoms of a mesh, node by node. Scalar points in these sets are modal coordinates and
     /// no nodes.
     pub fn interface(&self, lookup: &Lookup) -> Result<Vec<Support>, FileProblem> {
@@ -127,10 +148,7 @@ impl Supports {
     }
 
     /// The sets of equations that apply; `None` means all.
-    pub fn equations(
-        &self,
-        selection: Option<&(u64, At)>,
-    ) -> Result<Option<BTreeSet<u64>>, FileProblem> {
+    pub fn equations(&self, selection: &Selection) -> Result<Option<BTreeSet<u64>>, FileProblem> {
         chosen(selection, &self.equation_sums, &self.equation_sets, "MPC")
     }
 }
@@ -170,13 +188,15 @@ fn add_sum(sums: &mut BTreeMap<u64, Vec<u64>>, card: &Card) -> Result<(), FilePr
 
 /// The sets of a selection; `None` without a selection.
 fn chosen(
-    selection: Option<&(u64, At)>,
+    selection: &Selection,
     sums: &BTreeMap<u64, Vec<u64>>,
     sets: &BTreeSet<u64>,
     name: &str,
 ) -> Result<Option<BTreeSet<u64>>, FileProblem> {
-    let Some((selected, at)) = selection else {
-        return Ok(None);
+    let (selected, at) = match selection {
+        Selection::All => return Ok(None),
+        Selection::Nothing => return Ok(Some(BTreeSet::new())),
+        Selection::One(selected, at) => (selected, at),
     };
     let mut found = BTreeSet::new();
     let mut open = vec![*selected];

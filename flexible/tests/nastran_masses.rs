@@ -1,0 +1,253 @@
+//! The lumped masses of Nastran: frequencies that MSC Nastran and MYSTRAN print, and shares by hand.
+
+use crate::nastran_deck::mesh;
+use eng_flexible::FlexibleError;
+use eng_flexible::fe::{Rules, assemble, form};
+use eng_flexible::mesh::Mesh;
+use eng_flexible::reduce::{Request, Term, reduce};
+use eng_flexible::solve::Modes;
+
+/// Frequencies (Hz) of a deck, held at its own supports.
+fn frequencies(mesh: Mesh, rules: Rules, count: usize) -> Vec<f64> {
+    let request = Request {
+        rules,
+        support_of_deck: true,
+        terms: vec![Term::Normal {
+            modes: Modes::Count(count),
+            fixed: Vec::new(),
+        }],
+        ..Request::default()
+    };
+    match reduce(mesh, &request) {
+        Ok(reduced) => reduced.body.frequencies,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn apart(found: &[f64], exact: &[f64]) -> f64 {
+    assert_eq!(found.len(), exact.len());
+    let pairs = found.iter().zip(exact);
+    pairs.map(|(x, y)| (x / y - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// One box of sides 1, 2, 3 m with density 5 and shells of area 2 m², thickness 0.1 m.
+const BOX: &str = "GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,1.,2.,0.
+GRID,4,,0.,2.,0.
+GRID,5,,0.,0.,3.
+GRID,6,,1.,0.,3.
+GRID,7,,1.,2.,3.
+GRID,8,,0.,2.,3.
+MAT1,8,2.1+11,,.3,5.
+PSOLID,3,8
+PSHELL,4,8,.1,8,,8
+";
+
+/// The share of each node, by MYSTRAN's `HEXA.f90`, `TETRA.f90`, `QDEL1.f90` and `TREL1.f90`.
+#[test]
+fn nodes_share_a_mass_equally() {
+    for (cards, nodes, mass) in [
+        ("CHEXA,1,3,1,2,3,4,5,6,\n,7,8", 8, 30.0),
+        // a wedge and a tetrahedron that are not boxes
+        ("CPENTA,1,3,1,2,3,5,6,7", 6, 15.0),
+        ("CTETRA,1,3,1,2,3,5", 4, 5.0),
+        ("CQUAD4,1,4,1,2,3,4", 4, 1.0),
+        ("CTRIA3,1,4,1,2,3", 3, 0.5),
+        ("CBAR,1,5,1,2,0.,0.,1.\nPBAR,5,8,2.,1.,1.,1.", 2, 10.0),
+    ] {
+        let mesh = mesh(&format!("{BOX}{cards}\n"));
+        let structure = assemble(&mesh, &Rules::nastran()).unwrap();
+        let matrix = structure.mass.assembled().unwrap();
+        let mut masses = 0;
+        for column in 0..matrix.size() {
+            let (rows, values) = matrix.column(column);
+            let (_, component) = structure.freedoms.owner(column).unwrap();
+            for (row, value) in rows.iter().zip(values) {
+                let expected = match *row as usize == column && component < 3 {
+                    true => mass / f64::from(nodes),
+                    false => 0.0,
+                };
+                assert!(
+                    (value - expected).abs() < 1e-12,
+                    "{cards}: {value} {expected}"
+                );
+                masses += i32::from(*value > 1e-12);
+            }
+        }
+        assert_eq!(masses, 3 * nodes, "{cards}");
+        assert!(
+            form::warnings(&mesh, &Rules::nastran())
+                .iter()
+                .all(|w| !w.contains("lumped"))
+        );
+    }
+    // not without a message
+    let cards = "CTETRA,1,3,1,2,3,5,,9\nGRID,9,,.5,1.,0.\n";
+    let solid = mesh(&format!("{BOX}{cards}"));
+    let told = form::warnings(&solid, &Rules::nastran()).join("\n");
+    assert!(
+        told.contains("1 × CTETRA (10 nodes) have a consistent mass"),
+        "{told}"
+    );
+    let coupled = mesh(&format!("{BOX}{cards}PARAM,COUPMASS,1\n"));
+    assert!(
+        !form::warnings(&coupled, &Rules::nastran())
+            .join("\n")
+            .contains("consistent")
+    );
+}
+
+/// `BAR-CC-GIV` of MYSTRAN's tests, a plane cantilever of four CBAR.
+const CANTILEVER: &str = "GRDSET,,,,,,,1246
+GRID,1,,0.,0.,0.
+GRID,2,,25.,0.,0.
+GRID,3,,50.,0.,0.
+GRID,4,,75.,0.,0.
+GRID,5,,100.,0.,0.
+CBAR,102,25,1,2,0.,0.,1.
+CBAR,203,25,2,3,0.,0.,1.
+CBAR,304,25,3,4,0.,0.,1.
+CBAR,405,25,4,5,0.,0.,1.
+PBAR,25,20,.1,.1,.1,.1
+MAT1,20,10.+06,,.3,.1
+SPC1,1,35,1
+PARAM,WTMASS,.002591
+";
+
+/// MYSTRAN prints seven digits.
+#[test]
+fn bars_have_the_frequencies_of_mystran() {
+    let printed = [10.68719, 62.81653, 166.3460, 289.9396];
+    let found = frequencies(mesh(CANTILEVER), Rules::nastran(), 4);
+    assert!(apart(&found, &printed) < 1e-6, "{found:?}");
+    // no other rule lumps, nor does this one if the deck couples
+    let consistent = frequencies(mesh(CANTILEVER), Rules::exact(), 4);
+    assert!(consistent[1] > 1.09 * printed[1], "{consistent:?}");
+    for (word, lumped) in [
+        ("1", false),
+        ("YES", false),
+        ("-1", true),
+        ("0", true),
+        ("NO", true),
+    ] {
+        let deck = format!("{CANTILEVER}PARAM,COUPMASS,{word}\n");
+        let found = frequencies(mesh(&deck), Rules::nastran(), 4);
+        let expected = if lumped { &found } else { &consistent };
+        assert_eq!(&found, expected, "{word}");
+        assert_eq!(mesh(&deck).lumped, lumped, "{word}");
+    }
+}
+
+/// pyNastran's model `beam_modes`, a shaft of nine CBAR and one CBEAM with a disk. MSC Nastran prints seven
+/// digits. The fifth is torsion: CBAR has no inertia about its axis, CBEAM has it.
+#[test]
+fn bars_and_beams_have_the_frequencies_of_msc() {
+    let printed = [
+        456.6603, 456.6603, 2674.588, 2674.588, 3554.923, 4507.487, 6626.104, 6626.104,
+    ];
+    let mut deck: String = (0..=10)
+        .map(|i| format!("GRID,{},,{i}.,0.,0.\n", i + 1))
+        .collect();
+    for i in 1..=9 {
+        deck += &format!("CBAR,{i},1,{i},{},0.,1.,0.\n", i + 1);
+    }
+    deck += "CBEAM,10,3,10,11,0.,1.,0.
+CONM2,21,11,,2.59-3
+,2.59-3,,2.59-3,,,2.59-3
+MAT1,2,3.+7,1.1628+7,.29,7.4851-4
+PBARL,1,2,,ROD
+,1.
+PBEAML,3,2,,ROD
+,1.
+SPC,1,1,123456
+";
+    let found = frequencies(mesh(&deck), Rules::nastran(), printed.len());
+    assert!(apart(&found, &printed) < 1e-6, "{found:?}");
+    let bars = deck.replace("CBEAM,10,3", "CBAR,10,1");
+    let found = frequencies(mesh(&bars), Rules::nastran(), printed.len());
+    assert!(apart(&found[..2], &printed[..2]) < 1e-6, "{found:?}");
+    assert!((found[4] / printed[4] - 1.0).abs() > 0.1, "{found:?}");
+}
+
+/// A mass in one direction moves no rotation, so it may be on a node of solids.
+#[test]
+fn masses_of_one_direction_are_on_nodes_of_solids() {
+    let solid = |cards: &str| mesh(&format!("{BOX}CHEXA,1,3,1,2,3,4,5,6,\n,7,8\n{cards}"));
+    for (cards, component) in [("CMASS2,9,2.,7,3\n", 2), ("CONM1,9,7,,2.\n", 0)] {
+        let mesh = solid(cards);
+        let structure = assemble(&mesh, &Rules::default()).unwrap();
+        assert_eq!(structure.freedoms.size(), 24, "{cards}");
+        let bare = assemble(&solid(""), &Rules::default()).unwrap();
+        let (_, along) = structure.mass.rigid_along(&mesh);
+        let (_, own) = bare.mass.rigid_along(&mesh);
+        for axis in 0..3 {
+            let added = if axis == component { 2.0 } else { 0.0 };
+            assert!(
+                (along[axis] - own[axis] - added).abs() < 1e-12,
+                "{cards}: {along:?}"
+            );
+        }
+        assert!(free(mesh).is_ok(), "{cards}");
+    }
+    // beside the node it turns, and solids do not hold this
+    let error = free(solid("CONM2,9,7,,2.,.1\n")).unwrap_err();
+    assert!(
+        error.advice().contains("a mass beside its node"),
+        "{}",
+        error.advice()
+    );
+    assert!(error.advice().contains("AUTOSPC"), "{}", error.advice());
+}
+
+fn free(mesh: Mesh) -> Result<Vec<f64>, FlexibleError> {
+    let request = Request {
+        terms: vec![Term::Normal {
+            modes: Modes::Count(2),
+            fixed: Vec::new(),
+        }],
+        ..Request::default()
+    };
+    reduce(mesh, &request).map(|reduced| reduced.body.frequencies)
+}
+
+/// Volumes between corners follow the ends of a beam, not its nodes.
+#[test]
+fn the_estimate_has_the_offsets_of_beams() {
+    let deck = format!("{BOX}CBAR,1,5,1,2,0.,0.,1.\n,,,0.,.5,0.,0.,.5,0.\nPBAR,5,8,2.,1.,1.,1.\n");
+    let mesh = mesh(&deck);
+    let structure = assemble(&mesh, &Rules::default()).unwrap();
+    let estimate = eng_flexible::fe::volume::estimate(&mesh).unwrap();
+    let exact = structure.mass.rigid(&mesh);
+    for axis in 0..3 {
+        let (found, expected) = (estimate.first_moment[axis], exact.first_moment[axis]);
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+    assert!((exact.centre()[1] - 0.5).abs() < 1e-12);
+}
+
+/// The supports of a planar bar leave three motions.
+#[test]
+fn supports_that_leave_rigid_motions_are_named() {
+    let deck = CANTILEVER.replace("SPC1,1,35,1\n", "");
+    let request = Request {
+        support_of_deck: true,
+        terms: vec![Term::Normal {
+            modes: Modes::Count(2),
+            fixed: Vec::new(),
+        }],
+        ..Request::default()
+    };
+    let error = reduce(mesh(&deck), &request).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("its supports leave rigid motions, or it is a mechanism"),
+        "{error}"
+    );
+    assert!(
+        error.advice().contains("hold all six motions"),
+        "{}",
+        error.advice()
+    );
+}
