@@ -208,8 +208,8 @@ fn the_period_of_a_pendulum_follows_its_length() {
     let gradient = &outcome.gradients[0];
     let column = gradient.results.column("turn").unwrap();
     assert_eq!(column.display.symbol, "deg/m");
-    let (l, i, g) = (1.0, 1e-6, 9.81);
-    let omega = (g * l / (l * l + i) as f64).sqrt();
+    let (l, i, g) = (1.0_f64, 1e-6, 9.81);
+    let omega = (g * l / (l * l + i)).sqrt();
     let by_length = 0.5 / omega * g * (i - l * l) / ((l * l + i) * (l * l + i));
     let times = &gradient.results.column("time").unwrap().values;
     for (t, got) in times.iter().zip(&column.values) {

@@ -215,13 +215,13 @@ impl Beam {
             stiffness[freedom][freedom + 6] = -value;
             stiffness[freedom + 6][freedom] = -value;
         }
-        self.from_line(stiffness, false)
+        self.of_neutral_axis(stiffness, false)
     }
 
     /// A matrix over the freedoms of the ends from one whose displacements u are those of the centroids, `u + z θ_y − y
     /// θ_z`; with `across` also v and w are, `v − z θ_x` and `w + y θ_x`. Shear and torque act in the line of the ends,
     /// axial force and moments in that of the centroids.
-    fn from_line(&self, matrix: EndMatrix, across: bool) -> EndMatrix {
+    fn of_neutral_axis(&self, matrix: EndMatrix, across: bool) -> EndMatrix {
         let [y, z] = self.centroid;
         if y == 0.0 && z == 0.0 {
             return matrix;
@@ -308,7 +308,7 @@ impl Beam {
                 }
             }
         }
-        self.from_line(mass, false)
+        self.of_neutral_axis(mass, false)
     }
 }
 
@@ -326,7 +326,7 @@ impl Beam {
                     0.5 * (self.inertia[0][0] + self.inertia[1][1]) * self.length;
             }
         }
-        self.from_line(mass, true)
+        self.of_neutral_axis(mass, true)
     }
 
     /// Geometric stiffness per unit of tension (1/m, –, m): `∫ v'v'ᵀ + w'w'ᵀ + (I_y + I_z)/A θ_x'θ_x'ᵀ dx`
