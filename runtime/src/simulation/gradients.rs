@@ -101,7 +101,7 @@ impl Gradients {
         let mut fields = model.kernels.iter().zip(&compiled.system.elements);
         if let Some((_, element)) = fields.find(|(kernels, _)| !kernels.is_empty()) {
             return Err(refused(format!(
-                "{} solves its film on cells, and gradients do not pass such a film yet: take a film with a law, such as `Impedance`, or \
+                "{} solves its film on cells, and gradients do not pass such a film yet: take a film whose force is a formula or a table, or \
                  compare two runs",
                 element.origin.path
             )));

@@ -162,6 +162,7 @@ impl Definition for Drive {
             ConditionKind::Branch,
             "cos(rotation(a, b) - angle) > 0",
         )];
+        class.facts.rows_over_time = true;
         class.facts.uses_twist = false;
         class.facts.applies_load = false;
     }

@@ -466,7 +466,7 @@ impl Builder {
                 uses_twist: true,
                 applies_load: true,
                 loads_over_time: true,
-                rows_over_time: true,
+                rows_over_time: false,
                 conditions_read_fields: false,
                 differentiated: vec![true; layout.answers as usize],
             },
