@@ -155,11 +155,12 @@ fn states_of_the_reference() {
     for (name, [coarse, fine]) in worst {
         println!("{name:16} 144 x 24 {coarse:.1e}   extrapolated {fine:.1e}");
     }
+    let rms = plain.map(|sum| (sum / count).sqrt());
     println!(
         "force, rms: 144 x 24 {:.1e}, extrapolated {:.1e}",
-        (plain[0] / count).sqrt(),
-        (plain[1] / count).sqrt()
+        rms[0], rms[1]
     );
+    assert!(rms[0] < 5.5e-3 && rms[1] < 2e-4, "{rms:?}");
 }
 
 #[test]
