@@ -1,16 +1,12 @@
 //! Cells of fields over the moments of a motion: a Parquet file with one list of 32-bit floats for each moment and
 //! quantity.
 
-use super::parquet::WriteError;
+use super::parquet::{WriteError, write_batch};
 use super::{Column, Results, ResultsError, file_stem, replace_file, schema};
-use arrow_array::{ArrayRef, FixedSizeListArray, Float32Array, Float64Array, RecordBatch};
+use arrow_array::{ArrayRef, FixedSizeListArray, Float32Array, Float64Array};
 use arrow_schema::{DataType, Field, Schema};
 use eng_system::field::FieldGrid;
 use eng_system::{Dimension, DisplayUnit};
-use parquet::arrow::ArrowWriter;
-use parquet::basic::Compression;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
 use std::collections::HashMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -121,19 +117,5 @@ fn write(file: &mut File, motion: &Results, cells: Vec<CellColumn>) -> Result<()
         let list = FixedSizeListArray::try_new(item, size, values, None);
         arrays.push(Arc::new(list.map_err(|error| refused(&error))?));
     }
-    let batch = RecordBatch::try_new(Arc::clone(&schema), arrays);
-    let batch = batch.map_err(|error| refused(&error))?;
-    // tools other than pyarrow read the entries of the file, as with all results
-    let entries = schema::metadata(&header).into_iter();
-    let entries = entries.map(|(key, value)| KeyValue::new(key, value));
-    let properties = WriterProperties::builder()
-        .set_created_by(format!("eng {}", env!("CARGO_PKG_VERSION")))
-        .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(entries.collect()))
-        .build();
-    let writer = ArrowWriter::try_new(file, schema, Some(properties));
-    let mut writer = writer.map_err(|error| refused(&error))?;
-    writer.write(&batch).map_err(|error| refused(&error))?;
-    writer.close().map_err(|error| refused(&error))?;
-    Ok(())
+    write_batch(file, &header, schema, arrays)
 }

@@ -3,15 +3,11 @@
 //! Its columns are `parameter` and `parameter_unit` (texts), then time, cycle angle and speed if there is a cycle, and the
 //! channels as 64-bit floats with the metadata of [`super::schema`]: each in its display unit per that of the parameter.
 
-use super::parquet::WriteError;
+use super::parquet::{WriteError, write_batch};
 use super::{Column, Results, ResultsError, file_stem, replace_file, schema};
-use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray};
+use arrow_array::{ArrayRef, Float64Array, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use eng_system::DisplayUnit;
-use parquet::arrow::ArrowWriter;
-use parquet::basic::Compression;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -81,7 +77,6 @@ pub(crate) fn write_gradients(
 }
 
 fn write(file: &mut File, header: &Results, gradients: &[Gradient]) -> Result<(), WriteError> {
-    let refused = |error: &dyn std::fmt::Display| WriteError::Parquet(error.to_string());
     let numbers = schema::schema(header);
     let texts = TEXTS.iter();
     let mut fields: Vec<Arc<Field>> = texts
@@ -106,18 +101,5 @@ fn write(file: &mut File, header: &Results, gradients: &[Gradient]) -> Result<()
         let values: Vec<f64> = shown.flat_map(Column::shown).collect();
         arrays.push(Arc::new(Float64Array::from(values)));
     }
-    let batch = RecordBatch::try_new(Arc::clone(&schema), arrays);
-    let batch = batch.map_err(|error| refused(&error))?;
-    let entries = schema::metadata(header).into_iter();
-    let entries = entries.map(|(key, value)| KeyValue::new(key, value));
-    let properties = WriterProperties::builder()
-        .set_created_by(format!("eng {}", env!("CARGO_PKG_VERSION")))
-        .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(entries.collect()))
-        .build();
-    let writer = ArrowWriter::try_new(file, schema, Some(properties));
-    let mut writer = writer.map_err(|error| refused(&error))?;
-    writer.write(&batch).map_err(|error| refused(&error))?;
-    writer.close().map_err(|error| refused(&error))?;
-    Ok(())
+    write_batch(file, header, schema, arrays)
 }

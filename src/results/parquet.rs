@@ -241,6 +241,31 @@ enum Refused {
     Foreign(String),
 }
 
+/// Writes a table of one batch with the entries of a header.
+pub(super) fn write_batch(
+    file: &mut File,
+    header: &Results,
+    schema: Arc<Schema>,
+    arrays: Vec<ArrayRef>,
+) -> Result<(), WriteError> {
+    let refused = |error: &dyn std::fmt::Display| WriteError::Parquet(error.to_string());
+    let batch = RecordBatch::try_new(Arc::clone(&schema), arrays);
+    let batch = batch.map_err(|error| refused(&error))?;
+    // tools other than pyarrow read the entries of the file, as with all results
+    let entries = schema::metadata(header).into_iter();
+    let entries = entries.map(|(key, value)| KeyValue::new(key, value));
+    let properties = WriterProperties::builder()
+        .set_created_by(format!("eng {}", env!("CARGO_PKG_VERSION")))
+        .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(entries.collect()))
+        .build();
+    let writer = ArrowWriter::try_new(file, schema, Some(properties));
+    let mut writer = writer.map_err(|error| refused(&error))?;
+    writer.write(&batch).map_err(|error| refused(&error))?;
+    writer.close().map_err(|error| refused(&error))?;
+    Ok(())
+}
+
 /// The named texts in the metadata of a file.
 pub(super) fn entries(metadata: &ParquetMetaData) -> BTreeMap<String, String> {
     metadata
