@@ -51,6 +51,7 @@ impl Film {
         let grid = &level.grid;
         if rule == Cavitation::Half {
             state.full.fill(true);
+            state.straight.fill(false);
         }
         let mut moving = 0;
         for round in 1..=ROUNDS {
@@ -58,7 +59,7 @@ impl Film {
             state.matrix.factor(
                 border(grid, &state.sides, x[SPIN] >= 0.0),
                 x[SPIN] >= 0.0,
-                rule != Cavitation::MassConserving,
+                rule != Cavitation::MassConserving && grid.edges.is_empty(),
             );
             state.matrix.solve(&mut state.unknown);
             for (cell, data) in grid.cells.iter().enumerate() {
@@ -154,6 +155,15 @@ impl Film {
             row[link.toward + 1] = -own - from_a;
             known[link.a] += conductance * b.q - flow;
             known[link.b] += conductance * a.q + flow;
+        }
+        for (edge, straight) in grid.edges.iter().zip(&state.straight) {
+            let [own, inner] = edge
+                .factors(*straight)
+                .map(|factor| factor * state.conductance[edge.link]);
+            let [first, second] = edge.cells;
+            rows[first][OWN] += (own + inner) * sides[first].pressed;
+            rows[first][edge.toward] -= inner * sides[second].pressed;
+            known[first] += own * sides[edge.fixed].q;
         }
         for (cell, data) in grid.cells.iter().enumerate() {
             let side = &sides[cell];
@@ -253,6 +263,13 @@ fn slack(grid: &Grid, state: &mut LevelWork, spin: f64) {
             }
         }
     }
+    for (edge, straight) in grid.edges.iter().zip(&state.straight) {
+        let drop = edge.outward * edge.drop(*straight, |side| state.q[side]);
+        let pressed = state.conductance[edge.link] * drop;
+        let [sum, parts] = &mut state.slack[edge.cells[0]];
+        *sum += pressed;
+        *parts += pressed.abs();
+    }
 }
 
 /// Moves cells that break an inequality to the other set, and returns the last of them.
@@ -261,6 +278,12 @@ fn slack(grid: &Grid, state: &mut LevelWork, spin: f64) {
 fn change(grid: &Grid, state: &mut LevelWork, rule: Cavitation, round: usize) -> Option<usize> {
     let highest = largest(&state.q);
     let mut changed = None;
+    for (edge, straight) in grid.edges.iter().zip(&mut state.straight) {
+        let next = edge.is_straight(*straight, ROUNDING * highest, |side| state.q[side]);
+        if next != *straight {
+            (*straight, changed) = (next, Some(edge.cells[0]));
+        }
+    }
     for (cell, data) in grid.cells.iter().enumerate() {
         if data.held.is_some() {
             continue;

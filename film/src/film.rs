@@ -1,5 +1,6 @@
 //! A film: its grids, its solution at given inputs, its memory.
 
+use crate::edge::Edge;
 use crate::error::{FilmError, SourceError};
 use crate::grid::{Grid, Link};
 use crate::inputs::{END_PRESSURE, SHAPE_FORCE, SUPPLY, TILT, TILT_RATE, VISCOSITY};
@@ -108,6 +109,10 @@ pub(crate) struct LevelWork {
     pub pin_slope: Vec<[f64; 2]>,
     /// Cells without cavity.
     pub full: Vec<bool>,
+    /// Edges at which a straight line counts.
+    pub straight: Vec<bool>,
+    /// Drops of q by the edges at the links, beside those between the sides: of q, and of the q that the rule `half` cuts.
+    pub bent: Vec<[f64; 2]>,
     /// q of cells and fixed places: the pressure, transformed by Barus' law.
     pub q: Vec<f64>,
     /// Content of cells and fixed places.
@@ -126,11 +131,25 @@ pub(crate) struct LevelWork {
 impl LevelWork {
     /// Flow by pressure from a to b through a face (m³/s). The rule `half` cuts the pressure of a cell, and its q too.
     pub(crate) fn pressed(&self, at: usize, link: &Link) -> f64 {
-        let q = |side: usize| match self.pressure[side][1] {
+        self.conductance[at] * (self.cut(link.a) - self.cut(link.b) + self.bent[at][1])
+    }
+
+    /// q of a side, zero where the rule `half` cuts it.
+    fn cut(&self, side: usize) -> f64 {
+        match self.pressure[side][1] {
             0.0 => 0.0,
             _ => self.q[side],
-        };
-        self.conductance[at] * (q(link.a) - q(link.b))
+        }
+    }
+
+    /// Writes the drops of the edges at the present solution.
+    pub(crate) fn set_bent(&mut self, edges: &[Edge]) {
+        for (edge, straight) in edges.iter().zip(&self.straight) {
+            self.bent[edge.link] = [
+                edge.drop(*straight, |side| self.q[side]),
+                edge.drop(*straight, |side| self.cut(side)),
+            ];
+        }
     }
 
     /// Flow that the surfaces carry from a to b through a face (m³/s), at a spin.
@@ -168,6 +187,8 @@ impl LevelWork {
             cell_rate: vec![0.0; cells],
             pin_slope: vec![[0.0; 2]; cells],
             full: vec![true; cells],
+            straight: vec![false; level.grid.edges.len()],
+            bent: vec![[0.0; 2]; links],
             q: vec![0.0; cells + fixed],
             content: vec![1.0; cells + fixed],
             pressure: vec![[0.0; 2]; cells + fixed],
@@ -381,21 +402,25 @@ impl Film {
         work.warm = false;
     }
 
-    /// Appends the cavity of the last solution: for each cell 1 if it is full, else 0.
+    /// Appends the set of equations of the last solution: for each cell 1 if it is full, else 0; then for each
+    /// edge 1 if a straight line counts there, else 0.
     pub fn cavity(&self, work: &Work, numbers: &mut Vec<f64>) {
-        let full = work.levels[0].full.iter();
-        numbers.extend(full.map(|full| f64::from(u8::from(*full))));
+        let state = &work.levels[0];
+        let set = state.full.iter().chain(&state.straight);
+        numbers.extend(set.map(|set| f64::from(u8::from(*set))));
     }
 
     /// Lets the next search begin at a cavity ([`Film::cavity`]), and returns the numbers after it. Where
     /// there are too few, the search begins as it would without them.
     pub fn begin_at<'n>(&self, work: &mut Work, numbers: &'n [f64]) -> &'n [f64] {
-        let full = &mut work.levels[0].full;
-        let Some((own, others)) = numbers.split_at_checked(full.len()) else {
+        let state = &mut work.levels[0];
+        let count = state.full.len() + state.straight.len();
+        let Some((own, others)) = numbers.split_at_checked(count) else {
             return &[];
         };
-        for (full, number) in full.iter_mut().zip(own) {
-            *full = *number != 0.0;
+        let set = state.full.iter_mut().chain(&mut state.straight);
+        for (set, number) in set.zip(own) {
+            *set = *number != 0.0;
         }
         work.warm = true;
         others
@@ -551,5 +576,6 @@ impl Film {
             }
             None => full.fill(true),
         }
+        fine[at].straight.fill(false);
     }
 }

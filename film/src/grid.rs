@@ -4,9 +4,10 @@
 //! its side `b`; a side is a cell or a place with fixed pressure. Fixed places have the numbers after the
 //! cells: the openings in their order, then the ends.
 
+use crate::edge::Edge;
 use crate::error::{Place, SourceError};
-use crate::ring::{EAST, HIGH};
-use crate::source::{Ends, FilmSource, Lines, Opening, Part, mean_of_wave};
+use crate::ring::{EAST, HIGH, LOW, WEST};
+use crate::source::{EdgeSlope, Ends, Feed, FilmSource, Lines, Opening, Part, mean_of_wave};
 
 /// A face between two cells, or between a cell and a fixed place.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +16,7 @@ pub(crate) struct Link {
     pub a: usize,
     /// Side behind it.
     pub b: usize,
-    /// Length of the face over the distance of its sides; an edge of an opening or an end has half a cell of
-    /// distance.
+    /// Length of the face over the distance of its sides; that of an [`Edge`] is its w.
     pub weight: f64,
     /// Place of the cell b in the row of the cell a; that of a in the row of b follows it.
     pub toward: usize,
@@ -95,6 +95,8 @@ pub(crate) struct Grid {
     pub sites: Vec<Site>,
     /// The first links: those from cells to openings of the pin that may lie over them.
     pub feedings: Vec<Feeding>,
+    /// Links to fixed places with two cells before them.
+    pub edges: Vec<Edge>,
     /// Distances of both sides of each link from its face: rad or m. Of a fixed place it is 0.
     pub reaches: Vec<[f64; 2]>,
 }
@@ -126,10 +128,7 @@ impl Grid {
                     normal: [cos, sin],
                     mean_normal: [cos * mean, sin * mean],
                     base: source.clearance + source.shell_profile(angle, z / half),
-                    held: source
-                        .openings
-                        .iter()
-                        .position(|opening| covers(opening, angle, z)),
+                    held: held(source, angle, z),
                 });
             }
         }
@@ -142,6 +141,7 @@ impl Grid {
             links: Vec::new(),
             sites: Vec::new(),
             feedings: Vec::new(),
+            edges: Vec::new(),
             reaches: Vec::new(),
         };
         grid.link(source);
@@ -269,7 +269,48 @@ impl Grid {
                 );
             }
         }
+        if source.edges == EdgeSlope::TwoCells {
+            for (at, link) in links.iter_mut().enumerate().skip(self.feedings.len()) {
+                let Some((edge, factor)) = self.edge(at, link, source) else {
+                    continue;
+                };
+                link.weight *= factor;
+                self.edges.extend(edge);
+            }
+        }
         (self.links, self.sites, self.reaches) = (links, sites, reaches);
+    }
+
+    /// The edge of a link with one cell, and its factor of the weight. Neither is there where the next cell is missing or
+    /// lies in an opening. The mirrored cell beyond mid width has the pressure of the cell itself, and needs no edge.
+    fn edge(&self, at: usize, link: &Link, source: &FilmSource) -> Option<(Option<Edge>, f64)> {
+        let (columns, rows, count) = (self.around, self.across, self.cells.len());
+        let (own, behind) = match [link.a < count, link.b < count] {
+            [true, false] => (link.a, false),
+            [false, true] => (link.b, true),
+            _ => return None,
+        };
+        let (column, row) = (own / rows, own % rows);
+        let across = link.toward == HIGH;
+        let (inner, toward) = match (across, behind) {
+            (true, false) if row == 0 && source.half_width => return Some((None, Edge::MIRRORED)),
+            (true, false) => (column * rows + row.checked_sub(1)?, LOW),
+            (true, true) if row + 1 == rows => return None,
+            (true, true) => (own + 1, HIGH),
+            (false, false) => ((column + columns - 1) % columns * rows + row, WEST),
+            (false, true) => ((column + 1) % columns * rows + row, EAST),
+        };
+        if self.cells[inner].held.is_some() {
+            return None;
+        }
+        let widths = [own, inner].map(|cell| match across {
+            true => self.heights[cell % rows + 1] - self.heights[cell % rows],
+            false => self.cells[cell].sector,
+        });
+        let opening = source.openings.get(link.a.max(link.b) - count);
+        let limited = opening.is_none_or(|opening| opening.feed != Feed::Pressure);
+        let (edge, factor) = Edge::new(at, [link.a, link.b], own, inner, toward, widths, limited);
+        Some((Some(edge), factor))
     }
 
     /// The cell in which a place lies.
@@ -328,11 +369,21 @@ pub(crate) fn place(angle: f64, across: f64) -> Place {
 /// Angles closer than this are one line of the grid, rad.
 const SAME_ANGLE: f64 = 1e-9;
 
-/// Whether an opening covers the middle of a cell.
+/// The opening that holds the pressure in the middle of a cell at every turn of the pin: one of the shell, else a ring
+/// groove of the pin.
+fn held(source: &FilmSource, angle: f64, z: f64) -> Option<usize> {
+    let on = |part: Part| {
+        let mut openings = source.openings.iter();
+        openings.position(|opening| opening.on == part && covers(opening, angle, z))
+    };
+    on(Part::Shell).or_else(|| on(Part::Pin))
+}
+
+/// Whether an opening covers the middle of a cell at every turn of the pin.
 fn covers(opening: &Opening, angle: f64, z: f64) -> bool {
     let [from, to] = opening.around;
     let [low, high] = opening.across;
-    opening.on == Part::Shell
+    (opening.on == Part::Shell || opening.all_around())
         && to > from
         && low < z
         && z < high

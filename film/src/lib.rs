@@ -40,6 +40,7 @@
 mod active;
 mod annulus;
 mod block;
+mod edge;
 mod elastic;
 mod error;
 mod feedback;
@@ -64,5 +65,7 @@ pub use error::{FilmError, Place, SourceError};
 pub use film::{Film, Work};
 pub use inputs::Inputs;
 pub use results::{Quantity, Summary};
-pub use source::{Beside, Cavitation, Ends, Feed, FilmSource, Lines, Opening, Part, Profile};
+pub use source::{
+    Beside, Cavitation, EdgeSlope, Ends, Feed, FilmSource, Lines, Opening, Part, Profile,
+};
 pub use surfaces::{Roughness, Thinning};

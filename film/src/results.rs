@@ -112,6 +112,7 @@ impl Film {
                 });
             };
         }
+        state.set_bent(&self.levels[0].grid.edges);
         Ok(())
     }
 
@@ -365,6 +366,7 @@ impl Film {
         let (shift, rise) = vertex(
             [before, behind],
             [pressure(west), pressure(top), pressure(east)],
+            0.0,
         );
         highest += rise;
         at = place(cell.angle + shift, at.across);
@@ -377,7 +379,11 @@ impl Film {
         let high =
             (row + 1 < grid.across).then(|| (grid.cells[top + 1].z - cell.z, pressure(top + 1)));
         if let (Some((before, low)), Some((behind, high))) = (low, high) {
-            let (shift, rise) = vertex([before, behind], [low, pressure(top), high]);
+            let (shift, rise) = vertex(
+                [before, behind],
+                [low, pressure(top), high],
+                grid.heights[row + 1] - grid.heights[row],
+            );
             highest += rise;
             at.across += shift;
             // rounding of a film that is the same on both sides
@@ -465,9 +471,9 @@ impl Film {
     }
 }
 
-/// The place of the highest point of a parabola through three points, and its height above the middle one. Places
-/// count from the middle one.
-fn vertex(places: [f64; 2], values: [f64; 3]) -> (f64, f64) {
+/// The place of the highest point of a parabola through three values, and its height above the middle one. Places
+/// count from the middle one. The values are means of the parabola over this width, or points if it is 0.
+fn vertex(places: [f64; 2], values: [f64; 3], width: f64) -> (f64, f64) {
     let (before, behind) = (
         (values[0] - values[1]) / places[0],
         (values[2] - values[1]) / places[1],
@@ -478,5 +484,6 @@ fn vertex(places: [f64; 2], values: [f64; 3]) -> (f64, f64) {
         return (0.0, 0.0);
     }
     let shift = (-slope / (2.0 * bend)).clamp(places[0], places[1]);
-    (shift, slope * shift + bend * shift * shift)
+    let over_mean = bend * width * width / 12.0;
+    (shift, slope * shift + bend * shift * shift - over_mean)
 }

@@ -190,6 +190,17 @@ pub enum Ends {
     Sealed,
 }
 
+/// The slope of the pressure at faces of cells and places with fixed pressure: ends, and edges of openings of the shell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EdgeSlope {
+    /// That of a straight line through the middle of one cell, of first order. The damping of the rule
+    /// [`Cavitation::Reynolds`] is symmetric to rounding, and openings of both parts have the same equations.
+    OneCell,
+    /// That of a parabola through the means of two cells, of second order.
+    #[default]
+    TwoCells,
+}
+
 /// Cells of one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lines {
@@ -234,6 +245,8 @@ pub struct FilmSource {
     pub rough: Option<Roughness>,
     /// Thinning of the oil in shear; none for oil whose viscosity does not depend on it.
     pub thinning: Option<Thinning>,
+    /// Slope of the pressure at fixed places.
+    pub edges: EdgeSlope,
     /// Cells around.
     pub around: Lines,
     /// Cells across; of a half bearing from mid width to its end.
@@ -267,6 +280,7 @@ impl FilmSource {
             piezo: 0.0,
             rough: None,
             thinning: None,
+            edges: EdgeSlope::TwoCells,
             around: Lines::Equal(cells[0]),
             across: Lines::Equal(cells[1]),
             half_width: false,

@@ -172,6 +172,31 @@ impl Film {
                         }
                     }
                 }
+                self.weigh_edges(solution, output, |side, weight| {
+                    adjoint[side][lane] += weight
+                });
+            }
+        }
+    }
+
+    /// Derivatives of the loss or of the side flow by the pressures that the edges read beside those of their sides.
+    fn weigh_edges(&self, solution: &Solution, output: usize, mut weigh: impl FnMut(usize, f64)) {
+        let Solution { level, state, .. } = *solution;
+        let ends = level.grid.ends(&self.source);
+        for (edge, straight) in level.grid.edges.iter().zip(&state.straight) {
+            let link = &level.grid.links[edge.link];
+            let conducted = match output {
+                LOSS => state.pressure[link.a][0] - state.pressure[link.b][0],
+                _ => link.outward(ends, state.pressed(edge.link, link)),
+            };
+            let [own, inner] = edge.factors(*straight);
+            let [first, second] = edge.cells;
+            let conducted = edge.outward * state.conductance[edge.link] * conducted;
+            for (side, factor) in [(first, own + inner), (second, -inner), (edge.fixed, -own)] {
+                let slope = state.pressure[side][1];
+                if slope > 0.0 {
+                    weigh(side, factor * conducted / slope);
+                }
             }
         }
     }
@@ -314,7 +339,8 @@ impl Film {
                 link.b
             };
             let carried = link.carry * state.content[upwind];
-            let pressed = state.conductance[at] * (state.q[link.a] - state.q[link.b]);
+            let pressed =
+                state.conductance[at] * (state.q[link.a] - state.q[link.b] + state.bent[at][0]);
             let p_drop = state.pressure[link.a][0] - state.pressure[link.b][0];
             let slope = state.carried_slope[0][at];
             let [opens, thins] = state.conductance_slope[at];
@@ -344,12 +370,7 @@ impl Film {
                 let Some(fixed) = side.checked_sub(count) else {
                     continue;
                 };
-                let place = if fixed == openings {
-                    END_PRESSURE
-                } else {
-                    SUPPLY + fixed
-                };
-                if fixed == openings || self.source.openings[fixed].feed == Feed::Pressure {
+                if let Some(place) = self.pressure_input(fixed) {
                     // dq/dp of the fixed place
                     let transform = 1.0 / state.pressure[side][1].max(1.0);
                     let by_pressure = -sign * state.conductance[at] * transform;
@@ -364,8 +385,28 @@ impl Film {
             }
         }
         add_run(slopes, [ECCENTRICITY, TILT], normal, &mut run);
+        for (edge, straight) in level.grid.edges.iter().zip(&state.straight) {
+            let [own, _] = edge.factors(*straight);
+            if let Some(place) = self.pressure_input(edge.fixed - count) {
+                let by_pressure = own * state.conductance[edge.link];
+                let transform = 1.0 / state.pressure[edge.fixed][1].max(1.0);
+                add(
+                    &mut slopes[place],
+                    by_pressure * transform,
+                    &adjoint[edge.cells[0]],
+                );
+            }
+        }
         add(&mut slopes[SPIN], 1.0, &by_spin);
         add(&mut slopes[VISCOSITY], 1.0 / x[VISCOSITY], &by_viscosity);
+    }
+
+    /// The input that holds the pressure of a fixed place, of those that have one.
+    fn pressure_input(&self, fixed: usize) -> Option<usize> {
+        match self.source.openings.get(fixed) {
+            None => Some(END_PRESSURE),
+            Some(opening) => (opening.feed == Feed::Pressure).then_some(SUPPLY + fixed),
+        }
     }
 
     /// Adds the changes by the gap and its rate in the cells, ω and μ.

@@ -4,7 +4,8 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Ends, Feed, Film, FilmError, FilmSource, Inputs, Opening, Part, Roughness,
+    Cavitation, EdgeSlope, Ends, Feed, Film, FilmError, FilmSource, Inputs, Opening, Part,
+    Roughness,
 };
 use serde_json::Value;
 use states::{Solved, inputs, number, pair, reference, solved, source};
@@ -66,23 +67,18 @@ fn quantities(solved: &Solved, state: &Value) -> Vec<(&'static str, f64, f64)> {
     found
 }
 
-/// Limits of the error relative to size: of 144 × 24 cells, and of its extrapolation with 288 × 48.
+/// Limits of the error relative to size: of 144 × 24 cells, and of the extrapolation from 288 × 48 and 576 × 96.
 fn limits(name: &str, state: &Value) -> [f64; 2] {
     let openings = state["grooves"]
         .as_array()
         .is_some_and(|grooves| !grooves.is_empty());
-    let tilted = pair(state, "tilt") != [0.0; 2] || pair(state, "tilt_rate") != [0.0; 2];
-    let content = state["rule"] == "jfo";
     match name {
-        "q_low" | "q_high" | "q_out" if openings => [0.02, 5e-3],
-        // the corners of openings make flow and content converge with less than second order
-        "couette_content" => [0.01, 2e-3],
-        "mx" | "my" => [0.05, 1e-3],
-        _ if openings => [0.025, 1e-3],
-        _ if tilted => [0.025, 9e-4],
-        "pmax" => [0.006, 9e-4],
-        _ if content => [0.006, 3e-4],
-        _ => [0.006, 1e-3],
+        // the corners of openings make flows converge with less than second order
+        "q_low" | "q_high" | "q_out" if openings => [8e-3, 1e-3],
+        "couette_content" => [0.01, 1e-3],
+        "mx" | "my" => [5e-3, 5e-4],
+        "pmax" => [5e-3, 9e-4],
+        _ => [5e-3, 2e-4],
     }
 }
 
@@ -120,15 +116,15 @@ fn states_of_the_reference() {
     let (mut plain, mut count) = ([0.0_f64; 2], 0.0);
     for state in reference()["static"].as_array().expect("states") {
         states += 1;
-        let (coarse, fine) = (on(state, [144, 24]), on(state, [288, 48]));
-        let pairs = quantities(&coarse, state)
-            .into_iter()
-            .zip(quantities(&fine, state));
-        for ((name, one, size), (_, two, _)) in pairs {
+        let coarse = on(state, [144, 24]);
+        let [fine, finest] = [[288, 48], [576, 96]].map(|cells| on(state, cells));
+        let [fine, finest] = [fine, finest].map(|solved| quantities(&solved, state));
+        for (at, (name, one, size)) in quantities(&coarse, state).into_iter().enumerate() {
             let wanted = number(&state["value"], name);
+            let extrapolated = (4.0 * finest[at].1 - fine[at].1) / 3.0;
             let errors = [
                 (one - wanted).abs() / size,
-                ((4.0 * two - one) / 3.0 - wanted).abs() / size,
+                (extrapolated - wanted).abs() / size,
             ];
             let known = worst.entry(name).or_default();
             *known = [known[0].max(errors[0]), known[1].max(errors[1])];
@@ -163,7 +159,7 @@ fn states_of_the_reference() {
         "force, rms: 144 x 24 {:.1e}, extrapolated {:.1e}",
         rms[0], rms[1]
     );
-    assert!(rms[0] < 5.5e-3 && rms[1] < 2e-4, "{rms:?}");
+    assert!(rms[0] < 1.2e-3 && rms[1] < 5e-5, "{rms:?}");
 }
 
 #[test]
@@ -222,9 +218,9 @@ fn short(ratio: f64, cells: [usize; 2]) -> [f64; 2] {
 
 /// The same without end flow: Sommerfeld, Z. Math. Phys. 50 (1904) 97, is (0, 12 π ε/((2 + ε²) √(1 − ε²))) a
 /// width. The supply is so high that nothing is cut.
-fn long(ratio: f64, cells: usize) -> [f64; 2] {
+fn long(ratio: f64, cells: usize, edges: EdgeSlope) -> [f64; 2] {
     let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [cells, 1]);
-    source.ends = Ends::Sealed;
+    (source.ends, source.edges) = (Ends::Sealed, edges);
     source.openings.push(Opening {
         on: Part::Shell,
         around: [std::f64::consts::PI; 2],
@@ -244,32 +240,33 @@ fn long(ratio: f64, cells: usize) -> [f64; 2] {
     [0, 1].map(|axis| (film.outputs[axis] - [0.0, exact][axis]) / exact)
 }
 
-/// Closed forms. Of the short bearing: the errors on 288 × 48 cells, their order, and the rest after
-/// extrapolation. A parabola across n cells has an error of 2/n², so on 144 × 24 cells the short bearing is
-/// 3.5e-3 off.
+/// Closed forms. Of the short bearing, whose parabola across the cells is exact: the errors on 144 × 12 cells of the half,
+/// their order, and the rest after extrapolation from twice as many.
 #[test]
 fn limits_of_ocvirk_and_sommerfeld() {
-    for (ratio, limit) in [(0.3, 1e-3), (0.6, 1e-3), (0.9, 2e-3)] {
+    for (ratio, limit) in [(0.3, 2e-4), (0.6, 3e-4), (0.9, 2e-3)] {
         let errors = [72, 144, 288].map(|cells| short(ratio, [cells, cells / 12]));
         for (axis, name) in ["along", "across"].iter().enumerate() {
             let [coarse, middle, fine] = errors.map(|error| error[axis]);
             let order = ((coarse - middle) / (middle - fine)).abs().log2();
             let rest = (fine - (middle - fine) / 3.0).abs();
             println!(
-                "short, {ratio}, {name}: {fine:.1e} of order {order:.2}; extrapolated {rest:.1e}"
+                "short, {ratio}, {name}: {middle:.1e} of order {order:.2}; extrapolated {rest:.1e}"
             );
             assert!(
-                fine.abs() < limit && order > 1.9 && rest < limit / 10.0,
+                middle.abs() < limit && order > 1.9 && rest < limit / 10.0,
                 "{ratio}, {name}"
             );
         }
-        // sums over a whole turn converge faster than any power of the cells
-        let errors = long(ratio, 144);
-        println!("long, {ratio}: {errors:?}");
-        assert!(
-            errors.iter().all(|error| error.abs() < 1e-9),
-            "long, {ratio}: {errors:?}"
-        );
+        // sums over a whole turn converge faster than any power of the cells, but not the parabola at the line of supply
+        for (edges, limit) in [(EdgeSlope::OneCell, 1e-9), (EdgeSlope::TwoCells, 1e-5)] {
+            let errors = long(ratio, 144, edges);
+            println!("long, {ratio}, {edges:?}: {errors:?}");
+            assert!(
+                errors.iter().all(|error| error.abs() < limit),
+                "long, {ratio}: {errors:?}"
+            );
+        }
     }
 }
 
@@ -348,14 +345,14 @@ fn rough_surfaces_of_the_reference() {
 }
 
 /// Largest errors on the usual 72 × 13 cells of aligned films in steady rotation, B/D 1/4, 1/2 and 1, as
-/// `docs/bearings.md` states them: eccentricity ratio; force and highest pressure too large by so many percent.
+/// `docs/bearings.md` states them: eccentricity ratio; force and highest pressure wrong by so many percent.
 const USUAL_CELLS: [[f64; 3]; 6] = [
-    [0.3, 1.1, 0.5],
-    [0.6, 1.1, 0.5],
-    [0.8, 1.3, 0.9],
-    [0.9, 1.6, 1.3],
-    [0.95, 2.0, 2.7],
-    [0.99, 5.2, 12.0],
+    [0.3, 0.1, 0.1],
+    [0.6, 0.1, 0.1],
+    [0.8, 0.1, 0.4],
+    [0.9, 0.4, 0.8],
+    [0.95, 0.6, 2.2],
+    [0.99, 3.7, 11.7],
 ];
 
 /// Force and highest pressure of a film in rotation.
@@ -407,7 +404,7 @@ fn errors_of_the_usual_cells_are_those_of_the_documents() {
                 "{ratio} B/D {slenderness}: force {:.2} %, pressure {:.2} %",
                 errors[0], errors[1]
             );
-            worst = [worst[0].max(errors[0]), worst[1].max(errors[1])];
+            worst = [worst[0].max(errors[0].abs()), worst[1].max(errors[1].abs())];
         }
         for (worst, stated) in worst.into_iter().zip([force, pressure]) {
             assert!(
@@ -421,7 +418,7 @@ fn errors_of_the_usual_cells_are_those_of_the_documents() {
         include_str!("../../docs/theory.md"),
         include_str!("../../stdlib/journals.eng"),
     ] {
-        let stated = format!("{:.1} % too large", USUAL_CELLS[1][1]);
+        let stated = format!("{:.1} % wrong", USUAL_CELLS[1][1]);
         assert!(text.contains(&stated), "{stated}");
     }
 }

@@ -3,8 +3,8 @@
 mod states;
 
 use eng_film::{
-    Cavitation, Feed, Film, FilmSource, Inputs, Opening, Part, Profile, Quantity, Roughness, Shape,
-    Thinning, inputs,
+    Cavitation, EdgeSlope, Feed, Film, FilmSource, Inputs, Opening, Part, Profile, Quantity,
+    Roughness, Shape, Thinning, inputs,
 };
 use states::{number, pair, reference};
 
@@ -408,9 +408,9 @@ fn stiffness_and_damping_of_the_reference() {
         .as_array()
         .expect("rows")
     {
-        let on = |cells: [usize; 2]| {
+        let with = |edges: EdgeSlope, cells: [usize; 2]| {
             let mut source = states::source(row, cells);
-            source.half_width = true;
+            (source.half_width, source.edges) = (true, edges);
             let film = Film::new(source).expect("a film");
             let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
             let mut x = states::inputs(row, film.source().openings.len());
@@ -421,6 +421,7 @@ fn stiffness_and_damping_of_the_reference() {
             film.tangent(&mut work, &mut tangent);
             tangent
         };
+        let on = |cells: [usize; 2]| with(EdgeSlope::TwoCells, cells);
         // content converges with first order
         let fine = if row["rule"] == "jfo" { 2 } else { 1 };
         let (coarse, fine) = (on([144 * fine, 12 * fine]), on([288 * fine, 24 * fine]));
@@ -447,11 +448,24 @@ fn stiffness_and_damping_of_the_reference() {
                 );
             }
         }
-        let exact = |output: usize, input: usize| fine[output * inputs + input];
-        let skew = (exact(0, 3) - exact(1, 2)).abs();
+        // C_xy − C_yx over the largest entry: rounding with the slope of one cell, else an error of the cells
+        let skew = |tangent: &[f64]| {
+            let damping = [2, 3, inputs + 2, inputs + 3].map(|at| tangent[at]);
+            let largest = damping
+                .iter()
+                .fold(0.0_f64, |largest, entry| largest.max(entry.abs()));
+            (damping[1] - damping[2]).abs() / largest
+        };
+        let (rough, smooth) = (skew(&coarse), skew(&fine));
         match row["rule"].as_str() {
-            Some("reynolds") => assert!(skew < 1e-8, "C_xy − C_yx = {skew:e}"),
-            Some("guembel") => assert!(skew > 0.5, "the rule `half` has no symmetric damping"),
+            Some("reynolds") => {
+                let symmetric = skew(&with(EdgeSlope::OneCell, [144, 12]));
+                println!(
+                    "C_xy − C_yx: {symmetric:.1e} of one cell; of two {rough:.1e}, then {smooth:.1e}"
+                );
+                assert!(symmetric < 1e-12 && smooth < 5e-5 && smooth < rough / 3.0);
+            }
+            Some("guembel") => assert!(smooth > 0.1, "the rule `half` has no symmetric damping"),
             _ => {}
         }
     }

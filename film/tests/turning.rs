@@ -1,7 +1,9 @@
 //! Openings of the pin, which turn over the cells: against openings of the shell, seen from the pin, and by
 //! the balance of oil.
 
-use eng_film::{Cavitation, Feed, Film, FilmSource, Inputs, Opening, Part, Summary, inputs};
+use eng_film::{
+    Cavitation, EdgeSlope, Feed, Film, FilmSource, Inputs, Opening, Part, Summary, inputs,
+};
 use std::f64::consts::TAU;
 
 const CELLS: [usize; 2] = [48, 10];
@@ -24,9 +26,17 @@ fn source(rule: Cavitation, openings: Vec<Opening>, cells: [usize; 2]) -> FilmSo
     source
 }
 
+/// The same with the slope of one cell at edges, which those of the pin always have.
+fn alike(rule: Cavitation, openings: Vec<Opening>, cells: [usize; 2]) -> FilmSource {
+    FilmSource {
+        edges: EdgeSlope::OneCell,
+        ..source(rule, openings, cells)
+    }
+}
+
 /// A film of the pin's openings on lines that do not depend on them.
 fn of_pin(rule: Cavitation, cells: [usize; 2]) -> Film {
-    Film::new(source(rule, openings(Part::Pin, 0.0), cells)).expect("a film")
+    Film::new(alike(rule, openings(Part::Pin, 0.0), cells)).expect("a film")
 }
 
 const SUPPLY: [f64; 2] = [0.8, 0.35];
@@ -73,7 +83,7 @@ fn on_the_lines_it_is_an_opening_of_the_shell() {
         for cells_turned in [0.0, 7.0, 29.0] {
             let turn = cells_turned * TAU / 48.0;
             let pin = of_pin(rule, CELLS);
-            let mut data = source(rule, openings(Part::Shell, turn), CELLS);
+            let mut data = alike(rule, openings(Part::Shell, turn), CELLS);
             let lines = pin.lines().map(<[f64]>::to_vec);
             data.around = eng_film::Lines::At(lines[0].clone());
             data.across = eng_film::Lines::At(lines[1].clone());
@@ -113,8 +123,8 @@ fn over_an_end_it_is_an_opening_of_the_shell() {
         feed: Feed::Pressure,
     };
     let rule = Cavitation::Reynolds;
-    let pin = Film::new(source(rule, vec![over(Part::Pin, 0.0)], CELLS)).expect("a film");
-    let mut data = source(rule, vec![over(Part::Shell, turn)], CELLS);
+    let pin = Film::new(alike(rule, vec![over(Part::Pin, 0.0)], CELLS)).expect("a film");
+    let mut data = alike(rule, vec![over(Part::Shell, turn)], CELLS);
     data.around = eng_film::Lines::At(pin.lines()[0].to_vec());
     let shell = Film::new(data).expect("a film");
     let x = Inputs {
@@ -154,7 +164,7 @@ fn seen_from_pin<'a>(x: &Inputs<'a>) -> Inputs<'a> {
 /// the openings rest: force, moment, torque, loss and side flow, over their sizes.
 fn unlike(rule: Cavitation, cells: [usize; 2], turn: f64) -> f64 {
     let pin = of_pin(rule, cells);
-    let resting = Film::new(source(rule, openings(Part::Shell, 0.0), cells)).expect("a film");
+    let resting = Film::new(alike(rule, openings(Part::Shell, 0.0), cells)).expect("a film");
     let x = state(turn);
     let (a, results, _) = solved(&pin, &x, None);
     let (b, _, _) = solved(&resting, &seen_from_pin(&x), None);
@@ -201,7 +211,8 @@ fn the_pin_sees_the_same_film() {
 #[test]
 fn oil_is_conserved() {
     for turn in [0.0, 0.37, 1.01, 3.3] {
-        let film = of_pin(Cavitation::MassConserving, CELLS);
+        let data = source(Cavitation::MassConserving, openings(Part::Pin, 0.0), CELLS);
+        let film = Film::new(data).expect("a film");
         for filled in [0.3, 0.9] {
             let (_, results, gathered) = solved(&film, &state(turn), Some(filled));
             let came: f64 = results.supply_flow.iter().sum();
@@ -218,7 +229,8 @@ fn oil_is_conserved() {
 /// The force changes steadily while an opening passes over the lines of the grid.
 #[test]
 fn no_line_of_the_grid_is_felt_as_a_jump() {
-    let film = of_pin(Cavitation::Reynolds, CELLS);
+    let data = source(Cavitation::Reynolds, openings(Part::Pin, 0.0), CELLS);
+    let film = Film::new(data).expect("a film");
     let cell = TAU / 48.0;
     let parts = 400;
     let at = |k: usize| solved(&film, &state(2.0 * cell * k as f64 / parts as f64), None).0;

@@ -1,0 +1,102 @@
+//! Faces between a cell and a place with fixed pressure: open ends, and edges of openings.
+//!
+//! With one cell the slope of the pressure at such a face is known to first order alone, and a parabola across n
+//! cells, as in a short bearing, has a force that is too large by 2/n². So the pressure behind the face is taken as a
+//! parabola through the fixed value and the means of the two cells behind it, of widths a and b. With `u` as the
+//! q of a cell less that of the fixed place, the flow out of the first cell is
+//!
+//! ```text
+//! k w [(1 + s) u₁ − s u₂]      w = 2 (2a + b)/(a (a + b)) l      s = a²/((a + b)(2a + b))
+//! ```
+//!
+//! with the length l of the face; for equal cells w is 3 l/a and s is 1/6. A parabola across is exact then.
+//!
+//! Where the film ruptures near an end, the parabola would draw oil out of a place that has none. So at ends, and at
+//! openings that are full in part, the second cell counts no more than a straight line through the first one allows:
+//!
+//! ```text
+//! k w [(1 + s) u₁ − s min(u₂, r u₁)]      r = (2a + b)/a
+//! ```
+//!
+//! This flow rises with u₁, falls with u₂, and has no jump. So the solution stays unique.
+
+/// An edge with two cells behind it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Edge {
+    /// Number of its link.
+    pub link: usize,
+    /// The cell at the fixed place, and the next one.
+    pub cells: [usize; 2],
+    /// Number of the fixed place.
+    pub fixed: usize,
+    /// Sign of the link's flow, from a to b, where it leaves the first cell.
+    pub outward: f64,
+    /// Place of the second cell in the row of the first.
+    pub toward: usize,
+    /// Whether the second cell counts no more than a straight line allows.
+    limited: bool,
+    /// s.
+    bend: f64,
+    /// r.
+    straight: f64,
+}
+
+impl Edge {
+    /// w over `2 l/a` of a cell whose neighbour is its mirror image.
+    pub(crate) const MIRRORED: f64 = 1.5;
+
+    /// The edge of a link from `sides[0]` to `sides[1]`, of which one is the fixed place, with the widths of both
+    /// cells across the face; and w over `2 l/a`, the weight of one cell alone.
+    pub(crate) fn new(
+        link: usize,
+        sides: [usize; 2],
+        own: usize,
+        inner: usize,
+        toward: usize,
+        widths: [f64; 2],
+        limited: bool,
+    ) -> (Self, f64) {
+        let [a, b] = widths;
+        let first = sides[0] == own;
+        let edge = Edge {
+            link,
+            cells: [own, inner],
+            fixed: if first { sides[1] } else { sides[0] },
+            outward: if first { 1.0 } else { -1.0 },
+            toward,
+            limited,
+            bend: a * a / ((a + b) * (2.0 * a + b)),
+            straight: (2.0 * a + b) / a,
+        };
+        (edge, (2.0 * a + b) / (a + b))
+    }
+
+    /// Factors of u₁ and of `u₁ − u₂` in the flow, beside u₁ itself: those of a straight line, or of the parabola.
+    pub(crate) fn factors(&self, straight: bool) -> [f64; 2] {
+        match straight {
+            true => [self.bend * (1.0 - self.straight), 0.0],
+            false => [0.0, self.bend],
+        }
+    }
+
+    /// Drop of q that the flow from a to b has beside that between its sides.
+    pub(crate) fn drop(&self, straight: bool, q: impl Fn(usize) -> f64) -> f64 {
+        let [own, inner] = self.factors(straight);
+        let [first, second] = self.cells.map(&q);
+        self.outward * (own * (first - q(self.fixed)) + inner * (first - second))
+    }
+
+    /// Whether the straight line counts at the present q. Within `near` of a change the present one counts.
+    pub(crate) fn is_straight(&self, present: bool, near: f64, q: impl Fn(usize) -> f64) -> bool {
+        let fixed = q(self.fixed);
+        // pressures below zero become a cavity
+        let [first, second] = self.cells.map(|cell| q(cell).max(0.0) - fixed);
+        let beyond = second - self.straight * first;
+        self.limited
+            && if beyond.abs() <= near {
+                present
+            } else {
+                beyond > 0.0
+            }
+    }
+}
