@@ -1,8 +1,8 @@
 //! Kernels of the fields that a text can name: oil films by `eng-film`.
 
 use eng_film::{
-    Beside, Cavitation, Elastic, ElasticRing, ElasticWork, Ends, Feed, Film, FilmSource, Lines,
-    Opening, Part, Profile, Quantity, Roughness, Shape, Thinning, inputs,
+    Beside, Cavitation, EdgeSlope, Elastic, ElasticRing, ElasticWork, Ends, Feed, Film, FilmSource,
+    Lines, Opening, Part, Profile, Quantity, Roughness, Shape, Thinning, inputs,
 };
 use eng_system::field::{
     Accuracy, FILM_CELLS, FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers,
@@ -104,6 +104,7 @@ fn film(numbers: &FieldNumbers<'_>) -> Result<Arc<dyn FieldKernel>, FieldError> 
         piezo: numbers.number("piezo"),
         rough: rough(numbers),
         thinning: thinning(numbers),
+        edges: EdgeSlope::TwoCells,
         around: Lines::Equal(numbers.whole("around") as usize),
         across: Lines::Equal(numbers.whole("across") as usize),
         half_width: false,

@@ -23,10 +23,17 @@ pub fn command(words: &[&str]) -> (u8, String) {
     (code, String::from_utf8(text).expect("a text"))
 }
 
-/// An FMU on disk, unpacked.
+/// An FMU on disk, unpacked, for as long as it is read.
 pub struct Fmu {
     pub description: String,
     pub folder: PathBuf,
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        // the library of a test build has 100 MB, and a dozen of these would be left
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
 }
 
 impl Fmu {
@@ -55,7 +62,9 @@ impl Fmu {
         all.extend(words);
         let (code, text) = command(&all);
         assert_eq!(code, 0, "{text}");
-        Fmu::unpacked(&packed, folder.join("unpacked"))
+        let fmu = Fmu::unpacked(&packed, folder.join("unpacked"));
+        std::fs::remove_file(&packed).expect("the archive");
+        fmu
     }
 
     fn unpacked(packed: &Path, folder: PathBuf) -> Fmu {
