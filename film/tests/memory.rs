@@ -77,9 +77,21 @@ fn ring_without_end_flow() {
 }
 
 /// A strip between plates that move by `h(t) = 0.375 + 0.125 cos 4πt`, with flooded ends and z as its only
-/// direction; the largest errors of front and load (relative to the exact load's root mean square), and
-/// the time at which the cavity is filled.
-fn squeezed(exact: &Value, cells: usize, steps: usize) -> [f64; 3] {
+/// direction.
+#[derive(Debug)]
+struct Squeezed {
+    /// Largest error of the front.
+    front: f64,
+    /// Error of the load, relative to the exact load's root mean square.
+    load: f64,
+    /// Times at which the cavity opens and is filled.
+    opened: f64,
+    filled: f64,
+    /// Time and place of the front that is closest to the middle.
+    smallest: [f64; 2],
+}
+
+fn squeezed(exact: &Value, cells: usize, steps: usize) -> Squeezed {
     let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::MassConserving, [4, cells]);
     source.half_width = true;
     source.shapes = vec![Shape {
@@ -92,7 +104,8 @@ fn squeezed(exact: &Value, cells: usize, steps: usize) -> [f64; 3] {
     let mut memory = vec![1.0; film.memory()];
     let rate = 4.0 * std::f64::consts::PI;
     let end = 0.75;
-    let (mut opened, mut filled) = (false, f64::NAN);
+    let (mut opened, mut filled) = (f64::NAN, f64::NAN);
+    let mut smallest = [0.0, 0.5];
     let rows = exact["rows"].as_array().expect("rows");
     let (mut front_error, mut load_error, mut load_size) = (0.0_f64, 0.0, 0.0);
     for step in 1..=steps {
@@ -122,8 +135,13 @@ fn squeezed(exact: &Value, cells: usize, steps: usize) -> [f64; 3] {
             .count() as f64
             * 0.5
             / cells as f64;
-        opened |= missing > 0.0;
-        if opened && missing == 0.0 && filled.is_nan() {
+        if missing > 0.0 && opened.is_nan() {
+            opened = time;
+        }
+        if 0.5 - missing < smallest[1] {
+            smallest = [time, 0.5 - missing];
+        }
+        if opened < time && missing == 0.0 && filled.is_nan() {
             filled = time;
         }
         let at = |row: &Value, column: usize| row[column].as_f64().expect("a number");
@@ -136,26 +154,35 @@ fn squeezed(exact: &Value, cells: usize, steps: usize) -> [f64; 3] {
             }
         }
     }
-    [front_error, (load_error / load_size).sqrt(), filled]
+    Squeezed {
+        front: front_error,
+        load: (load_error / load_size).sqrt(),
+        opened,
+        filled,
+        smallest,
+    }
 }
 
 #[test]
 fn squeeze_film_with_a_cavity_that_opens_and_fills() {
     let reference = reference();
     let exact = &reference["exact"]["squeeze"];
-    let mut found = Vec::new();
-    for (cells, steps) in [(25, 375), (50, 750), (100, 1500)] {
-        let [front, load, filled] = squeezed(exact, cells, steps);
-        println!(
-            "{cells} cells of the half, {steps} steps: front {front:.1e}, load {load:.1e}, filled at {filled:.5}"
-        );
-        found.push([front, load, (filled - number(exact, "filled")).abs()]);
-    }
-    assert!(
-        found[2][0] < 6e-3 && found[2][1] < 0.02 && found[2][2] < 2e-3,
-        "{found:?}"
-    );
-    assert!(found[2][0] < found[0][0] / 3.0, "first order: {found:?}");
+    let found = [(25, 375), (50, 750), (100, 1500)].map(|(cells, steps)| {
+        let found = squeezed(exact, cells, steps);
+        println!("{cells} cells of the half, {steps} steps: {found:?}");
+        found
+    });
+    let [coarse, _, fine] = &found;
+    assert!(fine.front < 6e-3 && fine.load < 0.02);
+    assert!(fine.front < coarse.front / 3.0, "first order");
+    assert!((fine.filled - number(exact, "filled")).abs() < 2e-3);
+    // the first cell of the cavity, of 1/200 of the width, needs some time to lose oil
+    let opened = fine.opened - number(exact, "cavity_opens");
+    assert!((0.0..6e-3).contains(&opened), "{opened}");
+    // the front rests there: its time is known less well
+    let smallest = pair(exact, "smallest_front");
+    assert!((fine.smallest[1] - smallest[1]).abs() < 6e-3);
+    assert!((fine.smallest[0] - smallest[0]).abs() < 0.02);
 }
 
 /// The orbit of the reference: columns fx, fy, pmax, q_out, couette_content, volume over area, cavitated

@@ -166,6 +166,27 @@ fn whirl_at_half_the_spin_has_no_force() {
             whirl.outputs
         );
     }
+    // content that fills the gap goes with the whirl: no cavity begins, and no pressure
+    let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::MassConserving, [30, 6]);
+    source.profile = vec![Profile::Barrel { depth: 0.2 }];
+    let film = Film::new(source).expect("a film");
+    let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
+    let mut memory = vec![1.0; film.memory()];
+    for step in 1..=20 {
+        let (sin, cos) = (0.4 * 0.05 * f64::from(step)).sin_cos();
+        let e = [0.5 * cos - 0.3 * sin, 0.5 * sin + 0.3 * cos];
+        let inputs = Inputs {
+            eccentricity: e,
+            rate: [-0.4 * e[1], 0.4 * e[0]],
+            spin: 0.8,
+            ..Inputs::still(1.0)
+        };
+        film.solve(&inputs.write(), Some(0.05), &memory, &mut work, &mut y)
+            .expect("a film");
+        film.accept(&work, &mut memory);
+        assert!(y[..4].iter().all(|output| output.abs() < 1e-12), "{y:?}");
+        assert!(memory.iter().all(|content| (content - 1.0).abs() < 1e-12));
+    }
 }
 
 #[test]
