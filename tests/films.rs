@@ -98,9 +98,8 @@ fn more_cells_come_nearer_to_the_table() {
         error("around: 72, across: 13"),
     );
     println!("film ratio {table:.5}; off by {coarse:.2e} and {fine:.2e}");
-    // 0.9 % more force at the same place: the pin is some 0.3 % nearer to the middle
-    assert!(coarse < 0.0 && fine < 0.0 && fine > -3.5e-3);
-    assert!(coarse / fine > 3.0, "{}", coarse / fine);
+    // the table itself is 2e-4 off
+    assert!(coarse.abs() < 5e-4 && fine.abs() < 3e-4, "{coarse} {fine}");
 }
 
 /// The step keeps its matrix nearly as long as with a closed formula: its derivatives hold between the cells' changes of sides, too.
@@ -721,24 +720,23 @@ fn the_error_of_the_cells_is_told() {
     };
     let (_, end) = told.split_once("the least film of ").expect("a film");
     let words: Vec<&str> = end.split_whitespace().collect();
-    let [_, "µm", stated, "µm", "too", "thick"] = words.as_slice() else {
+    let [_, "µm", stated, "µm", "too", "thin"] = words.as_slice() else {
         panic!("{end}");
     };
-    let stated: f64 = stated.parse().expect("a number");
+    let stated = -stated.parse::<f64>().expect("a number");
     assert!((stated / off - 1.0).abs() < 0.15, "{stated} {off}");
     assert!(
         told.starts_with("cells of main, 72 × 13: against twice as many both ways at the ")
             && told.contains(" hardest of 20 moments, the load is up to")
             && told.contains(
-                "% too high at the same place; at the same load the highest pressure is up to"
+                "% too low at the same place; at the same load the highest pressure is up to"
             ),
         "{told}"
     );
     assert!(table.facts.iter().all(|fact| !fact.starts_with("cells")));
 }
 
-/// Cells that carry too much at the same place of the pin have too little pressure at the same load. The stated error is
-/// that against an extrapolation from four and eight times as many cells.
+/// The stated error is that at the same load, against an extrapolation from twice and four times as many cells both ways.
 #[test]
 fn the_error_of_the_pressure_is_that_at_the_same_load() {
     let of = |cells: [u32; 2]| {
@@ -760,7 +758,7 @@ fn the_error_of_the_pressure_is_that_at_the_same_load() {
         let told = facts.filter(|fact| fact.starts_with("cells of main"));
         (numbers, told.cloned().collect::<String>())
     };
-    let ((own, told), (half, _), (quarter, _)) = (of([36, 7]), of([72, 14]), of([144, 28]));
+    let ((own, told), (half, _), (quarter, _)) = (of([72, 14]), of([144, 28]), of([288, 56]));
     let exact = [0, 1].map(|k| quarter[k] + (quarter[k] - half[k]) / 3.0);
     let pressure = 100.0 * (own[0] / exact[0] - 1.0);
     let film = 1e6 * (own[1] - exact[1]);
