@@ -145,6 +145,9 @@ impl Grid {
             reaches: Vec::new(),
         };
         grid.link(source);
+        if source.edges == EdgeSlope::TwoCells {
+            grid.find_edges(source);
+        }
         Ok(grid)
     }
 
@@ -269,16 +272,17 @@ impl Grid {
                 );
             }
         }
-        if source.edges == EdgeSlope::TwoCells {
-            for (at, link) in links.iter_mut().enumerate().skip(self.feedings.len()) {
-                let Some((edge, factor)) = self.edge(at, link, source) else {
-                    continue;
-                };
-                link.weight *= factor;
+        (self.links, self.sites, self.reaches) = (links, sites, reaches);
+    }
+
+    /// Finds the edges among the links, and gives them their weights.
+    fn find_edges(&mut self, source: &FilmSource) {
+        for at in self.feedings.len()..self.links.len() {
+            if let Some((edge, factor)) = self.edge(at, &self.links[at], source) {
+                self.links[at].weight *= factor;
                 self.edges.extend(edge);
             }
         }
-        (self.links, self.sites, self.reaches) = (links, sites, reaches);
     }
 
     /// The edge of a link with one cell, and its factor of the weight. Neither is there where the next cell is missing or
