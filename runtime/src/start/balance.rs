@@ -228,8 +228,8 @@ impl<'a> Balance<'a> {
             } else {
                 MOVES
             };
-            let left = split_above(&(rows.rows(i, 1) * &free), least)
-                .ok_or_else(|| not_finite(model))?;
+            let left =
+                split_above(&(rows.rows(i, 1) * &free), least).ok_or_else(|| not_finite(model))?;
             if left.pick.nrows() > 0 {
                 balance.holding.push(i);
                 free *= left.free;
