@@ -134,7 +134,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         }
         R::StepTooSmall { origin, state: None, .. } => {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is here")
-                .with_help("make every force that jumps continuous; give an `extrapolation` to a table that ends here")
+                .with_help("look at the motion just before: a contact may have lost its partner; make every force that jumps continuous; give an `extrapolation` to a table that ends here")
         }
         R::Jumps { jump, .. } => jumps(d(codes::JUMPS), jump),
         R::Demanded { origin, text, row, velocity, .. } => {

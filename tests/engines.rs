@@ -689,7 +689,7 @@ model Both {{
     gravity = [0, 0, 0] m/s^2
     let plain = {PLAIN}
     let plan = CrankPlan(throws: 3, angle: [10, 190, 100] deg, split: 0 deg, throw: 43 mm, spacing: 92 mm, main_diameter: 54 mm,
-        pin_diameter: 48 mm, bearing_length: 20 mm)
+        pin_diameter: 48 mm, bearing_length: 20 mm, room: 100 mm)
     let shape = plain.shape(plan)
     flexible crank {{
         mesh = stack(axis: z, size: 16 mm, begin: -174 mm, sections: crank_sections(

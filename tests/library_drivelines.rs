@@ -505,6 +505,61 @@ fn a_pendulum_absorber_swings_at_its_order() {
     close("order", order, due, 2e-4);
 }
 
+/// On a carrier of constant speed the damped bob swings as `exp(-d t/(2 m))` at the order `sqrt(R/l)`. Nothing warns of its place or of
+/// a missing guide.
+#[test]
+fn a_damped_pendulum_absorber_comes_to_rest() {
+    let text = "use std.drivelines.PendulumAbsorber
+        use std.drives.PrescribedRotation
+        use std.joints.Revolute
+        model Absorber {
+            gravity = [0, 0, 0] m/s^2
+            marker frame = [0, 0, 0] mm
+            body carrier {
+                mass = 5 kg
+                inertia = [20, 20, 30] g*m^2
+                marker hub = origin
+                marker bore = at([80, 0, 0] mm, x: [1, 0, 0], z: [0, 0, 1])
+            }
+            joint bearing = Revolute(carrier.hub, frame)
+            drive turn = PrescribedRotation(carrier.hub, frame, speed: 200 rad/s)
+            cycle angle = rotation(carrier.hub, frame) { period = 360 deg }
+            part absorber = PendulumAbsorber(carrier.bore, bob_mass: 0.3 kg, bob_inertia: 0.1 g*m^2, length: 20 mm, damping: 6 N*s/m)
+            start absorber.links.swing = 0.5 deg
+        }
+        analysis run = transient(Absorber(), duration: 0.15 s, sample: 0.1 ms, start: assembled)";
+    let at_rest = text.replace("            start absorber.links.swing = 0.5 deg\n", "");
+    for text in [text, &at_rest] {
+        let program = eng::check(&eng::Sources::from_text("m.eng", text), "m.eng")
+            .into_program()
+            .unwrap_or_else(|report| panic!("{report}"));
+        let assembled = program.assemble().expect("a machine");
+        assert!(
+            assembled.diagnostics.is_empty(),
+            "{:?}",
+            assembled.diagnostics
+        );
+    }
+    let results = run(text, "run");
+    let (time, swing) = (column(&results, "time"), column(&results, "absorber.swing"));
+    // the swing at the rate w = sqrt(n^2 - r^2) with r = d/(2 m), begun at rest
+    let (rate, free) = (10.0_f64, 400.0_f64);
+    let damped = (free * free - rate * rate).sqrt();
+    let amplitude = 0.5_f64.to_radians();
+    let mut worst = 0.0_f64;
+    for (t, found) in time.iter().zip(swing) {
+        let due = amplitude
+            * (-rate * t).exp()
+            * ((damped * t).cos() + rate / damped * (damped * t).sin());
+        worst = worst.max((found - due).abs());
+    }
+    println!(
+        "damped pendulum: {:.1e} of its first swing",
+        worst / amplitude
+    );
+    assert!(worst < 5e-3 * amplitude, "{worst}");
+}
+
 /// The balance of a disc on rubber under a constant torque is that after a long time: the spring alone holds it. The silicone oil of
 /// the second disc holds none.
 #[test]

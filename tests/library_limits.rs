@@ -79,7 +79,7 @@ const QUICK: &str = include_str!("../examples/concept/quick.eng");
 
 /// A cam and its tappet.
 const CAM: &str = "
-use std.valvetrain.{FlatTappet, polynomial_lift, harmonic_lift, cycloidal_lift}
+use std.valvetrain.{FlatTappet, polynomial_lift, polydyne_lift, harmonic_lift, cycloidal_lift}
 use std.joints.{Revolute, Translational}
 use std.drives.PrescribedRotation
 model Cam {
@@ -91,7 +91,8 @@ model Cam {
     joint hinge = Revolute(cam.main, axle)
     drive turn = PrescribedRotation(cam.main, axle, speed: 600 rpm)
     joint slide = Translational(tappet.foot, guide)
-    force contact = FlatTappet(tappet.foot, guide, cam.main, axle, profile: polynomial_lift(lift: 9 mm, half: 65 deg), stiffness: 20 N/um)
+    force contact = FlatTappet(tappet.foot, guide, cam.main, axle, profile: polynomial_lift(lift: 9 mm, half: 65 deg),
+        base_radius: 50 mm, face_radius: 18 mm, stiffness: 20 N/um)
 }
 analysis run = transient(Cam(), duration: 1 ms, sample: 0.5 ms)
 ";
@@ -296,6 +297,16 @@ const OF_CAMS: &[Change] = &[
         "half: 65 deg",
         "half: 65 deg, power: 2",
         "the power is 2: at least 3",
+    ),
+    (
+        "polynomial_lift(lift: 9 mm, half: 65 deg",
+        "polydyne_lift(lift: 9 mm, half: 65 deg, powers: [8, 8, 20]",
+        "the powers are 8, 8 and 20: they must be above 2 and rise",
+    ),
+    (
+        "lift: 9 mm",
+        "lift: 9 cm",
+        "the radius of curvature of this cam falls to -419",
     ),
 ];
 

@@ -1,7 +1,30 @@
 //! Parts of valve trains of `std.valvetrain` against closed forms and another integrator.
 
-use crate::library_run::{close, column, integrate, largest, last, run};
+use crate::library_run::{close, column, integrate, largest, last, refusal, run};
 use std::f64::consts::PI;
+
+/// Coefficients of `1 + c2 s² + cp s^p + cq s^q + cr s^r` with value, slope, acceleration and its rate zero at s = 1, by elimination.
+fn polydyne(powers: [i32; 4]) -> [f64; 4] {
+    let mut rows: [[f64; 5]; 4] = std::array::from_fn(|order| {
+        std::array::from_fn(|k| match k {
+            4 => -f64::from(u8::from(order == 0)),
+            _ => (0..order as i32)
+                .map(|i| f64::from(powers[k] - i))
+                .product(),
+        })
+    });
+    for k in 0..4 {
+        let pivot = rows[k].map(|x| x / rows[k][k]);
+        rows[k] = pivot;
+        for i in (0..4).filter(|i| *i != k) {
+            let factor = rows[i][k];
+            for (x, p) in rows[i].iter_mut().zip(pivot) {
+                *x -= factor * p;
+            }
+        }
+    }
+    rows.map(|row| row[4])
+}
 
 /// A name, and lift, slope (mm/rad) and curvature (mm/rad²) at s = 0.3 of a half of 60 deg, for a lift of 9 mm.
 #[test]
@@ -9,6 +32,15 @@ fn laws_of_lift_have_their_slopes() {
     let half = PI / 3.0;
     let s = 0.3_f64;
     let u = 1.0 - s;
+    let powers = [2, 8, 14, 20];
+    let fuller = polydyne(powers);
+    let sum = |of: &dyn Fn(f64, i32) -> f64| -> f64 {
+        fuller
+            .iter()
+            .zip(powers)
+            .map(|(c, p)| c * of(f64::from(p), p))
+            .sum()
+    };
     let cases = [
         (
             "harmonic_lift",
@@ -27,6 +59,12 @@ fn laws_of_lift_have_their_slopes() {
             9.0 * (1.0 - s * s).powf(4.0),
             -72.0 * s / half * (1.0 - s * s).powf(3.0),
             -72.0 / half / half * (1.0 - s * s).powf(2.0) * (1.0 - 7.0 * s * s),
+        ),
+        (
+            "polydyne_lift",
+            9.0 * (1.0 + sum(&|_, p| s.powi(p))),
+            9.0 / half * sum(&|q, p| q * s.powi(p - 1)),
+            9.0 / half / half * sum(&|q, p| q * (q - 1.0) * s.powi(p - 2)),
         ),
     ];
     for (law, lift, slope, curvature) in cases {
@@ -76,7 +114,7 @@ fn tappet(speed: &str, drive: &str) -> String {
             start der(bearing.angle) = {speed}
             {drive}
             force contact = FlatTappet(tappet.stem, guide, cam.main, axle, profile: polynomial_lift(lift: 9 mm, half: 65 deg),
-                stiffness: 20 N/um, damping: 200 N*s/m, base: 10 um)
+                base_radius: 50 mm, face_radius: 18 mm, stiffness: 20 N/um, damping: 200 N*s/m, base: 10 um)
             force spring = LinearSpring(tappet.stem, top, stiffness: 30 N/mm, free_length: 70 mm)
         }}
         analysis run = transient(Train(), duration: 10 ms, sample: 10 us)"
@@ -230,11 +268,8 @@ fn a_valve_spring_surges() {
     close("load", last(&run(text, "rest"), "spring.load"), 300.0, 1e-6);
 }
 
-/// A roller of 12 mm on a disc of 20 mm whose centre is 5 mm beside its axle: the plunger of 0.3 kg moves as the slide of a slider-crank
-/// whose rod is as long as both radii. Force along the normal, and torque on the cam by virtual work.
-#[test]
-fn a_roller_rides_on_an_eccentric_disc() {
-    let text = "use std.valvetrain.RollerCam
+/// A plunger with a roller of 12 mm, whose axis follows a circle of 32 mm about a point 5 mm beside the axle.
+const ROLLER: &str = "use std.valvetrain.RollerCam
         use std.joints.Translational
         use std.drives.ConstantSpeed
         use std.forces.LinearSpring
@@ -249,11 +284,16 @@ fn a_roller_rides_on_an_eccentric_disc() {
             drive turn = ConstantSpeed(cam.main, axle, speed: 60 rad/s, initial: 30 deg)
             joint guide = Translational(plunger.axis, bore) { branch travel > 0 mm }
             force spring = LinearSpring(plunger.roller, top, stiffness: 20 N/mm, free_length: 80 mm)
-            force contact = RollerCam(plunger.roller, cam.main, base: 27 mm, profile: rise, stiffness: 200 N/um, damping: 6 kN*s/m)
+            force contact = RollerCam(plunger.roller, cam.main, base: 27 mm, roller_radius: 12 mm, profile: rise, stiffness: 200 N/um, damping: 6 kN*s/m)
             start guide.travel = 36 mm
         }
         analysis run = transient(Disc(), duration: 250 ms, sample: 1 ms)";
-    let results = run(text, "run");
+
+/// A roller of 12 mm on a disc of 20 mm whose centre is 5 mm beside its axle: the plunger of 0.3 kg moves as the slide of a slider-crank
+/// whose rod is as long as both radii. Force along the normal, and torque on the cam by virtual work.
+#[test]
+fn a_roller_rides_on_an_eccentric_disc() {
+    let results = run(ROLLER, "run");
     let time = column(&results, "time");
     let mut checked = 0;
     for (k, t) in time.iter().enumerate().filter(|(_, t)| **t > 0.1) {
@@ -287,4 +327,91 @@ fn a_roller_rides_on_an_eccentric_disc() {
         checked += 1;
     }
     assert!(checked > 100);
+}
+
+/// The powers 4, 6, 8 of `polydyne_lift` are the law `(1 - s²)⁴`.
+#[test]
+fn a_polydyne_of_low_powers_is_the_polynomial() {
+    let text = "
+            use std.valvetrain.*
+            use std.joints.Revolute
+            fn general = polydyne_lift(lift: 9 mm, half: 60 deg, powers: [4, 6, 8])
+            fn special = polynomial_lift(lift: 9 mm, half: 60 deg)
+            model Cam {
+                gravity = [0, 0, 0] m/s^2
+                body wheel { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin }
+                joint bearing = Revolute(wheel.hub, ground)
+                output miss = max(abs(general(i*7 deg) - special(i*7 deg)) for i in -9..9)
+            }
+            analysis run = assemble(Cam())";
+    let miss = last(&run(text, "run"), "miss");
+    assert!(miss < 1e-15 * 9.0, "{miss}");
+}
+
+/// The curvature of a cam under a flat face is that of its nose, `base_radius + lift - 8 lift/half²`; the contact moves by the largest
+/// slope, that at `half/√7`.
+#[test]
+fn a_flat_tappet_refuses_a_cam_that_it_cannot_follow() {
+    let half = 65.0_f64.to_radians();
+    let least = 72.0 / half / half - 9.0;
+    let aside = 72.0 / half * (6.0_f64 / 7.0).powi(3) / 7.0_f64.sqrt();
+    let text = |base: f64, face: f64| {
+        let drive =
+            "drive turn = PrescribedRotation(cam.main, axle, speed: 600 rpm, initial: -100 deg)";
+        tappet("600 rpm", drive)
+            .replace("base_radius: 50 mm", &format!("base_radius: {base} mm"))
+            .replace("face_radius: 18 mm", &format!("face_radius: {face} mm"))
+            .replace("duration: 10 ms", "duration: 20 us")
+    };
+    run(&text(1.001 * least, 1.001 * aside), "run");
+    let told = refusal(&text(0.999 * least, 1.001 * aside), "run");
+    assert!(
+        told.contains("radius of curvature of this cam falls to"),
+        "{told}"
+    );
+    let told = refusal(&text(1.001 * least, 0.999 * aside), "run");
+    assert!(told.contains("the largest slope of the lift"), "{told}");
+    // straight lines between points: each point of the flanks is an edge, or a hollow that no flat face touches
+    let points = "fn profile(angle: Angle) -> Length = 9 mm*max(1 - abs(angle)/(65 deg), 0)";
+    let corner = text(200.0, 18.0)
+        .replace("        model Train", &format!("{points}\n model Train"))
+        .replace("polynomial_lift(lift: 9 mm, half: 65 deg)", "profile");
+    let told = refusal(&corner, "run");
+    assert!(
+        told.contains("radius of curvature of this cam falls to"),
+        "{told}"
+    );
+}
+
+/// The path of the axis has the curvature `(R - R'')/R²` at the nose, where R' is zero: the largest roller has its inverse as radius.
+#[test]
+fn a_roller_that_would_cut_away_the_nose_is_refused() {
+    let half = 65.0_f64.to_radians();
+    let radius = 39.0;
+    let most = radius * radius / (radius + 72.0 / half / half);
+    let text = |roller: f64| {
+        ROLLER
+            .replace(
+                "use std.valvetrain.RollerCam",
+                "use std.valvetrain.{RollerCam, polynomial_lift}",
+            )
+            .replace(
+                "profile: rise",
+                "profile: polynomial_lift(lift: 9 mm, half: 65 deg)",
+            )
+            .replace(
+                "base: 27 mm, roller_radius: 12 mm",
+                &format!("base: 30 mm, roller_radius: {roller} mm"),
+            )
+            .replace("duration: 250 ms", "duration: 20 us")
+            .replace("sample: 1 ms", "sample: 10 us")
+    };
+    run(&text(0.999 * most), "run");
+    let told = refusal(&text(1.001 * most), "run");
+    assert!(told.contains("it would cut away the nose"), "{told}");
+    let told = refusal(&text(30.1), "run");
+    assert!(
+        told.contains("the radii of base circle and roller together"),
+        "{told}"
+    );
 }

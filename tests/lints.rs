@@ -246,6 +246,47 @@ analysis swings = transient(Pendulum(), duration: 10 ms)
     }
 }
 
+/// A body on a mount with states: rubber that creeps yields by m g/k after a long time. A spring whose stretch is a state is known by
+/// its states alone, so nothing is said.
+#[test]
+fn a_mount_with_states_sags() {
+    let rubber = |stiffness: &str| {
+        format!(
+            "force mount = ElastomerMount(block.eye, foot, stiffness: [1, 1, 1]*{stiffness}, fast_stiffness: [0.5, 0.5, 0.5]*{stiffness},
+        relaxation: 2 ms, torsional_stiffness: [30, 30, 30] kN*m/rad)"
+        )
+    };
+    let stretch = "force mount = Stretch(block.eye, foot)".to_owned();
+    for (index, (mount, due)) in [
+        (rubber("300 N/mm"), None),
+        (rubber("300 N/m"), Some("2616 mm")),
+        (stretch, None),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let text = format!(
+            "use std.mounts.ElastomerMount
+force Stretch(a: Marker, b: Marker) {{
+    state stretch: Length = 0 mm scale 1 mm
+    der(stretch) = der(dot(a.origin - b.origin, b.z))
+    apply force -(300 N/m*stretch + 0.1 N/m*dot(a.origin - b.origin, b.z))*b.z on a against b
+}}
+model Mounted {{
+    gravity = [0, 0, -9.81] m/s^2
+    marker foot = [0, 0, 0] mm
+    body block {{ mass = 80 kg; inertia = [1, 1, 1] kg*m^2; marker eye = origin; marker top = [0, 0, 200] mm; accept unused }}
+    {mount}
+}}
+analysis swings = transient(Mounted(), duration: 10 ms)
+"
+        );
+        let (said, _) = Text::new(&format!("mounted-{index}"), &text).check();
+        assert_eq!(said.contains("W0764"), due.is_some(), "{said}");
+        assert!(due.is_none_or(|due| said.contains(due)), "{said}");
+    }
+}
+
 /// A torsional spring between axes that are `tilt` degrees apart, with an acceptance or none.
 fn across(tilt: f64, accepted: &str) -> String {
     let (sine, cosine) = tilt.to_radians().sin_cos();

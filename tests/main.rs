@@ -6,6 +6,7 @@ mod accuracy;
 mod allocation;
 mod architecture;
 mod banks;
+mod carried;
 mod classics;
 mod command;
 mod command_failures;

@@ -466,10 +466,11 @@ pub enum RuntimeError {
     },
     /// Error control requires steps that floating-point numbers cannot resolve.
     #[error(
-        "the step falls below {} s at {moment}; {} is not smooth there: {}",
+        "the step falls below {} s at {moment}; {} is not smooth there: {}{}",
         short(*step, 3),
         state.as_ref().map_or("the motion".to_owned(), |name| format!("the state `{name}`")),
-        origin.path
+        origin.path,
+        acting(loads)
     )]
     StepTooSmall {
         /// When.
@@ -480,6 +481,8 @@ pub enum RuntimeError {
         origin: Box<Origin>,
         /// The name of that state.
         state: Option<String>,
+        /// Paths of the elements whose loads act on that body.
+        loads: Vec<String>,
     },
     /// A load or a rate jumps at the present motion, and no step passes the jump.
     #[error("{jump} at {moment} and holds the motion there, in steps of {} s", short(*step, 3))]
@@ -718,4 +721,17 @@ pub enum RuntimeError {
         /// Why.
         reason: String,
     },
+}
+
+/// The elements whose loads act on a body, in words.
+fn acting(loads: &[String]) -> String {
+    match loads {
+        [] => String::new(),
+        [one] => format!(", on which {one} acts"),
+        [first, second, .., last] if loads.len() > 3 => format!(
+            ", on which {first}, {second} to {last} act ({} in all)",
+            loads.len()
+        ),
+        several => format!(", on which {} act", several.join(", ")),
+    }
 }

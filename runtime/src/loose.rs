@@ -263,6 +263,10 @@ pub fn kinetic_energy(model: &Model, state: &State) -> f64 {
 
 /// Share of the largest stiffness below which a stiffness is rounding.
 const ROUNDING: f64 = 1e-11;
+/// Least eigenvalue (1/s) of states that relax: slower ones hold a load for minutes.
+const RELAXES: f64 = 0.01;
+/// Most steps of the search for eigenvalues of a few states.
+const SCHUR_STEPS: usize = 1000;
 /// Largest rotation of a sinking body, as its displacement at the model's length over the sinking distance.
 const UPRIGHT: f64 = 0.2;
 
@@ -275,7 +279,7 @@ const UPRIGHT: f64 = 0.2;
 /// For a spring that is softer along gravity than across, the estimate is too small.
 ///
 /// `None` if no spring yields, if the bodies turn as they sink (a weak spring on a pendulum), and for bodies
-/// on an element with states, whose stiffness is in the states.
+/// on an element with states that are its stiffness: it has no other one, or they do not relax at rest.
 ///
 /// # Errors
 ///
@@ -343,20 +347,30 @@ pub fn sag(
         let shift = shift + rotation * turn.cross(&marker.position);
         Some((shift, turn.norm() * model.length))
     };
-    let classes = &model.compiled.system.classes;
-    let stateful = |class: usize| classes.get(class).is_some_and(|c| !c.states.is_empty());
-    let with_states = |body: Option<usize>| {
-        model.elements.iter().any(|element| {
-            let on = |m: &usize| body.is_some() && model.markers[*m].body == body;
-            element.dynamic && stateful(element.class) && element.markers.iter().any(on)
-        })
-    };
+    let mut held_by_states = vec![false; model.bodies.len()];
+    for (index, element) in model.elements.iter().enumerate() {
+        let stateful = element.dynamic && model.class(index).layout.states > 0;
+        if stateful && !(springs(model, state, index)? && relaxes(model, &rest, index)?) {
+            for body in element
+                .markers
+                .iter()
+                .filter_map(|m| model.markers[*m].body)
+            {
+                held_by_states[body] = true;
+            }
+        }
+    }
     let mut found: Option<(usize, f64)> = None;
     for (index, element) in model.elements.iter().enumerate() {
         let &[a, b] = element.markers.as_slice() else {
             continue;
         };
-        let held = [a, b].iter().any(|m| with_states(model.markers[*m].body));
+        let held = |m: usize| {
+            model.markers[m]
+                .body
+                .is_some_and(|body| held_by_states[body])
+        };
+        let held = held(a) || held(b);
         if !element.dynamic || !model.class(index).facts.applies_load || held {
             continue;
         }
@@ -464,7 +478,8 @@ fn answers_of(
         let layout = &class.layout;
         let (rows, length) = (layout.rows as usize, layout.residual_len() as usize);
         let mut scratch = Scratch::new(model);
-        let tangents = tangents_of(model, index, rest, &mut scratch)?;
+        let motion = 0..layout.state_direction(0) as usize;
+        let tangents = tangents_of(model, index, rest, motion, &mut scratch)?;
         let jacobians: Vec<Option<(usize, Vec<f64>)>> = element
             .markers
             .iter()
@@ -504,22 +519,49 @@ fn answers_of(
     Ok(found)
 }
 
-/// The derivatives of an element's outputs along each pose and twist of its markers, at rest.
+/// Whether the states of an element relax to values of their own while nothing moves, so that its stiffness after
+/// a long time is that with its present states: no eigenvalue of the derivative of their rates by the states is near zero.
+fn relaxes(model: &Model, rest: &State, index: usize) -> Result<bool, RuntimeError> {
+    let layout = &model.class(index).layout;
+    let states = layout.states as usize;
+    let (first, length) = (
+        layout.state_direction(0) as usize,
+        layout.residual_len() as usize,
+    );
+    let rates = (layout.rows + 6 * layout.markers) as usize;
+    let mut scratch = Scratch::new(model);
+    let tangents = tangents_of(model, index, rest, first..first + states, &mut scratch)?;
+    let slopes = DMatrix::from_fn(states, states, |i, j| {
+        tangents[(first + j) * length + rates + i][0]
+    });
+    if slopes.iter().any(|x| !x.is_finite()) {
+        return Ok(false);
+    }
+    let schur = nalgebra::Schur::try_new(slopes, f64::EPSILON, SCHUR_STEPS);
+    Ok(schur.is_some_and(|schur| {
+        let rates = schur.complex_eigenvalues();
+        rates
+            .iter()
+            .all(|rate| libm::hypot(rate.re, rate.im) > RELAXES)
+    }))
+}
+
+/// The derivatives of an element's outputs along some directions, at rest.
 fn tangents_of<'s>(
     model: &Model,
     index: usize,
     rest: &State,
+    directions: std::ops::Range<usize>,
     scratch: &'s mut Scratch,
 ) -> Result<&'s [Pair], RuntimeError> {
     let mut batches = elements::batches(model, &[index], false);
-    let (class, At { time, .. }) = (model.class(index), at(rest));
+    let At { time, .. } = at(rest);
     for batch in &mut batches {
         batch
             .inputs_mut(0)
             .copy_from_slice(&inputs(model, index, &at(rest)));
-        let motion = 0..class.layout.state_direction(0) as usize;
-        let motion = std::slice::from_ref(&motion);
-        elements::differentiate(model, batch, 0, motion, time, scratch)?;
+        let directions = std::slice::from_ref(&directions);
+        elements::differentiate(model, batch, 0, directions, time, scratch)?;
     }
     Ok(&scratch.tangents)
 }

@@ -32,6 +32,8 @@ const STANDS_STILL: f64 = 0.01;
 const SINKS: f64 = 0.5;
 /// A body falls in a direction with at least this share of gravity.
 const FALLS: f64 = 0.1;
+/// A direction is across an axis of rotation if its part along the axis is below this share.
+const ACROSS: f64 = 0.1;
 /// A part of a direction below this share counts as zero in texts of two digits.
 const NO_PART: f64 = 5e-4;
 /// A slide without a stated position gets a message from this distance (m) on.
@@ -291,6 +293,15 @@ impl Start<'_> {
         // a rotor that turns freely at a speed that its start states coasts, or is driven by a torque
         if let Some((axis, _)) = motion.about
             && (motion.bodies.iter()).all(|body| self.spin_about(*body, &axis) > 1.0)
+        {
+            return false;
+        }
+        // the rotation of its carrier holds a pendulum that moves across the axis of rotation
+        if let Some(along) = motion.along
+            && (motion.bodies.iter()).all(|body| {
+                let spin = self.spin_of(*body);
+                spin > 1.0 && self.spin_about(*body, &along) < ACROSS * spin
+            })
         {
             return false;
         }

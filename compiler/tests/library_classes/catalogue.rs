@@ -402,7 +402,7 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         ..of(
             "std.valvetrain",
             "FlatTappet",
-            "a.m, frame, b.m, base, profile: harmonic_lift(lift: 9 mm, half: 170 deg), stiffness: 20 N/mm, damping: 3 N*s/m,
+            "a.m, frame, b.m, base, profile: harmonic_lift(lift: 9 mm, half: 170 deg), base_radius: 3 m, face_radius: 1 m, stiffness: 20 N/mm, damping: 3 N*s/m,
         soft_depth: 1 m, base: 3 m",
         )
     },
@@ -413,7 +413,7 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         ..of(
             "std.valvetrain",
             "RollerCam",
-            "a.m, b.m, base: 3 m, profile: harmonic_lift(lift: 400 mm, half: 170 deg), stiffness: 20 N/mm, damping: 3 N*s/m, soft_depth: 1 m",
+            "a.m, b.m, base: 3 m, roller_radius: 1 m, profile: harmonic_lift(lift: 400 mm, half: 170 deg), stiffness: 20 N/mm, damping: 3 N*s/m, soft_depth: 1 m",
         )
     },
     of(

@@ -485,22 +485,42 @@ impl Integrator {
     }
 
     /// The owner of the error that governed the last step's size: an element and the name of its state, or a
-    /// body.
-    pub fn governing(&self, model: &Model) -> (Origin, Option<String>) {
+    /// body with the elements whose loads act on it: an error of a driven body is that of such a load.
+    pub fn governing(&self, model: &Model) -> (Origin, Option<String>, Vec<String>) {
+        let none = || (Origin::default(), None, Vec::new());
         let Some(index) = self.governing else {
-            return (Origin::default(), None);
+            return none();
         };
         if let Some(state) = index.checked_sub(model.velocities) {
-            return state_of(model, state).map_or((Origin::default(), None), |(origin, state)| {
-                (origin.clone(), Some(state.name.clone()))
+            return state_of(model, state).map_or_else(none, |(origin, state)| {
+                (origin.clone(), Some(state.name.clone()), Vec::new())
             });
         }
-        let body = model
-            .bodies
-            .iter()
-            .find(|body| (body.velocity..body.velocity + body.width()).contains(&index));
-        (body.map(|b| b.origin.clone()).unwrap_or_default(), None)
+        let mut bodies = model.bodies.iter().enumerate();
+        let found =
+            bodies.find(|(_, body)| (body.velocity..body.velocity + body.width()).contains(&index));
+        found.map_or_else(none, |(body, own)| {
+            (own.origin.clone(), None, loads_on(model, body))
+        })
     }
+}
+
+/// Paths of the elements whose loads act on a body.
+fn loads_on(model: &Model, body: usize) -> Vec<String> {
+    let acts = |element: usize| {
+        let own = &model.elements[element];
+        own.dynamic
+            && model.class(element).facts.applies_load
+            && own
+                .markers
+                .iter()
+                .any(|m| model.markers[*m].body == Some(body))
+    };
+    let path = |element: usize| model.compiled.system.elements[element].origin.path.clone();
+    (0..model.elements.len())
+        .filter(|e| acts(*e))
+        .map(path)
+        .collect()
 }
 
 /// The element that a state of the model belongs to, and the state.

@@ -110,7 +110,7 @@ impl Simulation {
     }
 
     fn error_allows(&self) -> Pace {
-        let (origin, state) = self.integrator.governing(&self.model);
+        let (origin, state, _) = self.integrator.governing(&self.model);
         Pace::Error {
             origin: Box::new(origin),
             state,

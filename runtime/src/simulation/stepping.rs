@@ -629,12 +629,13 @@ impl Simulation {
                 {
                     return Err(self.below_rounding(error, factor));
                 }
-                let (origin, state) = self.integrator.governing(&self.model);
+                let (origin, state, loads) = self.integrator.governing(&self.model);
                 return Err(RuntimeError::StepTooSmall {
                     moment: self.moment(),
                     step: h,
                     origin: Box::new(origin),
                     state,
+                    loads,
                 });
             }
             let trial = self.trial(h, Some(factor))?;

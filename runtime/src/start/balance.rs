@@ -22,7 +22,7 @@ mod turning;
 
 use super::eccentricity::{end_ratios, film_ratios, half_widths, yielding};
 use super::motion::SteadyMotion;
-use super::picking::{split, unit_rows};
+use super::picking::{DETERMINED, split_above, unit_rows};
 use super::{Equilibrium, JournalStart, Obstacle};
 use crate::assembly::rows::Rows;
 use crate::body::Weights;
@@ -54,6 +54,9 @@ const ITERATIONS: [usize; 2] = [25, 60];
 const GROWTH: f64 = 1.5;
 const SHORTER: f64 = 0.3;
 const LEAST_PART: f64 = 1e-3;
+/// Share of the row of a moving part that other rows leave free, up to which it holds nothing more. Beside a drive
+/// the row of a leaning shaft leaves its tilt, and would hold it by the torque over the angle of the tilt.
+const MOVES: f64 = 1e-3;
 /// Smallest portion of the load.
 const PORTION: f64 = 1e-3;
 /// Scaled effort above which a freedom without stiffness counts as loaded, in a first search and in later ones, which leave
@@ -220,7 +223,13 @@ impl<'a> Balance<'a> {
         balance.factors = unit_rows(&mut rows, 1e-12);
         let mut free = balance.motion.free.clone();
         for i in 0..rows.nrows() {
-            let left = split(&(rows.rows(i, 1) * &free)).ok_or_else(|| not_finite(model))?;
+            let least = if i < balance.stated.len() {
+                DETERMINED
+            } else {
+                MOVES
+            };
+            let left =
+                split_above(&(rows.rows(i, 1) * &free), least).ok_or_else(|| not_finite(model))?;
             if left.pick.nrows() > 0 {
                 balance.holding.push(i);
                 free *= left.free;

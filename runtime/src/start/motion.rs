@@ -9,17 +9,19 @@
 //! 2. the rate of each eccentricity, seen from its shell: zero;
 //! 3. modal rates: zero;
 //! 4. the rate of the axis of each pin, seen from its shell: zero, where eccentricities leave it, as on one film;
-//! 5. velocities that `start` states to be zero;
+//! 5. velocities that `start` states to be zero, without another component;
 //! 6. velocities stated by `guess`;
 //! 7. relative rates of dampers, then of springs (the rows of their forces' derivatives): zero;
-//! 8. the remaining freedoms: least kinetic energy.
+//! 8. zeros beside another component of a stated vector;
+//! 9. the remaining freedoms: least kinetic energy.
 //!
 //! Along a path that is known at all angles of a period ([`SteadyMotion::along_path`]) the velocities are
 //! those of the path. The least scaled change makes the constraints, 1 and 5 hold.
 //!
-//! Stated zeros come after the films for this reason: a shaft that is stated to turn about the ground's axis
-//! alone tilts by microradians in its bearings, and then turns about its own axis. Otherwise its pins would
-//! circle in their shells at the speed of the shaft.
+//! The zeros of a stated vector such as the velocity of a shaft come last for this reason: a shaft that is
+//! stated to turn about the ground's axis alone tilts in its bearings, or with the block on its mounts, and
+//! then turns about its own axis. Otherwise its pins would circle in their shells, or block and shaft about
+//! the ground's axis, at the speed of the shaft.
 //!
 //! The deciding combinations of rows are chosen once, at the assembled position. At any other position the
 //! same combinations give the velocities by a linear system. The steady acceleration is the rate of these
@@ -134,7 +136,7 @@ impl SteadyMotion {
                 .collect()
         };
         let (dampers, springs) = (loads(true), loads(false));
-        let [moving, still, guessed] = stated(model, state)?;
+        let [moving, still, beside, guessed] = stated(model, state)?;
         let wishes = vec![
             moving,
             Wish::Pins(pins.clone()),
@@ -144,6 +146,7 @@ impl SteadyMotion {
             guessed,
             Wish::Loads(dampers),
             Wish::Loads(springs),
+            beside,
         ];
         SteadyMotion::decide(model, state, wishes, DETERMINED)
     }
@@ -156,7 +159,7 @@ impl SteadyMotion {
             .iter()
             .filter(|b| b.modes() > 0)
             .flat_map(|b| b.velocity..b.velocity + b.width());
-        let [moving, still, _] = stated(model, state)?;
+        let [moving, still, ..] = stated(model, state)?;
         let wishes = vec![moving, Wish::Own(flexible.collect()), still];
         // without this limit the tilts of a driven shaft would compensate a difference between drive and
         // stated speed

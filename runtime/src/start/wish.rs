@@ -153,8 +153,9 @@ impl SteadyMotion {
     }
 }
 
-/// Three wishes: stated velocities other than zero, stated zeros, and guessed velocities.
-pub(super) fn stated(model: &Model, state: &State) -> Result<[Wish; 3], RuntimeError> {
+/// Four wishes: stated velocities other than zero, stated zeros, zeros beside another velocity of one statement,
+/// and guessed velocities.
+pub(super) fn stated(model: &Model, state: &State) -> Result<[Wish; 4], RuntimeError> {
     let of = |exact| {
         rows_of(model, |e| {
             model.compiled.system.elements[e].role == Role::StartVelocity { exact }
@@ -164,12 +165,19 @@ pub(super) fn stated(model: &Model, state: &State) -> Result<[Wish; 3], RuntimeE
     resting.velocity.fill(0.0);
     let stated = of(true);
     let (values, _) = stated.evaluate(model, &at(&resting), Along::Velocity)?;
-    let (moving, still) = (0..stated.len()).partition(|i| values[*i] != 0.0);
+    let (moving, zeros): (Vec<usize>, Vec<usize>) =
+        (0..stated.len()).partition(|i| values[*i] != 0.0);
+    let moves = |i: &usize| {
+        let of = |i: usize| stated.owners[i].0;
+        moving.iter().any(|j| of(*j) == of(*i))
+    };
+    let (beside, still) = zeros.into_iter().partition(moves);
     let guessed = of(false);
     let all = (0..guessed.len()).collect();
     Ok([
         Wish::Stated(stated.clone(), moving),
-        Wish::Stated(stated, still),
+        Wish::Stated(stated.clone(), still),
+        Wish::Stated(stated, beside),
         Wish::Stated(guessed, all),
     ])
 }

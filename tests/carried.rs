@@ -1,0 +1,184 @@
+//! Quasi-static starts of machines on mounts: shafts turn about the axes of their tilted blocks.
+
+use crate::library_run::{close, column};
+use eng::{Outcome, Sources, StartReport};
+use eng_runtime::start::Equilibrium;
+
+fn run(text: &str, analysis: &str) -> Outcome {
+    let program = eng::check(&Sources::from_text("m.eng", text), "m.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"));
+    let analysis = program
+        .analysis(analysis)
+        .unwrap_or_else(|error| panic!("{error}"));
+    analysis
+        .run(&mut |_| {})
+        .unwrap_or_else(|failed| panic!("{}", failed.error))
+}
+
+/// The quasi-static start of a run.
+fn begun(outcome: &Outcome) -> &Equilibrium {
+    match &outcome.start {
+        Some(StartReport::QuasiStatic(found)) => found,
+        Some(other) => panic!("{other}"),
+        None => panic!("no start"),
+    }
+}
+
+/// The largest effort that would hold a direction at the start (N or N m).
+fn held(found: &Equilibrium) -> f64 {
+    let efforts = found.held.iter().map(|held| held.effort.abs());
+    efforts.fold(0.0, f64::max)
+}
+
+/// The first value of a column, in SI units.
+fn first(outcome: &Outcome, path: &str) -> f64 {
+    column(&outcome.results, path)[0]
+}
+
+/// A wheel in two films of a housing, which hangs from a mount beside its middle and so tilts by some degrees.
+fn housing(speed: f64) -> String {
+    format!(
+        "use std.forces.Bushing
+         use std.joints.PointOnPlane
+         use std.journals.Impedance
+         model Housing {{
+             gravity = [0, -9.81, 0] m/s^2
+             marker foot = [0, 0, 0] mm
+             body housing {{
+                 mass = 10 kg
+                 inertia = [0.2, 0.2, 0.1] kg*m^2
+                 marker support = [0, 0, -30] mm
+                 marker shell[k in 1..2] = [0 mm, 0 mm, [-40, 40][k]*1 mm]
+             }}
+             body wheel {{
+                 mass = 15 kg
+                 inertia = [0.1, 0.1, 0.18] kg*m^2
+                 marker pin[k in 1..2] = [0 mm, 0 mm, [-40, 40][k]*1 mm]
+                 start angular_velocity = [0, 0, {speed}] rad/s
+             }}
+             cycle angle = rotation(wheel.pin[1], housing.shell[1]) {{ period = 360 deg }}
+             force mount = Bushing(housing.support, foot, stiffness: [200, 200, 200] N/mm, damping: [1, 1, 1] kN*s/m,
+                 torsional_stiffness: [200, 200, 4000] N*m/rad, torsional_damping: [20, 20, 20] N*m*s/rad)
+             joint thrust = PointOnPlane(wheel.pin[1], housing.shell[1])
+             journal film[k in 1..2] = Impedance(wheel.pin[k], housing.shell[k], diameter: 40 mm, width: 20 mm, radial_clearance: 20 um,
+                 viscosity: 20 mPa*s)
+             output tilt: Angle = atan2(dot(housing.support.z, ground.y), dot(housing.support.z, ground.z))
+             output yaw: Angle = atan2(dot(housing.support.z, ground.x), dot(housing.support.z, ground.z))
+             output sag: Length = dot(housing.support.origin, ground.y)
+             output turning: AngularVelocity = norm(housing.support.angular_velocity, floor: 1e-12 rad/s)
+             output spin: AngularVelocity = dot(wheel.pin[1].angular_velocity, housing.support.z)
+         }}
+         analysis run = transient(Housing(), duration: 20 ms, sample: 1 ms)"
+    )
+}
+
+/// The axis of a wheel that turns in a tilted housing rests, so the housing hangs as with a wheel at rest: by its weights, the tilt t
+/// of the mount's spring solves `k t = (arm of the weights) cos t`. It stays there.
+#[test]
+fn a_housing_with_a_turning_wheel_tilts_as_at_rest() {
+    let weight = 25.0 * 9.81;
+    let mut tilt = 0.0_f64;
+    for _ in 0..50 {
+        tilt = -weight * 0.03 * tilt.cos() / 200.0;
+    }
+    for speed in [30.0, 600.0, -1500.0] {
+        let outcome = run(&housing(speed), "run");
+        let effort = held(begun(&outcome));
+        assert!(effort < 10.0, "{speed}: {effort}");
+        close("tilt", first(&outcome, "tilt"), tilt, 2e-3);
+        close("sag", first(&outcome, "sag"), -weight / 200e3, 2e-3);
+        close("spin", first(&outcome, "spin"), speed, 1e-2);
+        let rest = first(&outcome, "turning");
+        assert!(rest < 1e-6 * speed.abs(), "{speed}: {rest}");
+        for path in ["tilt", "yaw"] {
+            let values = column(&outcome.results, path);
+            let moved = values
+                .iter()
+                .fold(0.0_f64, |most, x| most.max((x - values[0]).abs()));
+            println!("{speed} rad/s: {path} moves by {moved:.1e}");
+            assert!(
+                moved < 2e-2 * tilt.abs(),
+                "{speed}: {path} moves by {moved}"
+            );
+        }
+    }
+}
+
+/// A carried engine of three cylinders on one mount of rubber.
+fn three(speed: f64, big_ends: &str, drive_line: &str) -> String {
+    format!(
+        "use std.cylinder.{{WeighedRod, diametral}}
+        use std.engine.{{Crank, Engine}}
+        use std.gas.{{ClosedCycle, wiebe}}
+        use std.journals.Impedance
+        use std.layouts.inline
+        use std.mounts.ElastomerMount
+        use std.oils.SAE_5W30
+        model Three {{
+            part engine = Engine(
+                layout: inline(throws: [0, 240, 120] deg), order: [1, 3, 2],
+                numbered_from: timing_end, seen_from: timing_end, sense: clockwise,
+                bore: 74 mm, stroke: 82 mm, rod_length: 137 mm, spacing: 82 mm,
+                main_diameter: 48 mm, main_width: 18 mm, main_clearance: diametral(44 um),
+                {big_ends}, pin_diameter: 42 mm,
+                law: Impedance, oil: SAE_5W30, oil_temperature: 110 degC,
+                rod: WeighedRod(big_end: 0.32 kg, small_end: 0.13 kg, big_radius: 27 mm, small_radius: 13 mm), piston_mass: 0.33 kg,
+                crankshaft: Crank(mass: 12 kg, inertia: [110, 110, 24] g*m^2),
+                gas: ClosedCycle(stroke: 82 mm, compression_ratio: 10.5, heat: 0.9 kJ, burnt: wiebe(begin: -18 deg, duration: 50 deg)),
+                flywheel_mass: 8 kg, flywheel_inertia: 80 g*m^2, block_mass: 45 kg, block_inertia: [1.2, 1.3, 0.7] kg*m^2,
+                block_is: carried, speed: {speed} rpm, {drive_line},
+            )
+            marker foot = [0, 0, 0] mm
+            force mount = ElastomerMount(engine.block.support, foot, stiffness: [300, 300, 300] N/mm, fast_stiffness: [400, 400, 400] N/mm,
+                relaxation: 8 ms, torsional_stiffness: [30, 30, 30] kN*m/rad, torsional_damping: [200, 200, 200] N*m*s/rad)
+            gravity = engine.up*(-9.81 m/s^2)
+        }}
+        analysis begin = transient(Three(), duration: 5 deg, sample: 1 deg)
+        analysis fired = periodic(Three(), sample: 2 deg, change: 1 %)"
+    )
+}
+
+const FILMS: &str = "big_ends: film, pin_width: 18 mm, pin_clearance: diametral(40 um)";
+
+/// Carried engines begin in balance at every speed, with films and with hinges in the big ends.
+#[test]
+fn a_carried_engine_begins_in_balance() {
+    for (speed, big_ends, drive_line) in [
+        (300.0, FILMS, "drive_line: constant_speed"),
+        (3000.0, FILMS, "drive_line: constant_speed"),
+        (6000.0, FILMS, "drive_line: constant_speed"),
+        (3000.0, "big_ends: hinge", "drive_line: constant_speed"),
+        (6000.0, "big_ends: hinge", "drive_line: constant_speed"),
+        (
+            3000.0,
+            FILMS,
+            "drive_line: dynamometer, coupling_stiffness: 500 N*m/rad, coupling_damping: 2 N*m*s/rad",
+        ),
+    ] {
+        let outcome = run(&three(speed, big_ends, drive_line), "begin");
+        let effort = held(begun(&outcome));
+        println!("{speed} {big_ends}: {effort}");
+        // the gas of one cylinder at its highest pressure has some 700 N m
+        assert!(effort < 1000.0, "{speed} {big_ends}: {effort}");
+    }
+}
+
+/// The cycle of a carried engine repeats, with films and with hinges, and in the mean the mount yields by the weight of all parts.
+#[test]
+fn a_carried_engine_repeats() {
+    let weight = (45.0 + 12.0 + 8.0 + 3.0 * (0.33 + 0.45)) * 9.81;
+    for big_ends in [FILMS, "big_ends: hinge"] {
+        let text = three(3000.0, big_ends, "drive_line: constant_speed");
+        let outcome = run(&text, "fired");
+        let periodic = outcome.periodic.as_ref().expect("a periodic analysis");
+        println!("{big_ends}: {} cycles", periodic.cycles);
+        assert!(
+            periodic.repeats && periodic.cycles <= 15,
+            "{big_ends}: {periodic:?}"
+        );
+        let cycle = &column(&outcome.results, "mount.deflection.x")[..360];
+        let sag = cycle.iter().sum::<f64>() / 360.0;
+        close("sag", sag, -weight / 300e3, 1e-2);
+    }
+}
