@@ -5,7 +5,7 @@ use crate::counted::counted;
 use crate::places::{place, related, span};
 use eng_grammar::Diagnostic;
 use eng_runtime::{
-    Damped, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow,
+    Damped, FAILS, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow,
     StartReport, Turning, Undefined, Unstable,
 };
 use eng_system::code::BindError;
@@ -692,7 +692,7 @@ fn condition(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
         (Some(at), _) => related(
             message.at(
                 span(at),
-                format!("{}: the condition fails here", origin.path),
+                format!("{}: {FAILS}", origin.path),
             ),
             origin,
             label,

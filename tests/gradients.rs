@@ -246,6 +246,102 @@ fn a_slider_crank_has_the_derivatives_of_differences() {
     }
 }
 
+/// A round shaft of steel along z, 20 mm thick and 0.4 m long, of eight beams. Node 1 is at the origin.
+fn shaft() -> String {
+    let (area, moment) = (3.1416e-4, 7.854e-9);
+    let mut deck = format!(
+        "BEGIN BULK\nMAT1,1,2.1e11,,0.3,7850.\nPBAR,1,1,{area:e},{moment:e},{moment:e},{:e}\n",
+        2.0 * moment
+    );
+    for node in 1..=9 {
+        deck += &format!("GRID,{node},,0.,0.,{:.4}\n", 0.05 * f64::from(node - 1));
+    }
+    for piece in 1..=8 {
+        deck += &format!("CBAR,{piece},1,{piece},{},1.,0.,0.\n", piece + 1);
+    }
+    deck + "ENDDATA\n"
+}
+
+/// A rotor with an unbalanced disc in two films. Its shaft is flexible, with and without stiffness from stresses.
+#[test]
+fn a_flexible_rotor_has_the_derivatives_of_differences() {
+    for (stiffened, start) in [(false, "assembled"), (true, "quasi_static")] {
+        let text = format!(
+            "
+use std.joints.{{Fixed, PointOnPlane}}
+use std.drives.PrescribedRotation
+use std.forces.LinearSpring
+use std.journals.Short
+model Rotor {{
+    param speed: AngularVelocity = 100 rad/s
+    param disc_mass: Mass = 2 kg
+    param unbalance: Length = 20 um
+    param clearance: Length = 20 um
+    param thickness: DynamicViscosity = 0.02 Pa*s
+    param spring: Stiffness = 2e5 N/m
+    param high: Length = 0.1 m
+    gravity = [0, -9.81, 0] m/s^2
+    marker left = [0, 0, 0] m
+    marker right = [0, 0, 0.4] m
+    marker over = [0, 1, 0]*high + [0, 0, 0.2] m
+    flexible shaft {{
+        mesh = nastran(\"shaft.bdf\", units: m_kg_s)
+        modes = static(at: [left, right, middle], freedoms: [x, y]) + normal(4)
+        damping = rayleigh(mass: 0 s^-1, stiffness: 1e-5 s)
+        geometric_stiffness = {stiffened}
+        marker left = node(1)
+        marker middle = node(5)
+        marker right = node(9)
+        start angular_velocity = [0, 0, 1]*speed
+    }}
+    body disc {{
+        mass = disc_mass
+        inertia = [0.8, 0.8, 1.6] g*m^2
+        center_of_mass = [1, 0, 0]*unbalance
+        marker hub = origin
+    }}
+    joint fit = Fixed(disc.hub, shaft.middle)
+    joint thrust = PointOnPlane(shaft.left, left)
+    journal film[j in 1..2] = Short(pin: [shaft.left, shaft.right][j], shell: [left, right][j], diameter: 20 mm, width: 10 mm,
+        radial_clearance: clearance, viscosity: thickness)
+    force pull = LinearSpring(shaft.middle, over, stiffness: spring, damping: 20 N*s/m, free_length: 0.1 m)
+    drive turn = PrescribedRotation(shaft.left, left, speed: speed)
+    output sag: Length = dot(shaft.middle.origin - shaft.left.origin, ground.y)
+    output aside: Length = dot(shaft.middle.origin - shaft.left.origin, ground.x)
+    output speed_aside: Velocity = dot(disc.hub.velocity, ground.x)
+    output lift: Length = dot(shaft.right.origin, ground.y)
+}}
+analysis turns = transient(Rotor(), duration: 4 ms, sample: 0.2 ms, start: {start})
+"
+        );
+        let sources =
+            Sources::from_texts([("m.eng".to_owned(), text), ("shaft.bdf".to_owned(), shaft())]);
+        let program = match eng::check(&sources, "m.eng").into_program() {
+            Ok(program) => program,
+            Err(report) => panic!("{report}"),
+        };
+        let plain = analysis(&program, "turns").stepping(exact(2e-5));
+        let paths = [
+            "speed",
+            "disc_mass",
+            "unbalance",
+            "clearance",
+            "thickness",
+            "spring",
+            "high",
+        ];
+        let outcome = run(&plain.clone().gradients(&paths).unwrap());
+        for gradient in &outcome.gradients {
+            let (error, channel) = worst(&plain, gradient, 1e-3);
+            println!(
+                "rotor ({stiffened}) by {}: {error:.1e} ({channel})",
+                gradient.parameter
+            );
+            assert!(error < 1e-6, "{}: {error} of {channel}", gradient.parameter);
+        }
+    }
+}
+
 /// The error of the linear prediction falls with the square of the change.
 #[test]
 fn predictions_are_right_to_second_order() {
@@ -436,4 +532,42 @@ analysis steady = transient(Rotor(), duration: 5 ms, sample: 1 ms, start: quasi_
         println!("ratio {e:.4}: {slope:.6e} for {due:.6e}");
         assert!((slope / due - 1.0).abs() < 1e-5, "{slope} for {due}");
     }
+}
+
+/// A warning of the gradients has a label of its own, and the places of the function and of its use.
+#[test]
+fn a_kink_of_the_motion_is_told_at_its_place() {
+    let program = program(
+        "
+use std.joints.Translational
+force Press(a: Marker, b: Marker, rate: Stiffness) {
+    let depth = dot(a.origin - b.origin, b.z)
+    apply force -rate*max(depth, 0 mm)*b.z on a against b
+}
+model Mass {
+    param rate: Stiffness = 1 N/mm
+    gravity = [0, 0, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+    joint rail = Translational(block.eye, wall)
+    force press = Press(block.eye, wall, rate: rate)
+    start rail.travel = -0.1 mm
+    start rail.speed = 0.1 m/s
+}
+analysis lands = transient(Mass(), duration: 2 ms, sample: 1 ms, gradients: [rate])
+",
+    );
+    let outcome = match eng::run::run(&analysis(&program, "lands"), false, &mut |_| {}) {
+        Ok(outcome) => outcome,
+        Err(failed) => panic!("{}", failed.error),
+    };
+    let text = eng::render::human(
+        &outcome.diagnostics,
+        program.texts(),
+        eng::render::Colors::None,
+    );
+    println!("{text}");
+    assert!(text.contains("press: the motion stands at its kink"), "{text}");
+    assert!(text.contains("this function"), "{text}");
+    assert!(!text.contains("the condition fails"), "{text}");
 }

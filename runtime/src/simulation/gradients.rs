@@ -7,7 +7,6 @@
 
 use super::{Simulation, Warning};
 use crate::acceleration::Factors;
-use crate::body::BodyKind;
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::{Integrator, StepDerivative, Variation};
@@ -106,14 +105,6 @@ impl Gradients {
                 element.origin.path
             )));
         }
-        let mut bodies = model.bodies.iter().zip(&compiled.system.bodies);
-        if let Some((_, body)) = bodies.find(|(own, _)| matches!(own.kind, BodyKind::Flexible(_))) {
-            return Err(refused(format!(
-                "{} is flexible, and gradients of flexible bodies are not yet compared with other runs: take a rigid body, or compare \
-                 two runs",
-                body.origin.path
-            )));
-        }
         let reach = match compiled.system.resolutions.is_empty() {
             true => REACH_OF_LENGTH * model.length,
             false => REACH * model.tolerance,
@@ -209,6 +200,7 @@ impl Gradients {
                 "small changes of {} decide this motion, as after impacts: from here on its gradients predict only changes below a millionth",
                 beside.origin.path
             ),
+            label: "small changes of it decide the motion",
             moment,
         });
     }
@@ -230,6 +222,7 @@ impl Gradients {
             message: format!(
                 "the motion stands at a kink of {function}: from here on the gradients are those of one of its two sides"
             ),
+            label: "the motion stands at its kink",
             moment,
         });
     }
