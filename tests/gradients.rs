@@ -185,16 +185,30 @@ fn a_run_has_the_same_bits_with_gradients() {
             "analysis swing = transient(Pendulum(), duration: 1 s, sample: 0.1 s, {steps}, gradients: [length, pull])"
         ));
         let program = program(&text);
-        let with = analysis(&program, "swing");
-        let without = with.clone().gradients::<&str>(&[]).unwrap();
-        let (with, without) = (run(&with), run(&without));
-        assert_eq!(with.gradients.len(), 2);
-        for (a, b) in with.results.columns().iter().zip(without.results.columns()) {
-            let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(&a.values), bits(&b.values), "{}", a.path);
-        }
-        assert_eq!(with.summary, without.summary);
+        same_bits(&analysis(&program, "swing"), 2);
     }
+}
+
+/// Samples at cycle angles, which the gradients solve with the factors of the motion, beside films and error control.
+#[test]
+fn an_engine_has_the_same_bits_with_gradients() {
+    let text = "analysis short = transient(Inline4(), duration: 40 deg, sample: 1 deg)";
+    let program = engine(text);
+    let paths = ["main[3].radial_clearance", "oil_temperature"];
+    let short = analysis(&program, "short").gradients(&paths);
+    same_bits(&short.unwrap(), 2);
+}
+
+/// The channels and the summary of a run with gradients by a number of parameters are those of a run without.
+fn same_bits(with: &Analysis, count: usize) {
+    let without = with.clone().gradients::<&str>(&[]).unwrap();
+    let (with, without) = (run(with), run(&without));
+    assert_eq!(with.gradients.len(), count);
+    for (a, b) in with.results.columns().iter().zip(without.results.columns()) {
+        let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&a.values), bits(&b.values), "{}", a.path);
+    }
+    assert_eq!(with.summary, without.summary);
 }
 
 /// θ = θ₀ cos ωt with `ω² = g l/(l² + i/m)` and small θ₀: `∂θ/∂l = −θ₀ t sin(ωt) ∂ω/∂l`.
@@ -564,23 +578,29 @@ fn held(analysis: &Analysis, names: &[&str], times: &[f64]) -> Vec<f64> {
     read.concat()
 }
 
-/// The fired engine with its films, from its balance on through the firing of cylinder 1.
-#[test]
-fn a_fired_engine_has_the_derivatives_of_differences() {
+/// The four-cylinder engine of the examples, with an analysis.
+fn engine(analysis: &str) -> Program {
     let read = |name: &str| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
         std::fs::read_to_string(folder.join(name)).unwrap()
     };
-    let short = "analysis short = transient(Inline4(), duration: 2.5 ms, sample: 0.1 ms)";
-    let text = format!("{}\n{short}\n", read("by_hand.eng"));
     let sources = Sources::from_texts([
-        ("m.eng".to_owned(), text),
+        (
+            "m.eng".to_owned(),
+            format!("{}\n{analysis}\n", read("by_hand.eng")),
+        ),
         ("pressure.csv".to_owned(), read("pressure.csv")),
     ]);
-    let program = match eng::check(&sources, "m.eng").into_program() {
+    match eng::check(&sources, "m.eng").into_program() {
         Ok(program) => program,
         Err(report) => panic!("{report}"),
-    };
+    }
+}
+
+/// The fired engine with its films, from its balance on through the firing of cylinder 1.
+#[test]
+fn a_fired_engine_has_the_derivatives_of_differences() {
+    let program = engine("analysis short = transient(Inline4(), duration: 2.5 ms, sample: 0.1 ms)");
     let plain = analysis(&program, "short").stepping(exact(1e-5));
     let paths = ["main[3].radial_clearance", "oil_temperature", "combustion"];
     let outcome = run(&plain.clone().gradients(&paths).unwrap());
