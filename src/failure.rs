@@ -5,8 +5,8 @@ use crate::counted::counted;
 use crate::places::{place, related, span};
 use eng_grammar::Diagnostic;
 use eng_runtime::{
-    Damped, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary, RuntimeError, Slow,
-    StartReport, Turning, Undefined, Unstable,
+    Damped, FAILS, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary,
+    RuntimeError, Slow, StartReport, Turning, Undefined, Unstable,
 };
 use eng_system::code::BindError;
 use eng_system::significant::significant;
@@ -690,10 +690,7 @@ pub(crate) fn periodic(
 fn condition(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     match (origin.used_at, origin.defined_at) {
         (Some(at), _) => related(
-            message.at(
-                span(at),
-                format!("{}: the condition fails here", origin.path),
-            ),
+            message.at(span(at), format!("{}: {FAILS}", origin.path)),
             origin,
             label,
         ),

@@ -185,16 +185,30 @@ fn a_run_has_the_same_bits_with_gradients() {
             "analysis swing = transient(Pendulum(), duration: 1 s, sample: 0.1 s, {steps}, gradients: [length, pull])"
         ));
         let program = program(&text);
-        let with = analysis(&program, "swing");
-        let without = with.clone().gradients::<&str>(&[]).unwrap();
-        let (with, without) = (run(&with), run(&without));
-        assert_eq!(with.gradients.len(), 2);
-        for (a, b) in with.results.columns().iter().zip(without.results.columns()) {
-            let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(&a.values), bits(&b.values), "{}", a.path);
-        }
-        assert_eq!(with.summary, without.summary);
+        same_bits(&analysis(&program, "swing"), 2);
     }
+}
+
+/// Samples at cycle angles, which the gradients solve with the factors of the motion, beside films and error control.
+#[test]
+fn an_engine_has_the_same_bits_with_gradients() {
+    let text = "analysis short = transient(Inline4(), duration: 40 deg, sample: 1 deg)";
+    let program = engine(text);
+    let paths = ["main[3].radial_clearance", "oil_temperature"];
+    let short = analysis(&program, "short").gradients(&paths);
+    same_bits(&short.unwrap(), 2);
+}
+
+/// The channels and the summary of a run with gradients by a number of parameters are those of a run without.
+fn same_bits(with: &Analysis, count: usize) {
+    let without = with.clone().gradients::<&str>(&[]).unwrap();
+    let (with, without) = (run(with), run(&without));
+    assert_eq!(with.gradients.len(), count);
+    for (a, b) in with.results.columns().iter().zip(without.results.columns()) {
+        let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&a.values), bits(&b.values), "{}", a.path);
+    }
+    assert_eq!(with.summary, without.summary);
 }
 
 /// θ = θ₀ cos ωt with `ω² = g l/(l² + i/m)` and small θ₀: `∂θ/∂l = −θ₀ t sin(ωt) ∂ω/∂l`.
@@ -244,6 +258,242 @@ fn a_slider_crank_has_the_derivatives_of_differences() {
         );
         assert!(error < 1e-6, "{}: {error} of {channel}", gradient.parameter);
     }
+}
+
+/// A round shaft of steel along z, 20 mm thick and 0.4 m long, of eight beams. Node 1 is at the origin.
+fn shaft() -> String {
+    let (area, moment) = (3.1416e-4, 7.854e-9);
+    let mut deck = format!(
+        "BEGIN BULK\nMAT1,1,2.1e11,,0.3,7850.\nPBAR,1,1,{area:e},{moment:e},{moment:e},{:e}\n",
+        2.0 * moment
+    );
+    for node in 1..=9 {
+        deck += &format!("GRID,{node},,0.,0.,{:.4}\n", 0.05 * f64::from(node - 1));
+    }
+    for piece in 1..=8 {
+        deck += &format!("CBAR,{piece},1,{piece},{},1.,0.,0.\n", piece + 1);
+    }
+    deck + "ENDDATA\n"
+}
+
+/// A rotor with an unbalanced disc in two films. Its shaft is flexible, with and without stiffness from stresses.
+#[test]
+fn a_flexible_rotor_has_the_derivatives_of_differences() {
+    for stiffened in [false, true] {
+        let text = format!(
+            "
+use std.joints.{{Fixed, PointOnPlane}}
+use std.drives.PrescribedRotation
+use std.forces.LinearSpring
+use std.journals.Short
+model Rotor {{
+    param speed: AngularVelocity = 100 rad/s
+    param disc_mass: Mass = 2 kg
+    param unbalance: Length = 20 um
+    param clearance: Length = 20 um
+    param thickness: DynamicViscosity = 0.02 Pa*s
+    param spring: Stiffness = 2e5 N/m
+    param high: Length = 0.1 m
+    gravity = [0, -9.81, 0] m/s^2
+    marker left = [0, 0, 0] m
+    marker right = [0, 0, 0.4] m
+    marker over = [0, 1, 0]*high + [0, 0, 0.2] m
+    flexible shaft {{
+        mesh = nastran(\"shaft.bdf\", units: m_kg_s)
+        modes = static(at: [left, right, middle], freedoms: [x, y]) + normal(4)
+        damping = rayleigh(mass: 0 s^-1, stiffness: 1e-5 s)
+        geometric_stiffness = {stiffened}
+        marker left = node(1)
+        marker middle = node(5)
+        marker right = node(9)
+        start angular_velocity = [0, 0, 1]*speed
+    }}
+    body disc {{
+        mass = disc_mass
+        inertia = [0.8, 0.8, 1.6] g*m^2
+        center_of_mass = [1, 0, 0]*unbalance
+        marker hub = origin
+    }}
+    joint fit = Fixed(disc.hub, shaft.middle)
+    joint thrust = PointOnPlane(shaft.left, left)
+    journal film[j in 1..2] = Short(pin: [shaft.left, shaft.right][j], shell: [left, right][j], diameter: 20 mm, width: 10 mm,
+        radial_clearance: clearance, viscosity: thickness)
+    force pull = LinearSpring(shaft.middle, over, stiffness: spring, damping: 20 N*s/m, free_length: 0.1 m)
+    drive turn = PrescribedRotation(shaft.left, left, speed: speed)
+    output sag: Length = dot(shaft.middle.origin - shaft.left.origin, ground.y)
+    output aside: Length = dot(shaft.middle.origin - shaft.left.origin, ground.x)
+    output speed_aside: Velocity = dot(disc.hub.velocity, ground.x)
+    output lift: Length = dot(shaft.right.origin, ground.y)
+}}
+analysis turns = transient(Rotor(), duration: 4 ms, sample: 0.2 ms, start: assembled)
+analysis rests = transient(Rotor(), duration: 4 ms, sample: 0.2 ms, start: quasi_static)
+"
+        );
+        let sources = Sources::from_texts([
+            ("m.eng".to_owned(), text),
+            ("shaft.bdf".to_owned(), shaft()),
+        ]);
+        let program = match eng::check(&sources, "m.eng").into_program() {
+            Ok(program) => program,
+            Err(report) => panic!("{report}"),
+        };
+        let plain = analysis(&program, "turns").stepping(exact(2e-5));
+        let cases = [
+            ("speed", 2e-2),
+            ("disc_mass", 1e-2),
+            ("unbalance", 1e-2),
+            ("clearance", 3e-3),
+            ("thickness", 1e-2),
+            ("spring", 1e-2),
+            ("high", 1e-5),
+        ];
+        let outcome = run(&plain
+            .clone()
+            .gradients(&cases.map(|(path, _)| path))
+            .unwrap());
+        let times = outcome.results.column("time").unwrap().values.clone();
+        let names = ["sag", "aside", "lift", "film[2].minimum_film"];
+        for (gradient, (path, share)) in outcome.gradients.iter().zip(cases) {
+            let column = |name: &str| &gradient.results.column(name).unwrap().values;
+            let expected = differences(&plain, path, share, |at| held(at, &names, &times));
+            // rounding: of positions over the increment in the differences, of modal forces in the gradients
+            let rounding = if stiffened { 5e-13 } else { 5e-14 } / (share * value(&plain, path));
+            for (name, expected) in names.iter().zip(expected.chunks(times.len())) {
+                let error = size(&missed(column(name), expected));
+                println!("{name} by {path}: {:.1e}", error / size(expected));
+                let most = 1e-6 * size(expected) + rounding;
+                assert!(error < most, "{name} by {path}: {error} of {most}");
+            }
+            // recorded forces, in the middle of their errors: see `held`
+            let force = "film[1].force.y";
+            let expected = differences(&plain, path, share, |at| {
+                run(at).results.column(force).unwrap().values.clone()
+            });
+            let errors = missed(column(force), &expected);
+            let error = errors[errors.len() / 2] / size(&expected);
+            println!("{force} by {path}: {error:.1e}");
+            assert!(error < 3e-5, "{force} by {path}: {error}");
+        }
+        // the search for the bending of the turning shaft ends before it is smooth
+        let rests = analysis(&program, "rests").gradients(&["disc_mass"]);
+        let message = refusal(&rests.unwrap());
+        assert!(message.contains("the start is not smooth"), "{message}");
+    }
+}
+
+/// Sizes of errors, sorted.
+fn missed(got: &[f64], expected: &[f64]) -> Vec<f64> {
+    let pairs = got.iter().zip(expected);
+    let mut errors: Vec<f64> = pairs.map(|(x, y)| (x - y).abs()).collect();
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
+/// A cantilever of eight beams and a spring at its end begin in balance. With the deflection of the end alone (by three modes
+/// of unit loads) `(k + k_b) u = k u_0 − F`, and the motion keeps it.
+#[test]
+fn a_bent_bar_in_balance_follows_its_spring() {
+    let text = "
+use std.joints.Fixed
+use std.forces.LinearSpring
+model Bar {
+    param spring: Stiffness = 2e4 N/m
+    param slack: Length = 0.099 m
+    gravity = [0, 0, 0] m/s^2
+    marker wall = [0, 0, 0] m
+    marker over = [0, 0.1, 0.4] m
+    flexible bar {
+        mesh = nastran(\"shaft.bdf\", units: m_kg_s)
+        modes = static(at: [left, right], freedoms: [x, y, rx, ry]) + normal(4)
+        damping = 5 %
+        marker left = node(1)
+        marker right = node(9)
+    }
+    joint weld = Fixed(bar.left, wall)
+    force pull = LinearSpring(bar.right, over, stiffness: spring, free_length: slack)
+    output up: Length = dot(bar.right.origin, ground.y)
+}
+analysis rests = transient(Bar(), duration: 2 ms, sample: 1 ms, start: quasi_static)
+";
+    let sources = Sources::from_texts([
+        ("m.eng".to_owned(), text.to_owned()),
+        ("shaft.bdf".to_owned(), shaft()),
+    ]);
+    let program = match eng::check(&sources, "m.eng").into_program() {
+        Ok(program) => program,
+        Err(report) => panic!("{report}"),
+    };
+    let outcome = run(&analysis(&program, "rests")
+        .gradients(&["spring", "slack"])
+        .unwrap());
+    // a beam of Bernoulli: its places are small beside its length, so its end moves straight up
+    let (spring, stretch) = (2e4, 1e-3);
+    let beam = 3.0 * 2.1e11 * 7.854e-9 / 0.4_f64.powi(3);
+    let due = [
+        stretch * beam / (spring + beam).powi(2),
+        -spring / (spring + beam),
+    ];
+    for (gradient, due) in outcome.gradients.iter().zip(due) {
+        let got = &gradient.results.column("up").unwrap().values;
+        println!("up by {}: {got:?} for {due:e}", gradient.parameter);
+        for got in got {
+            assert!((got / due - 1.0).abs() < 2e-6, "{got} for {due}");
+        }
+    }
+}
+
+/// The largest difference between the gradients of two runs, as a share of the largest derivative of the same dimension, or of a
+/// hundredth of the largest channel of this dimension over the parameter.
+fn apart(plain: &Analysis, of: &Outcome, exact: &Outcome) -> f64 {
+    let mut most = 0.0_f64;
+    for (gradient, exact_one) in of.gradients.iter().zip(&exact.gradients) {
+        let p = value(plain, &gradient.parameter);
+        for name in channels(gradient) {
+            let [got, due] = [gradient, exact_one].map(|g| g.results.column(name).unwrap());
+            let largest = |results: &Results, like: &str| {
+                let like = results.column(like).unwrap().dimension;
+                let alike = results.columns().iter().filter(|c| c.dimension == like);
+                alike.map(|c| size(&c.values)).fold(0.0, f64::max)
+            };
+            let least = 0.01 * largest(&exact.results, name) / p;
+            let scale = largest(&exact_one.results, name).max(least);
+            most = most.max(size(&missed(&got.values, &due.values)) / scale);
+        }
+    }
+    most
+}
+
+/// Under error control the gradients differ from those of small fixed steps, and the less the smaller the tolerance.
+#[test]
+fn controlled_steps_have_the_gradients_of_the_motion() {
+    let text = pendulum(
+        "analysis swing = transient(Pendulum(), duration: 3 s, sample: 0.1 s, step: 0.1 ms)",
+    );
+    let program = program(&text);
+    let fine = analysis(&program, "swing").gradients(&["length", "start_angle", "pull"]);
+    let fine = fine.unwrap();
+    let exact = run(&fine);
+    let errors = [1.0, 0.1, 0.01].map(|tolerance| {
+        let outcome = run(&fine.clone().stepping(StepControl::Tolerance(tolerance)));
+        apart(&fine, &outcome, &exact)
+    });
+    println!("tolerances of 1, 0.1, 0.01: {errors:?}");
+    for (error, most) in errors.iter().zip([3e-4, 7e-5, 1.5e-5]) {
+        assert!(*error < most, "{errors:?}");
+    }
+}
+
+/// Samples at cycle angles within controlled steps.
+#[test]
+fn controlled_steps_of_a_slider_crank_have_the_gradients_of_the_motion() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/slider_crank/slider_crank.eng");
+    let program = program(&std::fs::read_to_string(path).unwrap());
+    let fine = analysis(&program, "inertia").stepping(exact(5e-5));
+    let fine = fine.gradients(&["speed", "throw", "rod_mass"]).unwrap();
+    let outcome = run(&fine.clone().stepping(StepControl::Tolerance(1.0)));
+    let error = apart(&fine, &outcome, &run(&fine));
+    println!("slider-crank: {error:.1e}");
+    assert!(error < 1e-8, "{error}");
 }
 
 /// The error of the linear prediction falls with the square of the change.
@@ -328,23 +578,29 @@ fn held(analysis: &Analysis, names: &[&str], times: &[f64]) -> Vec<f64> {
     read.concat()
 }
 
-/// The fired engine with its films, from its balance on through the firing of cylinder 1.
-#[test]
-fn a_fired_engine_has_the_derivatives_of_differences() {
+/// The four-cylinder engine of the examples, with an analysis.
+fn engine(analysis: &str) -> Program {
     let read = |name: &str| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
         std::fs::read_to_string(folder.join(name)).unwrap()
     };
-    let short = "analysis short = transient(Inline4(), duration: 2.5 ms, sample: 0.1 ms)";
-    let text = format!("{}\n{short}\n", read("by_hand.eng"));
     let sources = Sources::from_texts([
-        ("m.eng".to_owned(), text),
+        (
+            "m.eng".to_owned(),
+            format!("{}\n{analysis}\n", read("by_hand.eng")),
+        ),
         ("pressure.csv".to_owned(), read("pressure.csv")),
     ]);
-    let program = match eng::check(&sources, "m.eng").into_program() {
+    match eng::check(&sources, "m.eng").into_program() {
         Ok(program) => program,
         Err(report) => panic!("{report}"),
-    };
+    }
+}
+
+/// The fired engine with its films, from its balance on through the firing of cylinder 1.
+#[test]
+fn a_fired_engine_has_the_derivatives_of_differences() {
+    let program = engine("analysis short = transient(Inline4(), duration: 2.5 ms, sample: 0.1 ms)");
     let plain = analysis(&program, "short").stepping(exact(1e-5));
     let paths = ["main[3].radial_clearance", "oil_temperature", "combustion"];
     let outcome = run(&plain.clone().gradients(&paths).unwrap());
@@ -436,4 +692,45 @@ analysis steady = transient(Rotor(), duration: 5 ms, sample: 1 ms, start: quasi_
         println!("ratio {e:.4}: {slope:.6e} for {due:.6e}");
         assert!((slope / due - 1.0).abs() < 1e-5, "{slope} for {due}");
     }
+}
+
+/// A warning of the gradients has a label of its own, and the places of the function and of its use.
+#[test]
+fn a_kink_of_the_motion_is_told_at_its_place() {
+    let program = program(
+        "
+use std.joints.Translational
+force Press(a: Marker, b: Marker, rate: Stiffness) {
+    let depth = dot(a.origin - b.origin, b.z)
+    apply force -rate*max(depth, 0 mm)*b.z on a against b
+}
+model Mass {
+    param rate: Stiffness = 1 N/mm
+    gravity = [0, 0, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    body block { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }
+    joint rail = Translational(block.eye, wall)
+    force press = Press(block.eye, wall, rate: rate)
+    start rail.travel = -0.1 mm
+    start rail.speed = 0.1 m/s
+}
+analysis lands = transient(Mass(), duration: 2 ms, sample: 1 ms, gradients: [rate])
+",
+    );
+    let outcome = match eng::run::run(&analysis(&program, "lands"), false, &mut |_| {}) {
+        Ok(outcome) => outcome,
+        Err(failed) => panic!("{}", failed.error),
+    };
+    let text = eng::render::human(
+        &outcome.diagnostics,
+        program.texts(),
+        eng::render::Colors::None,
+    );
+    println!("{text}");
+    assert!(
+        text.contains("press: the motion stands at its kink"),
+        "{text}"
+    );
+    assert!(text.contains("this function"), "{text}");
+    assert!(!text.contains("the condition fails"), "{text}");
 }

@@ -215,6 +215,7 @@ class Analysis:
         folder: _Path | None = None,
         resume: bool = False,
         threads: int = 1,
+        gradients: Sequence[str] | None = None,
         patient: bool = False,
         progress: Callable[[float, float], object] | None = None,
     ) -> Run:
@@ -223,7 +224,8 @@ class Analysis:
         `set` gives parameters other values: texts with units, or numbers in SI units. `step` takes fixed steps and
         `tolerance` scales the allowed errors, in place of the text's. `channels` are patterns of the columns to keep.
         `folder` receives the samples during the run and `ANALYSIS.parquet` at its end; `resume` continues an
-        interrupted run there. `threads` solve the films on cells of this run. A run that would take more than a day is
+        interrupted run there. `threads` solve the films on cells of this run. `gradients` are paths of parameters by
+        which the channels are differentiated, in place of those of the text. A run that would take more than a day is
         stopped, unless it is `patient`. `progress` is called up to twenty times a second with the finished part
         (0 to 1) and the time (s); its exception stops the run.
         """
@@ -265,6 +267,10 @@ class Run:
         """The warnings of the run."""
 
     @property
+    def gradients(self) -> dict[str, Gradient]:
+        """The derivatives of the channels by the parameters of `gradients`, by the paths of these."""
+
+    @property
     def facts(self) -> list[str]:
         """Facts about the run, a line each: steps, iterations, energy."""
 
@@ -293,6 +299,48 @@ class Run:
 
     def write_parquet(self, folder: _Path) -> Path:
         """Writes `ANALYSIS.parquet` into a folder, as `eng run` does, and returns its path."""
+
+    def __arrow_c_schema__(self) -> object:
+        """The schema of the table, for programs that read Arrow."""
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        """The table, for programs that read Arrow. They share its memory."""
+
+@final
+class Gradient:
+    """The derivatives of the channels of a run by a parameter: a table with the samples of the run.
+
+    Each number is in the channel's unit per the parameter's unit. Everything that reads Arrow takes it as it is.
+    """
+
+    @property
+    def parameter(self) -> str:
+        """The path of the parameter."""
+
+    @property
+    def unit(self) -> str:
+        """The unit of the parameter."""
+
+    @property
+    def columns(self) -> list[str]:
+        """The names of the columns."""
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of the columns."""
+
+    def column(self, path: str) -> Column:
+        """A column in the units of the text."""
+
+    def __getitem__(self, path: str, /) -> NDArray[numpy.float64]:
+        """The numbers of a column in the units of the text, as an array of NumPy for reading. It is no copy."""
+
+    def si(self, path: str) -> NDArray[numpy.float64]:
+        """The numbers of a column in SI units, as an array of NumPy for reading."""
+
+    def __contains__(self, path: str, /) -> bool: ...
+    def __len__(self) -> int:
+        """The number of samples."""
 
     def __arrow_c_schema__(self) -> object:
         """The schema of the table, for programs that read Arrow."""

@@ -92,10 +92,11 @@ impl Analysis {
     /// `set` gives parameters other values: texts with units, or numbers in SI units. `step` takes fixed steps and `tolerance`
     /// scales the allowed errors, in place of the text's. `channels` are patterns of the columns to keep. `folder` receives the
     /// samples during the run and `ANALYSIS.parquet` at its end; `resume` continues an interrupted run there. `threads` solve the
-    /// films on cells of this run. A run that would take more than a day is stopped, unless it is `patient`. `progress` is called
+    /// films on cells of this run. `gradients` are paths of parameters by which the channels are differentiated, in place of
+    /// those of the text. A run that would take more than a day is stopped, unless it is `patient`. `progress` is called
     /// up to twenty times a second with the finished part (0 to 1) and the time (s); its exception stops the run.
     #[pyo3(signature = (set=None, *, step=None, tolerance=None, channels=None, folder=None, resume=false,
-        threads=1, patient=false, progress=None))]
+        threads=1, gradients=None, patient=false, progress=None))]
     // Python names its arguments
     #[expect(
         clippy::too_many_arguments,
@@ -111,6 +112,7 @@ impl Analysis {
         folder: Option<PathBuf>,
         resume: bool,
         threads: usize,
+        gradients: Option<Vec<String>>,
         patient: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Run> {
@@ -127,6 +129,9 @@ impl Analysis {
         if let Some(control) = steps(step, tolerance)? {
             analysis = analysis.stepping(control);
         }
+        if let Some(paths) = gradients {
+            analysis = analysis.gradients(&paths).map_err(plain(py))?;
+        }
         let mut watch = Watch::new(progress);
         let ran = py.detach(|| {
             run_while(&analysis, patient, &mut |event| match event {
@@ -138,7 +143,8 @@ impl Analysis {
             Ok(outcome) => (None, Some(outcome)),
             Err(Failed { error, partial }) => (Some(error), partial.map(|partial| *partial)),
         };
-        let run = outcome.map(|outcome| Run::new(outcome, self.program.clone()));
+        let run = outcome.map(|outcome| Run::new(py, outcome, self.program.clone()));
+        let run = run.transpose()?;
         let partial = |run: Option<Run>| -> PyResult<Option<Bound<'_, PyAny>>> {
             let run = run.map(|run| Bound::new(py, run)).transpose()?;
             Ok(run.map(Bound::into_any))

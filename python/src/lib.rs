@@ -16,12 +16,14 @@ mod analysis;
 mod column;
 mod command;
 mod failure;
+mod gradient;
 mod model;
 mod program;
 mod quantities;
 mod report;
 mod run;
 mod simulation;
+mod table;
 mod watch;
 
 /// The native part of `englang`.
@@ -33,6 +35,8 @@ mod _native {
     use crate::column::Column;
     #[pymodule_export]
     use crate::command::cli;
+    #[pymodule_export]
+    use crate::gradient::Gradient;
     #[pymodule_export]
     use crate::model::{Channel, Input, Model, Parameter};
     #[pymodule_export]

@@ -2,13 +2,12 @@
 
 use crate::column::Column;
 use crate::failure;
+use crate::gradient::Gradient;
 use crate::report::{Report, Source};
-use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::{Array, Float64Array, RecordBatch, RecordBatchIterator};
-use arrow_schema::ffi::FFI_ArrowSchema;
-use eng::results::{ResultsError, Selection};
+use crate::table::{Table, refused};
+use arrow_array::RecordBatch;
+use eng::results::Selection;
 use eng::run::RunOutcome;
-use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict, PyTuple};
 use std::path::PathBuf;
@@ -18,20 +17,24 @@ use std::sync::OnceLock;
 /// takes it as it is: `polars.DataFrame(run)`, `pyarrow.table(run)`, `pandas.DataFrame.from_arrow(run)`.
 #[pyclass(frozen, mapping, module = "englang")]
 pub struct Run {
+    /// Its gradients are in the tables.
     outcome: RunOutcome,
+    gradients: Vec<Py<Gradient>>,
     program: eng::Program,
-    /// The columns in display units, made at their first use.
     batch: OnceLock<RecordBatch>,
 }
 
 impl Run {
     /// The results of an analysis of a program.
-    pub fn new(outcome: RunOutcome, program: eng::Program) -> Run {
-        Run {
+    pub fn new(py: Python<'_>, mut outcome: RunOutcome, program: eng::Program) -> PyResult<Run> {
+        let gradients = std::mem::take(&mut outcome.gradients).into_iter();
+        let tables = gradients.map(|gradient| Py::new(py, Gradient::new(gradient)));
+        Ok(Run {
+            gradients: tables.collect::<PyResult<_>>()?,
             outcome,
             program,
             batch: OnceLock::new(),
-        }
+        })
     }
 
     /// Its numbers for reports.
@@ -45,31 +48,12 @@ impl Run {
         }
     }
 
-    fn batch(&self, py: Python<'_>) -> PyResult<&RecordBatch> {
-        if let Some(batch) = self.batch.get() {
-            return Ok(batch);
+    fn table(&self) -> Table<'_> {
+        Table {
+            results: &self.outcome.results,
+            batch: &self.batch,
         }
-        let made = py.detach(|| self.outcome.results.record_batch());
-        let made = made.map_err(|error| refused(py, error))?;
-        // if two threads make it, both have made the same
-        Ok(self.batch.get_or_init(|| made))
     }
-
-    fn found(&self, path: &str) -> PyResult<&eng::results::Column> {
-        let missing = || ResultsError::NoColumn(path.to_owned());
-        let column = self.outcome.results.column(path);
-        column.ok_or_else(|| PyKeyError::new_err(missing().to_string()))
-    }
-}
-
-/// The exception for an error about results.
-fn refused(py: Python<'_>, error: ResultsError) -> PyErr {
-    failure::raised(py, &error.into(), None)
-}
-
-/// A column as an array of NumPy on the same memory.
-fn array<'py>(py: Python<'py>, column: Column) -> PyResult<Bound<'py, PyAny>> {
-    PyModule::import(py, "numpy")?.call_method1("asarray", (column,))
 }
 
 #[pymethods]
@@ -89,18 +73,13 @@ impl Run {
     /// The names of the columns.
     #[getter]
     fn columns(&self) -> Vec<&str> {
-        let columns = self.outcome.results.columns().iter();
-        columns.map(|column| column.path.as_str()).collect()
+        self.table().columns()
     }
 
     /// The units of the columns.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let units = PyDict::new(py);
-        for column in self.outcome.results.columns() {
-            units.set_item(&column.path, &column.display.symbol)?;
-        }
-        Ok(units)
+        self.table().units(py)
     }
 
     /// The entries that result files keep of a run: parameters, version, hash of the texts, facts about the start.
@@ -130,6 +109,16 @@ impl Run {
         failure::diagnostics(py, &eng::render::json(messages, texts))
     }
 
+    /// The derivatives of the channels by the parameters of `gradients`, by the paths of these.
+    #[getter]
+    fn gradients<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let gradients = PyDict::new(py);
+        for gradient in &self.gradients {
+            gradients.set_item(gradient.get().parameter(), gradient)?;
+        }
+        Ok(gradients)
+    }
+
     /// Facts about the run, a line each: steps, iterations, energy.
     #[getter]
     fn facts(&self) -> Vec<&str> {
@@ -144,25 +133,17 @@ impl Run {
 
     /// A column in the unit of the text.
     fn column(&self, py: Python<'_>, path: &str) -> PyResult<Column> {
-        let found = self.found(path)?;
-        let array = self.batch(py)?.column_by_name(path);
-        let values = array.and_then(|array| array.as_any().downcast_ref::<Float64Array>());
-        let values = values.ok_or_else(|| PyRuntimeError::new_err("a column without numbers"))?;
-        let unit = &found.display.symbol;
-        Ok(Column::new(path, unit, &found.frame, values.clone()))
+        self.table().column(py, path)
     }
 
     /// The numbers of a column in the unit of the text, as an array of NumPy for reading. It is no copy.
     fn __getitem__<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyAny>> {
-        array(py, self.column(py, path)?)
+        self.table().array(py, path)
     }
 
     /// The numbers of a column in SI units, as an array of NumPy for reading.
     fn si<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyAny>> {
-        let found = self.found(path)?;
-        let values = Float64Array::from(found.values.clone());
-        let unit = eng::DisplayUnit::si(found.dimension).symbol;
-        array(py, Column::new(path, &unit, &found.frame, values))
+        self.table().si(py, path)
     }
 
     fn __contains__(&self, path: &str) -> bool {
@@ -180,11 +161,14 @@ impl Run {
         let patterns: Vec<String> = patterns.extract()?;
         let selection = Selection::new(patterns.iter().map(String::as_str));
         let selected = selection.apply(&self.outcome.results);
+        let gradients = self.gradients.iter();
+        let gradients = gradients.map(|gradient| gradient.get().select(py, &selection));
         let outcome = RunOutcome {
             results: selected.map_err(|error| refused(py, error))?,
+            gradients: gradients.collect::<PyResult<_>>()?,
             ..self.outcome.clone()
         };
-        Ok(Run::new(outcome, self.program.clone()))
+        Run::new(py, outcome, self.program.clone())
     }
 
     /// Evaluates a report of the text over this run alone; see `Program.report`.
@@ -200,9 +184,7 @@ impl Run {
 
     /// The schema of the table, for programs that read Arrow.
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
-        let schema = FFI_ArrowSchema::try_from(self.batch(py)?.schema_ref().as_ref());
-        let schema = schema.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-        PyCapsule::new_with_value(py, schema, c"arrow_schema")
+        self.table().schema(py)
     }
 
     /// The table, for programs that read Arrow. They share its memory. The request for another schema may be ignored, by the
@@ -214,11 +196,7 @@ impl Run {
         requested_schema: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
         let _ = requested_schema;
-        let batch = self.batch(py)?.clone();
-        let schema = batch.schema();
-        let reader = RecordBatchIterator::new(std::iter::once(Ok(batch)), schema);
-        let stream = FFI_ArrowArrayStream::new(Box::new(reader));
-        PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+        self.table().stream(py)
     }
 
     fn __repr__(&self) -> String {

@@ -148,3 +148,29 @@ def test_parameters_have_units_limits_and_values(mass: eng.Program) -> None:
     channels = {channel.path: channel for channel in mass.model("Mass").channels}
     assert (channels["place"].unit, channels["place"].frame) == ("mm", "")
     assert math.isinf(eng.from_text("model M { param x: Length = 1 mm }").model("M").parameters[0].upper)
+
+
+def test_gradients_are_tables(mass: eng.Program) -> None:
+    analysis = mass.analysis("swing")
+    run = analysis.run(gradients=["stiffness", "weight"])
+    assert list(run.gradients) == ["stiffness", "weight"]
+    by_stiffness = run.gradients["stiffness"]
+    assert (by_stiffness.parameter, by_stiffness.unit) == ("stiffness", "N/mm")
+    assert by_stiffness.columns == [path for path in run.columns if not path.startswith("energy.")]
+    assert by_stiffness.units["place"] == "mm/(N/mm)"
+    table = pyarrow.table(by_stiffness)
+    assert table.num_rows == len(by_stiffness) == len(run)
+    assert numpy.array_equal(table["place"].to_numpy(), by_stiffness["place"])
+    # 100 mm + 20 mm cos(sqrt(k/m) t)
+    stiffness, weight = 3000.0, 2.0
+    time, frequency = run["time"], math.sqrt(stiffness / weight)
+    expected = -0.02 * time * numpy.sin(frequency * time) * 0.5 * frequency / stiffness
+    largest = numpy.abs(expected).max()
+    assert numpy.abs(by_stiffness.si("place") - expected).max() < 1e-3 * largest
+    expected *= -stiffness / weight
+    assert numpy.abs(run.gradients["weight"].si("place") - expected).max() < 1e-3 * numpy.abs(expected).max()
+    (only,) = run.select("place").gradients["weight"].columns[1:]
+    assert only == "place"
+    assert analysis.run().gradients == {}
+    with pytest.raises(eng.SettingError, match="stiffnes"):
+        analysis.run(gradients=["stiffnes"])

@@ -149,6 +149,15 @@ impl AccelerationSystem {
         self.goal = 0.0;
     }
 
+    /// Exchanges the factors with the system of a model of the same pattern, which takes the scales too. A second call gives
+    /// them back. The other system solves with them by refinement, because they belong to a nearby position. Should that not
+    /// converge it makes them anew, so they serve no later position without being made there.
+    pub fn exchange_factors(&mut self, other: &mut AccelerationSystem) {
+        std::mem::swap(&mut self.solver, &mut other.solver);
+        other.scales.copy_from_slice(&self.scales);
+        other.stale = true;
+    }
+
     /// Makes the factors at the position of `dynamics`, and evaluates the gradients there.
     fn factor(
         &mut self,

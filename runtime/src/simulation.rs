@@ -124,7 +124,10 @@ impl Energy {
     }
 }
 
-/// A failed `advise`.
+/// The label of a failed `advise`.
+pub const FAILS: &str = "the condition fails here";
+
+/// A failed `advise`, or a doubt about gradients.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
     /// The name of the lint for `accept`; empty without a name.
@@ -133,6 +136,8 @@ pub struct Warning {
     pub origin: Origin,
     /// The author's message.
     pub message: String,
+    /// The label at its place.
+    pub label: &'static str,
     /// The first moment of the failure.
     pub moment: Moment,
 }
@@ -271,6 +276,7 @@ impl Simulation {
                 name: advice.name.clone(),
                 origin: advice.origin.clone(),
                 message: advice.message.clone(),
+                label: FAILS,
                 moment: Moment {
                     time: state.time,
                     cycle_angle: None,

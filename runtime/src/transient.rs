@@ -307,7 +307,7 @@ fn gradients(
     transient: &Transient,
     simulation: &Simulation,
     resumes: bool,
-) -> Result<Option<(Gradients, usize)>, RuntimeError> {
+) -> Result<Option<Gradients>, RuntimeError> {
     if transient.gradients.is_empty() {
         return Ok(None);
     }
@@ -321,8 +321,7 @@ fn gradients(
     let Ok(parameters) = Names::Parameters.indices(&transient.gradients, &paths) else {
         return refuse("a path of `gradients` names no parameter of its own".into());
     };
-    let made = Gradients::new(compiled, overrides, &parameters, simulation)?;
-    Ok(Some((made, parameters.len())))
+    Gradients::new(compiled, overrides, &parameters, simulation).map(Some)
 }
 
 /// The progress of a run towards its end.
@@ -438,7 +437,7 @@ fn run(
                 .map_or(limit, |renewal| renewal.end(&simulation).min(limit));
             let longest = points.between(&simulation);
             let step = simulation.step_no_longer(end, longest)?.step;
-            if let Some((gradients, _)) = run.gradients.as_mut().filter(|_| step > 0.0) {
+            if let Some(gradients) = run.gradients.as_mut().filter(|_| step > 0.0) {
                 gradients.follow(&mut simulation, step)?;
             }
             if let Some(renewal) = &mut renewal {
@@ -491,7 +490,7 @@ pub(crate) fn follow(
 struct Run<'a> {
     values: Vec<f64>,
     /// The derivatives by parameters, and their number.
-    gradients: Option<(Gradients, usize)>,
+    gradients: Option<Gradients>,
     observer: &'a mut dyn Observer,
     points: Points,
     /// The next point.
@@ -567,11 +566,11 @@ impl Run<'_> {
             states: &simulation.sampled_state().states,
             fields: &simulation.sampled_fields(),
         });
-        if let Some((gradients, count)) = &mut self.gradients {
-            for parameter in 0..*count {
-                gradients.sample(simulation, parameter, angle, &mut self.values)?;
-                self.observer.gradient(parameter, &self.values);
-            }
+        if let Some(gradients) = &mut self.gradients {
+            let observer = &mut self.observer;
+            gradients.sample(simulation, angle, &mut |parameter, values| {
+                observer.gradient(parameter, values);
+            })?;
         }
         Ok(taken)
     }

@@ -450,6 +450,8 @@ fn given(kept: &KeptWarning) -> Warning {
         },
         name: kept.name.clone(),
         message: kept.message.clone(),
+        // a run with gradients keeps no checkpoint
+        label: eng_runtime::FAILS,
         moment: Moment {
             time: f64::from_bits(kept.time),
             cycle_angle: kept.cycle_angle.map(f64::from_bits),

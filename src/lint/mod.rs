@@ -13,9 +13,9 @@ pub(crate) use turned::turned as of_turn;
 use crate::codes;
 use crate::places::{MOST_PLACES, decided, related, span};
 use eng_grammar::Diagnostic;
-use eng_runtime::Warning;
 use eng_runtime::model::Model;
 use eng_runtime::state::State;
+use eng_runtime::{FAILS, Warning};
 use eng_system::code::{Advice, Bound, Compiled};
 use eng_system::lint::{Accepted, OF_MODEL};
 use eng_system::significant::short;
@@ -48,7 +48,7 @@ impl Finding {
             name: advice.name.clone(),
             origin: advice.origin.clone(),
             message: advice.message.clone(),
-            label: "the condition fails here".to_owned(),
+            label: FAILS.to_owned(),
             help: String::new(),
             decided_by: advice.decided_by.clone(),
         }
@@ -61,7 +61,7 @@ impl Finding {
             name: warning.name.clone(),
             origin: warning.origin.clone(),
             message: format!("{} at {}", warning.message, warning.moment),
-            label: "the condition fails here".to_owned(),
+            label: warning.label.to_owned(),
             help: String::new(),
             decided_by: Vec::new(),
         };
@@ -211,9 +211,13 @@ fn diagnostic(group: &[&Finding]) -> Diagnostic {
             message.also(span(at), label)
         };
     }
+    let law = match first.code == codes::ADVISED && first.label != FAILS {
+        true => "this function",
+        false => "this should hold",
+    };
     message = match (places.is_empty(), first.origin.defined_at) {
-        (true, Some(at)) => message.at(span(at), "this should hold"),
-        _ => related(message, &first.origin, "this should hold"),
+        (true, Some(at)) => message.at(span(at), law),
+        _ => related(message, &first.origin, law),
     };
     message = decided(message, &first.decided_by);
     if !alike {

@@ -167,6 +167,7 @@ impl Simulation {
                 name: advice.name,
                 origin: advice.origin,
                 message: advice.message,
+                label: super::FAILS,
                 moment: self.moment(),
             });
         }

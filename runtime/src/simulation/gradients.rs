@@ -7,10 +7,9 @@
 
 use super::{Simulation, Warning};
 use crate::acceleration::Factors;
-use crate::body::BodyKind;
 use crate::dynamics::Dynamics;
 use crate::error::{Moment, RuntimeError};
-use crate::integrator::{Integrator, StepDerivative, Variation};
+use crate::integrator::{StepDerivative, Variation};
 use crate::model::Model;
 use crate::start::StartReport;
 use crate::state::State;
@@ -43,8 +42,8 @@ const START: (f64, f64) = (1e-4, 1e-6);
 /// Displacement, of the model's length, per change of a parameter by its size, from which on a gradient predicts only tiny
 /// changes.
 const SENSITIVE: f64 = 1e6;
-/// Corrections of the time of a sample at a cycle angle. Each leaves the square of the error before it.
-const ROUNDS: usize = 4;
+/// Increment of the time of a sample, as a share of the step.
+const MOMENT: f64 = 1e-2;
 
 /// The derivatives by several parameters beside a simulation.
 #[derive(Debug)]
@@ -104,14 +103,6 @@ impl Gradients {
                 "{} solves its film on cells, and gradients do not pass such a film yet: take a film whose force is a formula or a table, or \
                  compare two runs",
                 element.origin.path
-            )));
-        }
-        let mut bodies = model.bodies.iter().zip(&compiled.system.bodies);
-        if let Some((_, body)) = bodies.find(|(own, _)| matches!(own.kind, BodyKind::Flexible(_))) {
-            return Err(refused(format!(
-                "{} is flexible, and gradients of flexible bodies are not yet compared with other runs: take a rigid body, or compare \
-                 two runs",
-                body.origin.path
             )));
         }
         let reach = match compiled.system.resolutions.is_empty() {
@@ -209,6 +200,7 @@ impl Gradients {
                 "small changes of {} decide this motion, as after impacts: from here on its gradients predict only changes below a millionth",
                 beside.origin.path
             ),
+            label: "small changes of it decide the motion",
             moment,
         });
     }
@@ -230,6 +222,7 @@ impl Gradients {
             message: format!(
                 "the motion stands at a kink of {function}: from here on the gradients are those of one of its two sides"
             ),
+            label: "the motion stands at its kink",
             moment,
         });
     }
@@ -283,35 +276,60 @@ impl Gradients {
         Ok(())
     }
 
-    /// The derivatives of all channels (SI) by one of the parameters, at the sample that the simulation took last. A sample at
-    /// a cycle angle has the derivatives at this angle.
+    /// Gives the derivatives of all channels (SI) at the sample that the simulation took last: calls `give` with the index of
+    /// each parameter. A sample at a cycle angle has the derivatives at this angle.
     ///
     /// # Errors
     /// Outputs that are not defined nearby.
     pub fn sample(
         &mut self,
         base: &mut Simulation,
-        parameter: usize,
         angle: Option<f64>,
-        out: &mut [f64],
+        give: &mut dyn FnMut(usize, &[f64]),
     ) -> Result<(), RuntimeError> {
-        let Some(beside) = self.parameters.get_mut(parameter) else {
-            return Err(refused(format!(
-                "there is no parameter {parameter} of gradients"
-            )));
-        };
         if self.at_start {
-            out.copy_from_slice(&beside.start);
+            for (index, beside) in self.parameters.iter().enumerate() {
+                give(index, &beside.start);
+            }
             return Ok(());
         }
-        out.fill(0.0);
-        let ends = [&beside.before, &beside.now];
         let sample = Sampled {
-            time: base.completed.time,
-            angle,
+            moment: Moment {
+                time: base.completed.time,
+                cycle_angle: angle,
+            },
             settles: base.completed.time < base.integrator.current.time,
         };
-        let mut values = vec![0.0; out.len()];
+        let rates = match angle {
+            Some(_) => Some(self.rates_of_time(base, sample)?),
+            None => None,
+        };
+        let mut sum = vec![0.0; base.outputs.values.len() + 1];
+        for index in 0..self.parameters.len() {
+            self.sample_one(base, index, sample, &mut sum)?;
+            let [channels @ .., turned] = sum.as_mut_slice() else {
+                continue;
+            };
+            if let Some([rates @ .., speed]) = rates.as_deref() {
+                // the sample keeps its angle
+                add_scaled(channels, -*turned / speed, rates);
+            }
+            give(index, channels);
+        }
+        Ok(())
+    }
+
+    /// The derivatives of all channels and of the cycle angle (SI) by a parameter, at the time of a sample.
+    fn sample_one(
+        &mut self,
+        base: &mut Simulation,
+        index: usize,
+        sample: Sampled,
+        sum: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        let beside = &mut self.parameters[index];
+        sum.fill(0.0);
+        let ends = [&beside.before, &beside.now];
         let state = &base.integrator.current;
         let distance = distance(&base.model, state, ends, self.reach);
         // one difference serves both parts if the state moves little enough over the increment of the parameter
@@ -319,26 +337,47 @@ impl Gradients {
         let along = if joint { beside.increment } else { 0.0 };
         for (simulation, (at, weight)) in beside.around.iter_mut().zip(AROUND) {
             (simulation.integrator).stand_beside(&base.model, &base.integrator, ends, at * along);
-            sample_beside(simulation, &mut base.integrator, sample, &mut values)?;
-            add_scaled(out, weight / beside.increment, &values);
+            sample_beside(simulation, base, sample, weight / beside.increment, sum)?;
         }
         let Some(distance) = distance.filter(|_| !joint) else {
             return Ok(());
         };
         for (at, weight) in AROUND {
             (self.same.integrator).stand_beside(&base.model, &base.integrator, ends, at * distance);
-            sample_beside(&mut self.same, &mut base.integrator, sample, &mut values)?;
-            add_scaled(out, weight / distance, &values);
+            sample_beside(&mut self.same, base, sample, weight / distance, sum)?;
         }
         Ok(())
+    }
+
+    /// The rates of all channels and of the cycle angle (SI per second) at a sample.
+    fn rates_of_time(
+        &mut self,
+        base: &mut Simulation,
+        sample: Sampled,
+    ) -> Result<Vec<f64>, RuntimeError> {
+        let mut rates = vec![0.0; base.outputs.values.len() + 1];
+        let increment = MOMENT * (base.integrator.current.time - base.integrator.previous.time);
+        let still = Variation::new(&base.model);
+        (self.same.integrator).stand_beside(&base.model, &base.integrator, [&still; 2], 0.0);
+        let mut rest = 0.0;
+        for (at, weight) in AROUND {
+            let mut there = sample;
+            there.moment.time += at * increment;
+            // the time that rounding leaves
+            let share = weight * at / (there.moment.time - sample.moment.time);
+            sample_beside(&mut self.same, base, there, share, &mut rates)?;
+            rest += share;
+        }
+        // without rounding the shares have no sum
+        add_channels(base, -rest, &mut rates);
+        Ok(rates)
     }
 }
 
 /// A sample in the last step.
 #[derive(Clone, Copy, Debug)]
 struct Sampled {
-    time: f64,
-    angle: Option<f64>,
+    moment: Moment,
     /// Whether it is settled: see [`Integrator::settle`].
     settles: bool,
 }
@@ -563,66 +602,54 @@ fn distance(model: &Model, state: &State, along: [&Variation; 2], reach: f64) ->
     }
 }
 
-/// The channels (SI) of a sample, for a simulation that stands beside the motion, with the factors of the motion.
+/// Adds a multiple of the channels and of the cycle angle (SI) at a time, for a simulation that stands beside the motion, with the
+/// factors of the motion.
 fn sample_beside(
     simulation: &mut Simulation,
-    base: &mut Integrator,
+    base: &mut Simulation,
     sample: Sampled,
-    out: &mut [f64],
+    factor: f64,
+    sum: &mut [f64],
 ) -> Result<(), RuntimeError> {
-    base.exchange_factors(&mut simulation.integrator);
+    let mut exchange = |simulation: &mut Simulation| {
+        (base.integrator).exchange_factors(&mut simulation.integrator);
+        base.system.exchange_factors(&mut simulation.system);
+    };
+    exchange(simulation);
     let done = simulation.sample_near(sample);
     // the scales are the same, so the way back changes none
-    base.exchange_factors(&mut simulation.integrator);
+    exchange(simulation);
     done?;
-    simulation.copy_channels(out)
+    add_channels(simulation, factor, sum);
+    Ok(())
+}
+
+/// Adds a multiple of the channels and of the cycle angle (SI) of the last sample of a simulation.
+fn add_channels(simulation: &Simulation, factor: f64, sum: &mut [f64]) {
+    add_scaled(sum, factor, &simulation.outputs.values);
+    if let ([.., turned], Some(cycle)) = (sum, &simulation.cycle) {
+        *turned += factor * cycle.watched_values[0];
+    }
 }
 
 impl Simulation {
-    /// Evaluates the outputs of a sample of the step beside which this simulation stands.
+    /// Evaluates the outputs of a sample of the step beside which this simulation stands, and its cycle angle.
     fn sample_near(&mut self, sample: Sampled) -> Result<(), RuntimeError> {
         self.evaluated = None;
-        let mut time = sample.time;
-        let mut factors = Factors::Made;
-        for round in 0..=ROUNDS {
-            let moment = Moment {
-                time,
-                cycle_angle: sample.angle,
-            };
-            let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
-            let fraction = (time - from) / (to - from);
-            (self.integrator).interpolate(
-                &self.model,
-                fraction,
-                &mut self.work,
-                &mut self.completed,
-            );
-            self.completed.time = time;
-            let (model, dynamics) = (&self.model, &mut self.dynamics);
-            (self.system).project(model, dynamics, &mut self.completed, moment, factors)?;
-            factors = Factors::Kept;
-            let Some(angle) = sample.angle.filter(|_| round < ROUNDS) else {
-                break;
-            };
-            let [now, rate] = self.cycle_of_completed()?.ok_or(RuntimeError::NoCycle)?;
-            let next = time + (angle - now) / rate;
-            if next == time || !next.is_finite() {
-                break;
-            }
-            time = next;
-        }
-        let moment = Moment {
-            time,
-            cycle_angle: sample.angle,
-        };
-        self.system.finish(
-            &self.model,
-            &mut self.dynamics,
-            &mut self.integrator,
-            &mut self.completed,
-            (moment, sample.settles),
-        )?;
-        self.outputs
-            .evaluate(&self.model, &self.dynamics, &self.completed)
+        let Sampled { moment, settles } = sample;
+        let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
+        let fraction = (moment.time - from) / (to - from);
+        let (model, dynamics) = (&self.model, &mut self.dynamics);
+        let state = &mut self.completed;
+        (self.integrator).interpolate(model, fraction, &mut self.work, state);
+        state.time = moment.time;
+        self.system
+            .project(model, dynamics, state, moment, Factors::Kept)?;
+        let moment = (moment, settles);
+        self.system
+            .finish(model, dynamics, &mut self.integrator, state, moment)?;
+        self.outputs.evaluate(model, dynamics, state)?;
+        self.cycle_of_completed()?;
+        Ok(())
     }
 }

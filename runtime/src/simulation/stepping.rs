@@ -296,6 +296,7 @@ impl Simulation {
                             name: condition.name.clone(),
                             origin: origin(),
                             message: condition.message_with(values),
+                            label: super::FAILS,
                             moment,
                         });
                     }
