@@ -378,7 +378,7 @@ impl Gradients {
 #[derive(Clone, Copy, Debug)]
 struct Sampled {
     moment: Moment,
-    /// Whether it is settled: see [`Integrator::settle`].
+    /// Whether it is settled: see [`crate::integrator::Integrator::settle`].
     settles: bool,
 }
 
