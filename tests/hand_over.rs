@@ -110,13 +110,80 @@ fn a_free_body_keeps_its_frequencies_in_every_format() {
         ("mass", &mass),
         ("damping", &damping),
     ] {
-        let matrix = read_abaqus_matrix(&abaqus, &format!("bar.{kind}.mtx")).expect("a matrix");
+        let matrix = read_abaqus_matrix(&abaqus, &format!("bar.{kind}.mtx"), "").expect("a matrix");
         let rows = matrix.freedoms.clone().expect("freedoms").rows;
         let left = size - rows.len();
         let found = dense(&matrix, rows.len(), rows.len());
         let part = expected.view((left, left), (rows.len(), rows.len()));
         close(&found, &part.into_owned(), 1e-15);
     }
+}
+
+/// The only body of a model that reads files of Abaqus' deck `bar.inp`.
+fn read_back(files: &[BodyFile], modes: usize) -> Result<Reduction, String> {
+    let text = format!(
+        "model Bar {{ gravity = [0, 0, 0] m/s^2
+            flexible bar {{
+                mesh = abaqus(\"bar.inp\", units: si); modes = normal({modes}); damping = 1 %
+                marker tip = node(1); marker foot = node(2)
+            }} }}"
+    );
+    let texts = files.iter().map(|file| {
+        let text = String::from_utf8(file.contents.clone()).expect("a text");
+        (file.name.clone(), text)
+    });
+    let sources = Sources::from_texts(texts.chain([("bar.eng".to_owned(), text)]));
+    match eng::check(&sources, "bar.eng").into_program() {
+        Ok(program) => match program.model("Bar") {
+            Ok(model) => Ok(model.reductions()[0].clone()),
+            Err(error) => Err(error.to_string()),
+        },
+        Err(report) => Err(report.to_string()),
+    }
+}
+
+/// Eng reads its own deck of Abaqus: frame and markers are nodes, amplitudes are scalar points.
+#[test]
+fn a_deck_of_abaqus_is_read_back() {
+    let bar = bar("modes = static(at: tip, freedoms: [x, y, z]) + normal(6)");
+    let files = bar.files(BodyFormat::Abaqus, 1).expect("files");
+    let back = read_back(&files, bar.frequencies().len()).expect("a body");
+    assert_eq!(back.frequencies().len(), bar.frequencies().len());
+    for (found, exact) in back.frequencies().iter().zip(bar.frequencies()) {
+        assert!((found / exact - 1.0).abs() < 1e-9, "{found} {exact}");
+    }
+    // rigid motion and flexibility between the markers, which do not depend on the choice of the frame and of
+    // the modes
+    let whole = |body: &Reduction| {
+        let size = 6 + body.frequencies().len();
+        let files = Written(body.files(BodyFormat::Op4, 1).expect("files"));
+        let read = |name: &str, rows: usize| {
+            dense(
+                &read_op4(&files, "bar.op4", name).expect("a matrix"),
+                rows,
+                size,
+            )
+        };
+        let (k, m, l) = (read("KENG", size), read("MENG", size), read("LENG", 12));
+        let square = (2.0 * std::f64::consts::PI * 100.0_f64).powi(2);
+        let dynamic = k - m * square;
+        &l * dynamic.lu().solve(&l.transpose()).expect("a motion")
+    };
+    close(&whole(&back), &whole(&bar), 1e-8);
+    // without the set of modal nodes their freedoms are displacements, which a rigid motion would strain
+    let plain: Vec<BodyFile> = files
+        .iter()
+        .map(|file| {
+            let text = String::from_utf8(file.contents.clone()).expect("a text");
+            let text = text.replace("_MODAL_FREEDOMS", "_OTHERS");
+            BodyFile {
+                name: file.name.clone(),
+                contents: text.into_bytes(),
+            }
+        })
+        .collect();
+    let report = read_back(&plain, 3).expect_err("amplitudes are no displacements");
+    assert!(report.contains("freedoms have no stiffness"), "{report}");
 }
 
 /// Cantilever under a force at its tip, as the whole mesh yields and as a beam: `F L³/(3 E I)` and shear

@@ -226,6 +226,12 @@ pub(crate) const WORDS: &[Word] = &[
         example: "universal(\"block.unv\", units: mm_tonne_s)",
     },
     Word {
+        word: "csv",
+        place: Place::Mesh,
+        arguments: MESH,
+        example: "csv(\"nodes.csv\", units: mm_tonne_s)",
+    },
+    Word {
         word: "stack",
         place: Place::Mesh,
         arguments: &[
@@ -265,6 +271,12 @@ pub(crate) const WORDS: &[Word] = &[
         place: Place::Matrix,
         arguments: PLAIN_MATRIX,
         example: "calculix(\"block.sti\", freedoms: \"block.dof\")",
+    },
+    Word {
+        word: "csv",
+        place: Place::Matrix,
+        arguments: PLAIN_MATRIX,
+        example: "csv(\"stiffness.csv\", per_node: 6)",
     },
     Word {
         word: "node",

@@ -2,11 +2,11 @@
 
 use crate::error::{FlexibleError, Part};
 use crate::fe::NodalMatrix;
-use crate::mesh::Mesh;
+use crate::mesh::{DeckMatrices, DeckMatrix, Mesh};
 use crate::read::Files;
 use crate::read::matrix::{
-    ForeignFreedoms, ForeignMatrix, ForeignModes, MatrixFormat, MatrixKind, read_calculix_freedoms,
-    read_matrix,
+    ForeignFreedoms, ForeignMatrix, ForeignModes, MatrixFormat, MatrixKind, of_pairs,
+    read_calculix_freedoms, read_matrix,
 };
 use crate::solve::factor::diagonal;
 use crate::sparse::SymmetricMatrix;
@@ -28,6 +28,9 @@ pub enum RowOrder {
     /// Given by a list.
     Listed(ForeignFreedoms),
 }
+
+/// The freedom of each row: number of a node and component 0…5, or number of a scalar point and `None`.
+type Rows = Vec<(u64, Option<u8>)>;
 
 /// Stiffness and mass of another code, in place of those of the mesh's elements.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,9 +72,15 @@ impl MatrixFile<'_> {
     fn read(
         &self,
         files: &dyn Files,
+        kind: MatrixKind,
         others: Option<&str>,
     ) -> Result<ForeignMatrix, FlexibleError> {
-        let matrix = read_matrix(files, self.file, self.format, self.name)?;
+        let name = match self.format {
+            // the file of a substructure has both
+            MatrixFormat::Abaqus => kind.of_substructure(),
+            _ => self.name,
+        };
+        let matrix = read_matrix(files, self.file, self.format, name)?;
         match self.freedoms.or(others) {
             Some(list) => matrix.with_freedoms(read_calculix_freedoms(files, list)?),
             None => Ok(matrix),
@@ -95,10 +104,10 @@ impl ForeignMatrices {
     ) -> Result<Self, FlexibleError> {
         let (of_stiffness, of_mass) = (stiffness.freedoms, mass.freedoms);
         let stiffness = stiffness
-            .read(files, of_mass)
+            .read(files, MatrixKind::Stiffness, of_mass)
             .map_err(|error| error.of(Part::Stiffness))?;
         let mass = mass
-            .read(files, of_stiffness)
+            .read(files, MatrixKind::Mass, of_stiffness)
             .map_err(|error| error.of(Part::Mass))?;
         Ok(ForeignMatrices {
             stiffness,
@@ -108,11 +117,25 @@ impl ForeignMatrices {
         })
     }
 
+    /// The matrices of a deck itself.
+    ///
+    /// # Errors
+    /// More than 4 billion freedoms.
+    pub fn of_deck(own: &DeckMatrices, units: MeshUnits) -> Result<Self, FlexibleError> {
+        let of = |matrix: &DeckMatrix| of_pairs(&matrix.file, &matrix.name, &matrix.pairs);
+        Ok(ForeignMatrices {
+            stiffness: of(&own.stiffness)?,
+            mass: of(&own.mass)?,
+            order: RowOrder::OfFile,
+            units,
+        })
+    }
+
     /// K and M in SI with the freedom of each row.
     ///
     /// # Errors
     /// Those of [`ForeignMatrix::to_symmetric`]; sizes that don't fit the stated order; rows without a
-    /// freedom; scalar points.
+    /// freedom.
     pub fn nodal(&self, mesh: &Mesh) -> Result<(NodalMatrix, NodalMatrix), FlexibleError> {
         let stiffness = self
             .one(mesh, &self.stiffness, MatrixKind::Stiffness)
@@ -146,10 +169,16 @@ impl ForeignMatrices {
         })
     }
 
-    /// Node and component 0…5 of each row.
-    fn rows(&self, mesh: &Mesh, matrix: &ForeignMatrix) -> Result<Vec<(u64, u8)>, FlexibleError> {
+    /// Node and component 0…5 of each row, or scalar point and `None`. A file that does not state them has
+    /// the rows of the boundary that the mesh's file states.
+    fn rows(&self, mesh: &Mesh, matrix: &ForeignMatrix) -> Result<Rows, FlexibleError> {
+        let stated = || ForeignFreedoms {
+            rows: mesh.boundary.clone(),
+        };
+        let fits = matrix.freedoms.is_none() && mesh.boundary.len() == matrix.rows;
+        let of_mesh = (fits && !mesh.boundary.is_empty()).then(stated);
         let listed = match &self.order {
-            RowOrder::OfFile => matrix.freedoms.as_ref(),
+            RowOrder::OfFile => matrix.freedoms.as_ref().or(of_mesh.as_ref()),
             RowOrder::Listed(listed) => Some(listed),
             RowOrder::Ascending(per_node) => return ascending(mesh, matrix, *per_node),
         };
@@ -182,23 +211,16 @@ impl ForeignMatrices {
             .iter()
             .enumerate()
             .map(|(row, (node, freedom))| match freedom.checked_sub(1) {
-                Some(component) if component < 6 => Ok((*node, component)),
+                Some(component) if component < 6 => Ok((*node, Some(component))),
                 Some(_) => Err(FlexibleError::Matrix {
                     problem: format!(
                         "{} names freedom {freedom} of node {node} at row {}",
                         title(matrix),
                         row + 1
                     ),
-                    advice: "name freedoms from 1 to 6".into(),
+                    advice: "name freedoms from 1 to 6, or 0 for a scalar point".into(),
                 }),
-                None => Err(FlexibleError::Matrix {
-                    problem: format!(
-                        "{} has the scalar point {node} at row {}",
-                        title(matrix),
-                        row + 1
-                    ),
-                    advice: "write stiffness and mass over all nodes (KGG, MGG); a reduced matrix states no positions of its modal points, which a moving body needs".into(),
-                }),
+                None => Ok((*node, None)),
             })
             .collect()
     }
@@ -208,7 +230,7 @@ impl ForeignMatrices {
 fn resists(
     title: &str,
     stiffness: &SymmetricMatrix,
-    rows: &[(u64, u8)],
+    rows: &[(u64, Option<u8>)],
 ) -> Result<(), FlexibleError> {
     let diagonal = diagonal(stiffness);
     let largest = largest(&diagonal);
@@ -221,10 +243,13 @@ fn resists(
     let positive = diagonal.iter().any(|x| *x > ROUNDING * largest);
     Err(FlexibleError::Matrix {
         problem: format!(
-            "{title} is a stiffness with {} on its diagonal at freedom {} of node {node}, and {count} of its {} diagonal entries are negative: \
+            "{title} is a stiffness with {} on its diagonal at {}, and {count} of its {} diagonal entries are negative: \
              it is not positive semidefinite",
             short(*value, 5),
-            component + 1,
+            match component {
+                Some(component) => format!("freedom {} of node {node}", component + 1),
+                None => format!("scalar point {node}"),
+            },
             diagonal.len()
         ),
         advice: if positive {
@@ -245,11 +270,7 @@ fn title(matrix: &ForeignMatrix) -> String {
 }
 
 /// All nodes of the mesh by ascending number.
-fn ascending(
-    mesh: &Mesh,
-    matrix: &ForeignMatrix,
-    per_node: u8,
-) -> Result<Vec<(u64, u8)>, FlexibleError> {
+fn ascending(mesh: &Mesh, matrix: &ForeignMatrix, per_node: u8) -> Result<Rows, FlexibleError> {
     let fits = |freedoms: usize| mesh.nodes.len().checked_mul(freedoms) == Some(matrix.rows);
     if !matches!(per_node, 3 | 6) || !fits(usize::from(per_node)) {
         let other = [3, 6].into_iter().find(|count| fits(*count));
@@ -270,15 +291,16 @@ fn ascending(
     ids.sort_unstable();
     Ok(ids
         .into_iter()
-        .flat_map(|id| (0..per_node).map(move |component| (id, component)))
+        .flat_map(|id| (0..per_node).map(move |component| (id, Some(component))))
         .collect())
 }
 
-/// To SI: `unit` between translations, a length more for each rotation.
-fn scale(matrix: &mut SymmetricMatrix, rows: &[(u64, u8)], unit: f64, length: f64) {
+/// To SI: `unit` between translations, a length more for each rotation and scalar point. The value of a
+/// scalar point is a pure number: its scale is free, and energies decide the unit of its rows.
+fn scale(matrix: &mut SymmetricMatrix, rows: &[(u64, Option<u8>)], unit: f64, length: f64) {
     let factor = |row: usize| match rows.get(row) {
-        Some((_, component)) if *component >= 3 => length,
-        _ => 1.0,
+        Some((_, Some(0..3))) | None => 1.0,
+        Some(_) => length,
     };
     let scales: Vec<f64> = (0..matrix.size())
         .flat_map(|column| {

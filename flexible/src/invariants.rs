@@ -3,6 +3,7 @@
 //! The shapes cover all freedoms of the mesh, with ties expanded. So the mass is the mesh's own, and the
 //! constants are exact for a consistent mass.
 
+use crate::fe::vector::{cross, dot, subtract};
 use crate::fe::{FreedomMap, Mass};
 use crate::modes::{applied, products};
 use crate::sparse::SymmetricMatrix;
@@ -23,6 +24,9 @@ pub struct Full<'a> {
     pub freedoms: &'a FreedomMap,
     /// M.
     pub mass: &'a Mass,
+    /// Whether a condensation made the mass, so that it does not act alike on x, y and z, and has scalar
+    /// points: see [`invariants`].
+    pub condensed: bool,
     /// The six rigid motions about the frame's origin, one after the other: translations, then rotations.
     pub rigid: &'a [f64],
 }
@@ -37,13 +41,48 @@ pub fn turned(freedoms: &FreedomMap, axis: usize, x: &[f64]) -> Vec<f64> {
         .zip(out.chunks_exact_mut(size.max(1)))
     {
         for node in 0..freedoms.all_nodes() {
-            for first in freedoms.of(node as u32).step_by(3) {
+            for first in turning(freedoms, node) {
                 out[first + next] = -x[first + last];
                 out[first + last] = x[first + next];
             }
         }
     }
     out
+}
+
+/// First freedoms of the translations and of the rotations of a node; none of a scalar point, which does not
+/// turn.
+fn turning(freedoms: &FreedomMap, node: usize) -> impl Iterator<Item = usize> + use<> {
+    let range = freedoms.of(node as u32);
+    let whole = if range.len() < 3 {
+        range.start..range.start
+    } else {
+        range
+    };
+    whole.step_by(3)
+}
+
+/// `R_rᵀ M E_k φ = δ_rk tr N − N_kr` of a condensed mass, with `N = ∫ x φᵀ dm = ∫ (x − c) φᵀ dm + c ∫ φᵀ dm`.
+/// The momentum `∫ φ dm` and the angular momentum, which is the antimetric part of the first term, are known.
+/// Its symmetric part is not, and is zero here.
+fn turn_condensed(n: usize, out: &mut Invariants) {
+    let centre = out.first_moment.map(|moment| moment / out.mass);
+    for mode in 0..n {
+        let row = |block: &[f64]| [0, 1, 2].map(|axis: usize| block[axis * n + mode]);
+        let momentum = row(&out.translation);
+        let moment = subtract(row(&out.rotation), cross(centre, momentum));
+        let trace = dot(centre, momentum);
+        for (k, block) in out.rotation_by_shape.iter_mut().enumerate() {
+            let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+            for r in 0..3 {
+                block[r * n + mode] = -centre[k] * momentum[r];
+            }
+            block[k * n + mode] += trace;
+            // ½ ε_krl of the angular momentum
+            block[next * n + mode] -= 0.5 * moment[last];
+            block[last * n + mode] += 0.5 * moment[next];
+        }
+    }
 }
 
 /// The constants for shapes (one after the other over the full freedoms) and their `ΦᵀKΦ` by rows. Damping is
@@ -53,6 +92,11 @@ pub fn turned(freedoms: &FreedomMap, axis: usize, x: &[f64]) -> Vec<f64> {
 /// products `S_ij = (M Φ)_iᵀ Φ_j` of the shapes' components i, j. `ΦᵀME_kΦ = S_ji − S_ij` for i, j, k cyclic.
 /// The centrifugal blocks follow from `(e_j × u)·(e_k × v) = (e_j·e_k)(u·v) − (e_k·u)(e_j·v)`. The remaining
 /// mass, of beams and offset masses, is turned explicitly on its nodes.
+///
+/// A condensed mass does not commute with `E_k`, and scalar points have no direction to turn. Mass, first
+/// moment, inertia, `R_tᵀ M Φ`, `R_rᵀ M Φ`, `Φᵀ M Φ` are exact all the same. Of `R_rᵀ M E_k Φ` only a part is
+/// known ([`turn_condensed`]). The remaining blocks are those of the turning nodes, with scalar points that
+/// do not turn (`docs/theory.md`).
 pub fn invariants(full: &Full, shapes: &[f64], stiffness: &[f64]) -> Invariants {
     let size = full.freedoms.size();
     let n = shapes.len().checked_div(size).unwrap_or(0);
@@ -81,11 +125,16 @@ pub fn invariants(full: &Full, shapes: &[f64], stiffness: &[f64]) -> Invariants 
     let momentum = products(size, &inertial, shapes);
     out.translation = block(&momentum, 6, 0, 3);
     out.rotation = block(&momentum, 6, 3, 3);
-    for (k, out) in out.rotation_by_shape.iter_mut().enumerate() {
-        // R_rᵀ M E_k Φ = −(E_k M R_r)ᵀ Φ
-        let levers = turned(full.freedoms, k, &inertial[3 * size..]);
-        let by_shape = products(size, &levers, shapes);
-        *out = block(&by_shape, 3, 0, 3).into_iter().map(|x| -x).collect();
+    match full.condensed {
+        true => turn_condensed(n, &mut out),
+        false => {
+            for (k, out) in out.rotation_by_shape.iter_mut().enumerate() {
+                // R_rᵀ M E_k Φ = −(E_k M R_r)ᵀ Φ
+                let levers = turned(full.freedoms, k, &inertial[3 * size..]);
+                let by_shape = products(size, &levers, shapes);
+                *out = block(&by_shape, 3, 0, 3).into_iter().map(|x| -x).collect();
+            }
+        }
     }
     add_alike(full, shapes, n, &mut out);
     if let Some(general) = &full.mass.general {
@@ -182,12 +231,14 @@ fn component_products(
     out
 }
 
-/// The mass that differs with the direction, on its nodes.
+/// The mass that differs with the direction, on its nodes, and that of scalar points.
 struct Directed<'a> {
     matrix: &'a SymmetricMatrix,
     /// First freedoms of the triples (translations or rotations of a node) that it touches.
     triples: Vec<usize>,
-    /// Row of each freedom among the rows of `triples`.
+    /// The freedoms of scalar points, whose rows follow those of the triples.
+    scalars: std::ops::Range<usize>,
+    /// Row of each freedom among these rows.
     place: Vec<u32>,
 }
 
@@ -203,7 +254,7 @@ impl<'a> Directed<'a> {
         let mut place = vec![u32::MAX; freedoms.size()];
         let mut triples = Vec::new();
         for node in 0..freedoms.all_nodes() {
-            for first in freedoms.of(node as u32).step_by(3) {
+            for first in turning(freedoms, node) {
                 if touched[first..first + 3].contains(&true) {
                     for (component, place) in place[first..first + 3].iter_mut().enumerate() {
                         *place = (3 * triples.len() + component) as u32;
@@ -212,9 +263,14 @@ impl<'a> Directed<'a> {
                 }
             }
         }
+        let scalars = freedoms.scalar_freedoms();
+        for (index, freedom) in scalars.clone().enumerate() {
+            place[freedom] = (3 * triples.len() + index) as u32;
+        }
         Directed {
             matrix,
             triples,
+            scalars,
             place,
         }
     }
@@ -241,20 +297,20 @@ impl<'a> Directed<'a> {
 
     fn add(&self, shapes: &[f64], n: usize, out: &mut Invariants) {
         let size = self.place.len();
-        let rows = 3 * self.triples.len();
+        let turning = 3 * self.triples.len();
+        let rows = turning + self.scalars.len();
         let mut own = vec![0.0; rows * n];
-        for (triple, first) in self.triples.iter().enumerate() {
-            for component in 0..3 {
-                let row = &mut own[(3 * triple + component) * n..][..n];
-                for (x, shape) in row.iter_mut().zip(shapes.chunks_exact(size.max(1))) {
-                    *x = shape[first + component];
-                }
+        let of_triples = self.triples.iter().flat_map(|first| *first..first + 3);
+        for (row, freedom) in of_triples.chain(self.scalars.clone()).enumerate() {
+            let row = &mut own[row * n..][..n];
+            for (x, shape) in row.iter_mut().zip(shapes.chunks_exact(size.max(1))) {
+                *x = shape[freedom];
             }
         }
         let turned: [Vec<f64>; 3] = std::array::from_fn(|k| {
             let (next, last) = ((k + 1) % 3, (k + 2) % 3);
             let mut turned = vec![0.0; own.len()];
-            for (x, y) in own
+            for (x, y) in own[..turning * n]
                 .chunks_exact(3 * n.max(1))
                 .zip(turned.chunks_exact_mut(3 * n.max(1)))
             {

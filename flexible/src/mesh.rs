@@ -11,6 +11,18 @@ use std::collections::BTreeMap;
 pub use crate::element::{ABSENT, ElementKind};
 use crate::error::FlexibleError;
 
+/// Bit of the indices of scalar points where an index of a node stands: the other bits are the index into
+/// [`Mesh::scalar_points`].
+pub const SCALAR: u32 = 1 << 31;
+
+/// Index into [`Mesh::scalar_points`] of an index with the bit [`SCALAR`]; `None` for a node.
+pub(crate) const fn scalar_index(node: u32) -> Option<usize> {
+    match node & SCALAR {
+        0 => None,
+        _ => Some((node & !SCALAR) as usize),
+    }
+}
+
 /// A node.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Node {
@@ -451,6 +463,30 @@ impl Tie {
     }
 }
 
+/// Entries of one triangle of a symmetric matrix: number of the node and freedom 1…6 of row and column, 0 for
+/// a scalar point; and the value.
+pub type Pair = ((u64, u8), (u64, u8), f64);
+
+/// A matrix of a deck.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckMatrix {
+    /// Its file.
+    pub file: String,
+    /// Its name in messages.
+    pub name: String,
+    /// Its entries.
+    pub pairs: Vec<Pair>,
+}
+
+/// Stiffness and mass of a deck without elements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckMatrices {
+    /// K in the units of the deck.
+    pub stiffness: DeckMatrix,
+    /// M in the units of the deck.
+    pub mass: DeckMatrix,
+}
+
 /// Freedoms held at zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Support {
@@ -559,10 +595,16 @@ pub struct Mesh {
     pub properties: Vec<Property>,
     /// Materials.
     pub materials: Vec<Material>,
+    /// Numbers of scalar points, which have one freedom and no place (`SPOINT`). Springs, equations, supports
+    /// and foreign matrices name them by indices with the bit [`SCALAR`] and component 0.
+    pub scalar_points: Vec<u64>,
     /// Point masses.
     pub point_masses: Vec<PointMass>,
     /// Springs.
     pub springs: Vec<Spring>,
+    /// Masses of a difference of freedoms, or of a freedom of a scalar point: their `stiffness` is a mass,
+    /// and the rate of the extension gives the kinetic energy.
+    pub inerters: Vec<Spring>,
     /// Ties.
     pub ties: Vec<Tie>,
     /// Supports in the file.
@@ -571,6 +613,12 @@ pub struct Mesh {
     pub support_cards: Vec<SupportCards>,
     /// Freedoms the file names as its interface (`ASET`).
     pub interface: Vec<Support>,
+    /// Freedoms of matrices beside the file, in the order of their rows (`EXTRN`): number of the point, and
+    /// freedom 1…6; 0 for a scalar point.
+    pub boundary: Vec<(u64, u8)>,
+    /// Matrices of the deck itself (`*MATRIX ASSEMBLE`); not stored.
+    #[serde(skip)]
+    pub matrices: Option<Box<DeckMatrices>>,
     /// Sets by name.
     pub sets: BTreeMap<String, Set>,
     /// Unread cards and keywords.
@@ -582,6 +630,20 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// The name of a freedom 0…5 of a node or scalar point, for messages.
+    pub(crate) fn freedom_name(&self, node: u32, component: u8) -> String {
+        match scalar_index(node) {
+            Some(index) => {
+                let id = self.scalar_points.get(index).copied().unwrap_or_default();
+                format!("scalar point {id}")
+            }
+            None => {
+                let id = self.nodes.get(node as usize).map_or(0, |node| node.id);
+                format!("component {} of node {id}", component + 1)
+            }
+        }
+    }
+
     /// The node indices of an element.
     pub fn nodes_of(&self, element: &Element) -> &[u32] {
         let first = element.first as usize;

@@ -13,8 +13,9 @@ pub use surfaces::SurfaceRequest;
 
 use crate::error::FlexibleError;
 use crate::fe::mass::rigid_motions;
+use crate::fe::vector::{cross, norm, subtract};
 use crate::fe::{
-    self, FreedomMap, NodalMatrix, Reduction, RigidMass, Rules, assemble, from_matrices,
+    self, FreedomMap, Mass, NodalMatrix, Reduction, RigidMass, Rules, assemble, from_matrices,
 };
 use crate::foreign::{ForeignMatrices, GivenModes};
 use crate::geometric::{Model, geometric};
@@ -30,6 +31,9 @@ use candidates::Candidates;
 use eng_system::flexible::Damping;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
 use interface::MarkerFreedoms;
+
+/// Distance of nodes from a line, by its length, up to which they are on it.
+const LINE: f64 = 1e-6;
 
 /// Rounding of a stiffness above which a warning reports it. Files of 13 digits have less.
 const FEW_DIGITS: f64 = 1e-12;
@@ -148,10 +152,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         ..Report::default()
     };
     // the rows belong to the mesh before markers add nodes
-    let nodal = match &request.matrices {
-        Some(foreign) => Some(foreign.nodal(&mesh)?),
-        None => None,
-    };
+    let nodal = nodal(&mut mesh, request)?;
     let places = place(&mut mesh, &request.markers)?;
     let prepared = surfaces::prepare(&mesh, request, &places)?;
     // the mass matrix of another code includes its point masses
@@ -254,6 +255,33 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     })
 }
 
+/// Whether the matrices of another code for this mesh are those of a condensation: the mesh has only the
+/// nodes of the interface, whose mass is not one of elements, or there are scalar points.
+fn is_condensed(mesh: &Mesh, mass: &Mass) -> bool {
+    !mesh.scalar_points.is_empty() || mesh.elements.is_empty() && !mass.acts_alike()
+}
+
+/// The matrices of another code. Their scalar points that the mesh lacks join it, by ascending number.
+fn nodal(
+    mesh: &mut Mesh,
+    request: &Request,
+) -> Result<Option<(NodalMatrix, NodalMatrix)>, FlexibleError> {
+    let Some(foreign) = &request.matrices else {
+        return Ok(None);
+    };
+    let (stiffness, mass) = foreign.nodal(mesh)?;
+    let rows = stiffness.rows.iter().chain(&mass.rows);
+    let mut ids: Vec<u64> = rows
+        .filter(|(_, component)| component.is_none())
+        .map(|(id, _)| *id)
+        .filter(|id| !mesh.scalar_points.contains(id))
+        .collect();
+    ids.sort_unstable();
+    ids.dedup();
+    mesh.scalar_points.extend(ids);
+    Ok(Some((stiffness, mass)))
+}
+
 /// The invariants of a body with the shapes of a mode set. The terms of turning nodes and those of geometric
 /// stiffness come from the elements, so matrices of another code have none.
 fn constants(
@@ -268,6 +296,7 @@ fn constants(
             freedoms: &model.full.freedoms,
             mass: &model.full.mass,
             rigid: model.motions,
+            condensed: request.matrices.is_some() && is_condensed(model.mesh, &model.full.mass),
         },
         shapes,
         &set.stiffness,
@@ -446,6 +475,9 @@ fn matrices(
             short(rigid.mass, 5)
         ));
     }
+    if is_condensed(mesh, &full.mass) {
+        condensed(mesh, full, &mass.title, held, request, report)?;
+    }
     let partly = found.missing.iter().filter(|s| s.components & 0b111 != 0);
     let absent: Vec<u64> = full
         .unused_nodes
@@ -470,6 +502,72 @@ fn matrices(
         });
     }
     Ok((found.structure, found.missing))
+}
+
+/// Checks a condensed body, and warns of its estimated constants.
+fn condensed(
+    mesh: &Mesh,
+    full: &fe::Structure,
+    title: &str,
+    held: bool,
+    request: &Request,
+    report: &mut Report,
+) -> Result<(), FlexibleError> {
+    let given = request
+        .terms
+        .iter()
+        .any(|term| matches!(term, Term::Given(_)));
+    if given && !mesh.scalar_points.is_empty() {
+        return Err(FlexibleError::Structure {
+            problem: "shapes of a file state no motion of the scalar points of the matrices".into(),
+            advice: "leave `shapes(…)` out: `normal(…)` and `static(…)` use the scalar points"
+                .into(),
+        });
+    }
+    // a held body does not turn
+    if held || request.is_held() {
+        return Ok(());
+    }
+    if !turns(mesh, &full.freedoms) {
+        return Err(FlexibleError::Structure {
+            problem: format!("{title} does not show how the body turns: its nodes have no rotations and lie on one line"),
+            advice: "keep the rotations of a node, or three nodes that are not on one line, in the condensation".into(),
+        });
+    }
+    let scalars = match mesh.scalar_points.len() {
+        0 => String::new(),
+        1 => " and its modal freedom has no place".to_owned(),
+        count => format!(" and its {count} modal freedoms have no place"),
+    };
+    report.warnings.push(format!(
+        "{title} is condensed to {} nodes{scalars}: mass, centre, inertia, momentum and frequencies are exact, but Coriolis forces are \
+         those of the nodes, and deformation by its own spin is left out. This matters where the body turns with a notable part of \
+         its first frequency",
+        mesh.nodes.len()
+    ));
+    Ok(())
+}
+
+/// Whether the freedoms of the nodes follow every rotation of the body.
+fn turns(mesh: &Mesh, freedoms: &FreedomMap) -> bool {
+    let used = (0u32..)
+        .zip(&mesh.nodes)
+        .filter(|(node, _)| !freedoms.of(*node).is_empty());
+    let places: Vec<[f64; 3]> = used.clone().map(|(_, node)| node.position).collect();
+    let Some(first) = places.first() else {
+        return false;
+    };
+    let arms = places.iter().map(|place| subtract(*place, *first));
+    let longest = arms.clone().max_by(|a, b| norm(*a).total_cmp(&norm(*b)));
+    let beside = longest.is_some_and(|along| {
+        let area = norm(along) * norm(along);
+        arms.into_iter()
+            .any(|arm| norm(cross(along, arm)) > LINE * area)
+    });
+    beside
+        || used
+            .into_iter()
+            .any(|(node, _)| freedoms.has_rotation(node))
 }
 
 /// Whether the matrices are those of a structure that rigid motion does not stretch.
@@ -549,8 +647,8 @@ fn at_node(error: FlexibleError, reduction: &Reduction) -> FlexibleError {
             problem,
             advice,
         } => match reduction.name(row) {
-            Some((node, component)) => FlexibleError::Structure {
-                problem: format!("{problem} (component {} of node {node})", component + 1),
+            Some(name) => FlexibleError::Structure {
+                problem: format!("{problem} ({name})"),
                 advice,
             },
             None => FlexibleError::Singular {

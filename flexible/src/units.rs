@@ -2,7 +2,7 @@
 //!
 //! Most files do not state their units.
 
-use crate::mesh::{BeamSection, Mesh, Section, ShellSection, Tie};
+use crate::mesh::{BeamSection, Mesh, Section, ShellSection, Tie, scalar_index};
 
 pub use eng_system::mesh_files::MeshUnits;
 
@@ -83,18 +83,27 @@ impl Mesh {
                 }
             }
         }
-        for spring in &mut self.springs {
-            // u [m] = length · u [file]; the coefficient of a rotation is a length
-            spring.stiffness *= force / length;
-            for (_, freedom, coefficient) in &mut spring.terms {
-                *coefficient *= freedom_scale(usize::from(*freedom), length);
+        // u [m] = length · u [file]; the coefficient of a rotation or of a scalar point, which is a number,
+        // is a length
+        let springs = self
+            .springs
+            .iter_mut()
+            .map(|spring| (spring, force / length));
+        for (spring, unit) in springs.chain(self.inerters.iter_mut().map(|inerter| (inerter, mass)))
+        {
+            spring.stiffness *= unit;
+            for (node, freedom, coefficient) in &mut spring.terms {
+                *coefficient *= match scalar_index(*node) {
+                    Some(_) => length,
+                    None => freedom_scale(usize::from(*freedom), length),
+                };
             }
         }
         for tie in &mut self.ties {
             if let Tie::Equation { terms, .. } = tie {
                 // u [m] = length · u [file], so the coefficient of a translation has the unit 1/length
-                for (_, freedom, coefficient) in terms {
-                    if *freedom < 3 {
+                for (node, freedom, coefficient) in terms {
+                    if *freedom < 3 && scalar_index(*node).is_none() {
                         *coefficient /= length;
                     }
                 }

@@ -5,7 +5,8 @@ use crate::nastran_deck::{
     Memory, close, close3, element_ids, ids, index, position, set, set_ids, unread,
 };
 use eng_flexible::mesh::{
-    BeamSection, Carries, Code, ElementKind, Mesh, Section, ShellAxis, ShellSection, Support, Tie,
+    BeamSection, Carries, Code, ElementKind, Mesh, SCALAR, Section, ShellAxis, ShellSection,
+    Support, Tie,
 };
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::{FileProblem, FlexibleError, Place};
@@ -903,15 +904,13 @@ fn matrices_and_pre_tension_are_named() {
         lost.map(|unread| (unread.name, unread.carries))
             .collect::<Vec<_>>()
     };
-    for (keyword, name) in [
-        ("*MATRIX INPUT, NAME=K, INPUT=missing.mtx", "*MATRIX INPUT"),
-        (
-            "*PRE-TENSION SECTION, SURFACE=S, NODE=1",
-            "*PRE-TENSION SECTION",
-        ),
-    ] {
-        assert_eq!(lost(keyword), [(name.to_string(), Carries::Structure)]);
-    }
+    let pretension = "*PRE-TENSION SECTION".to_string();
+    let keyword = "*PRE-TENSION SECTION, SURFACE=S, NODE=1";
+    assert_eq!(lost(keyword), [(pretension, Carries::Structure)]);
+    let absent = problem(&format!(
+        "{CUBES}*MATRIX INPUT, NAME=K, INPUT=missing.mtx\n"
+    ));
+    assert!(absent.problem.contains("missing.mtx"), "{absent}");
 }
 
 /// CalculiX 2.20 leaves the rotations of a rigid body free if no node is named for them.
@@ -932,4 +931,90 @@ fn rotations_of_a_rigid_body_of_calculix_have_a_node_of_their_own() {
         doubts[0].contains("*BOUNDARY holds rotations of node 100, and CalculiX leaves those"),
         "{doubts:?}"
     );
+}
+
+/// Two nodes with matrices, a third one whose freedoms are amplitudes, and equations between them.
+const MATRICES: &str = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 0., 0.\n*NSET, NSET=PART_MODAL_FREEDOMS\n3
+*MATRIX INPUT, NAME=K\n1, 1, 1, 1, 5.\n3, 1, 3, 1, 7.\n*MATRIX INPUT, NAME=M, SCALE FACTOR=2.\n1, 1, 1, 1, 1.\n3, 1, 1, 1, .5\n3, 1, 3, 1, 4.
+*MATRIX ASSEMBLE, STIFFNESS=K, MASS=M, VISCOUS DAMPING=D\n*BOUNDARY\n3, 2, 6
+*EQUATION\n2\n2, 1, -1., 3, 1, .25\n";
+
+/// The amplitudes become scalar points: 31 is freedom 1 of node 3. The node itself and its unused freedoms disappear.
+#[test]
+fn matrices_of_a_deck() {
+    let mesh = mesh(MATRICES);
+    let ids: Vec<u64> = mesh.nodes.iter().map(|node| node.id).collect();
+    assert_eq!((ids, mesh.scalar_points), (vec![1, 2], vec![31]));
+    assert_eq!((mesh.supports, mesh.support_cards), (vec![], vec![]));
+    let terms = vec![(1, 0, -1.0), (SCALAR, 0, 0.25)];
+    assert_eq!(mesh.ties, [Tie::Equation { id: 1, terms }]);
+    let matrices = mesh.matrices.unwrap();
+    let (first, modal) = ((1, 1), (31, 0));
+    assert_eq!(
+        matrices.stiffness.pairs,
+        [(first, first, 5.0), (modal, modal, 7.0)]
+    );
+    assert_eq!(
+        matrices.mass.pairs,
+        [
+            (first, first, 2.0),
+            (modal, first, 1.0),
+            (modal, modal, 8.0)
+        ]
+    );
+    assert_eq!(mesh.doubts, Vec::<String>::new());
+}
+
+/// Wrong matrices of a deck, each with its message.
+#[test]
+fn wrong_matrices_of_a_deck() {
+    let told = |from: &str, to: &str| {
+        let deck = MATRICES.replace(from, to);
+        assert_ne!(deck, MATRICES, "{from}");
+        problem(&deck).problem
+    };
+    for (from, to, expected) in [
+        ("STIFFNESS=K", "STIFFNESS=L", "the matrix L is missing"),
+        (", MASS=M", "", "the parameter MASS is missing"),
+        (
+            "NAME=K",
+            "NAME=K, TYPE=UNSYMMETRIC",
+            "the matrix is not symmetric",
+        ),
+        (
+            "SCALE FACTOR=2.",
+            "SCALE FACTOR=two",
+            "SCALE FACTOR is \"two\"",
+        ),
+        (
+            "1, 1, 1, 1, 5.\n3, 1, 3, 1, 7.\n",
+            "",
+            "the matrix has no entry",
+        ),
+        (
+            "1, 1, 1, 1, 5.",
+            "1, 7, 1, 1, 5.",
+            "\"7\" is no freedom of a structure",
+        ),
+        (
+            "2, 1, -1., 3, 1, .25",
+            "2, 1, -1., 3, 2, .25",
+            "names a modal freedom that no matrix has",
+        ),
+    ] {
+        let found = told(from, to);
+        assert!(found.contains(expected), "{found}");
+    }
+    let plain = mesh(&MATRICES.replace("PART_MODAL_FREEDOMS", "OTHERS"));
+    assert!(
+        plain.doubts[0].contains("into a node set MODAL_FREEDOMS"),
+        "{:?}",
+        plain.doubts
+    );
+    assert_eq!(plain.scalar_points, Vec::<u64>::new());
+    let beside = mesh(&format!(
+        "{MATRICES}*ELEMENT, TYPE=MASS, ELSET=P\n9, 1\n*MASS, ELSET=P\n1.\n"
+    ));
+    let lost = ("*MATRIX ASSEMBLE beside elements", 1, Carries::Structure);
+    assert_eq!(unread(&beside), [lost]);
 }

@@ -4,7 +4,7 @@ use crate::fe_meshes::{agrees, held, nodes_where, solve, times};
 use crate::nastran_deck::{Memory, unread};
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
-use eng_flexible::mesh::{Code, Tie};
+use eng_flexible::mesh::{Carries, Code, Tie};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::reduce::{Request, Term, reduce};
 use eng_flexible::solve::Modes;
@@ -217,4 +217,78 @@ fn a_far_node_is_tied_without_a_walk_over_all_cells() {
     // √3 times 1e6
     let expected = "bridges a gap of up to 1.732e6";
     assert!(mesh.doubts[0].contains(expected), "{:?}", mesh.doubts);
+}
+
+/// A column held at three nodes, whose blocks a contact pair glues.
+fn glued(n: usize, pair: &str) -> Result<Mesh, FlexibleError> {
+    read(&column(
+        n,
+        0.0,
+        &format!("*BOUNDARY\n1, 1, 3\n3, 2, 3\n7, 3, 3\n{pair}"),
+    ))
+}
+
+const GLUE: &str = "*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.e7\n*FRICTION\n0.1, 1.e7
+*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE, ADJUST=0.01\nFOLLOWS, LEADS\n";
+
+/// CalculiX 2.20 glues by springs of 10⁷ N/mm³ at points of the faces (`*STATIC`, then `*STEP, PERTURBATION`
+/// and `*FREQUENCY`). Where the meshes match, this is the tie of nodes; where they do not, springs and ties
+/// let other motions of the faces free.
+#[test]
+fn glued_contact_pairs_are_ties() {
+    let abaqus = GLUE
+        .replace("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.e7\n", "")
+        .replace("TYPE=SURFACE TO SURFACE", "TIED");
+    let matching = [
+        2163.366, 3257.414, 8786.845, 11069.81, 12610.14, 15738.91, 29038.98, 33513.43,
+    ];
+    let different = [
+        2163.857, 3259.076, 8779.256, 11074.09, 12604.16, 15756.58, 28969.72, 33535.85,
+    ];
+    for (pair, n, calculix, tolerance) in [
+        (GLUE, 2, matching, 4e-4),
+        (abaqus.as_str(), 2, matching, 4e-4),
+        (GLUE, 3, different, 7e-3),
+    ] {
+        let mesh = glued(n, pair).unwrap();
+        assert_eq!(unread(&mesh), [("*FRICTION", 1, Carries::Nothing)]);
+        assert_eq!(mesh.doubts, Vec::<String>::new());
+        let request = Request {
+            rules: Rules::calculix(),
+            support_of_deck: true,
+            terms: vec![Term::Normal {
+                modes: Modes::Count(8),
+                fixed: Vec::new(),
+            }],
+            ..Request::default()
+        };
+        let found = reduce(mesh, &request).unwrap().body.frequencies;
+        println!("{n}: {found:?}");
+        for (found, exact) in found.iter().zip(calculix) {
+            assert!(agrees(*found, exact, tolerance), "{found} {exact}");
+        }
+    }
+}
+
+#[test]
+fn contact_pairs_that_glue_nothing() {
+    let open = GLUE.replace("PRESSURE-OVERCLOSURE=TIED", "PRESSURE-OVERCLOSURE=LINEAR");
+    let mesh = glued(2, &open).unwrap();
+    let lost = [
+        ("*CONTACT PAIR", 1, Carries::Structure),
+        ("*FRICTION", 1, Carries::Nothing),
+    ];
+    assert_eq!(unread(&mesh), lost);
+    assert_eq!(mesh.ties, []);
+    let told = |pair: &str| match glued(2, pair) {
+        Err(FlexibleError::File(problem)) => problem.problem,
+        other => panic!("{other:?}"),
+    };
+    let found = told(&GLUE.replace("ADJUST=0.01", "ADJUST=NEAR"));
+    assert!(
+        found.contains("ADJUST is \"NEAR\", not a number"),
+        "{found}"
+    );
+    let found = told(&GLUE.replace("FOLLOWS, LEADS", "FOLLOWS"));
+    assert!(found.contains("a line names one surface"), "{found}");
 }

@@ -1,11 +1,13 @@
 //! The lumped masses of Nastran: frequencies that MSC Nastran and MYSTRAN print, and shares by hand.
 
-use crate::nastran_deck::mesh;
+use crate::nastran_deck::{mesh, problem};
 use eng_flexible::FlexibleError;
 use eng_flexible::fe::{Rules, assemble, form};
 use eng_flexible::mesh::Mesh;
 use eng_flexible::reduce::{Request, Term, reduce};
 use eng_flexible::solve::Modes;
+use eng_flexible::units::MeshUnits;
+use eng_system::mesh_files::Stated as _;
 
 /// Frequencies (Hz) of a deck, held at its own supports.
 fn frequencies(mesh: Mesh, rules: Rules, count: usize) -> Vec<f64> {
@@ -249,5 +251,91 @@ fn supports_that_leave_rigid_motions_are_named() {
         error.advice().contains("hold all six motions"),
         "{}",
         error.advice()
+    );
+}
+
+/// A massless bar along x with a lump at its free end, which carries oscillators of scalar points. Each
+/// direction has its own: along z a spring and a mass, along y a mass on a lever, along x a mass between the
+/// end and a held scalar point.
+const OSCILLATORS: &str = "GRID,1,,0.,0.,0.,,123456
+GRID,2,,2.,0.,0.
+CBAR,1,1,1,2,0.,1.,0.
+PBAR,1,1,1.-3,2.-6,3.-6,4.-6
+MAT1,1,2.+11,,.3
+CONM2,5,2,,3.
+SPOINT,100,200,300
+CELAS2,10,4.+4,2,3,100
+CMASS4,11,.5,100
+MPC,1,200,0,1.,2,2,-2.
+PMASS,7,.25
+CMASS3,12,7,200
+CMASS2,13,1.5,2,1,300
+SPC1,1,,300
+";
+
+/// Closed forms of the modes of [`OSCILLATORS`]. Torsion has no mass.
+#[test]
+fn scalar_points_carry_springs_and_masses() {
+    let (young, length, lump) = (2e11, 2.0_f64, 3.0);
+    let bending = |second: f64| 3.0 * young * second / length.powi(3);
+    let hertz = |square: f64| square.sqrt() / (2.0 * std::f64::consts::PI);
+    // (k + c − λ M)(c − λ m) = c²
+    let (stiff, spring, mass) = (bending(3e-6), 4e4, 0.5);
+    let half = 0.5 * ((stiff + spring) / lump + spring / mass);
+    let root = (half * half - stiff * spring / (lump * mass)).sqrt();
+    let mut exact = vec![
+        hertz(half - root),
+        hertz(half + root),
+        hertz(bending(2e-6) / (lump + 4.0 * 0.25)),
+        hertz(young * 1e-3 / length / (lump + 1.5)),
+    ];
+    exact.sort_by(f64::total_cmp);
+    for units in ["si", "mm_tonne_s"] {
+        let mut mesh = mesh(OSCILLATORS);
+        assert_eq!(mesh.unread, []);
+        // frequencies have the unit of time of the deck, seconds in both
+        mesh.convert(&MeshUnits::named(units).unwrap());
+        let found = frequencies(mesh, Rules::default(), 4);
+        println!("{found:?} {exact:?}");
+        assert!(apart(&found, &exact) < 1e-9, "{found:?} {exact:?}");
+    }
+}
+
+/// Wrong cards of scalar points, each with its message.
+#[test]
+fn wrong_scalar_points_are_refused() {
+    for (cards, expected) in [
+        ("CELAS4,20,1.\n", "the spring has no end at a grid point"),
+        (
+            "CMASS3,20,9,100\n",
+            "mass 20 uses property 9, which is missing",
+        ),
+        (
+            "PMASS,7,1.\n",
+            "property 7 of point masses is defined twice",
+        ),
+        (
+            "CELAS2,20,1.,2,,100\n",
+            "spring 20 states no freedom of grid point 2",
+        ),
+        ("CMASS4,11,1.,200\n", "mass 11 is defined twice"),
+    ] {
+        let found = problem(&format!("{OSCILLATORS}{cards}")).problem;
+        assert!(found.contains(expected), "{found}");
+    }
+    // a scalar point that nothing holds
+    let deck = OSCILLATORS.replace("SPC1,1,,300\n", "");
+    let request = Request {
+        support_of_deck: true,
+        terms: vec![Term::Normal {
+            modes: Modes::Count(2),
+            fixed: Vec::new(),
+        }],
+        ..Request::default()
+    };
+    let error = reduce(mesh(&deck), &request).unwrap_err().to_string();
+    assert!(
+        error.contains("1 freedoms have no stiffness: scalar point 300"),
+        "{error}"
     );
 }

@@ -4,7 +4,7 @@ use crate::fe_meshes::{agrees, solve};
 use crate::nastran_deck::*;
 use eng_flexible::Place;
 use eng_flexible::fe::{Reduction, Rules, assemble};
-use eng_flexible::mesh::{Carries, Mesh, Spring, Support, Tie};
+use eng_flexible::mesh::{Carries, Mesh, SCALAR, Spring, Support, Tie};
 
 /// Six grid points; 6 has an analysis frame with x = y, y = −x.
 const GRIDS: &str = "CORD2R,2,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.
@@ -129,6 +129,11 @@ PELAS,7,4000.,,,8,5000.
 CELAS1,4,7,1,2,2,2
 CELAS1,5,8,6,3
 CELAS2,6,1.,1,1,100
+CELAS4,7,2.,100,300
+CELAS3,8,8,,300
+PMASS,4,7.
+CMASS3,9,4,300
+CMASS2,10,3.,1,1,2,1
 "
     ));
     let spring = Spring::between;
@@ -140,12 +145,20 @@ CELAS2,6,1.,1,1,100
             spring(3, 3000.0, (3, 1), None),
             spring(4, 4000.0, (0, 1), Some((1, 1))),
             spring(5, 5000.0, (5, 2), None),
+            spring(6, 1.0, (0, 0), Some((SCALAR, 0))),
+            spring(7, 2.0, (SCALAR, 0), Some((SCALAR | 1, 0))),
+            spring(8, 5000.0, (SCALAR | 1, 0), None),
         ]
     );
+    assert_eq!(mesh.scalar_points, [100, 300]);
     assert_eq!(
-        unread(&mesh),
-        [("CELAS2 at scalar points", 1, Carries::Structure)]
+        mesh.inerters,
+        [
+            spring(9, 7.0, (SCALAR | 1, 0), None),
+            spring(10, 3.0, (0, 0), Some((1, 0))),
+        ]
     );
+    assert_eq!(unread(&mesh), []);
 }
 
 /// K2 at a quarter of the way from grid point 1 to 2 is in 2's turned frame, too; K1 and K4 need no axes.
@@ -517,13 +530,14 @@ MPC,2,3,3,1.,77,0,1.
         id: 2,
         terms: vec![(0, 1, 1.0), (1, 1, -0.5), (2, 1, -0.5), (3, 2, 0.25)],
     };
-    assert_eq!(all.ties, [first, second.clone()]);
-    assert_eq!(
-        unread(&all),
-        [("MPC with scalar points", 1, Carries::Structure)]
-    );
+    let scalar = Tie::Equation {
+        id: 2,
+        terms: vec![(2, 2, 1.0), (SCALAR, 0, 1.0)],
+    };
+    assert_eq!(all.ties, [first, second.clone(), scalar.clone()]);
+    assert_eq!(unread(&all), []);
     let selected = mesh(&format!("CEND\nMPC = 9\nBEGIN BULK\n{deck}"));
-    assert_eq!(selected.ties, [second]);
+    assert_eq!(selected.ties, [second, scalar]);
 }
 
 #[test]
@@ -720,6 +734,9 @@ QSET1,,1001,THRU,1010
             support(5, 1),
         ]
     );
+    assert_eq!(mesh.boundary.len(), 3 + 3 + 6 + 1 + 6 + 1 + 10);
+    assert_eq!(mesh.boundary[..4], [(1, 1), (1, 2), (1, 3), (2, 4)]);
+    assert_eq!(mesh.boundary[29], (1010, 0));
     assert_eq!(mesh.supports, []);
     let found = problem(&format!("{GRIDS}ASET1,123,1,99\n"));
     assert!(

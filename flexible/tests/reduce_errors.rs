@@ -268,11 +268,6 @@ fn foreign_matrices() {
                 .collect(),
         });
     });
-    wrong("modal points", &|m| {
-        m.order = RowOrder::Listed(ForeignFreedoms {
-            rows: (0..135).map(|row| (1 + row, u8::from(row < 130))).collect(),
-        });
-    });
     wrong("a hole in the file", &|m| {
         m.stiffness.entries[17].2 = f64::NAN
     });

@@ -154,11 +154,11 @@ impl Looks {
         &self,
         key: Option<Key>,
         files: &Recorded,
-        (mesh, units): (Mesh, MeshUnits),
+        (mut mesh, units): (Mesh, MeshUnits),
         source: &FlexibleSource,
     ) -> Result<Arc<Look>, Box<Diagnostic>> {
         let facts = Facts::of(&mesh);
-        let request = request::request(source, files, units)?;
+        let request = request::request(source, files, &mut mesh, units)?;
         let outline = outline(mesh, &request).map_err(|e| reduction_failed(&e, source))?;
         let look = |key, files| Look {
             key,

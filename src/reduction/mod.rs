@@ -226,11 +226,11 @@ fn reduced(
     text: String,
 ) -> Result<StoredBody, Box<Diagnostic>> {
     let files = cache::Recorded::new(sources);
-    let (mesh, units) = mesh_of(&files, source)?;
+    let (mut mesh, units) = mesh_of(&files, source)?;
     if let Some(refusal) = sense::refusal(&mesh, source) {
         return Err(refusal);
     }
-    let request = request::request(source, &files, units)?;
+    let request = request::request(source, &files, &mut mesh, units)?;
     let reduced =
         eng_flexible::reduce::reduce(mesh, &request).map_err(|e| reduction_failed(&e, source))?;
     let mut provenance = files.read_files();

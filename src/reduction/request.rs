@@ -4,6 +4,7 @@ use super::sense;
 use eng_flexible::fe::Rules;
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
 use eng_flexible::markers::MarkerRequest;
+use eng_flexible::mesh::Mesh;
 use eng_flexible::read::matrix::read_modes;
 use eng_flexible::reduce::{Interface, Request, SurfaceRequest, Term};
 use eng_flexible::solve::Modes;
@@ -14,10 +15,11 @@ use eng_system::flexible as text;
 use eng_system::mesh_files::ElementRules;
 
 /// The request for a source. It reads the matrices and shapes of other codes, which have the units of the
-/// mesh.
+/// mesh. A deck's own matrices leave its mesh.
 pub(super) fn request(
     source: &text::FlexibleSource,
     files: &dyn Files,
+    mesh: &mut Mesh,
     units: MeshUnits,
 ) -> Result<Request, Box<Diagnostic>> {
     let all = |marker: &u32| Interface {
@@ -30,7 +32,12 @@ pub(super) fn request(
     }
     let matrices = match (&source.stiffness, &source.mass) {
         (Some(stiffness), Some(mass)) => Some(matrices(stiffness, mass, files, units)?),
-        _ => None,
+        _ => match mesh.matrices.take() {
+            Some(own) => Some(ForeignMatrices::of_deck(&own, units).map_err(|e| {
+                super::failed(crate::codes::REDUCTION, &e, source.mesh.at(), "this mesh")
+            })?),
+            None => None,
+        },
     };
     Ok(Request {
         rules: rules(source.element_rules),
@@ -87,7 +94,7 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
     format!(
         "{:?}",
         (
-            mesh(&source.mesh),
+            mesh_text(&source.mesh),
             matrix(&source.stiffness),
             matrix(&source.mass),
             source.material.map(|m| (m.young, m.poisson, m.density)),
@@ -101,7 +108,7 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
 }
 
 /// The data of a mesh that its file does not hold.
-fn mesh(source: &text::MeshSource) -> String {
+fn mesh_text(source: &text::MeshSource) -> String {
     match source {
         text::MeshSource::File(mesh) => {
             let data = (&mesh.format, &mesh.units, sense::units_are_ignored(mesh));

@@ -27,6 +27,8 @@ pub enum MeshFormat {
     Ansys,
     /// A universal file of I-deas (`.unv`, `.uff`).
     Universal,
+    /// A table of nodes as text.
+    Csv,
 }
 
 impl Stated for MeshFormat {
@@ -37,6 +39,7 @@ impl Stated for MeshFormat {
         ("gmsh", MeshFormat::Gmsh),
         ("ansys", MeshFormat::Ansys),
         ("universal", MeshFormat::Universal),
+        ("csv", MeshFormat::Csv),
     ];
 }
 
@@ -53,6 +56,8 @@ pub enum MatrixFormat {
     Abaqus,
     /// `.sti` and `.mas` of CalculiX.
     CalculiX,
+    /// A dense matrix as text, a line for each row.
+    Csv,
 }
 
 impl Stated for MatrixFormat {
@@ -62,6 +67,7 @@ impl Stated for MatrixFormat {
         ("dmig", MatrixFormat::Dmig),
         ("abaqus", MatrixFormat::Abaqus),
         ("calculix", MatrixFormat::CalculiX),
+        ("csv", MatrixFormat::Csv),
     ];
 }
 

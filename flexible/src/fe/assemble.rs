@@ -16,7 +16,9 @@ use super::shell::{self, Plate, Shell, ShellMatrices};
 use super::solid::{self, PAIR, Present, pair};
 use super::surface;
 use crate::error::FlexibleError;
-use crate::mesh::{BeamAxes, Element, ElementKind, Material, Mesh, Section, Variant};
+use crate::mesh::{
+    BeamAxes, Element, ElementKind, Material, Mesh, Section, Spring, Variant, scalar_index,
+};
 use crate::sparse::SymmetricMatrix;
 
 /// Number of elements computed at a time.
@@ -75,6 +77,7 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
     system.add_shells(&parts.shells, rules, &mut general)?;
     system.add_beams(&parts.beams, rules, &mut general)?;
     system.add_springs();
+    system.add_inerters(&mut general);
     system.add_point_masses(&mut general);
     let node_layout = system.pattern.node_layout();
     let System {
@@ -148,7 +151,10 @@ impl Parts {
             start.push(nodes.len());
         }
         for spring in &mesh.springs {
-            let mut own: Vec<u32> = spring.terms.iter().map(|(node, ..)| *node).collect();
+            let terms = spring.terms.iter();
+            let mut own: Vec<u32> = terms
+                .map(|(node, ..)| freedoms.place(*node) as u32)
+                .collect();
             own.sort_unstable();
             own.dedup();
             nodes.extend(own);
@@ -442,24 +448,53 @@ impl System<'_> {
     /// Springs k Σ c d·q along the components' directions d in basic axes.
     fn add_springs(&mut self) {
         for spring in &self.mesh.springs {
-            let mut terms: Vec<(usize, f64)> = Vec::with_capacity(12);
-            for &(node, component, sign) in &spring.terms {
-                let direction = direction(self.mesh, node, component);
-                let first = self.freedoms.of(node).start + 3 * usize::from(component / 3);
-                for (axis, x) in direction.into_iter().enumerate() {
-                    let freedom = first + axis;
-                    match terms.iter_mut().find(|(known, _)| *known == freedom) {
-                        Some((_, sum)) => *sum += sign * x,
-                        None => terms.push((freedom, sign * x)),
-                    }
-                }
-            }
+            let terms = self.extension(spring);
             for (i, &(row, x)) in terms.iter().enumerate() {
                 for &(column, y) in &terms[..=i] {
                     self.add_stiffness(row, column, spring.stiffness * x * y);
                 }
             }
         }
+    }
+
+    /// Masses m of differences of freedoms: m times the square of the rate of the extension is twice the
+    /// kinetic energy.
+    fn add_inerters(&self, mass: &mut Vec<(u32, u32, f64)>) {
+        for inerter in &self.mesh.inerters {
+            let terms = self.extension(inerter);
+            for (i, &(row, x)) in terms.iter().enumerate() {
+                for &(column, y) in &terms[..=i] {
+                    let value = inerter.stiffness * x * y;
+                    if value != 0.0 {
+                        mass.push((row as u32, column as u32, value));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The extension of a spring as a sum over freedoms in basic axes.
+    fn extension(&self, spring: &Spring) -> Vec<(usize, f64)> {
+        let mut terms: Vec<(usize, f64)> = Vec::with_capacity(12);
+        let mut add =
+            |freedom: usize, x: f64| match terms.iter_mut().find(|(known, _)| *known == freedom) {
+                Some((_, sum)) => *sum += x,
+                None => terms.push((freedom, x)),
+            };
+        for &(node, component, sign) in &spring.terms {
+            let first = self.freedoms.of(node).start + 3 * usize::from(component / 3);
+            if scalar_index(node).is_some() {
+                add(first, sign);
+                continue;
+            }
+            for (axis, x) in direction(self.mesh, node, component)
+                .into_iter()
+                .enumerate()
+            {
+                add(first + axis, sign * x);
+            }
+        }
+        terms
     }
 
     fn add_point_masses(&mut self, general: &mut Vec<(u32, u32, f64)>) {

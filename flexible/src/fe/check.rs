@@ -6,6 +6,7 @@ use super::sheet::{Sheet, shape_fault, sheet_fault};
 use crate::error::FlexibleError;
 use crate::mesh::{
     ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, ShellSection, Tie,
+    scalar_index,
 };
 
 /// Number of ids that a message names.
@@ -351,12 +352,20 @@ pub(crate) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), Flexib
     Ok(())
 }
 
+/// Number of freedoms that a node or scalar point can have.
+fn freedoms_of(node: u32) -> u8 {
+    scalar_index(node).map_or(6, |_| 1)
+}
+
 /// Checks point masses, springs, ties and supports.
 ///
 /// # Errors
 /// As [`check`].
 pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
-    let known = |node: u32| (node as usize) < mesh.nodes.len();
+    let known = |node: u32| match scalar_index(node) {
+        Some(index) => index < mesh.scalar_points.len(),
+        None => (node as usize) < mesh.nodes.len(),
+    };
     let missing = |what: &str, id: u64| {
         wrong(
             format!("{what} {id} refers to a node or freedom that is not there"),
@@ -386,9 +395,9 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
             ));
         }
     }
-    for spring in &mesh.springs {
+    for spring in mesh.springs.iter().chain(&mesh.inerters) {
         let sound = |&(node, freedom, factor): &(u32, u8, f64)| {
-            known(node) && freedom < 6 && factor.is_finite()
+            known(node) && freedom < freedoms_of(node) && factor.is_finite()
         };
         if !spring.terms.iter().all(sound) {
             return Err(missing("spring", spring.id));
@@ -396,10 +405,10 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
         if !(spring.stiffness >= 0.0 && spring.stiffness.is_finite()) {
             return Err(wrong(
                 format!(
-                    "spring {} has a stiffness of {}",
+                    "spring or mass {} has a value of {}",
                     spring.id, spring.stiffness
                 ),
-                "a stiffness can't be negative",
+                "a stiffness or mass can't be negative",
             ));
         }
     }
@@ -410,7 +419,7 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
                 (independent.iter()).all(|(_, weight, _)| weight.is_finite())
             }
             Tie::Equation { terms, .. } => (terms.iter())
-                .all(|(_, freedom, coefficient)| *freedom < 6 && coefficient.is_finite()),
+                .all(|(node, freedom, x)| *freedom < freedoms_of(*node) && x.is_finite()),
         };
         tie.each(|node, _| good &= known(node));
         if !good {

@@ -3,7 +3,7 @@
 use super::check::{Role, list, role, wrong};
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
-use crate::mesh::{ABSENT, Mesh};
+use crate::mesh::{ABSENT, Mesh, scalar_index};
 use crate::sparse::SymmetricMatrix;
 
 /// Sets of nodes that are joined; each is named by its smallest node.
@@ -31,11 +31,14 @@ impl Sets {
 struct Pieces {
     sets: Sets,
     held: Vec<bool>,
+    nodes: usize,
 }
 
 impl Pieces {
-    fn new(count: usize) -> Self {
+    fn new(mesh: &Mesh) -> Self {
+        let count = mesh.nodes.len() + mesh.scalar_points.len();
         Pieces {
+            nodes: mesh.nodes.len(),
             sets: Sets {
                 parent: (0..count as u32).collect(),
             },
@@ -43,9 +46,11 @@ impl Pieces {
         }
     }
 
+    /// Joins nodes and scalar points; the latter follow the `nodes` of the mesh.
     fn join(&mut self, nodes: impl Iterator<Item = u32>) {
         let mut first = None;
         for node in nodes.filter(|node| *node != ABSENT) {
+            let node = scalar_index(node).map_or(node, |index| (self.nodes + index) as u32);
             self.held[node as usize] = true;
             self.sets.join(*first.get_or_insert(node), node);
         }
@@ -85,7 +90,7 @@ impl Pieces {
                 advice,
             ));
         }
-        let mut size = vec![0usize; mesh.nodes.len()];
+        let mut size = vec![0usize; self.held.len()];
         for node in (0..mesh.nodes.len()).filter(used) {
             size[self.sets.find(node as u32) as usize] += 1;
         }
@@ -113,7 +118,7 @@ impl Pieces {
 /// Nodes that carry mass but are held by no element with stiffness, spring or tie; parts that nothing
 /// connects, with the number of nodes and a node of each.
 pub(super) fn check(mesh: &Mesh, freedoms: &FreedomMap) -> Result<(), FlexibleError> {
-    let mut pieces = Pieces::new(mesh.nodes.len());
+    let mut pieces = Pieces::new(mesh);
     for element in &mesh.elements {
         if matches!(
             role(mesh, element),
@@ -142,7 +147,7 @@ pub(super) fn check_matrix(
     freedoms: &FreedomMap,
     stiffness: &SymmetricMatrix,
 ) -> Result<(), FlexibleError> {
-    let mut pieces = Pieces::new(mesh.nodes.len());
+    let mut pieces = Pieces::new(mesh);
     let owner: Vec<u32> = (0..mesh.nodes.len() as u32)
         .flat_map(|node| freedoms.of(node).map(move |_| node))
         .collect();

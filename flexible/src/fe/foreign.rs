@@ -12,10 +12,11 @@ use super::connection;
 use super::freedoms::{FreedomMap, direction};
 use super::mass::Mass;
 use crate::error::{FlexibleError, Part};
-use crate::mesh::{Mesh, Support};
+use crate::mesh::{Mesh, SCALAR, Support, scalar_index};
 use crate::sparse::SymmetricMatrix;
 
-/// A symmetric matrix in SI, with the node's number and the component 0…5 (analysis frame) of each row.
+/// A symmetric matrix in SI, with the freedom of each row: the node's number and the component 0…5 (analysis
+/// frame), or the number of a scalar point and `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodalMatrix {
     /// Its name in messages.
@@ -23,7 +24,7 @@ pub struct NodalMatrix {
     /// Its entries (SI).
     pub(crate) matrix: SymmetricMatrix,
     /// Number of the node and component of each row.
-    pub(crate) rows: Vec<(u64, u8)>,
+    pub(crate) rows: Vec<(u64, Option<u8>)>,
 }
 
 /// A structure of foreign matrices.
@@ -52,6 +53,14 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
     let mut unknown = Vec::new();
     let mut found = Vec::with_capacity(matrix.rows.len());
     for (node, component) in &matrix.rows {
+        let Some(component) = component else {
+            let scalar = mesh.scalar_points.iter().position(|id| id == node);
+            match scalar.and_then(|index| u32::try_from(index).ok()) {
+                Some(index) => found.push((SCALAR | index, 0)),
+                None => unknown.push(*node),
+            }
+            continue;
+        };
         match index.get(node) {
             Some(node) if *component < 6 => found.push((*node, *component)),
             Some(_) => {
@@ -77,11 +86,10 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
     let mut sorted = found.clone();
     sorted.sort_unstable();
     if let Some([(node, component), ..]) = sorted.windows(2).find(|p| p.first() == p.last()) {
-        let id = mesh.nodes.get(*node as usize).map_or(0, |node| node.id);
         return Err(wrong(
             format!(
-                "{title} has two rows of component {} of node {id}",
-                component + 1
+                "{title} has two rows of {}",
+                mesh.freedom_name(*node, *component)
             ),
             "check the order of the rows; each row must be a different freedom",
         ));
@@ -89,11 +97,14 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
     Ok(found)
 }
 
-/// The components of each node (bits 0…5) that have an entry other than zero.
+/// The components of each node (bits 0…5) that have an entry other than zero; then those of scalar points
+/// (bit 0).
 fn moved(mesh: &Mesh, parts: [(&NodalMatrix, &[(u32, u8)]); 2]) -> Vec<u8> {
-    let mut moved = vec![0u8; mesh.nodes.len()];
+    let count = mesh.nodes.len();
+    let mut moved = vec![0u8; count + mesh.scalar_points.len()];
     let mut note = |(node, component): (u32, u8)| {
-        if let Some(mask) = moved.get_mut(node as usize) {
+        let place = scalar_index(node).map_or(node as usize, |index| count + index);
+        if let Some(mask) = moved.get_mut(place) {
             *mask |= 1 << component;
         }
     };
@@ -191,6 +202,7 @@ pub fn from_matrices(
     let stiff = places(mesh, stiffness).map_err(|error| error.of(Part::Stiffness))?;
     let heavy = places(mesh, mass).map_err(|error| error.of(Part::Mass))?;
     let moved = moved(mesh, [(stiffness, &stiff), (mass, &heavy)]);
+    let (moved, moved_scalars) = moved.split_at(mesh.nodes.len());
     let count = moved
         .iter()
         .map(|mask| match mask {
@@ -213,10 +225,17 @@ pub fn from_matrices(
             missing.push(Support { node, components });
         }
     }
+    for (index, _) in (0u32..)
+        .zip(moved_scalars)
+        .filter(|(_, moved)| **moved == 0)
+    {
+        let (node, components) = (SCALAR | index, 1);
+        missing.push(Support { node, components });
+    }
     let stiffness = spread(mesh, &freedoms, stiffness, &stiff)?;
     connection::check_matrix(mesh, &freedoms, &stiffness)?;
     let general = spread(mesh, &freedoms, mass, &heavy)?;
-    let none = SymmetricMatrix::from_triplets(mesh.nodes.len(), &[])?;
+    let none = SymmetricMatrix::from_triplets(freedoms.all_nodes(), &[])?;
     let mass = Mass::new(freedoms.clone(), none, Some(general))?;
     let total = mass.rigid(mesh).mass;
     if total.is_nan() || total <= 0.0 {

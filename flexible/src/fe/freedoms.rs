@@ -8,7 +8,7 @@ use super::form;
 use super::rules::StiffnessRule;
 use super::shell;
 use crate::error::FlexibleError;
-use crate::mesh::{ABSENT, Mesh, PointMass, Tie};
+use crate::mesh::{ABSENT, Mesh, PointMass, SCALAR, Tie, scalar_index};
 
 /// Position of each node's freedoms in a full vector: translations x, y, z (m), then rotations x, y, z (rad),
 /// in basic axes.
@@ -20,17 +20,19 @@ use crate::mesh::{ABSENT, Mesh, PointMass, Tie};
 /// Inner nodes follow those of the mesh. They belong to solids whose form has functions inside the element
 /// ([`super::form::Form`]) and to shells of eight nodes, with three amplitudes (m) each. They do not move in a rigid motion, and no tie,
 /// support or marker names them.
+///
+/// Scalar points ([`crate::mesh::Mesh::scalar_points`]) follow the inner nodes, with one freedom each. They
+/// have no place, so no rigid motion moves them.
 #[derive(Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(
-    try_from = "(Vec<u32>, Vec<(u32, u32)>)",
-    into = "(Vec<u32>, Vec<(u32, u32)>)"
-)]
+#[serde(try_from = "Stored", into = "Stored")]
 pub struct FreedomMap {
-    /// First freedom of each node, including inner ones, and the number of all freedoms.
+    /// First freedom of each node, including inner ones and scalar points, and the number of all freedoms.
     first: Vec<u32>,
     /// For each element with inner nodes: the start of its nodes in the mesh's connectivity (ascending), and
     /// the end of its inner nodes among all inner nodes.
     inner: Vec<(u32, u32)>,
+    /// Number of scalar points.
+    scalars: u32,
 }
 
 impl FreedomMap {
@@ -58,12 +60,14 @@ impl FreedomMap {
         for point in &mesh.point_masses {
             need(point.node, if turns(point) { 6 } else { 3 });
         }
-        for spring in &mesh.springs {
+        for spring in mesh.springs.iter().chain(&mesh.inerters) {
             for &(node, component, _) in &spring.terms {
                 need(node, needs(component));
             }
         }
-        Self::with_ties(mesh, count)?.with_inner(mesh, rule)
+        Self::of_nodes(mesh, count)?
+            .with_inner(mesh, rule)?
+            .with_scalars(mesh)
     }
 
     /// Adds the inner nodes of solids and shells.
@@ -101,9 +105,22 @@ impl FreedomMap {
         Ok(self)
     }
 
-    /// The numbering with at least `count` freedoms for each node (0, 3 or 6) and the freedoms that ties
-    /// need.
-    pub(super) fn with_ties(mesh: &Mesh, mut count: Vec<u32>) -> Result<Self, FlexibleError> {
+    /// The numbering with at least `count` freedoms for each node (0, 3 or 6), the freedoms that ties need, and
+    /// scalar points.
+    pub(super) fn with_ties(mesh: &Mesh, count: Vec<u32>) -> Result<Self, FlexibleError> {
+        Self::of_nodes(mesh, count)?.with_scalars(mesh)
+    }
+
+    fn with_scalars(mut self, mesh: &Mesh) -> Result<Self, FlexibleError> {
+        for _ in &mesh.scalar_points {
+            let next = self.first.last().and_then(|total| total.checked_add(1));
+            self.first.push(next.ok_or_else(too_many)?);
+            self.scalars += 1;
+        }
+        Ok(self)
+    }
+
+    fn of_nodes(mesh: &Mesh, mut count: Vec<u32>) -> Result<Self, FlexibleError> {
         let mut need = |node: u32, freedoms: u32| {
             if let Some(n) = count.get_mut(node as usize) {
                 *n = freedoms.max(*n);
@@ -148,6 +165,7 @@ impl FreedomMap {
         Ok(FreedomMap {
             first,
             inner: Vec::new(),
+            scalars: 0,
         })
     }
 
@@ -158,11 +176,24 @@ impl FreedomMap {
 
     /// Number of nodes of the mesh.
     pub fn node_count(&self) -> usize {
-        let inner = self.inner.last().map_or(0, |(_, end)| *end as usize);
-        self.all_nodes().saturating_sub(inner)
+        self.first_scalar().saturating_sub(self.inner_count())
     }
 
-    /// Number of nodes, including inner ones.
+    fn inner_count(&self) -> usize {
+        self.inner.last().map_or(0, |(_, end)| *end as usize)
+    }
+
+    /// Index of the first scalar point among all nodes.
+    fn first_scalar(&self) -> usize {
+        self.all_nodes().saturating_sub(self.scalars as usize)
+    }
+
+    /// Number of scalar points.
+    pub fn scalar_count(&self) -> usize {
+        self.scalars as usize
+    }
+
+    /// Number of nodes, including inner ones and scalar points.
     pub(crate) fn all_nodes(&self) -> usize {
         self.first.len().saturating_sub(1)
     }
@@ -183,13 +214,27 @@ impl FreedomMap {
 
     /// The freedoms of all inner nodes.
     pub(super) fn inner_freedoms(&self) -> std::ops::Range<usize> {
-        let first = self.first.get(self.node_count());
-        first.map_or(0, |first| *first as usize)..self.size()
+        let at = |node: usize| self.first.get(node).map_or(0, |first| *first as usize);
+        at(self.node_count())..at(self.first_scalar())
     }
 
-    /// The freedoms of a node: 0, 3 or 6 consecutive ones; empty for an unknown node.
+    /// The freedoms of all scalar points, one each.
+    pub fn scalar_freedoms(&self) -> std::ops::Range<usize> {
+        self.size().saturating_sub(self.scalars as usize)..self.size()
+    }
+
+    /// The index of a node or scalar point among all nodes, inner ones included.
+    pub(crate) fn place(&self, node: u32) -> usize {
+        match scalar_index(node) {
+            Some(index) => self.first_scalar().saturating_add(index),
+            None => node as usize,
+        }
+    }
+
+    /// The freedoms of a node: 0, 3 or 6 consecutive ones; one of a [scalar point](SCALAR); none of an
+    /// unknown node.
     pub fn of(&self, node: u32) -> std::ops::Range<usize> {
-        let node = node as usize;
+        let node = self.place(node);
         match (self.first.get(node), self.first.get(node + 1)) {
             (Some(&first), Some(&end)) => first as usize..end as usize,
             _ => 0..0,
@@ -218,31 +263,41 @@ impl FreedomMap {
             .first
             .partition_point(|&first| first as usize <= freedom)
             - 1;
-        Some((node as u32, (freedom - self.first[node] as usize) as u8))
+        let component = (freedom - self.first[node] as usize) as u8;
+        Some(match node.checked_sub(self.first_scalar()) {
+            Some(scalar) => (SCALAR | scalar as u32, component),
+            None => (node as u32, component),
+        })
     }
 }
 
-/// The stored form of a numbering: first freedoms, and the elements with inner nodes.
-type Stored = (Vec<u32>, Vec<(u32, u32)>);
+/// The stored form of a numbering: first freedoms, the elements with inner nodes, the number of scalar points.
+type Stored = (Vec<u32>, Vec<(u32, u32)>, u32);
 
 impl From<FreedomMap> for Stored {
     fn from(map: FreedomMap) -> Self {
-        (map.first, map.inner)
+        (map.first, map.inner, map.scalars)
     }
 }
 
 impl TryFrom<Stored> for FreedomMap {
     type Error = &'static str;
 
-    /// Every node has 0, 3 or 6 freedoms, an inner one 3; elements and their inner nodes ascend.
-    fn try_from((first, inner): Stored) -> Result<Self, Self::Error> {
+    /// Every node has 0, 3 or 6 freedoms, an inner one 3, a scalar point 1; elements and their inner nodes
+    /// ascend.
+    fn try_from((all, inner, scalars): Stored) -> Result<Self, Self::Error> {
         let counts = |pair: &[u32]| pair[1].checked_sub(pair[0]);
+        let (first, ones) = match all.len().checked_sub(scalars as usize) {
+            Some(nodes) if nodes > 0 => (&all[..nodes], &all[nodes - 1..]),
+            _ => return Err("a numbering of freedoms that is none"),
+        };
         let ends = inner.last().map_or(0, |(_, end)| *end as usize);
         let ascending = |pair: &[(u32, u32)]| pair[0].0 < pair[1].0 && pair[0].1 < pair[1].1;
         let sound = first.first() == Some(&0)
             && first
                 .windows(2)
                 .all(|pair| matches!(counts(pair), Some(0 | 3 | 6)))
+            && ones.windows(2).all(|pair| counts(pair) == Some(1))
             && ends < first.len()
             && first
                 .windows(2)
@@ -252,7 +307,11 @@ impl TryFrom<Stored> for FreedomMap {
             && inner.first().is_none_or(|(_, end)| *end > 0)
             && inner.windows(2).all(ascending);
         match sound {
-            true => Ok(FreedomMap { first, inner }),
+            true => Ok(FreedomMap {
+                first: all,
+                inner,
+                scalars,
+            }),
             false => Err("a numbering of freedoms that is none"),
         }
     }

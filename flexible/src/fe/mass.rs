@@ -2,11 +2,12 @@
 
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, scalar_index};
 use crate::sparse::product::{Lanes, TOGETHER, pack, unpack};
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The mass matrix over full freedoms, M = M_s ⊗ I₃ + M_g: the mass of solids, shells and plain point masses
 /// is the same in all directions and needs one number for each pair of nodes. M_g is general.
@@ -170,6 +171,44 @@ impl Mass {
     }
 }
 
+/// Difference of the masses along x, y and z of a pair of nodes, by the largest mass, above which the mass
+/// does not act alike. Files with few digits have less.
+const ALIKE: f64 = 1e-5;
+
+impl Mass {
+    /// Whether the mass acts alike on the displacements along x, y and z, and on nothing else, as a
+    /// consistent or lumped mass of solids does: `m_ij 1` for each pair of nodes.
+    pub fn acts_alike(&self) -> bool {
+        let Some(general) = &self.general else {
+            return true;
+        };
+        let mut pairs: BTreeMap<(u32, u32), [f64; 3]> = BTreeMap::new();
+        let (mut most, mut beside) = (0.0f64, 0.0f64);
+        for column in 0..general.size() {
+            let Some((node, component)) = self.freedoms.owner(column) else {
+                continue;
+            };
+            let (rows, values) = general.column(column);
+            for (row, value) in rows.iter().zip(values) {
+                let Some((other, its)) = self.freedoms.owner(*row as usize) else {
+                    continue;
+                };
+                let block = pairs.entry((node.min(other), node.max(other))).or_default();
+                match block.get_mut(usize::from(component)) {
+                    Some(own) if component == its && scalar_index(node).is_none() => {
+                        *own += value;
+                        most = most.max(value.abs());
+                    }
+                    _ => beside = beside.max(value.abs()),
+                }
+            }
+        }
+        let apart = |[x, y, z]: &[f64; 3]| x.max(*y).max(*z) - x.min(*y).min(*z);
+        let differ = pairs.values().map(apart).fold(beside, f64::max);
+        differ <= ALIKE * most
+    }
+}
+
 impl SymmetricOperator for Mass {
     fn size(&self) -> usize {
         self.freedoms.size()
@@ -216,7 +255,8 @@ impl Mass {
     fn add_solid(&self, x: &[Lanes], y: &mut [Lanes]) {
         for node in 0..self.solid.size() {
             let first = self.freedoms.of(node as u32);
-            if first.is_empty() {
+            // a scalar point has one freedom, and no mass in here
+            if first.len() < 3 {
                 continue;
             }
             let first = first.start;

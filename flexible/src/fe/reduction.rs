@@ -9,6 +9,26 @@ use crate::error::FlexibleError;
 use crate::mesh::{Mesh, Support};
 use crate::sparse::SymmetricMatrix;
 
+/// The name of a freedom in messages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum FreedomName {
+    /// Number of the node, and component 0…5.
+    Node(u64, u8),
+    /// Number of the scalar point.
+    Scalar(u64),
+}
+
+impl std::fmt::Display for FreedomName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            FreedomName::Node(id, component) => {
+                write!(f, "component {} of node {id}", component + 1)
+            }
+            FreedomName::Scalar(id) => write!(f, "scalar point {id}"),
+        }
+    }
+}
+
 /// The transformation T, by rows.
 ///
 /// Free freedoms are the independent ones in the order of the full ones. At nodes with an analysis frame that
@@ -18,8 +38,9 @@ use crate::sparse::SymmetricMatrix;
 pub struct Reduction {
     /// Index of the full freedom of each free one.
     free: Vec<u32>,
-    /// Id of the node and component of each free freedom but inner ones, which are the last, for messages.
-    names: Vec<(u64, u8)>,
+    /// Name of each free freedom, for messages, and its kind: 0 translation, 1 rotation, 2 scalar point;
+    /// `None` for inner ones.
+    names: Vec<Option<(FreedomName, usize)>>,
     /// Free freedoms in the axes of an analysis frame: the first of the three full ones of their kind there,
     /// and the axis.
     turned: std::collections::BTreeMap<u32, (u32, [f64; 3])>,
@@ -70,14 +91,23 @@ impl Reduction {
                         turned.insert(free.len() as u32, (first as u32, axis));
                     }
                     free.push(freedom as u32);
-                    names.push((place.id, component as u8));
+                    let name = FreedomName::Node(place.id, component as u8);
+                    names.push(Some((name, component / 3)));
                 }
             }
         }
-        // inner freedoms are free, and have no names
+        // inner freedoms are free
         for freedom in freedoms.inner_freedoms() {
             index[freedom] = Some(free.len() as u32);
             free.push(freedom as u32);
+            names.push(None);
+        }
+        for (freedom, id) in freedoms.scalar_freedoms().zip(&mesh.scalar_points) {
+            if !constraints.dependent.contains_key(&(freedom as u32)) {
+                index[freedom] = Some(free.len() as u32);
+                free.push(freedom as u32);
+                names.push(Some((FreedomName::Scalar(*id), 2)));
+            }
         }
         let local = |freedom: usize| -> Sum {
             match (index[freedom], constraints.dependent.get(&(freedom as u32))) {
@@ -118,7 +148,7 @@ impl Reduction {
                 start.push(column.len());
             }
         }
-        for freedom in freedoms.inner_freedoms() {
+        for freedom in freedoms.inner_freedoms().chain(freedoms.scalar_freedoms()) {
             for (free, x) in local(freedom) {
                 column.push(free);
                 coefficient.push(x);
@@ -150,9 +180,10 @@ impl Reduction {
         &self.free
     }
 
-    /// Number of the node and component 0…5 of a free freedom, for messages; `None` for an inner one.
-    pub fn name(&self, free: usize) -> Option<(u64, u8)> {
-        self.names.get(free).copied()
+    /// Name of a free freedom, for messages; `None` for an inner one.
+    pub fn name(&self, free: usize) -> Option<String> {
+        let (name, _) = self.names.get(free).copied().flatten()?;
+        Some(name.to_string())
     }
 
     /// A full freedom as a sum over free ones: their indices and coefficients. Empty where held, or unknown.
@@ -399,19 +430,22 @@ impl Reduction {
                 _ => 0.0,
             })
             .collect();
-        // translations and rotations have different units, so each is compared with its own kind
-        let mut largest = [0.0f64; 2];
-        for (x, (_, component)) in diagonal.iter().zip(&self.names) {
-            let kind = usize::from(component / 3);
-            largest[kind] = largest[kind].max(*x);
+        // translations, rotations and scalar points have different units, so each is compared with its own kind
+        let mut largest = [0.0f64; 3];
+        let named = || {
+            let named = diagonal.iter().zip(&self.names);
+            named.filter_map(|(x, name)| Some((*x, (*name)?)))
+        };
+        for (x, (_, kind)) in named() {
+            largest[kind] = largest[kind].max(x);
         }
-        let loose: Vec<String> = diagonal
-            .iter()
-            .zip(&self.names)
-            .filter(|(x, (_, component))| {
-                x.is_nan() || **x <= 1e-14 * largest[usize::from(component / 3)]
-            })
-            .map(|(_, (id, component))| format!("component {} of node {id}", component + 1))
+        // the frame of a reduced body resists nothing: its stiffness is that of amplitudes alone
+        if largest[0] == 0.0 && largest[1] == 0.0 && largest[2] > 0.0 {
+            return Ok(reduced);
+        }
+        let loose: Vec<String> = named()
+            .filter(|(x, (_, kind))| x.is_nan() || *x <= 1e-14 * largest[*kind])
+            .map(|(_, (name, _))| name.to_string())
             .collect();
         if loose.is_empty() {
             return Ok(reduced);

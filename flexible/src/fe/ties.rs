@@ -110,8 +110,7 @@ fn name(mesh: &Mesh, freedoms: &FreedomMap, freedom: u32) -> String {
     freedoms
         .owner(freedom as usize)
         .map_or_else(String::new, |(node, component)| {
-            let id = mesh.nodes.get(node as usize).map_or(0, |node| node.id);
-            format!("component {} of node {id}", component + 1)
+            mesh.freedom_name(node, component)
         })
 }
 

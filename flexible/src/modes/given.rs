@@ -237,7 +237,6 @@ fn undetermined(file: &str, reduction: &Reduction, open: &[usize]) -> FlexibleEr
         .iter()
         .take(NAMED)
         .filter_map(|free| reduction.name(*free))
-        .map(|(node, component)| format!("component {} of node {node}", component + 1))
         .collect();
     refuse(
         format!(

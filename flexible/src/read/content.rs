@@ -42,6 +42,8 @@ pub(crate) enum Content {
     MatrixByFreedoms,
     /// Lines `row column value`.
     MatrixByRows,
+    /// Lines `node, x, y, z`.
+    Nodes,
     /// Lines `node.direction`.
     Freedoms,
     /// Mode shapes of Nastran's punch file.
@@ -51,6 +53,14 @@ pub(crate) enum Content {
 }
 
 impl Content {
+    /// Whether its lines hold numbers alone.
+    pub(crate) fn is_numbers(self) -> bool {
+        matches!(
+            self,
+            Content::Nodes | Content::MatrixByRows | Content::MatrixByFreedoms | Content::Freedoms
+        )
+    }
+
     /// For messages: "the file holds …".
     fn text(self) -> &'static str {
         match self {
@@ -67,6 +77,7 @@ impl Content {
             Content::MatrixByRows => {
                 "a matrix of Abaqus or CalculiX, in lines \"row column value\""
             }
+            Content::Nodes => "places of nodes, in lines \"node, x, y, z\"",
             Content::Freedoms => "the freedoms of CalculiX's matrices, in lines \"node.direction\"",
             Content::PunchedShapes => "mode shapes of Nastran's punch file",
             Content::Frd => "results of CalculiX (.frd)",
@@ -134,6 +145,9 @@ impl Content {
         match (places.len(), places.iter().all(whole)) {
             (4, true) => Some(Content::MatrixByFreedoms),
             (2, true) => Some(Content::MatrixByRows),
+            (3, _) if places.first().is_some_and(whole) && line.contains(',') => {
+                Some(Content::Nodes)
+            }
             (0, true) if value.contains('.') => Some(Content::Freedoms),
             _ => None,
         }
@@ -157,6 +171,11 @@ pub(crate) trait Readable: Stated + PartialEq {
 
     /// Whether the reader of this format reads such a file.
     fn reads(self, content: Content) -> bool;
+
+    /// Whether a message proposes this format for such a file.
+    fn proposed(self, content: Content) -> bool {
+        self.reads(content)
+    }
 
     /// The form in which a model states the format of this name.
     fn written(name: &str) -> String {
@@ -194,7 +213,7 @@ pub(crate) fn explained<F: Readable, T>(
         let fit = F::NAMED.iter().filter(|(_, format)| wanted(*format));
         fit.map(|(name, _)| F::written(name)).collect()
     };
-    let others = names(&|format| format.reads(content));
+    let others = names(&|format| format.proposed(content));
     let advice = if others.is_empty() {
         format!(
             "Eng reads {} by {}",
@@ -235,6 +254,8 @@ mod tests {
             ("    1C\n    1UDATE\n", Content::Frd),
             ("** k\n7,1, 8,1, -2.5e3\n", Content::MatrixByFreedoms),
             ("1 2 2.5D+03\n", Content::MatrixByRows),
+            ("101, 0.5, 2, -1e-3\n", Content::Nodes),
+            ("node,x,y,z\n101,0.5,2,-1e-3\n", Content::Nodes),
             ("27.1\n27.2\n", Content::Freedoms),
             (
                 "       6      -6       6       2KGG     1P,3E23.16\n",

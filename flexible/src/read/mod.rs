@@ -6,6 +6,7 @@ pub mod abaqus;
 pub mod ansys;
 mod builder;
 mod content;
+pub mod csv;
 pub mod gmsh;
 mod held;
 mod labels;
@@ -44,6 +45,15 @@ impl Readable for MeshFormat {
             MeshFormat::Gmsh => content == Content::GmshMesh,
             MeshFormat::Ansys => content == Content::AnsysArchive,
             MeshFormat::Universal => content == Content::UniversalFile,
+            // the beginning of a wrong table may look as any list of numbers
+            MeshFormat::Csv => content.is_numbers(),
+        }
+    }
+
+    fn proposed(self, content: Content) -> bool {
+        match self {
+            MeshFormat::Csv => content == Content::Nodes,
+            _ => self.reads(content),
         }
     }
 }
@@ -60,6 +70,7 @@ pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Me
         MeshFormat::Gmsh => gmsh::read_msh(files, name),
         MeshFormat::Ansys => ansys::read_cdb(files, name),
         MeshFormat::Universal => universal::read_unv(files, name),
+        MeshFormat::Csv => csv::read_nodes(files, name),
     };
     explained(files, name, format, read)
 }

@@ -34,10 +34,7 @@ pub struct Outline {
 /// Those of [`super::reduce`] before the computation of modes: meshes that are no structure, missing markers,
 /// matrices that don't fit the mesh.
 pub fn outline(mut mesh: Mesh, request: &Request) -> Result<Outline, FlexibleError> {
-    let nodal = match &request.matrices {
-        Some(foreign) => Some(foreign.nodal(&mesh)?),
-        None => None,
-    };
+    let nodal = super::nodal(&mut mesh, request)?;
     let places = place(&mut mesh, &request.markers)?;
     let surfaces = surfaces::prepare(&mesh, request, &places)?;
     if nodal.is_none() {

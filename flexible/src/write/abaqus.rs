@@ -66,6 +66,10 @@ fn write_deck(text: &mut String, body: &NumberedBody, files: [&str; 3]) -> fmt::
     for node in frame..=last {
         writeln!(text, "{node}, 0., 0., 0.")?;
     }
+    if last > frame {
+        writeln!(text, "*NSET, NSET={name}_MODAL_FREEDOMS, GENERATE")?;
+        writeln!(text, "{}, {last}, 1", frame + 1)?;
+    }
     for (kind, file) in ["STIFFNESS", "MASS", "DAMPING"].iter().zip(files) {
         writeln!(text, "*MATRIX INPUT, NAME={name}_{kind}, INPUT={file}")?;
     }

@@ -20,6 +20,7 @@ mod elements;
 mod frames;
 mod lines;
 mod materials;
+mod matrices;
 mod model;
 mod points;
 mod scope;
@@ -76,7 +77,8 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
     }
     mesh.support_cards = cards.into_list();
     mesh.sets = sets::sets(&model);
-    mesh.nodes = model.nodes;
+    mesh.nodes = std::mem::take(&mut model.nodes);
+    matrices::make(&model, &mut mesh, unread)?;
     mesh.unread = deck.unread.into_list();
     Ok(mesh)
 }

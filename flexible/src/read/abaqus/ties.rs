@@ -1,7 +1,7 @@
 //! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*KINEMATIC COUPLING`, `*RIGID BODY`, `*MPC`,
-//! `*EQUATION`, `*TIE`.
+//! `*EQUATION`, `*TIE`, glued `*CONTACT PAIR`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::lines::{Row, key};
 use super::model::Model;
@@ -89,11 +89,55 @@ fn turning(model: &Model) -> Vec<bool> {
     turning
 }
 
+/// The manner in which surfaces are tied.
+struct Glue {
+    /// Largest distance, if stated.
+    tolerance: Option<f64>,
+    /// Whether nodes move onto the faces first.
+    adjust: bool,
+    /// Whether rotations follow.
+    turns: bool,
+    /// The remedy for surfaces that are too far from each other.
+    words: &'static str,
+}
+
+/// The number of a parameter.
+fn tolerance(block: &Block, parameter: &str, written: &str) -> Result<Option<f64>, FileProblem> {
+    let keyword = &block.keyword;
+    let Some(text) = keyword.get(parameter).filter(|text| !text.is_empty()) else {
+        return Ok(None);
+    };
+    crate::read::number::real(text).map(Some).ok_or_else(|| {
+        keyword.problem(
+            &format!("{written} is \"{text}\", not a number"),
+            format!("give a number, or remove {written}"),
+        )
+    })
+}
+
+/// Names of the surface interactions whose `*SURFACE BEHAVIOR` is tied.
+fn glued(model: &Model) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    let mut open = None;
+    for (_, block) in model.blocks() {
+        let keyword = &block.keyword;
+        match keyword.key.as_str() {
+            "SURFACEINTERACTION" => open = keyword.get("NAME").map(key),
+            "SURFACEBEHAVIOR" if keyword.choice("PRESSURE-OVERCLOSURE") == "TIED" => {
+                names.extend(open.clone());
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
 impl Ties<'_, '_> {
     /// Reads all keywords of ties.
     fn read(&mut self) -> Result<(), FileProblem> {
         let mut waiting: Option<(usize, &Block)> = None;
         let model = self.model;
+        let glued = glued(model);
         for (place, block) in model.blocks() {
             let keyword = &block.keyword;
             match keyword.key.as_str() {
@@ -118,6 +162,7 @@ impl Ties<'_, '_> {
                 "MPC" => self.constraints(place, block)?,
                 "EQUATION" => self.equations(place, block)?,
                 "TIE" => self.tie(place, block)?,
+                "CONTACTPAIR" => self.contact_pair(place, block, &glued)?,
                 _ => continue,
             }
         }
@@ -203,6 +248,12 @@ impl Ties<'_, '_> {
 
     /// A surface, or a set of nodes, with a name.
     fn surface(&self, place: usize, name: &str, user: &Block) -> Result<Surface, FileProblem> {
+        if name.is_empty() {
+            return Err(user.keyword.problem(
+                "a line names one surface",
+                "name two surfaces: the one that follows, and the one that leads",
+            ));
+        }
         let found = self.model.search(place, name, |placed, name| {
             placed
                 .surfaces
@@ -225,15 +276,44 @@ impl Ties<'_, '_> {
             self.unread.note(name, &keyword.at, Carries::Structure);
             return Ok(());
         }
-        let tolerance = match keyword.get("POSITIONTOLERANCE") {
-            Some(text) => Some(crate::read::number::real(text).ok_or_else(|| {
-                keyword.problem(
-                    &format!("POSITION TOLERANCE is \"{text}\", not a number"),
-                    "give a number, or remove POSITION TOLERANCE",
-                )
-            })?),
-            None => None,
+        let glue = Glue {
+            tolerance: tolerance(block, "POSITIONTOLERANCE", "POSITION TOLERANCE")?,
+            adjust: keyword.choice("ADJUST") != "NO",
+            turns: !keyword.has("NOROTATION"),
+            words: "state a larger POSITION TOLERANCE",
         };
+        self.glue(place, block, &glue)
+    }
+
+    /// `*CONTACT PAIR` of surfaces that are glued: `TIED` of Abaqus, or an interaction with tied
+    /// pressure-overclosure of CalculiX. Rotations do not follow, and without `ADJUST` nodes keep their
+    /// places.
+    fn contact_pair(
+        &mut self,
+        place: usize,
+        block: &Block,
+        glued: &BTreeSet<String>,
+    ) -> Result<(), FileProblem> {
+        let keyword = &block.keyword;
+        let interaction = keyword.get("INTERACTION").map(key);
+        if !keyword.has("TIED") && !interaction.is_some_and(|name| glued.contains(&name)) {
+            self.unread
+                .note("*CONTACT PAIR", &keyword.at, Carries::Structure);
+            return Ok(());
+        }
+        let stated = keyword.get("ADJUST").is_some_and(|text| !text.is_empty());
+        let glue = Glue {
+            tolerance: tolerance(block, "ADJUST", "ADJUST")?,
+            adjust: stated,
+            turns: false,
+            words: "state a larger ADJUST",
+        };
+        self.glue(place, block, &glue)
+    }
+
+    /// Ties the surfaces of each line: the one that follows, and the one that leads.
+    fn glue(&mut self, place: usize, block: &Block, glue: &Glue) -> Result<(), FileProblem> {
+        let keyword = &block.keyword;
         for row in block.rows.iter().filter(|row| !row.is_blank()) {
             let [follows, leads] = [row.text(0), row.text(1)];
             let slave = self.surface(place, follows, block)?;
@@ -248,15 +328,15 @@ impl Ties<'_, '_> {
             let request = Request {
                 nodes: &nodes,
                 faces: &master.faces,
-                tolerance,
-                adjust: keyword.choice("ADJUST") != "NO",
-                turning: (!keyword.has("NOROTATION")).then_some(self.turning.as_slice()),
+                tolerance: glue.tolerance,
+                adjust: glue.adjust,
+                turning: glue.turns.then_some(self.turning.as_slice()),
             };
             let tied = tied(self.model, self.frames, &request, self.id());
             if tied.far == nodes.len() {
                 return Err(keyword.problem(
                     &format!("no node of {follows} is near enough to {leads}"),
-                    "check the surfaces and the units, or state a larger POSITION TOLERANCE",
+                    format!("check the surfaces and the units, or {}", glue.words),
                 ));
             }
             self.doubts

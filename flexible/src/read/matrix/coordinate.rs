@@ -4,8 +4,9 @@
 //! 1.
 
 use super::text::{NUMBERS, Text, columns, count, real};
-use super::{ForeignFreedoms, ForeignMatrix, whole};
+use super::{ForeignFreedoms, ForeignMatrix, substructure, whole};
 use crate::error::FileProblem;
+use crate::mesh::Pair;
 use crate::read::Files;
 
 /// A diagonal entry of at least this size means a support (Abaqus writes 10³⁶).
@@ -16,12 +17,17 @@ const MATRIX_MARKET: &str =
 const STRIP: &str = "remove the lines that begin with % and the line of sizes after them. Eng reads the remaining lines `row column value` of a \
      symmetric matrix, counted from 1. State the freedoms of the rows by `per_node: 3`, `per_node: 6` or `freedoms: \".dof\"`";
 
-/// Reads a matrix of Abaqus, in either of its formats.
+/// Reads a matrix of Abaqus, in either of its formats, or that of a substructure: `name` is then its type,
+/// `STIFFNESS` or `MASS`.
 ///
 /// # Errors
 /// With file and line: a line that isn't an entry, a number that isn't finite, a support (held freedoms are
 /// stiff springs in Abaqus' matrices), a node of Abaqus' own; a file without entries.
-pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix, FileProblem> {
+pub fn read_abaqus_matrix(
+    files: &dyn Files,
+    file: &str,
+    name: &str,
+) -> Result<ForeignMatrix, FileProblem> {
     let mut text = Text::open(files, file)?;
     let mut coordinates = Vec::new();
     let mut freedoms = Vec::new();
@@ -33,11 +39,15 @@ pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix
         if line.starts_with('%') {
             return Err(text.problem(MATRIX_MARKET, STRIP));
         }
+        if substructure::begins(line) && coordinates.is_empty() && freedoms.is_empty() {
+            text.put_back();
+            return substructure::read(text, file, name);
+        }
         if line.starts_with('*') {
             return Err(text.wrong(
                 "an entry of a matrix",
-                "write stiffness and mass with *MATRIX GENERATE and *MATRIX OUTPUT; this .mtx holds the matrix of a \
-                 substructure or of an element",
+                "write stiffness and mass with *MATRIX GENERATE and *MATRIX OUTPUT, or those of a substructure with \
+                 *SUBSTRUCTURE MATRIX OUTPUT",
             ));
         }
         let fields = line
@@ -90,7 +100,16 @@ pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix
     if freedoms.is_empty() {
         return from_coordinates(file, coordinates);
     }
-    let mut rows = freedoms
+    of_pairs(file, "", &freedoms)
+}
+
+/// The symmetric matrix of entries of one triangle, its rows by ascending node and freedom.
+pub(crate) fn of_pairs(
+    file: &str,
+    name: &str,
+    pairs: &[Pair],
+) -> Result<ForeignMatrix, FileProblem> {
+    let mut rows = pairs
         .iter()
         .flat_map(|(first, second, _)| [*first, *second])
         .collect::<Vec<_>>();
@@ -102,11 +121,11 @@ pub fn read_abaqus_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatrix
     }
     Ok(ForeignMatrix {
         file: file.into(),
-        name: String::new(),
+        name: name.into(),
         rows: rows.len(),
         columns: rows.len(),
         symmetric: true,
-        entries: freedoms
+        entries: pairs
             .iter()
             .map(|(first, second, value)| (row(*first), row(*second), *value))
             .collect(),
@@ -148,7 +167,8 @@ pub fn read_calculix_matrix(files: &dyn Files, file: &str) -> Result<ForeignMatr
     from_coordinates(file, entries)
 }
 
-/// Reads the freedom of each row of CalculiX's matrices, from a line `node.freedom` for each row.
+/// Reads the freedom of each row of CalculiX's matrices, from a line `node.freedom` for each row; `point.0`
+/// for a scalar point.
 ///
 /// # Errors
 /// With file and line: a line that is no freedom, a repeated freedom.
@@ -165,13 +185,16 @@ pub fn read_calculix_freedoms(
         }
         let freedom = line
             .split_once('.')
-            .and_then(|(node, freedom)| node_freedom(node, freedom));
+            .and_then(|(node, freedom)| match freedom {
+                "0" => Some((count(node)?, 0)),
+                _ => node_freedom(node, freedom),
+            });
         match freedom {
             Some(freedom) => rows.push(freedom),
             None => {
                 return Err(text.wrong(
-                    "a freedom \"node.direction\" with a direction from 1 to 6",
-                    "give the .dof that CalculiX writes beside the .sti",
+                    "a freedom \"node.direction\" with a direction from 1 to 6, or 0 for a scalar point",
+                    "give the .dof that CalculiX writes beside the .sti, or a list of your own",
                 ));
             }
         }

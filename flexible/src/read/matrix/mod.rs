@@ -20,15 +20,19 @@ mod modes;
 mod op2;
 mod op4;
 mod punch;
-mod text;
+mod substructure;
+mod table;
+pub(super) mod text;
 
 pub use super::nastran::read_dmig;
+pub(crate) use coordinate::of_pairs;
 pub use coordinate::{read_abaqus_matrix, read_calculix_freedoms, read_calculix_matrix};
 pub use frd::read_frd_modes;
 pub use modes::{ForeignMode, ForeignModes, ShapeFrame};
 pub use op2::{read_op2_matrix, read_op2_modes};
 pub use op4::read_op4;
 pub use punch::read_punch_modes;
+pub use table::read_dense_matrix;
 
 use super::Files;
 use super::content::{Content, Readable, explained};
@@ -42,6 +46,16 @@ pub enum MatrixKind {
     Stiffness,
     /// Mass: its diagonal is not negative.
     Mass,
+}
+
+impl MatrixKind {
+    /// Its name in Abaqus' files of substructures.
+    pub(crate) const fn of_substructure(self) -> &'static str {
+        match self {
+            MatrixKind::Stiffness => "STIFFNESS",
+            MatrixKind::Mass => "MASS",
+        }
+    }
 }
 
 /// The freedom of each row of a matrix.
@@ -136,7 +150,13 @@ impl Readable for MatrixFormat {
                 Content::MatrixByFreedoms | Content::MatrixByRows | Content::AbaqusDeck
             ),
             MatrixFormat::CalculiX => content == Content::MatrixByRows,
+            // the beginning of a dense matrix may look as any list of numbers
+            MatrixFormat::Csv => content.is_numbers(),
         }
+    }
+
+    fn proposed(self, content: Content) -> bool {
+        self != MatrixFormat::Csv && self.reads(content)
     }
 }
 
@@ -155,8 +175,9 @@ pub fn read_matrix(
         MatrixFormat::Op4 => read_op4(files, file, name),
         MatrixFormat::Op2 => read_op2_matrix(files, file, name),
         MatrixFormat::Dmig => read_dmig(files, file, name),
-        MatrixFormat::Abaqus => read_abaqus_matrix(files, file),
+        MatrixFormat::Abaqus => read_abaqus_matrix(files, file, name),
         MatrixFormat::CalculiX => read_calculix_matrix(files, file),
+        MatrixFormat::Csv => read_dense_matrix(files, file),
     };
     explained(files, file, format, read.map_err(FlexibleError::from))
 }

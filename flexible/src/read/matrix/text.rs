@@ -10,7 +10,7 @@ use crate::read::{self, Files, number};
 const LONGEST_LINE: u64 = 1 << 16;
 
 /// A text file.
-pub(super) struct Text {
+pub(in crate::read) struct Text {
     file: String,
     reader: Box<dyn BufRead>,
     line: u64,
@@ -28,6 +28,11 @@ impl Text {
             bytes: Vec::new(),
             again: false,
         })
+    }
+
+    /// Number of the line last read.
+    pub fn line(&self) -> u64 {
+        self.line.max(1)
     }
 
     /// A problem at the line last read.
@@ -98,7 +103,7 @@ pub(super) fn columns(line: &str, from: usize, to: usize) -> &str {
 }
 
 /// A finite real, with any of the exponents of Fortran.
-pub(super) fn real(text: &str) -> Option<f64> {
+pub(in crate::read) fn real(text: &str) -> Option<f64> {
     match text.parse::<f64>() {
         Ok(value) => Some(value).filter(|value| value.is_finite()),
         Err(_) => number::real(text),
@@ -106,10 +111,10 @@ pub(super) fn real(text: &str) -> Option<f64> {
 }
 
 /// An integer not below zero.
-pub(super) fn count(text: &str) -> Option<u64> {
+pub(in crate::read) fn count(text: &str) -> Option<u64> {
     number::integer(text).and_then(|value| u64::try_from(value).ok())
 }
 
 /// The remedy for a text that is no number.
-pub(super) const NUMBERS: &str =
+pub(in crate::read) const NUMBERS: &str =
     "write the file again; it was edited or cut, or its run failed and wrote stars or NaN";

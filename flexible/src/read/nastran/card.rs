@@ -372,6 +372,14 @@ pub(super) struct Ids {
 }
 
 impl Ids {
+    /// Whether a number is among them.
+    pub fn holds(&self, id: u64) -> bool {
+        let within = |range: &IdRange| {
+            (range.from..=range.to).contains(&id) && (id - range.from) % range.step.max(1) == 0
+        };
+        self.ranges.iter().any(within) && !self.except.contains(&id)
+    }
+
     /// A list of one number.
     pub fn one(id: u64) -> Self {
         Ids {

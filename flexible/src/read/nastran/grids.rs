@@ -4,7 +4,7 @@ use super::card::{Card, IdRange, Ids};
 use super::frames::Systems;
 use super::lines::At;
 use crate::error::FileProblem;
-use crate::mesh::{Frame, Node};
+use crate::mesh::{Frame, Node, SCALAR};
 use crate::read::labels::Labels;
 use std::collections::BTreeMap;
 
@@ -161,6 +161,39 @@ impl Lookup {
     /// Index of a grid point that `user` needs.
     pub fn require(&self, id: u64, user: &dyn Fn() -> String, at: &At) -> Result<u32, FileProblem> {
         self.find(id).ok_or_else(|| self.missing(id, &user(), at))
+    }
+
+    /// A freedom of a grid point, or the one of a scalar point, which joins those of the mesh. A number
+    /// without a freedom that no grid point has is a scalar point, too.
+    pub fn freedom(
+        &self,
+        id: u64,
+        freedom: Option<u8>,
+        scalars: &mut Vec<u64>,
+        user: &dyn Fn() -> String,
+        at: &At,
+    ) -> Result<(u32, u8), FileProblem> {
+        if self.find(id).is_none() && (freedom.is_none() || self.is_scalar(id)) {
+            let place = scalars
+                .iter()
+                .position(|known| *known == id)
+                .unwrap_or(scalars.len());
+            if place == scalars.len() {
+                scalars.push(id);
+            }
+            let index = u32::try_from(place).ok().filter(|index| *index < SCALAR);
+            let index =
+                index.ok_or_else(|| at.problem("too many scalar points", "divide the model"))?;
+            return Ok((SCALAR | index, 0));
+        }
+        let node = self.require(id, user, at)?;
+        let freedom = freedom.ok_or_else(|| {
+            at.problem(
+                format!("{} states no freedom of grid point {id}", user()),
+                "give C1 and C2, each a freedom from 1 to 6",
+            )
+        })?;
+        Ok((node, freedom))
     }
 
     /// The problem of a grid point that isn't there.

@@ -1,4 +1,4 @@
-//! Point masses and springs: `CONM1`, `CONM2`, `CMASS2`, `CELAS1`, `CELAS2`, `PELAS`.
+//! Point masses and springs: `CONM1`, `CONM2`, `CMASS1` to `CMASS4`, `PMASS`, `CELAS1` to `CELAS4`, `PELAS`.
 
 use std::collections::BTreeMap;
 
@@ -6,11 +6,10 @@ use super::card::Card;
 use super::frames::Systems;
 use super::grids::Lookup;
 use super::lines::At;
-use super::unread::UnreadCards;
 use super::vector::{IDENTITY, Rotation, product, rotate};
 use crate::error::FileProblem;
 use crate::fe::vector::subtract;
-use crate::mesh::{Carries, Frame, Node, PointMass, Spring};
+use crate::mesh::{Frame, Node, PointMass, Spring};
 
 type Matrix3 = [[f64; 3]; 3];
 type Matrix6 = [[f64; 6]; 6];
@@ -45,14 +44,14 @@ pub(super) struct MassCard {
     at: At,
 }
 
-/// A card of a spring.
+/// A card of a spring, or of a mass at two freedoms or a scalar point.
 #[derive(Clone, Debug)]
 pub(super) struct SpringCard {
     order: u64,
     id: u64,
     stiffness: SpringStiffness,
+    inert: bool,
     ends: [End; 2],
-    name: String,
     at: At,
 }
 
@@ -68,31 +67,22 @@ pub(super) struct Masses {
     masses: Vec<MassCard>,
     springs: Vec<SpringCard>,
     stiffness: BTreeMap<u64, f64>,
+    /// Masses of `PMASS`.
+    mass: BTreeMap<u64, f64>,
 }
 
 impl Masses {
     /// Reads a card; `false` if it is none of these.
-    pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
+    pub fn read(&mut self, card: &Card) -> Result<bool, FileProblem> {
         match card.name.as_str() {
             "CONM2" => self.rigid(card)?,
             "CONM1" => self.matrix(card)?,
-            "CMASS2" => self.freedom(card, unread)?,
-            "CELAS1" | "CELAS2" => self.spring(card)?,
-            "PELAS" => {
-                for i in [0, 4] {
-                    if i > 0 && card.is_blank(i) {
-                        break;
-                    }
-                    let id = card.id(i, "PID")?;
-                    let stiffness = card.real_or_zero(i + 1, "K")?;
-                    if self.stiffness.insert(id, stiffness).is_some() {
-                        return Err(card.problem(
-                            &format!("property {id} of springs is defined twice"),
-                            "renumber or remove one of them",
-                        ));
-                    }
-                }
+            "CMASS1" | "CMASS2" | "CMASS3" | "CMASS4" | "CELAS1" | "CELAS2" | "CELAS3"
+            | "CELAS4" => {
+                self.spring(card)?;
             }
+            "PELAS" => values(card, &[0, 4], "springs", &mut self.stiffness)?,
+            "PMASS" => values(card, &[0, 2, 4, 6], "point masses", &mut self.mass)?,
             _ => return Ok(false),
         }
         Ok(true)
@@ -147,36 +137,14 @@ impl Masses {
         Ok(())
     }
 
-    /// `CMASS2 EID M G1 C1 G2 C2`: read if one end is the ground.
-    fn freedom(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
-        let ends = ends(card, 2)?;
-        let mass = card.real(1, "M")?;
-        let id = card.id(0, "EID")?;
-        match ends {
-            [Some((grid, Some(freedom))), None] | [None, Some((grid, Some(freedom)))] => {
-                self.masses.push(MassCard {
-                    order: card.order,
-                    id,
-                    grid,
-                    system: 0,
-                    kind: Kind::Freedom { mass, freedom },
-                    at: card.at.clone(),
-                });
-            }
-            _ => unread.note(
-                "CMASS2 between two freedoms or scalar points",
-                &card.at,
-                Carries::Structure,
-            ),
-        }
-        Ok(())
-    }
-
-    /// `CELAS1 EID PID G1 C1 G2 C2`, `CELAS2 EID K G1 C1 G2 C2`: a blank end is the ground.
+    /// `CELAS1 EID PID G1 C1 G2 C2`, `CELAS2 EID K G1 C1 G2 C2`, `CELAS3 EID PID S1 S2`, `CELAS4 EID K S1
+    /// S2`, and `CMASS1` to `CMASS4` alike: a blank end is the ground. A mass between the ground and one
+    /// freedom of a grid point is a point mass.
     fn spring(&mut self, card: &Card) -> Result<(), FileProblem> {
         let id = card.id(0, "EID")?;
-        let stiffness = if card.name == "CELAS2" {
-            SpringStiffness::Value(card.real(1, "K")?)
+        let inert = card.name.starts_with("CMASS");
+        let stiffness = if card.name.ends_with(['2', '4']) {
+            SpringStiffness::Value(card.real(1, if inert { "M" } else { "K" })?)
         } else {
             SpringStiffness::Property(
                 card.optional_id(1, "PID")?
@@ -184,19 +152,35 @@ impl Masses {
                     .unwrap_or(id),
             )
         };
-        let ends = ends(card, 2)?;
+        let ends = match card.name.ends_with(['1', '2']) {
+            true => ends(card, 2)?,
+            false => scalar_ends(card, 2)?,
+        };
         if ends == [None, None] {
             return Err(card.problem(
-                "the spring has no end at a grid point",
+                &format!("the {} has no end at a grid point", kind(inert)),
                 "give a grid point and its freedom in G1 and C1, or in G2 and C2",
             ));
+        }
+        if let (true, SpringStiffness::Value(mass)) = (inert, stiffness)
+            && let [Some((grid, Some(freedom))), None] | [None, Some((grid, Some(freedom)))] = ends
+        {
+            self.masses.push(MassCard {
+                order: card.order,
+                id,
+                grid,
+                system: 0,
+                kind: Kind::Freedom { mass, freedom },
+                at: card.at.clone(),
+            });
+            return Ok(());
         }
         self.springs.push(SpringCard {
             order: card.order,
             id,
             stiffness,
+            inert,
             ends,
-            name: card.name.clone(),
             at: card.at.clone(),
         });
         Ok(())
@@ -257,58 +241,80 @@ impl Masses {
         Ok(points)
     }
 
-    /// The springs of a mesh. A spring at a scalar point can't be expressed and is listed.
+    /// The springs of a mesh, and its masses at two freedoms or at scalar points.
     pub fn springs(
         &mut self,
         lookup: &Lookup,
-        unread: &mut UnreadCards,
-    ) -> Result<Vec<Spring>, FileProblem> {
+        scalars: &mut Vec<u64>,
+        mass_scale: f64,
+    ) -> Result<[Vec<Spring>; 2], FileProblem> {
         self.springs.sort_by_key(|card| card.order);
-        distinct(
-            "spring",
-            self.springs.iter().map(|card| (card.id, &card.at)),
-        )?;
-        let mut springs = Vec::with_capacity(self.springs.len());
+        for inert in [false, true] {
+            let alike = self.springs.iter().filter(|card| card.inert == inert);
+            distinct(kind(inert), alike.map(|card| (card.id, &card.at)))?;
+        }
+        let mut springs = [Vec::new(), Vec::new()];
         for card in &self.springs {
+            let (what, properties, named) = match card.inert {
+                true => (kind(true), &self.mass, "PMASS"),
+                false => (kind(false), &self.stiffness, "PELAS"),
+            };
             let stiffness = match card.stiffness {
                 SpringStiffness::Value(stiffness) => stiffness,
-                SpringStiffness::Property(id) => *self.stiffness.get(&id).ok_or_else(|| {
+                SpringStiffness::Property(id) => *properties.get(&id).ok_or_else(|| {
                     card.at.problem(
-                        format!("spring {} uses property {id}, which is missing", card.id),
-                        "add its PELAS card, or INCLUDE the file that holds it",
+                        format!("{what} {} uses property {id}, which is missing", card.id),
+                        format!("add its {named} card, or INCLUDE the file that holds it"),
                     )
                 })?,
             };
+            let user = || format!("{what} {}", card.id);
             let mut ends = Vec::with_capacity(2);
-            let mut scalar = false;
             for (grid, freedom) in card.ends.into_iter().flatten() {
-                if lookup.find(grid).is_none() && (freedom.is_none() || lookup.is_scalar(grid)) {
-                    scalar = true;
-                    continue;
-                }
-                let node = lookup.require(grid, &|| format!("spring {}", card.id), &card.at)?;
-                let freedom = freedom.ok_or_else(|| {
-                    card.at.problem(
-                        format!("spring {} states no freedom of grid point {grid}", card.id),
-                        "give C1 and C2, each a freedom from 1 to 6",
-                    )
-                })?;
-                ends.push((node, freedom));
+                ends.push(lookup.freedom(grid, freedom, scalars, &user, &card.at)?);
             }
-            match *ends.as_slice() {
-                _ if scalar => {
-                    let name = format!("{} at scalar points", card.name);
-                    unread.note(&name, &card.at, Carries::Structure);
-                }
-                [first, ref rest @ ..] => {
-                    let second = rest.first().copied();
-                    springs.push(Spring::between(card.id, stiffness, first, second));
-                }
-                [] => {}
+            if let [first, ref rest @ ..] = *ends.as_slice() {
+                let second = rest.first().copied();
+                let value = if card.inert {
+                    stiffness * mass_scale
+                } else {
+                    stiffness
+                };
+                let [of_springs, of_masses] = &mut springs;
+                let list = if card.inert { of_masses } else { of_springs };
+                list.push(Spring::between(card.id, value, first, second));
             }
         }
         Ok(springs)
     }
+}
+
+/// The word for messages.
+fn kind(inert: bool) -> &'static str {
+    if inert { "mass" } else { "spring" }
+}
+
+/// Values of a card that holds several properties, each a number and a value.
+fn values(
+    card: &Card,
+    fields: &[usize],
+    what: &str,
+    into: &mut BTreeMap<u64, f64>,
+) -> Result<(), FileProblem> {
+    for &i in fields {
+        if i > 0 && card.is_blank(i) {
+            break;
+        }
+        let id = card.id(i, "PID")?;
+        let value = card.real_or_zero(i + 1, "value")?;
+        if into.insert(id, value).is_some() {
+            return Err(card.problem(
+                &format!("property {id} of {what} is defined twice"),
+                "renumber or remove one of them",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Two ends `G1 C1 G2 C2` from field `i`; a blank or zero grid point is the ground.
@@ -319,6 +325,15 @@ fn ends(card: &Card, i: usize) -> Result<[End; 2], FileProblem> {
         Ok::<_, FileProblem>(grid.map(|grid| (grid, freedom)))
     };
     Ok([end(i, "G1")?, end(i + 2, "G2")?])
+}
+
+/// Two ends `S1 S2` at scalar points from field `i`; a blank one or zero is the ground.
+fn scalar_ends(card: &Card, i: usize) -> Result<[End; 2], FileProblem> {
+    let end = |i: usize, name: &str| {
+        let point = card.optional_id(i, name)?.filter(|id| *id > 0);
+        Ok::<_, FileProblem>(point.map(|point| (point, None)))
+    };
+    Ok([end(i, "S1")?, end(i + 1, "S2")?])
 }
 
 /// Refuses two of the same number.

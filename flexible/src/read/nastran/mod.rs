@@ -161,7 +161,7 @@ impl Deck {
             "PARAM" => self.parameter(card)?,
             _ => {
                 return Ok(self.properties.read(card, &mut self.unread)?
-                    || self.masses.read(card, &mut self.unread)?
+                    || self.masses.read(card)?
                     || self.bushes.read(card, &mut self.unread)?
                     || self.supports.read(card)?
                     || self.ties.read(card)?
@@ -250,7 +250,10 @@ impl Deck {
             &lookup,
             self.mass_scale,
         )?;
-        mesh.springs = self.masses.springs(&lookup, &mut self.unread)?;
+        let [springs, inerters] =
+            self.masses
+                .springs(&lookup, &mut mesh.scalar_points, self.mass_scale)?;
+        (mesh.springs, mesh.inerters) = (springs, inerters);
         let around = Around {
             nodes: &mesh.nodes,
             grids: &grids,
@@ -265,14 +268,23 @@ impl Deck {
             &lookup,
             (&mesh.nodes, &mesh.frames),
             &selected,
+            &mut mesh.scalar_points,
             &mut self.unread,
         )?;
         let mut cards = HoldingCards::default();
-        mesh.supports =
-            self.supports
-                .supports(&grids, &lookup, &case.spc, &mut cards, &mut self.unread)?;
+        mesh.supports = self.supports.supports(
+            &grids,
+            &lookup,
+            &case.spc,
+            &mesh.scalar_points,
+            &mut cards,
+            &mut self.unread,
+        )?;
         mesh.support_cards = cards.into_list();
         mesh.interface = self.supports.interface(&lookup)?;
+        mesh.boundary = self
+            .supports
+            .boundary(&mesh.interface, &mesh.nodes, &lookup);
         mesh.unread = self.unread.into_list();
         mesh.doubts = self.doubts;
         mesh.doubts.extend(case.doubt.clone());

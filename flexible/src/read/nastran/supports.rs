@@ -9,8 +9,11 @@ use super::lines::At;
 use super::sections::Selection;
 use super::unread::UnreadCards;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Support};
+use crate::mesh::{Carries, Node, SCALAR, Support};
 use crate::read::held::HoldingCards;
+
+/// Most modal coordinates of a range; a card may state more numbers than there are points.
+const MOST_MODAL: usize = 100_000;
 
 #[derive(Clone, Debug)]
 struct Entry {
@@ -34,6 +37,10 @@ pub(super) struct Supports {
     /// Sets of equations that combine other sets.
     equation_sums: BTreeMap<u64, Vec<u64>>,
     equation_sets: BTreeSet<u64>,
+    /// Scalar points of modal coordinates (`QSET`).
+    modal: Vec<u64>,
+    /// Points of an external superelement with their freedoms (`EXTRN`).
+    external: Vec<(u64, u8)>,
     /// The first card that asks for a static condensation: its name and place.
     condensed: Option<(String, At)>,
 }
@@ -75,6 +82,32 @@ impl Supports {
                 let parts = vec![(list_of(card, 1)?, components(card, 0)?)];
                 self.interface.push(entry(card, 0, parts));
             }
+            "QSET" => {
+                for i in [0, 2, 4, 6] {
+                    if i == 0 || !card.is_blank(i) {
+                        self.modal.push(card.id(i, "ID")?);
+                    }
+                }
+            }
+            "QSET1" => {
+                for range in list_of(card, 1)?.ranges {
+                    let step = usize::try_from(range.step).unwrap_or(usize::MAX).max(1);
+                    let numbers = (range.from..=range.to).step_by(step);
+                    self.modal.extend(numbers.take(MOST_MODAL));
+                }
+            }
+            "EXTRN" => {
+                let mut i = 0;
+                while i < card.len() {
+                    let id = card.id(i, "GID")?;
+                    let components = match card.text(i + 1) {
+                        "0" => 0,
+                        _ => components(card, i + 1)?,
+                    };
+                    self.external.push((id, components));
+                    i += 2;
+                }
+            }
             "OMIT" | "OMIT1" => {
                 self.condensed
                     .get_or_insert_with(|| (card.name.clone(), card.at.clone()));
@@ -98,6 +131,7 @@ impl Supports {
         grids: &[GridCard],
         lookup: &Lookup,
         selection: &Selection,
+        scalars: &[u64],
         cards: &mut HoldingCards,
         unread: &mut UnreadCards,
     ) -> Result<Vec<Support>, FileProblem> {
@@ -120,6 +154,14 @@ impl Supports {
             }
             cards.note(&entry.name, &entry.at, entry.moved);
             collect(entry, lookup, &mut bits)?;
+            let of_scalars = entry
+                .parts
+                .iter()
+                .filter(|(_, components)| *components == 0);
+            for (ids, _) in of_scalars {
+                let named = (0u32..).zip(scalars).filter(|(_, id)| ids.holds(**id));
+                bits.extend(named.map(|(index, _)| (SCALAR | index, 1)));
+            }
         }
         Ok(list(bits))
     }
@@ -145,6 +187,39 @@ impl Supports {
             collect(entry, lookup, &mut bits)?;
         }
         Ok(list(bits))
+    }
+
+    /// The freedoms of matrices beside the deck, by ascending number: those of `EXTRN`, else those of the
+    /// sets a and q. Empty if `EXTRN` has another order, because the order of the rows is not certain then.
+    pub fn boundary(
+        &self,
+        interface: &[Support],
+        nodes: &[Node],
+        scalar: &Lookup,
+    ) -> Vec<(u64, u8)> {
+        let rows = |id: u64, components: u8| {
+            let freedoms = (1..=6u8).filter(move |f| components >> (f - 1) & 1 == 1);
+            freedoms
+                .chain((components == 0).then_some(0))
+                .map(move |f| (id, f))
+        };
+        let mut points = self.external.clone();
+        if points.is_empty() {
+            let modal = self.modal.iter().filter(|id| scalar.is_scalar(**id));
+            let kept = interface.iter().filter_map(|support| {
+                let node = nodes.get(support.node as usize)?;
+                Some((node.id, support.components))
+            });
+            points.extend(kept.chain(modal.map(|id| (*id, 0))));
+            points.sort_unstable();
+        }
+        match points.is_sorted() {
+            true => points
+                .into_iter()
+                .flat_map(|(id, components)| rows(id, components))
+                .collect(),
+            false => Vec::new(),
+        }
     }
 
     /// The sets of equations that apply; `None` means all.

@@ -84,6 +84,7 @@ impl Ties {
         lookup: &Lookup,
         places: (&[Node], &[Frame]),
         selected: &dyn Fn(u64) -> bool,
+        scalars: &mut Vec<u64>,
         unread: &mut UnreadCards,
     ) -> Result<Vec<Tie>, FileProblem> {
         self.cards.sort_by_key(|card| card.order);
@@ -103,7 +104,7 @@ impl Ties {
                 unread.note("MPC of sets not selected", &card.at, Carries::Nothing);
                 continue;
             }
-            tie(card, lookup, places, unread, &mut ties)?;
+            tie(card, lookup, places, scalars, &mut ties)?;
         }
         Ok(ties)
     }
@@ -113,7 +114,7 @@ fn tie(
     card: &TieCard,
     lookup: &Lookup,
     (nodes, frames): (&[Node], &[Frame]),
-    unread: &mut UnreadCards,
+    scalars: &mut Vec<u64>,
     ties: &mut Vec<Tie>,
 ) -> Result<(), FileProblem> {
     let id = card.id;
@@ -154,17 +155,7 @@ fn tie(
         Kind::Equation(given) => {
             let mut terms = Vec::with_capacity(given.len());
             for &(grid, freedom, coefficient) in given {
-                if lookup.find(grid).is_none() && (freedom.is_none() || lookup.is_scalar(grid)) {
-                    unread.note("MPC with scalar points", &card.at, Carries::Structure);
-                    return Ok(());
-                }
-                let node = lookup.require(grid, &user, &card.at)?;
-                let freedom = freedom.ok_or_else(|| {
-                    card.at.problem(
-                        format!("MPC {id} states no freedom of grid point {grid}"),
-                        "give C1, C2, …, each a freedom from 1 to 6",
-                    )
-                })?;
+                let (node, freedom) = lookup.freedom(grid, freedom, scalars, &user, &card.at)?;
                 terms.push((node, freedom, coefficient));
             }
             Tie::Equation { id, terms }
