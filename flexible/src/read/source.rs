@@ -180,7 +180,7 @@ impl<'f> Source<'f> {
         let why = last.map_or_else(String::new, |problem| problem.problem);
         Err(at.problem(
             format!(
-                "{include} '{name}': {why} (tried {})",
+                "the file '{name}' {why} (tried {})",
                 candidates.join(", ")
             ),
             "check the name; paths are relative to the including file, the deck or the folder of the model",
