@@ -368,6 +368,7 @@ fn phases(name: &str) -> Result<(), Failure> {
         &Full {
             freedoms: &full.freedoms,
             mass: &full.mass,
+            condensed: false,
             rigid: &motions,
         },
         &shapes,

@@ -95,7 +95,7 @@ fn turn_condensed(n: usize, out: &mut Invariants) {
 ///
 /// A condensed mass does not commute with `E_k`, and scalar points have no direction to turn. Mass, first
 /// moment, inertia, `R_tᵀ M Φ`, `R_rᵀ M Φ`, `Φᵀ M Φ` are exact all the same. Of `R_rᵀ M E_k Φ` only a part is
-/// known ([`turn_condensed`]). The remaining blocks are those of the turning nodes, with scalar points that
+/// known (`turn_condensed`). The remaining blocks are those of the turning nodes, with scalar points that
 /// do not turn (`docs/theory.md`).
 pub fn invariants(full: &Full, shapes: &[f64], stiffness: &[f64]) -> Invariants {
     let size = full.freedoms.size();

@@ -35,7 +35,8 @@ pub(super) fn make(
                 inputs.insert(key(block.keyword.require("NAME", "NAME")?), block);
             }
             "MATRIXASSEMBLE" => {
-                if assembled.replace(block).is_some() || block.keyword.has("NSET") {
+                let several = assembled.replace(block).is_some();
+                if several || block.keyword.has("NSET") {
                     let name = "*MATRIX ASSEMBLE of several parts or other nodes";
                     unread.note(name, &block.keyword.at, Carries::Structure);
                 }

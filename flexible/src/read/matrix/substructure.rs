@@ -83,10 +83,7 @@ pub(super) fn read(mut text: Text, file: &str, name: &str) -> Result<ForeignMatr
         mark_modal(&mut rows, stiffness);
     }
     let wanted = |kind: &str| name.is_empty() || kind.eq_ignore_ascii_case(name);
-    let found = blocks
-        .into_iter()
-        .filter(|(kind, _)| wanted(kind))
-        .next_back();
+    let found = blocks.into_iter().rfind(|(kind, _)| wanted(kind));
     let found = found.map(|(kind, values)| ForeignMatrix {
         file: file.into(),
         name: kind,

@@ -375,7 +375,8 @@ impl Ids {
     /// Whether a number is among them.
     pub fn holds(&self, id: u64) -> bool {
         let within = |range: &IdRange| {
-            (range.from..=range.to).contains(&id) && (id - range.from) % range.step.max(1) == 0
+            (range.from..=range.to).contains(&id)
+                && (id - range.from).is_multiple_of(range.step.max(1))
         };
         self.ranges.iter().any(within) && !self.except.contains(&id)
     }
