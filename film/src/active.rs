@@ -51,7 +51,7 @@ impl Film {
         let grid = &level.grid;
         if rule == Cavitation::Half {
             state.full.fill(true);
-            state.straight.fill(false);
+            state.limited.fill(false);
         }
         let mut moving = 0;
         for round in 1..=ROUNDS {
@@ -156,14 +156,13 @@ impl Film {
             known[link.a] += conductance * b.q - flow;
             known[link.b] += conductance * a.q + flow;
         }
-        for (edge, straight) in grid.edges.iter().zip(&state.straight) {
-            let [own, inner] = edge
-                .factors(*straight)
-                .map(|factor| factor * state.conductance[edge.link]);
+        for (edge, limited) in grid.edges.iter().zip(&state.limited) {
+            let factors = edge.factors(*limited);
+            let [own, inner, fixed] = factors.map(|factor| factor * state.conductance[edge.link]);
             let [first, second] = edge.cells;
-            rows[first][OWN] += (own + inner) * sides[first].pressed;
-            rows[first][edge.toward] -= inner * sides[second].pressed;
-            known[first] += own * sides[edge.fixed].q;
+            rows[first][OWN] += own * sides[first].pressed;
+            rows[first][edge.toward] += inner * sides[second].pressed;
+            known[first] -= fixed * sides[edge.fixed].q;
         }
         for (cell, data) in grid.cells.iter().enumerate() {
             let side = &sides[cell];
@@ -263,8 +262,8 @@ fn slack(grid: &Grid, state: &mut LevelWork, spin: f64) {
             }
         }
     }
-    for (edge, straight) in grid.edges.iter().zip(&state.straight) {
-        let drop = edge.outward * edge.drop(*straight, |side| state.q[side]);
+    for (edge, limited) in grid.edges.iter().zip(&state.limited) {
+        let drop = edge.outward * edge.drop(*limited, |side| state.q[side]);
         let pressed = state.conductance[edge.link] * drop;
         let [sum, parts] = &mut state.slack[edge.cells[0]];
         *sum += pressed;
@@ -278,10 +277,10 @@ fn slack(grid: &Grid, state: &mut LevelWork, spin: f64) {
 fn change(grid: &Grid, state: &mut LevelWork, rule: Cavitation, round: usize) -> Option<usize> {
     let highest = largest(&state.q);
     let mut changed = None;
-    for (edge, straight) in grid.edges.iter().zip(&mut state.straight) {
-        let next = edge.is_straight(*straight, ROUNDING * highest, |side| state.q[side]);
-        if next != *straight {
-            (*straight, changed) = (next, Some(edge.cells[0]));
+    for (edge, limited) in grid.edges.iter().zip(&mut state.limited) {
+        let next = edge.is_at_limit(*limited, ROUNDING * highest, |side| state.q[side]);
+        if next != *limited {
+            (*limited, changed) = (next, Some(edge.cells[0]));
         }
     }
     for (cell, data) in grid.cells.iter().enumerate() {

@@ -12,13 +12,16 @@
 //! with the length l of the face; for equal cells w is 3 l/a and s is 1/6. A parabola across is exact then.
 //!
 //! Where the film ruptures near an end, the parabola would draw oil out of a place that has none. So at ends, and at
-//! openings that are full in part, the second cell counts no more than a straight line through the first one allows:
+//! openings that are full in part, the second cell counts no more than a limit that depends on the first one and on the
+//! fixed q:
 //!
 //! ```text
-//! k w [(1 + s) u₁ − s min(u₂, r u₁)]      r = (2a + b)/a
+//! k w [(1 + s) u₁ − s min(u₂, ρ q₁ − r q_fixed)]      r = (2a + b)/a      ρ = r/4 + 3/4 (1 + 1/s)
 //! ```
 //!
-//! This flow rises with u₁, falls with u₂, and has no jump. So the solution stays unique.
+//! With a cavity in the first cell, q₁ = 0, the limited flow is that of a straight line. For equal cells r is 3 and ρ is
+//! 6. A full film is far from the limit, so its equations stay linear. The flow rises with q₁, as ρ is below `1 + 1/s`,
+//! falls with q₂, and has no jump. So the solution stays unique.
 
 /// An edge with two cells behind it.
 #[derive(Clone, Copy, Debug)]
@@ -33,12 +36,12 @@ pub(crate) struct Edge {
     pub outward: f64,
     /// Place of the second cell in the row of the first.
     pub toward: usize,
-    /// Whether the second cell counts no more than a straight line allows.
+    /// Whether the second cell has a limit.
     limited: bool,
     /// s.
     bend: f64,
-    /// r.
-    straight: f64,
+    /// r and ρ.
+    limit: [f64; 2],
 }
 
 impl Edge {
@@ -58,6 +61,8 @@ impl Edge {
     ) -> (Self, f64) {
         let [a, b] = widths;
         let first = sides[0] == own;
+        let bend = a * a / ((a + b) * (2.0 * a + b));
+        let straight = (2.0 * a + b) / a;
         let edge = Edge {
             link,
             cells: [own, inner],
@@ -65,33 +70,39 @@ impl Edge {
             outward: if first { 1.0 } else { -1.0 },
             toward,
             limited,
-            bend: a * a / ((a + b) * (2.0 * a + b)),
-            straight: (2.0 * a + b) / a,
+            bend,
+            limit: [straight, straight / 4.0 + 0.75 * (1.0 + 1.0 / bend)],
         };
         (edge, (2.0 * a + b) / (a + b))
     }
 
-    /// Factors of u₁ and of `u₁ − u₂` in the flow, beside u₁ itself: those of a straight line, or of the parabola.
-    pub(crate) fn factors(&self, straight: bool) -> [f64; 2] {
-        match straight {
-            true => [self.bend * (1.0 - self.straight), 0.0],
-            false => [0.0, self.bend],
+    /// Factors of q in the first cell, in the second one and at the fixed place, which the flow has beside u₁: those of the
+    /// parabola, or of the limit.
+    pub(crate) fn factors(&self, at_limit: bool) -> [f64; 3] {
+        let [r, rho] = self.limit;
+        match at_limit {
+            true => [self.bend * (1.0 - rho), 0.0, self.bend * (r - 1.0)],
+            false => [self.bend, -self.bend, 0.0],
         }
     }
 
-    /// Drop of q that the flow from a to b has beside that between its sides.
-    pub(crate) fn drop(&self, straight: bool, q: impl Fn(usize) -> f64) -> f64 {
-        let [own, inner] = self.factors(straight);
-        let [first, second] = self.cells.map(&q);
-        self.outward * (own * (first - q(self.fixed)) + inner * (first - second))
+    /// The places that the factors belong to.
+    pub(crate) fn places(&self) -> [usize; 3] {
+        [self.cells[0], self.cells[1], self.fixed]
     }
 
-    /// Whether the straight line counts at the present q. Within `near` of a change the present one counts.
-    pub(crate) fn is_straight(&self, present: bool, near: f64, q: impl Fn(usize) -> f64) -> bool {
-        let fixed = q(self.fixed);
+    /// Drop of q that the flow from a to b has beside that between its sides.
+    pub(crate) fn drop(&self, at_limit: bool, q: impl Fn(usize) -> f64) -> f64 {
+        let parts = self.places().into_iter().zip(self.factors(at_limit));
+        self.outward * parts.map(|(place, factor)| factor * q(place)).sum::<f64>()
+    }
+
+    /// Whether the limit counts at the present q. Within `near` of a change the present state stays.
+    pub(crate) fn is_at_limit(&self, present: bool, near: f64, q: impl Fn(usize) -> f64) -> bool {
         // pressures below zero become a cavity
-        let [first, second] = self.cells.map(|cell| q(cell).max(0.0) - fixed);
-        let beyond = second - self.straight * first;
+        let [first, second] = self.cells.map(|cell| q(cell).max(0.0));
+        let [r, rho] = self.limit;
+        let beyond = second - (rho * first + (1.0 - r) * q(self.fixed));
         self.limited
             && if beyond.abs() <= near {
                 present

@@ -109,8 +109,8 @@ pub(crate) struct LevelWork {
     pub pin_slope: Vec<[f64; 2]>,
     /// Cells without cavity.
     pub full: Vec<bool>,
-    /// Edges at which a straight line counts.
-    pub straight: Vec<bool>,
+    /// Edges whose second cell is at its limit.
+    pub limited: Vec<bool>,
     /// Drops of q by the edges at the links, beside those between the sides: of q, and of the q that the rule `half` cuts.
     pub bent: Vec<[f64; 2]>,
     /// q of cells and fixed places: the pressure, transformed by Barus' law.
@@ -144,10 +144,10 @@ impl LevelWork {
 
     /// Writes the drops of the edges at the present solution.
     pub(crate) fn set_bent(&mut self, edges: &[Edge]) {
-        for (edge, straight) in edges.iter().zip(&self.straight) {
+        for (edge, limited) in edges.iter().zip(&self.limited) {
             self.bent[edge.link] = [
-                edge.drop(*straight, |side| self.q[side]),
-                edge.drop(*straight, |side| self.cut(side)),
+                edge.drop(*limited, |side| self.q[side]),
+                edge.drop(*limited, |side| self.cut(side)),
             ];
         }
     }
@@ -187,7 +187,7 @@ impl LevelWork {
             cell_rate: vec![0.0; cells],
             pin_slope: vec![[0.0; 2]; cells],
             full: vec![true; cells],
-            straight: vec![false; level.grid.edges.len()],
+            limited: vec![false; level.grid.edges.len()],
             bent: vec![[0.0; 2]; links],
             q: vec![0.0; cells + fixed],
             content: vec![1.0; cells + fixed],
@@ -403,10 +403,10 @@ impl Film {
     }
 
     /// Appends the set of equations of the last solution: for each cell 1 if it is full, else 0; then for each
-    /// edge 1 if a straight line counts there, else 0.
+    /// edge 1 if its second cell is at its limit, else 0.
     pub fn cavity(&self, work: &Work, numbers: &mut Vec<f64>) {
         let state = &work.levels[0];
-        let set = state.full.iter().chain(&state.straight);
+        let set = state.full.iter().chain(&state.limited);
         numbers.extend(set.map(|set| f64::from(u8::from(*set))));
     }
 
@@ -414,11 +414,11 @@ impl Film {
     /// there are too few, the search begins as it would without them.
     pub fn begin_at<'n>(&self, work: &mut Work, numbers: &'n [f64]) -> &'n [f64] {
         let state = &mut work.levels[0];
-        let count = state.full.len() + state.straight.len();
+        let count = state.full.len() + state.limited.len();
         let Some((own, others)) = numbers.split_at_checked(count) else {
             return &[];
         };
-        let set = state.full.iter_mut().chain(&mut state.straight);
+        let set = state.full.iter_mut().chain(&mut state.limited);
         for (set, number) in set.zip(own) {
             *set = *number != 0.0;
         }
@@ -576,6 +576,6 @@ impl Film {
             }
             None => full.fill(true),
         }
-        fine[at].straight.fill(false);
+        fine[at].limited.fill(false);
     }
 }

@@ -183,16 +183,14 @@ impl Film {
     fn weigh_edges(&self, solution: &Solution, output: usize, mut weigh: impl FnMut(usize, f64)) {
         let Solution { level, state, .. } = *solution;
         let ends = level.grid.ends(&self.source);
-        for (edge, straight) in level.grid.edges.iter().zip(&state.straight) {
+        for (edge, limited) in level.grid.edges.iter().zip(&state.limited) {
             let link = &level.grid.links[edge.link];
             let conducted = match output {
                 LOSS => state.pressure[link.a][0] - state.pressure[link.b][0],
                 _ => link.outward(ends, state.pressed(edge.link, link)),
             };
-            let [own, inner] = edge.factors(*straight);
-            let [first, second] = edge.cells;
             let conducted = edge.outward * state.conductance[edge.link] * conducted;
-            for (side, factor) in [(first, own + inner), (second, -inner), (edge.fixed, -own)] {
+            for (side, factor) in edge.places().into_iter().zip(edge.factors(*limited)) {
                 let slope = state.pressure[side][1];
                 if slope > 0.0 {
                     weigh(side, factor * conducted / slope);
@@ -385,10 +383,10 @@ impl Film {
             }
         }
         add_run(slopes, [ECCENTRICITY, TILT], normal, &mut run);
-        for (edge, straight) in level.grid.edges.iter().zip(&state.straight) {
-            let [own, _] = edge.factors(*straight);
+        for (edge, limited) in level.grid.edges.iter().zip(&state.limited) {
+            let [_, _, fixed] = edge.factors(*limited);
             if let Some(place) = self.pressure_input(edge.fixed - count) {
-                let by_pressure = own * state.conductance[edge.link];
+                let by_pressure = -fixed * state.conductance[edge.link];
                 let transform = 1.0 / state.pressure[edge.fixed][1].max(1.0);
                 add(
                     &mut slopes[place],

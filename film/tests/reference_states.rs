@@ -159,7 +159,7 @@ fn states_of_the_reference() {
         "force, rms: 144 x 24 {:.1e}, extrapolated {:.1e}",
         rms[0], rms[1]
     );
-    assert!(rms[0] < 1.2e-3 && rms[1] < 5e-5, "{rms:?}");
+    assert!(rms[0] < 1e-3 && rms[1] < 5e-5, "{rms:?}");
 }
 
 #[test]
@@ -433,4 +433,48 @@ fn errors_of_the_usual_cells_are_those_of_the_documents() {
         let stated = format!("{:.1} % wrong", USUAL_CELLS[1][1]);
         assert!(text.contains(&stated), "{stated}");
     }
+}
+
+/// Full films are linear: the force is across the eccentricity, the pin's middle has no kink, and the error on the usual cells
+/// is that of films with a cavity. One with flooded ends, one fed by a ring groove, and one with a tilt about the middle.
+#[test]
+fn full_films_are_as_exact_as_others() {
+    let solve = |ratio: f64, tilt: f64, groove: bool, cells: [usize; 2]| {
+        let mut source = FilmSource::plain(1.0, 0.5, 1.0, Cavitation::Reynolds, cells);
+        if groove {
+            source.openings.push(Opening::ring_groove(
+                0.0,
+                std::f64::consts::TAU,
+                0.1,
+                Feed::Pressure,
+            ));
+        }
+        let supply = [1000.0];
+        let inputs = Inputs {
+            eccentricity: [ratio, 0.0],
+            tilt: [tilt, 0.0],
+            spin: 1.0,
+            end_pressure: 1000.0,
+            supply: if groove { &supply } else { &[] },
+            ..Inputs::still(1.0)
+        };
+        let outputs = solved(source, inputs.write()).expect("a film").outputs;
+        [outputs[0], outputs[1], outputs[2], outputs[3]]
+    };
+    for (ratio, tilt, groove, largest, limits) in [
+        (0.6, 0.0, false, 1, [1e-9, 1e-3]),
+        (0.8, 0.0, false, 1, [1e-9, 1e-3]),
+        (0.6, 0.0, true, 1, [1e-9, 1e-3]),
+        (0.0, 2.0, false, 2, [1e-9, 1e-2]),
+    ] {
+        let found = solve(ratio, tilt, groove, [72, 13]);
+        let [fine, finest] = [[144, 52], [288, 104]].map(|cells| solve(ratio, tilt, groove, cells));
+        let due = finest[largest] + (finest[largest] - fine[largest]) / 3.0;
+        let beside = found[largest ^ 1] / due;
+        let error = found[largest] / due - 1.0;
+        println!("{ratio} {tilt} {groove}: {error:.1e}, beside {beside:.1e}");
+        assert!(beside.abs() < limits[0] && error.abs() < limits[1]);
+    }
+    let [middle, beside] = [1e-6, 1e-3].map(|ratio| solve(ratio, 0.0, false, [36, 7])[1] / ratio);
+    assert!((middle / beside - 1.0).abs() < 1e-4, "{middle} {beside}");
 }
