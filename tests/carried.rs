@@ -1,20 +1,8 @@
 //! Quasi-static starts of machines on mounts: shafts turn about the axes of their tilted blocks.
 
-use crate::library_run::{close, column};
-use eng::{Outcome, Sources, StartReport};
+use crate::library_run::{close, column, outcome as run};
+use eng::{Outcome, StartReport};
 use eng_runtime::start::Equilibrium;
-
-fn run(text: &str, analysis: &str) -> Outcome {
-    let program = eng::check(&Sources::from_text("m.eng", text), "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"));
-    let analysis = program
-        .analysis(analysis)
-        .unwrap_or_else(|error| panic!("{error}"));
-    analysis
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error))
-}
 
 /// The quasi-static start of a run.
 fn begun(outcome: &Outcome) -> &Equilibrium {

@@ -1,10 +1,10 @@
 //! What the tests of the library's laws share: runs of texts, integrals, an independent integrator, roots.
 
-use eng::Sources;
 use eng::results::Results;
+use eng::{Outcome, Sources};
 
-/// Results of an analysis of a text.
-pub fn run(text: &str, analysis: &str) -> Results {
+/// The outcome of an analysis of a text.
+pub fn outcome(text: &str, analysis: &str) -> Outcome {
     let program = eng::check(&Sources::from_text("m.eng", text), "m.eng")
         .into_program()
         .unwrap_or_else(|report| panic!("{report}"));
@@ -14,7 +14,11 @@ pub fn run(text: &str, analysis: &str) -> Results {
     analysis
         .run(&mut |_| {})
         .unwrap_or_else(|failed| panic!("{}", failed.error))
-        .results
+}
+
+/// Results of an analysis of a text.
+pub fn run(text: &str, analysis: &str) -> Results {
+    outcome(text, analysis).results
 }
 
 /// The message with which a text or its analysis is refused.

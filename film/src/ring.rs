@@ -19,8 +19,9 @@
 //! no such cell, as in a cavity or an opening, the ring is open there. Cells that couple with no other cell,
 //! such as those of a cavity without content, are rows of the identity. Their elimination is skipped.
 //!
-//! No pivots are exchanged. The matrix is weakly diagonally dominant by columns, with a positive diagonal and
-//! no positive numbers beside it. Cells of a cavity that closes within a step are an exception; they fill in
+//! No pivots are exchanged. The matrix has a positive diagonal and no positive numbers beside it. It is weakly
+//! diagonally dominant by columns. Beside edges (`edge.rs`), for equal cells and gaps, it is so after a division of
+//! the first cells' rows by 3/2, which changes the sign of no pivot. Cells of a cavity that closes within a step are an exception; they fill in
 //! the next round. An explicit inverse of such a block is as exact as its factors.
 
 use crate::block::{add, add_lanes, apply, apply_transposed, invert, with_width};
