@@ -53,11 +53,11 @@ pub(crate) struct LoadErrors {
     /// Largest error of the load at the same places of the pin, over the largest load of the moments; positive for a load
     /// that is too high.
     pub load: f64,
-    /// Largest error of the highest pressure at the same load and the same rates, over the largest one of the moments.
+    /// Largest error of the highest pressure at the same load and the scaled orbit, over the largest one of the moments.
     /// `None` if no place with this load was found.
     pub pressure: Option<f64>,
     /// At the moment of the least film: that film (m), and by how much it is too thick (m) at the same load and
-    /// the same rates. `None` as above.
+    /// the scaled orbit. `None` as above.
     pub film: Option<[f64; 2]>,
 }
 
