@@ -361,6 +361,53 @@ impl RecordedField {
         solved.collect()
     }
 
+    /// Whether it keeps numbers from step to step, such as the oil in its cells.
+    pub(crate) fn has_memory(&self) -> bool {
+        self.own.memory() > 0
+    }
+
+    /// The largest share, over these moments, of the cells at flooded ends that are not full of oil. `None` without
+    /// flooded ends.
+    ///
+    /// # Errors
+    /// Those of the kernel.
+    pub(crate) fn unfilled_ends(
+        &self,
+        motion: &Results,
+        moments: &[usize],
+    ) -> Result<Option<f64>, FieldError> {
+        let pressure = format!("{}.end_pressure", self.name);
+        let flooded = |at: &usize| {
+            let column = motion.columns().iter().find(|c| c.path == pressure);
+            column
+                .and_then(|c| c.values.get(*at))
+                .is_some_and(|p| *p > 0.0)
+        };
+        let moments: Vec<usize> = moments.iter().copied().filter(flooded).collect();
+        let content = self
+            .kernel
+            .cells
+            .iter()
+            .position(|cell| cell.name == "content");
+        let Some(content) = content.filter(|_| !moments.is_empty()) else {
+            return Ok(None);
+        };
+        let grid = self.grid();
+        let across = grid.across.len().saturating_sub(1).max(1);
+        let mut values = vec![0.0; grid.cells()];
+        let mut most = 0.0_f64;
+        self.each_solved(motion, &moments, &mut |solver| {
+            solver.cells(content, &mut values);
+            let columns = values.chunks(across);
+            let ends = columns
+                .flat_map(|column| [column.first(), column.last()])
+                .flatten();
+            let unfilled = ends.clone().filter(|content| **content < 1.0).count();
+            most = most.max(unfilled as f64 / ends.count() as f64);
+        })?;
+        Ok(Some(most))
+    }
+
     /// These solutions and those on twice as many cells in both directions. Moments that the finer grid does not
     /// solve are left out. `gap_name` is the reading of the least gap.
     ///

@@ -833,6 +833,36 @@ analysis run = transient(Turning(), duration: 10 ms, sample: 10 ms/18)
     assert_eq!(told(3000, 0), told(0, 3000));
 }
 
+/// A film that keeps its oil has a line that says why no error is known. With little pressure at the ends the oil does not fill
+/// the outermost cells of the diverging gap, and the line says so.
+#[test]
+fn a_film_with_memory_says_that_its_error_is_not_known() {
+    let told = |pressure: &str| {
+        let law = format!(
+            "Film(rotor.mid, seat, {BEARING}, around: 36, across: 8, cavitation: mass_conserving, end_pressure: {pressure})"
+        );
+        let text = rotor(&law).replace("3 rev, sample: 10", "20 deg, sample: 5");
+        let program = eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program();
+        let program = program.unwrap_or_else(|report| panic!("{report}"));
+        let analysis = program.analysis("run").expect("an analysis");
+        let run = eng::run::run(&analysis, true, &mut |_| {});
+        let run = run.unwrap_or_else(|failed| panic!("{}", failed.error));
+        let mut facts = run.facts.into_iter();
+        facts
+            .find(|fact| fact.starts_with("cells of main, 36 × 8"))
+            .expect("a line")
+    };
+    for (pressure, unfilled) in [("0.1 bar", true), ("30 bar", false)] {
+        let told = told(pressure);
+        println!("{told}");
+        assert!(
+            told.contains("the error of the cells is not known"),
+            "{told}"
+        );
+        assert_eq!(told.contains("of the flooded ends"), unfilled, "{told}");
+    }
+}
+
 /// A hole of the pin fills cell after cell, so the places of extremes, the cavity and the slopes of the film never repeat
 /// exactly. The motion repeats, and `periodic` ends without doubt about the noise of its steps.
 #[test]
