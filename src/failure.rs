@@ -174,6 +174,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("linearise the film under a load: leave out `start: assembled`, or state a load"),
         R::Kinked { origin, .. } => place(d(codes::KINKED), origin, "is at its kink")
             .with_help("move the state away from the kink, by a load or a play; or round the law there, such as by `positive` of `std.math` in place of `max`"),
+        R::JumpsInPeriod { jump, .. } => place(d(codes::KINKED), &jump.origin, "jumps on the way")
+            .with_help("round the jump over a short way or a range of low speeds, such as by `tanh(v/(1 mm/s))` in place of the sign of v"),
         R::KinkedOutput { .. } => d(codes::KINKED)
             .with_help("ask for a quantity that is smooth there, such as a component in place of a distance or an absolute value; or move the state away by a load or a play"),
         R::Grows { .. } => d(codes::GROWS)

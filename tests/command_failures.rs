@@ -658,6 +658,40 @@ fn a_force_that_holds_the_motion_beside_other_loads_is_refused() {
     }
 }
 
+/// A block sticks under a friction that is zero at rest itself: the jump has two parts. The length of the model, which sets the
+/// tolerance of positions, does not decide whether the run ends.
+#[test]
+fn friction_with_a_value_at_rest_is_refused_at_any_length_of_the_model() {
+    for far in ["20", "40", "100", "150"] {
+        let text = format!(
+            "use std.joints.Translational
+force Dry(a: Marker, b: Marker) {{
+    let v = dot(a.velocity - b.velocity, b.z)
+    apply force (if v > 0 m/s then -1 N else if v < 0 m/s then 1 N else 0 N)*b.z on a against b
+}}
+model Stick {{
+    gravity = [0, 0, 0] m/s^2
+    marker wall = [0, 0, 0] mm
+    body block {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin; marker far = [{far}, 0, 0] mm }}
+    joint rail = Translational(block.eye, wall)
+    force dry = Dry(block.eye, wall)
+    start rail.speed = 0.1 m/s
+    output place = block.far.origin in ground as mm
+}}
+analysis run = transient(Stick(), duration: 0.2 s)
+"
+        );
+        let folder = Folder::with("third", &text);
+        let output = folder.eng(&["run", "model.eng", "--no-plots"]);
+        let told = said(&output);
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(
+            told.contains("error[E0770]: the force of dry jumps by 2 N"),
+            "{far} mm: {told}"
+        );
+    }
+}
+
 /// A piston under dry friction comes to rest at mid-stroke of a slider-crank that nothing drives. Steps across the jump have no
 /// solution, so they end before it, again and again.
 #[test]

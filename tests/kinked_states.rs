@@ -365,3 +365,59 @@ fn outputs_with_a_kink_at_the_state_are_refused() {
         assert_eq!(shaken(smooth), None, "{smooth}");
     }
 }
+
+/// A driven block on a spring with a second law, about its motion of one period.
+fn driven(law: &str) -> String {
+    block(law, "0.1 mm")
+        .replace(
+            "force spring",
+            "force shake = Shake(block.eye, floor)\n            force spring",
+        )
+        .replace(
+            "model Block",
+            "force Shake(a: Marker, b: Marker) {
+            apply force 5 N*sin(100 rad/s*time)*b.z on a against b
+        }
+        model Block",
+        )
+        .replace(
+            "linear(Block())",
+            "linear(Block(), after: 3 s, over: 0.06283185307179587 s)",
+        )
+}
+
+/// A motion passes a kink at which a load bends. One at which a load jumps is refused, because a perturbed motion meets it at
+/// another moment.
+#[test]
+fn a_motion_that_passes_a_jump_is_refused() {
+    let bent = modes(&driven("Bent(block.eye, floor, up: 2 N/mm, down: 1 N/mm)"));
+    let slowest = bent.expect("modes").oscillations().count();
+    assert!(slowest > 0);
+    match modes(&driven("Jump(block.eye, floor)")) {
+        Err(RuntimeError::JumpsInPeriod { jump, .. }) => {
+            assert_eq!(jump.origin.path, "load");
+            assert!((jump.by - 5.0).abs() < 1e-6, "{jump:?}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A block that rests at the kink of its stop while another one moves is refused, as it is at rest alone.
+#[test]
+fn a_motion_with_a_block_that_rests_at_a_kink_is_refused() {
+    let text = driven("EndStop(block.eye, floor, stiffness: 100 N/mm)")
+        .replace("start rail.travel = 0.1 mm", "start rail.travel = 0 mm")
+        .replace(
+            "force shake = Shake(block.eye, floor)",
+            "body other {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }}
+            joint rail_of_other = Translational(other.eye, floor)
+            force spring_of_other = LinearSpring(other.eye, top, stiffness: 1 N/mm, damping: 2 N*s/m, free_length: 100 mm)
+            force shake = Shake(other.eye, floor)",
+        )
+        .replace("{{", "{")
+        .replace("}}", "}");
+    assert_eq!(
+        refused(&text),
+        ("load".to_owned(), "depth > 0 mm".to_owned())
+    );
+}

@@ -670,6 +670,48 @@ fn a_stiff_stop_is_met_at_any_distance_of_samples() {
     }
 }
 
+/// A block at 1 m/s passes a detent, whose load begins and ends at the two zeros of one function, and is zero with a power of this
+/// function there. So a step from one zero to the other would see no load. Each detent takes 0.32 J of the block's 0.5 J, so
+/// the speed behind it is 0.6 m/s. With 5 J the same detent is a wall, and the block comes back.
+#[test]
+fn a_load_between_the_zeros_of_one_function_is_not_stepped_over() {
+    // shapes over (−1, 1) with their integrals
+    let shapes = [
+        ("max(1 - u^2, 0)", 4.0 / 3.0),
+        ("max(1 - u^2, 0)^2", 16.0 / 15.0),
+        ("max(1 - u^2, 0)^3", 32.0 / 35.0),
+        ("max(1 - u^4, 0)^2", 64.0 / 45.0),
+        ("max(1 - norm([u, 0], floor: 1e-4), 0)", 1.0 - 1e-4),
+    ];
+    for (shape, integral) in shapes {
+        for half in [1e-5, 1e-4, 1e-3, 3e-3] {
+            for sample in ["40 ms", "20 ms", "13 ms", "3 ms"] {
+                let speed = |energy: f64| {
+                    let top = energy / (integral * half);
+                    let shape = shape.replace('u', &format!("((way - 10 mm)/({half} m))"));
+                    let settings = format!("duration: 40 ms, sample: {sample}");
+                    let outcome = pushed(&format!("-{top} N*{shape}"), [0.0, 1.0], &settings);
+                    let speeds = &outcome
+                        .results
+                        .column("guide.speed")
+                        .expect("a speed")
+                        .values;
+                    speeds[speeds.len() - 1]
+                };
+                for (energy, due) in [(0.32, 0.6), (5.0, -1.0)] {
+                    let found = speed(energy);
+                    // without `resolve` a place is as exact as the tolerance of positions, which a wall of 10 µm shows
+                    let limit = if half < 1e-4 { 2e-2 } else { 5e-3 };
+                    assert!(
+                        (found - due).abs() < limit,
+                        "{shape} of {half} m, {energy} J, samples of {sample}: {found} and {due} m/s"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// Loads that jump: at a moment at which a step ends, while another load acts; at a place of the motion,
 /// through which it passes; at a speed, which is known to a share of its size. The end of each motion is
 /// known, at any distance of samples.

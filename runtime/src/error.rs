@@ -630,6 +630,16 @@ pub enum RuntimeError {
         /// When.
         moment: Moment,
     },
+    /// A load or a rate jumps at a kink that a repeating motion passes.
+    #[error(
+        "{jump} at {moment}, and the motion passes it in each period: small motions meet the jump earlier or later, so the linear equations along the motion do not give their modes"
+    )]
+    JumpsInPeriod {
+        /// When.
+        moment: Moment,
+        /// The jump.
+        jump: Jump,
+    },
     /// An output has other slopes on both sides of the state.
     #[error(
         "the output {path} has a kink at {moment}: its slopes to both sides of the state differ, so no matrix gives it"

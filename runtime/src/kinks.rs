@@ -138,6 +138,8 @@ pub struct Kinks {
     /// Counts of passages that fall with each step without one.
     passages: Vec<f64>,
     often: Option<usize>,
+    /// A kink of the motion that the last step passed.
+    passed: Option<usize>,
     neighbours: Neighbours,
     points: Points,
     clocks: Vec<Clock>,
@@ -187,6 +189,7 @@ impl Kinks {
             stays: Vec::new(),
             passages: Vec::new(),
             often: None,
+            passed: None,
             neighbours: Neighbours::default(),
             points: Points::default(),
             clocks: Vec::new(),
@@ -502,6 +505,11 @@ impl Kinks {
                 *stay = 0.0;
             }
         }
+        let mut changes = self.now.iter().zip(&self.next).enumerate();
+        let passed = changes.find(|(item, (from, to))| {
+            from[0] * to[0] < 0.0 && self.items[*item].limit != Limit::Time && self.used[*item]
+        });
+        self.passed = passed.map(|(item, _)| item);
         self.often = None;
         let pairs = self.now.iter().zip(&self.next).enumerate();
         for ((item, (from, to)), passages) in pairs.zip(&mut self.passages) {
@@ -561,6 +569,11 @@ impl Kinks {
     /// A kink that many of the last steps have passed to and fro, or ended close to.
     pub fn often(&self) -> Option<usize> {
         self.often
+    }
+
+    /// A kink of the motion that the last step passed.
+    pub fn last_passed(&self) -> Option<usize> {
+        self.passed
     }
 
     /// Whether the function of a kink is a length, an angle or another one of places.

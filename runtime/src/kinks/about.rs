@@ -279,14 +279,14 @@ impl Kinks {
         found.map(|(item, _)| item)
     }
 
-    /// Whether a step begins at another kink than this one, at a time (s), and leaves it within the time `at` (s). A function that
-    /// stays within its limit is not left, however far the step goes, and no load acts between it and this kink alone.
-    pub fn begins_at_other(&self, kink: usize, at: f64, time: f64, factor: f64) -> bool {
+    /// Whether a step begins at a kink, at a time (s), and leaves it within the time `at` (s). A function that
+    /// stays within its limit is not left, however far the step goes, and no load acts between it and the next kink alone.
+    pub fn begins_at_kink(&self, at: f64, time: f64, factor: f64) -> bool {
         let mut functions = self.now.iter().enumerate();
         functions.any(|(item, [value, rate])| {
             let limit = self.limit(item, time, factor);
             let is_left = value.abs() <= limit && (value + rate * at).abs() > limit;
-            item != kink && self.used[item] && is_left
+            self.used[item] && is_left
         })
     }
 

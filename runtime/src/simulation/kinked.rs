@@ -82,8 +82,8 @@ impl Simulation {
     /// larger share. A trial without solution may come from a stiff stop after a kink, so it is repeated up
     /// to the kink that lies ahead.
     ///
-    /// A step that begins at a kink and ends at another one sees no load that acts between them alone: a
-    /// pulse in time, a thin sheet. So such a trial is first repeated up to the middle, where its end shows
+    /// A step that begins at a kink and ends at another one, or at the next zero of the same function, sees no load that acts
+    /// between them alone: a pulse in time, a thin sheet. So such a trial is first repeated up to the middle, where its end shows
     /// the load. A trial over which a distance may have come to its kink and gone again is repeated up to this place,
     /// where its end shows the distance. A trial that ends at a moment, except for rounding, is repeated up to just before it,
     /// because loads may jump there.
@@ -102,7 +102,7 @@ impl Simulation {
                 let passed = self.kinks.passed(h, begin + h, factor);
                 passed.or_else(|| {
                     let kink = self.kinks.reached(begin + h, factor)?;
-                    let begins = self.kinks.begins_at_other(kink, h, begin, factor);
+                    let begins = self.kinks.begins_at_kink(h, begin, factor);
                     (begins || self.kinks.is_moment(kink)).then_some((h, Some(kink)))
                 })
             }
@@ -117,7 +117,7 @@ impl Simulation {
         *tries += 1;
         let (at, kink) = match kink {
             None => (at, None),
-            Some(kink) if self.kinks.begins_at_other(kink, at, begin, factor) => (0.5 * at, None),
+            Some(_) if self.kinks.begins_at_kink(at, begin, factor) => (0.5 * at, None),
             Some(kink) => (self.before(kink, at, h, *tries, factor), Some(kink)),
         };
         if at >= h || at < SHORTEST || begin + at == begin {

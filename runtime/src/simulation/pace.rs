@@ -27,10 +27,12 @@ const MOMENTS: [f64; 11] = [
 const NOTABLE: f64 = 0.05;
 /// Rounding of an element's wrench, relative to its largest force.
 const ROUNDING: f64 = 1e-9;
-/// Halvings of the time between two moments.
-const HALVINGS: usize = 60;
-/// Part of a change that remains after all halvings if it is a jump. Of a steep slope nothing remains.
-const LEFT: f64 = 0.5;
+/// Halvings of the time between two moments. With more of them rounding would end the search within a zero at which a sign has a
+/// third value, `if v > 0 then -f else (if v < 0 then f else 0)`, and find half of the jump.
+const HALVINGS: usize = 40;
+/// Part of a change that remains after all halvings if it is a jump. Of a steep slope nothing remains, and of a jump in two parts
+/// a half.
+const LEFT: f64 = 0.4;
 /// Part of a change below which the search ends: it is no jump. A continuous change comes here after a few
 /// halvings, and each evaluates all loads.
 const GONE: f64 = 0.05;
@@ -184,6 +186,29 @@ impl Simulation {
             }),
             _ => Ok(()),
         }
+    }
+
+    /// Refuses a repeating motion whose last step passed a kink at which a load or rate of its element jumps.
+    pub(crate) fn refuse_jump_in_period(&self) -> Result<(), RuntimeError> {
+        match self.jump_on_the_way() {
+            Some(jump) => Err(RuntimeError::JumpsInPeriod {
+                moment: self.moment(),
+                jump,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn jump_on_the_way(&self) -> Option<Jump> {
+        let kink = self.kinks.last_passed()?;
+        // a motion that began anew behind the kink has no step before
+        let step = match self.earlier_step > 0.0 {
+            true => self.earlier_step,
+            false => self.size.step,
+        };
+        let jump = self.jump(step / MOMENTS[MOMENTS.len() - 1])?;
+        let element = &self.model.compiled.system.elements[self.kinks.element(kink)];
+        (jump.origin.path == element.origin.path).then_some(jump)
     }
 
     /// Whether the function of a kink goes to zero at a motion with its accelerations.

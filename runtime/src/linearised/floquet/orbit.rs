@@ -160,6 +160,7 @@ impl Course<'_> {
         let time = time.min(self.end);
         while self.running.time() < time {
             self.running.step_no_longer(self.end, self.longest)?;
+            self.running.refuse_jump_in_period()?;
         }
         self.running.sample_at(time, &mut self.values)?;
         Equations::new(&self.model, self.running.sampled_state(), self.moment)
@@ -196,6 +197,11 @@ pub(super) fn round(
         cycle_angle: running.sampled_cycle()?.map(|c| c[0]),
     };
     let first = Equations::new(&model, &start, moment)?;
+    // a motion may pass the kink at which it begins; one that rests at a kink is there later, too
+    let kinked = halved
+        .then(|| Equations::of_both_sides(&model, &start, moment).err())
+        .flatten();
+    let kinked = kinked.filter(|error| matches!(error, RuntimeError::Kinked { .. }));
     let pairs = pace.steps(&model, &start, time) / 2;
     let whole = time / pairs as f64;
     let size = first.first_order_size().max(1);
@@ -266,6 +272,13 @@ pub(super) fn round(
                 six
             }
         };
+        if pair == pairs / 3
+            && let Some(error) = &kinked
+            && Equations::of_both_sides(&course.model, course.running.sampled_state(), moment)
+                .is_err()
+        {
+            return Err(error.clone());
+        }
         if !closing && (pair + 1) * segments >= (segment + 1) * pairs {
             fine.end_segment();
             coarse.iter_mut().for_each(March::end_segment);
