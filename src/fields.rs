@@ -478,12 +478,21 @@ impl FieldKernel for Bearing {
     }
 
     fn refined(&self) -> Result<Arc<dyn FieldKernel>, FieldError> {
-        if self.memory() > 0 {
-            return Err(FieldError(
-                "a film with memory would continue on finer cells from that of coarser ones".into(),
-            ));
-        }
         let film = self.film.film();
+        let on_pin = |opening: &Opening| opening.on == Part::Pin;
+        let reason = match self.memory() > 0 {
+            true if film.source().cavitation == Cavitation::MassConserving => {
+                "the film keeps its oil from step to step"
+            }
+            true => "the film keeps the shape of its elastic surface from step to step",
+            false if film.source().openings.iter().any(on_pin) => {
+                "the openings of the pin lie over other cells at each moment"
+            }
+            false => "",
+        };
+        if !reason.is_empty() {
+            return Err(FieldError(reason.to_owned()));
+        }
         let mut source = film.source().clone();
         let [around, across] = film.cells();
         source.around = Lines::Equal(2 * around);

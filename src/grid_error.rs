@@ -3,13 +3,14 @@
 //! The error of a film is of second order in the cells, so twice as many leave a quarter of it. The difference of both
 //! times 4/3 is the error of the coarser one (Richardson, Phil. Trans. A 210 (1911) 307).
 //!
-//! A film on few cells carries too much load at a place of the pin. So at a given load its pin is too near to the
-//! middle, the film too thick, and the highest pressure often too low, although it is too high at the same place. The
+//! A film on few cells that carries too much load at a place of the pin has its pin too near to the middle at a given
+//! load, and the film too thick. So the errors at the same place and at the same load differ. The
 //! load is compared at the same place, the highest pressure and the least film at the same load.
 //!
 //! A film with memory has no such error here: the finer one would continue from the memory of the coarser
-//! one, and a single step does not show the difference of two films that were always apart. Its line says so. It also
-//! tells where the oil of flooded ends fills less than a cell: the cells decide the inflow there.
+//! one, and a single step does not show the difference of two films that were always apart. Openings of the pin lie over
+//! other cells at each moment, and the errors of single moments are no measure of those of a run. The lines of such films
+//! say so. They also tell where the oil of flooded ends fills less than a cell: the cells decide the inflow there.
 //!
 //! A solution on twice as many cells takes five to sixteen times as long. So the film on its own cells chooses the
 //! moments: those of the largest loads, of the highest pressures and of the least films. There all errors are
@@ -18,7 +19,7 @@
 use crate::machine::Machine;
 use crate::recorded_field::{RecordedField, Solution, Twice};
 use crate::results::Results;
-use eng_system::field::FieldGrid;
+use eng_system::field::{FieldError, FieldGrid};
 use eng_system::significant::significant;
 
 /// Moments of the last cycle among which those of the finer cells are chosen.
@@ -54,8 +55,12 @@ pub(crate) enum Found {
     Errors(usize, LoadErrors),
     /// A film without load.
     NoLoad,
-    /// A film that keeps its oil, with the share of its flooded ends whose outermost cell is not full of oil.
-    Memory { unfilled: Option<f64> },
+    /// The reason for which finer cells at a moment do not show the error, and the share of the flooded ends of a film with memory
+    /// whose outermost cell is not full of oil.
+    Unknown {
+        reason: String,
+        unfilled: Option<f64>,
+    },
 }
 
 /// The errors of a film that carries a load.
@@ -90,14 +95,16 @@ impl GridError {
                 "{film}: no load at {} moments, so the error of the cells is not known",
                 self.among
             ),
-            Found::Memory { unfilled } => {
-                let known = "the film keeps its oil from step to step, so the error of the cells is not known: compare a run on twice as many";
+            Found::Unknown { reason, unfilled } => {
+                let known = format!(
+                    "{film}: {reason}, so the error of the cells is not known: compare a run on twice as many"
+                );
                 match unfilled.filter(|share| *share > UNFILLED) {
                     Some(share) => format!(
-                        "{film}: {known}; the oil fills less than the outermost cell along {} % of the flooded ends, and the cells decide its flow there",
+                        "{known}; the oil fills less than the outermost cell along {} % of the flooded ends, and the cells decide its flow there",
                         significant(100.0 * share, 2)
                     ),
-                    None => format!("{film}: {known}"),
+                    None => known,
                 }
             }
         }
@@ -134,9 +141,13 @@ impl LoadErrors {
     }
 }
 
-/// The errors of all films of a run, from its motion. A film that no finer grid solves is left out.
+/// The errors of all films of a run, from its motion.
 pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError> {
     let count = motion.samples();
+    // such as the motion of `linear`, which is a state alone
+    if count == 0 {
+        return Vec::new();
+    }
     let moments: Vec<usize> = match count {
         0..=MOMENTS => (0..count).collect(),
         // a cycle that repeats has one moment at both ends
@@ -159,13 +170,19 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
         among,
         found,
     };
-    if field.has_memory() {
-        let unfilled = field.unfilled_ends(motion, moments).ok()?;
-        return Some(error(moments.len(), Found::Memory { unfilled }));
-    }
+    let finer = match field.refined() {
+        Ok(finer) => finer,
+        Err(FieldError(reason)) => {
+            let unfilled = match field.has_memory() {
+                true => field.unfilled_ends(motion, moments).ok()?,
+                false => None,
+            };
+            return Some(error(moments.len(), Found::Unknown { reason, unfilled }));
+        }
+    };
     let own = field.solved(motion, moments);
     let among = own.len();
-    let solved = field.twice(hardest(own)?, "minimum_film").ok()?;
+    let solved = field.twice(finer.as_ref(), hardest(own)?, "minimum_film");
     let loads = solved
         .iter()
         .map(|twice| Some([load(&twice.own)?, load(&twice.finer)?]));

@@ -361,6 +361,14 @@ impl RecordedField {
         solved.collect()
     }
 
+    /// The field on twice as many cells in both directions.
+    ///
+    /// # Errors
+    /// The reason for which its solution at a moment would not show the error of the cells.
+    pub(crate) fn refined(&self) -> Result<Arc<dyn FieldKernel>, FieldError> {
+        self.own.refined()
+    }
+
     /// Whether it keeps numbers from step to step, such as the oil in its cells.
     pub(crate) fn has_memory(&self) -> bool {
         self.own.memory() > 0
@@ -408,17 +416,15 @@ impl RecordedField {
         Ok(Some(most))
     }
 
-    /// These solutions and those on twice as many cells in both directions. Moments that the finer grid does not
+    /// These solutions and those of the finer field. Moments that the finer grid does not
     /// solve are left out. `gap_name` is the reading of the least gap.
-    ///
-    /// # Errors
-    /// If there is no finer grid.
     pub(crate) fn twice(
         &self,
+        finer: &dyn FieldKernel,
         solved: Vec<Solution>,
         gap_name: &str,
-    ) -> Result<Vec<Twice>, FieldError> {
-        let mut solver = self.own.refined()?.solver(&[]);
+    ) -> Vec<Twice> {
+        let mut solver = finer.solver(&[]);
         let both = solved.into_iter().filter_map(|own| {
             let mut finer = own.clone();
             finer.solve(solver.as_mut(), true).ok()?;
@@ -430,7 +436,7 @@ impl RecordedField {
                 at_load,
             })
         });
-        Ok(both.collect())
+        both.collect()
     }
 }
 

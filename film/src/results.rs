@@ -46,7 +46,7 @@ pub struct Summary {
     pub asperity_load: f64,
     /// Its share of `∫ (p + p_a) dA`.
     pub asperity_share: f64,
-    /// Highest pressure of the asperities over a cell's middle, Pa.
+    /// Highest pressure of the asperities, at the least gap, Pa. Where an opening has the least gap, the highest one over a cell's middle.
     pub asperity_pressure: f64,
     /// Power of the friction where asperities touch, W.
     pub boundary_power: f64,
@@ -252,6 +252,8 @@ impl Film {
         self.add_flows(&mut summary, level, state, x);
         let shear = x[VISCOSITY] * self.source.radius * self.source.radius * x[SPIN];
         let (mut area, mut load) = (0.0, 0.0);
+        // least gaps over cells of the land and over those with an opening
+        let mut least = [f64::INFINITY; 2];
         for (at, cell) in level.grid.cells.iter().enumerate() {
             area += cell.area;
             summary.shear_torque +=
@@ -260,11 +262,19 @@ impl Film {
             summary.asperity_load += cell.area * touch;
             load += cell.area * (touch + state.pressure[at][0]);
             summary.asperity_pressure = summary.asperity_pressure.max(touch);
+            let opened = cell.held.is_some() || state.covered[at][0] > 0.0;
+            let least = &mut least[usize::from(opened)];
+            *least = least.min(state.gaps[1][at]);
             summary.content += cell.area * state.content[at];
             if !state.full[at] || (self.source.cavitation == Cavitation::Half && state.q[at] < 0.0)
             {
                 summary.cavitated += cell.area;
             }
+        }
+        // it falls by half within a fraction of the roughness, and so within a cell
+        if least[0] <= least[1] {
+            let touch = self.surfaces.touching(minimum_gap)[0];
+            summary.asperity_pressure = summary.asperity_pressure.max(touch);
         }
         summary.cavitated /= area;
         summary.content /= area;

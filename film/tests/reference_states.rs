@@ -333,6 +333,9 @@ fn rough_surfaces_of_the_reference() {
         let found: Vec<f64> = (coarse.iter().zip(&fine))
             .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
             .collect();
+        // the pressure of asperities is that at the least gap on any number of cells
+        let touch = number(row, "asperity_p_max");
+        assert!((on([36, 7])[5] - touch).abs() < 1e-4 * touch, "{touch}");
         let load = number(row, "hydro_fx") + number(row, "asperity_fx");
         let exact = [
             load,
@@ -390,6 +393,7 @@ fn two_cells_across_a_land_tell_the_highest_pressure() {
         (0.6, 0.5, [0.01, 0.02]),
         (0.9, 0.5, [0.04, 0.07]),
         (0.8, 1.0, [0.05, 0.09]),
+        (0.9, 1.0, [0.09, 0.18]),
     ] {
         let width = 2.0 * slenderness;
         let of = |cells: [usize; 2]| {

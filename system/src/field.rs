@@ -455,7 +455,7 @@ pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// The same field on twice as many cells in both directions.
     ///
     /// # Errors
-    /// If there is none, or if the field has memory.
+    /// The reason, as a sentence, for which its solution at a moment does not show the error of the cells.
     fn refined(&self) -> Result<Arc<dyn FieldKernel>, FieldError>;
 }
 
