@@ -148,6 +148,27 @@ model Mounted {
 analysis run = transient(Mounted(), duration: 2 ms, sample: 1 ms)
 ";
 
+/// A disc behind a dual-mass flywheel, and a box on a hydraulic mount.
+const FLYWHEEL: &str = "
+use std.drivelines.DualMassFlywheel
+use std.mounts.HydraulicMount
+use std.joints.{Revolute, Translational}
+model Flywheel {
+    gravity = [0, 0, -9.81] m/s^2
+    marker engine = [0, 0, 0] mm
+    marker floor = [500, 0, 0] mm
+    body disc { mass = 5 kg; inertia = [30, 30, 50] g*m^2; marker hub = origin }
+    body box { mass = 50 kg; inertia = [1, 1, 1] kg*m^2; marker foot = origin; start position = [500, 0, 10] mm }
+    joint bearing = Revolute(disc.hub, engine)
+    joint guide = Translational(box.foot, floor)
+    force springs = DualMassFlywheel(disc.hub, engine, stiffness: 690 N*m/rad, second_stiffness: 1400 N*m/rad, free_play: 0 deg,
+        second_stage: 40 deg, friction: 12 N*m, creep: 1 rad/s)
+    force mount = HydraulicMount(box.foot, floor, stiffness: 200 N/mm, damping: 100 N*s/m, free_length: 12 mm, piston: 30 cm^2,
+        compliance: 3e-11 m^3/Pa, inertance: 4e6 Pa*s^2/m^3, resistance: 2e7 Pa*s/m^3)
+}
+analysis run = transient(Flywheel(), duration: 2 ms, sample: 1 ms)
+";
+
 /// A change of a model: a part of its text, the text in place of it, and a part of the message.
 type Change = (&'static str, &'static str, &'static str);
 
@@ -438,6 +459,19 @@ const OF_BUSHINGS: &[Change] = &[
     ),
 ];
 
+const OF_FLYWHEELS: &[Change] = &[
+    (
+        "stiffness: 690 N*m/rad",
+        "stiffness: 12 N*m/rad",
+        "the first stage ends at 8.378 N*m, and the friction is 12 N*m",
+    ),
+    (
+        "compliance: 3e-11 m^3/Pa",
+        "compliance: 3e-5 m^3/Pa",
+        "the fluid in the channel swings on the soft walls at 0.01453 Hz",
+    ),
+];
+
 /// All that is said of a text: by its check, its assembly, and its analysis `run` if it has one.
 fn said(text: &str) -> String {
     let checked = eng::check(&Sources::from_text("m.eng", text), "m.eng");
@@ -477,7 +511,7 @@ fn said(text: &str) -> String {
 
 #[test]
 fn numbers_that_no_machine_has_are_told() {
-    let models: [(&str, &[Change]); 8] = [
+    let models: [(&str, &[Change]); 9] = [
         (FILM, OF_FILMS),
         (THRUST, OF_THRUST),
         (SINGLE, OF_ENGINES),
@@ -486,6 +520,7 @@ fn numbers_that_no_machine_has_are_told() {
         (FINGER, OF_FINGERS),
         (PUSHROD, OF_PUSHRODS),
         (BUSHING, OF_BUSHINGS),
+        (FLYWHEEL, OF_FLYWHEELS),
     ];
     for (model, changes) in models {
         let right = said(model);
