@@ -307,12 +307,12 @@ fn a_finger_on_an_adjuster_follows_the_place_of_its_ball() {
     ]
     .map(|path| column(&results, path));
     let mut worst = 0.0_f64;
-    for k in 0..cam.len() {
+    for (k, cam) in cam.iter().enumerate() {
         let finger = Finger {
             ball: ball[k],
             half: PI / 3.0,
         };
-        worst = worst.max((lift[k] - finger.lift(cam[k], gap[k], tip_gap[k])).abs());
+        worst = worst.max((lift[k] - finger.lift(*cam, gap[k], tip_gap[k])).abs());
     }
     println!("lift: {:.1e}", worst / largest(lift));
     assert!(
