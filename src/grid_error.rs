@@ -8,7 +8,8 @@
 //! load is compared at the same place, the highest pressure and the least film at the same load.
 //!
 //! A film with memory has no such error here: the finer one would continue from the memory of the coarser
-//! one, and a single step does not show the difference of two films that were always apart.
+//! one, and a single step does not show the difference of two films that were always apart. Its line says so. It also
+//! tells where the oil of flooded ends fills less than a cell: the cells decide the inflow there.
 //!
 //! A solution on twice as many cells takes five to sixteen times as long. So the film on its own cells chooses the
 //! moments: those of the largest loads, of the highest pressures and of the least films. There all errors are
@@ -27,6 +28,8 @@ const HARDEST: usize = 3;
 /// The error over the difference from twice as many cells.
 const WHOLE: f64 = 4.0 / 3.0;
 
+/// Share of the flooded ends with unfilled cells that is worth a word.
+const UNFILLED: f64 = 0.05;
 /// Share of the size of `shear` below which a load is rounding, such as that of a centred pin.
 const NO_LOAD: f64 = 1e-9;
 /// Load (N) without meaning at any shear, as in the output `radial_load`.
@@ -39,12 +42,20 @@ pub(crate) struct GridError {
     pub path: String,
     /// Cells around and across.
     pub cells: [usize; 2],
-    /// Moments on the finer cells.
-    pub moments: usize,
-    /// Moments among which they were chosen.
+    /// Moments among which those on the finer cells were chosen.
     pub among: usize,
-    /// The errors; `None` for a film without load.
-    pub of_load: Option<LoadErrors>,
+    pub found: Found,
+}
+
+/// The findings about the cells of a film.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Found {
+    /// The errors at so many moments on the finer cells.
+    Errors(usize, LoadErrors),
+    /// A film without load.
+    NoLoad,
+    /// A film that keeps its oil, with the share of its flooded ends whose outermost cell is not full of oil.
+    Memory { unfilled: Option<f64> },
 }
 
 /// The errors of a film that carries a load.
@@ -53,11 +64,11 @@ pub(crate) struct LoadErrors {
     /// Largest error of the load at the same places of the pin, over the largest load of the moments; positive for a load
     /// that is too high.
     pub load: f64,
-    /// Largest error of the highest pressure at the same load and the same rates, over the largest one of the moments.
+    /// Largest error of the highest pressure at the same load and the scaled orbit, over the largest one of the moments.
     /// `None` if no place with this load was found.
     pub pressure: Option<f64>,
     /// At the moment of the least film: that film (m), and by how much it is too thick (m) at the same load and
-    /// the same rates. `None` as above.
+    /// the scaled orbit. `None` as above.
     pub film: Option<[f64; 2]>,
 }
 
@@ -66,19 +77,29 @@ impl GridError {
     pub fn text(&self) -> String {
         let [around, across] = self.cells;
         let film = format!("cells of {}, {around} × {across}", self.path);
-        match &self.of_load {
-            Some(errors) => {
-                let moments = match self.moments < self.among {
-                    true => format!("the {} hardest of {} moments", self.moments, self.among),
+        match &self.found {
+            Found::Errors(moments, errors) => {
+                let moments = match *moments < self.among {
+                    true => format!("the {moments} hardest of {} moments", self.among),
                     false => format!("{} moments", self.among),
                 };
                 let errors = errors.text();
                 format!("{film}: against twice as many both ways at {moments}, {errors}")
             }
-            None => format!(
+            Found::NoLoad => format!(
                 "{film}: no load at {} moments, so the error of the cells is not known",
                 self.among
             ),
+            Found::Memory { unfilled } => {
+                let known = "the film keeps its oil from step to step, so the error of the cells is not known: compare a run on twice as many";
+                match unfilled.filter(|share| *share > UNFILLED) {
+                    Some(share) => format!(
+                        "{film}: {known}; the oil fills less than the outermost cell along {} % of the flooded ends, and the cells decide its flow there",
+                        significant(100.0 * share, 2)
+                    ),
+                    None => format!("{film}: {known}"),
+                }
+            }
         }
     }
 }
@@ -90,11 +111,16 @@ impl LoadErrors {
             format!("{} % too {side}", significant(100.0 * share.abs(), 2))
         };
         let mut text = format!("the load is up to {} at the same place", percent(self.load));
-        if let Some(pressure) = self.pressure {
-            text += &format!(
-                "; at the same load the highest pressure is up to {}",
-                percent(pressure)
-            );
+        match self.pressure {
+            // that of an opening
+            Some(0.0) => text += "; at the same load the highest pressure is the same",
+            Some(pressure) => {
+                text += &format!(
+                    "; at the same load the highest pressure is up to {}",
+                    percent(pressure)
+                );
+            }
+            None => (),
         }
         if let Some([film, thicker]) = self.film {
             let side = if thicker < 0.0 { "thin" } else { "thick" };
@@ -108,8 +134,7 @@ impl LoadErrors {
     }
 }
 
-/// The errors of all films of a run, from its motion. A film with memory, or one that no finer grid solves,
-/// is left out.
+/// The errors of all films of a run, from its motion. A film that no finer grid solves is left out.
 pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError> {
     let count = motion.samples();
     let moments: Vec<usize> = match count {
@@ -126,6 +151,18 @@ pub(crate) fn grid_errors(machine: &Machine, motion: &Results) -> Vec<GridError>
 }
 
 fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Option<GridError> {
+    let FieldGrid { around, across, .. } = field.grid();
+    let cells = [around, across].map(|lines| lines.len().saturating_sub(1));
+    let error = |among, found| GridError {
+        path: field.path.clone(),
+        cells,
+        among,
+        found,
+    };
+    if field.has_memory() {
+        let unfilled = field.unfilled_ends(motion, moments).ok()?;
+        return Some(error(moments.len(), Found::Memory { unfilled }));
+    }
     let own = field.solved(motion, moments);
     let among = own.len();
     let solved = field.twice(hardest(own)?, "minimum_film").ok()?;
@@ -143,24 +180,18 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
     let pressures = at_load("maximum_pressure");
     let films = at_load("minimum_film").into_iter();
     let thinnest = films.min_by(|a, b| a[0].total_cmp(&b[0]));
-    let FieldGrid { around, across, .. } = field.grid();
     let most = loads.iter().map(|[_, finer]| *finer).fold(0.0, f64::max);
     let loaded = most > LEAST_LOAD && most > NO_LOAD * shear(&solved)?;
-    let of_load = |load| LoadErrors {
+    let errors = |load| LoadErrors {
         load,
         pressure: largest(&pressures),
         film: thinnest.map(|[own, finer]| [own, WHOLE * (own - finer)]),
     };
-    Some(GridError {
-        path: field.path.clone(),
-        cells: [
-            around.len().saturating_sub(1),
-            across.len().saturating_sub(1),
-        ],
-        moments: solved.len(),
-        among,
-        of_load: largest(&loads).filter(|_| loaded).map(of_load),
-    })
+    let found = match largest(&loads).filter(|_| loaded) {
+        Some(load) => Found::Errors(solved.len(), errors(load)),
+        None => Found::NoLoad,
+    };
+    Some(error(among, found))
 }
 
 fn number(solution: &Solution, name: &str) -> Option<f64> {

@@ -260,9 +260,14 @@ impl Solution {
         Ok(())
     }
 
-    /// Moves the pin until the force is the wanted one, by Newton's method with the stiffness of the film, which is
-    /// kept while it serves. The solver has this solution, and its readings have slopes. A move is a third of the least
-    /// film at most, so the film stays open. `None` if no such place was found.
+    /// Turns and scales the place e of the pin and its rate ė by the same complex factor until the force is the wanted one.
+    /// An orbit `c e(t)` with a constant c has the rate `c ė(t)`. This holds in every frame that turns about the shell's axis, so
+    /// the result does not depend on the part that turns. A stated rate would: a pin under a load at rest in space moves
+    /// against a turning shell, and faster where it is farther from the middle.
+    ///
+    /// Newton's method with the stiffness and the damping of the film, which are kept while they serve. The solver has this
+    /// solution, and its readings have slopes. A move is a third of the least film at most, so the film stays open.
+    /// `None` if no such place was found.
     fn moved_to(
         mut self,
         wanted: [f64; 2],
@@ -270,6 +275,12 @@ impl Solution {
         solver: &mut dyn FieldSolver,
     ) -> Option<Solution> {
         let size = libm::hypot(wanted[0], wanted[1]);
+        // the eccentricity and its rate are the first drives of a film
+        let [place, rate] =
+            [0, 2].map(|at| Some([*self.with.drives.get(at)?, *self.with.drives.get(at + 1)?]));
+        let (place, rate) = (place?, rate?);
+        let turned = |[x, y]: [f64; 2]| [-y, x];
+        let mut factor = [1.0, 0.0];
         let mut before = f64::INFINITY;
         for _ in 0..LOAD_ROUNDS {
             let (force, [gap]) = (self.result::<2>("force")?, self.result::<1>(gap_name)?);
@@ -282,16 +293,31 @@ impl Solution {
                 solver.read(&mut self.readings, true);
             }
             before = miss;
-            let [xx, xy, yx, yy] = self.result::<4>("stiffness")?;
-            let determinant = xx * yy - xy * yx;
-            let moved = [
-                (yy * missed[0] - xy * missed[1]) / determinant,
-                (xx * missed[1] - yx * missed[0]) / determinant,
+            let (stiffness, damping) =
+                (self.result::<4>("stiffness")?, self.result::<4>("damping")?);
+            // the loss of force by a change of the factor's real and imaginary part
+            let lost = |place: [f64; 2], rate: [f64; 2]| {
+                [0, 2].map(|row| {
+                    stiffness[row] * place[0]
+                        + stiffness[row + 1] * place[1]
+                        + damping[row] * rate[0]
+                        + damping[row + 1] * rate[1]
+                })
+            };
+            let (real, imaginary) = (lost(place, rate), lost(turned(place), turned(rate)));
+            let determinant = real[0] * imaginary[1] - real[1] * imaginary[0];
+            let change = [
+                (imaginary[1] * missed[0] - imaginary[0] * missed[1]) / determinant,
+                (real[0] * missed[1] - real[1] * missed[0]) / determinant,
             ];
-            let share = (gap / 3.0 / libm::hypot(moved[0], moved[1])).min(1.0);
-            // the eccentricity is the first drive of a film
-            for (drive, moved) in self.with.drives.iter_mut().zip(moved) {
-                *drive += share * moved;
+            let moved = libm::hypot(change[0], change[1]) * libm::hypot(place[0], place[1]);
+            let share = (gap / 3.0 / moved).min(1.0);
+            factor = [0, 1].map(|part| factor[part] + share * change[part]);
+            let scaled =
+                |v: [f64; 2]| [0, 1].map(|axis| factor[0] * v[axis] + factor[1] * turned(v)[axis]);
+            let orbit = [scaled(place), scaled(rate)];
+            for (drive, number) in self.with.drives.iter_mut().zip(orbit.as_flattened()) {
+                *drive = *number;
             }
             self.solve(solver, false).ok()?;
         }
@@ -305,7 +331,7 @@ pub(crate) struct Twice {
     pub own: Solution,
     /// On the finer grid.
     pub finer: Solution,
-    /// On the finer grid where its force is that of the own grid, at the same rates; `None` if no such place
+    /// On the finer grid where its force is that of the own grid, on a scaled orbit; `None` if no such place
     /// was found.
     pub at_load: Option<Solution>,
 }
@@ -333,6 +359,53 @@ impl RecordedField {
             Some(solution)
         });
         solved.collect()
+    }
+
+    /// Whether it keeps numbers from step to step, such as the oil in its cells.
+    pub(crate) fn has_memory(&self) -> bool {
+        self.own.memory() > 0
+    }
+
+    /// The largest share, over these moments, of the cells at flooded ends that are not full of oil. `None` without
+    /// flooded ends.
+    ///
+    /// # Errors
+    /// Those of the kernel.
+    pub(crate) fn unfilled_ends(
+        &self,
+        motion: &Results,
+        moments: &[usize],
+    ) -> Result<Option<f64>, FieldError> {
+        let pressure = format!("{}.end_pressure", self.name);
+        let flooded = |at: &usize| {
+            let column = motion.columns().iter().find(|c| c.path == pressure);
+            column
+                .and_then(|c| c.values.get(*at))
+                .is_some_and(|p| *p > 0.0)
+        };
+        let moments: Vec<usize> = moments.iter().copied().filter(flooded).collect();
+        let content = self
+            .kernel
+            .cells
+            .iter()
+            .position(|cell| cell.name == "content");
+        let Some(content) = content.filter(|_| !moments.is_empty()) else {
+            return Ok(None);
+        };
+        let grid = self.grid();
+        let across = grid.across.len().saturating_sub(1).max(1);
+        let mut values = vec![0.0; grid.cells()];
+        let mut most = 0.0_f64;
+        self.each_solved(motion, &moments, &mut |solver| {
+            solver.cells(content, &mut values);
+            let columns = values.chunks(across);
+            let ends = columns
+                .flat_map(|column| [column.first(), column.last()])
+                .flatten();
+            let unfilled = ends.clone().filter(|content| **content < 1.0).count();
+            most = most.max(unfilled as f64 / ends.count() as f64);
+        })?;
+        Ok(Some(most))
     }
 
     /// These solutions and those on twice as many cells in both directions. Moments that the finer grid does not

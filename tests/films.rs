@@ -786,6 +786,83 @@ fn the_error_of_the_pressure_is_that_at_the_same_load() {
     assert!((-stated - film).abs() < 0.3 * film.abs(), "{stated} {film}");
 }
 
+/// The film of a turning shell about a pin at rest is that of a turning pin in a shell at rest, and so are the stated errors
+/// of its cells. At each sample the shell has turned by a whole cell.
+#[test]
+fn the_error_at_the_same_load_does_not_depend_on_the_part_that_turns() {
+    let told = |of_pin: u32, of_shell: u32| {
+        let text = format!(
+            "use std.journals.Film
+use std.joints.Revolute
+use std.drives.PrescribedRotation
+model Turning {{
+    gravity = [0, 0, 0] m/s^2
+    param of_pin: AngularVelocity = {of_pin} rpm
+    param of_shell: AngularVelocity = {of_shell} rpm
+    marker middle = at([0.012, -0.018, 0] mm)
+    body pin {{
+        mass = 1 kg
+        inertia = [1, 1, 1] g*m^2
+        marker hold = at([0.012, -0.018, 0] mm)
+        start angular_velocity = [0, 0, 1]*of_pin
+    }}
+    body shell {{
+        mass = 1 kg
+        inertia = [1, 1, 1] g*m^2
+        marker hold = origin
+        start angular_velocity = [0, 0, 1]*of_shell
+    }}
+    joint pivot = Revolute(pin.hold, middle)
+    joint bearing = Revolute(shell.hold, ground)
+    drive turn_pin = PrescribedRotation(pin.hold, middle, speed: of_pin)
+    drive turn_shell = PrescribedRotation(shell.hold, ground, speed: of_shell)
+    journal film = Film(pin.hold, shell.hold, {BEARING}, around: 36, across: 6)
+}}
+analysis run = transient(Turning(), duration: 10 ms, sample: 10 ms/18)
+"
+        );
+        let program = eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program();
+        let program = program.unwrap_or_else(|report| panic!("{report}"));
+        let analysis = program.analysis("run").expect("an analysis");
+        let run = eng::run::run(&analysis, true, &mut |_| {});
+        let run = run.unwrap_or_else(|failed| panic!("{}", failed.error));
+        let mut facts = run.facts.iter();
+        let told = facts.find_map(|fact| Some(fact.split_once("at the same load")?.1.to_owned()));
+        told.unwrap_or_else(|| panic!("{:?}", run.facts))
+    };
+    assert_eq!(told(3000, 0), told(0, 3000));
+}
+
+/// A film that keeps its oil has a line that says why no error is known. With little pressure at the ends the oil does not fill
+/// the outermost cells of the diverging gap, and the line says so.
+#[test]
+fn a_film_with_memory_says_that_its_error_is_not_known() {
+    let told = |pressure: &str| {
+        let law = format!(
+            "Film(rotor.mid, seat, {BEARING}, around: 36, across: 8, cavitation: mass_conserving, end_pressure: {pressure})"
+        );
+        let text = rotor(&law).replace("3 rev, sample: 10", "20 deg, sample: 5");
+        let program = eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program();
+        let program = program.unwrap_or_else(|report| panic!("{report}"));
+        let analysis = program.analysis("run").expect("an analysis");
+        let run = eng::run::run(&analysis, true, &mut |_| {});
+        let run = run.unwrap_or_else(|failed| panic!("{}", failed.error));
+        let mut facts = run.facts.into_iter();
+        facts
+            .find(|fact| fact.starts_with("cells of main, 36 × 8"))
+            .expect("a line")
+    };
+    for (pressure, unfilled) in [("0.1 bar", true), ("30 bar", false)] {
+        let told = told(pressure);
+        println!("{told}");
+        assert!(
+            told.contains("the error of the cells is not known"),
+            "{told}"
+        );
+        assert_eq!(told.contains("of the flooded ends"), unfilled, "{told}");
+    }
+}
+
 /// A hole of the pin fills cell after cell, so the places of extremes, the cavity and the slopes of the film never repeat
 /// exactly. The motion repeats, and `periodic` ends without doubt about the noise of its steps.
 #[test]

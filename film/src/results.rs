@@ -225,7 +225,7 @@ impl Film {
         supply_flow.clear();
         supply_flow.resize(self.source.openings.len(), 0.0);
         let (level, state, x) = (&self.levels[0], &work.levels[0], &work.inputs);
-        let (maximum_pressure, maximum_pressure_at) = self.highest(level, state);
+        let (maximum_pressure, maximum_pressure_at) = self.highest(level, state, x[END_PRESSURE]);
         let (minimum_gap, minimum_gap_at) = self.thinnest(state, x);
         let mut summary = Summary {
             maximum_pressure,
@@ -340,9 +340,9 @@ impl Film {
         }
     }
 
-    /// Highest pressure and its place: the highest cell, and parabolas through it and its neighbours in both
+    /// Highest pressure and its place: the highest cell, and parabolas through it and what is beside it in both
     /// directions.
-    fn highest(&self, level: &Level, state: &LevelWork) -> (f64, Place) {
+    fn highest(&self, level: &Level, state: &LevelWork, end_pressure: f64) -> (f64, Place) {
         let grid = &level.grid;
         let pressure = |cell: usize| state.pressure[cell][0];
         let count = grid.cells.len();
@@ -359,37 +359,47 @@ impl Film {
         if cell.held.is_some() {
             return (highest, at);
         }
-        let west = (column + grid.around - 1) % grid.around * grid.across + row;
-        let east = (column + 1) % grid.around * grid.across + row;
-        let before = -(grid.cells[west].sector + cell.sector) / 2.0;
-        let behind = (grid.cells[east].sector + cell.sector) / 2.0;
-        let (shift, rise) = vertex(
-            [before, behind],
-            [pressure(west), pressure(top), pressure(east)],
-            0.0,
-        );
-        highest += rise;
-        at = place(cell.angle + shift, at.across);
-        let mirrored =
-            (row == 0 && self.source.half_width).then_some((-2.0 * cell.z, pressure(top)));
-        let low = row
-            .checked_sub(1)
-            .map(|_| (grid.cells[top - 1].z - cell.z, pressure(top - 1)))
-            .or(mirrored);
-        let high =
-            (row + 1 < grid.across).then(|| (grid.cells[top + 1].z - cell.z, pressure(top + 1)));
-        if let (Some((before, low)), Some((behind, high))) = (low, high) {
-            let (shift, rise) = vertex(
-                [before, behind],
-                [low, pressure(top), high],
-                grid.heights[row + 1] - grid.heights[row],
-            );
-            highest += rise;
-            at.across += shift;
-            // rounding of a film that is the same on both sides
-            if at.across.abs() < TIE * self.source.width {
-                at.across = 0.0;
+        // a cell has its mean pressure, but at an opening the pressure is known at the edge
+        let beside = |next: usize, sign: f64, own: f64, width: f64| match grid.cells[next].held {
+            Some(_) => Beside::point(sign * own / 2.0, pressure(next)),
+            None => Beside {
+                place: sign * (own + width) / 2.0,
+                mean: pressure(next),
+                width,
+            },
+        };
+        // around, parabolas through the middles are nearer to the exact pressure than those through means
+        let around = [(grid.around - 1, -1.0), (1, 1.0)].map(|(step, sign)| {
+            let next = (column + step) % grid.around * grid.across + row;
+            let beside = beside(next, sign, cell.sector, grid.cells[next].sector);
+            Beside {
+                width: 0.0,
+                ..beside
             }
+        });
+        let (shift, rise) = vertex(highest, 0.0, around);
+        at = place(cell.angle + shift, at.across);
+        highest += rise;
+        let height = |row: usize| grid.heights[row + 1] - grid.heights[row];
+        let own = height(row);
+        let end = |sign: f64, mirrored: bool| match mirrored || self.source.ends == Ends::Sealed {
+            true => beside(top, sign, own, own),
+            false => Beside::point(sign * own / 2.0, end_pressure),
+        };
+        let low = match row.checked_sub(1) {
+            Some(below) => beside(top - 1, -1.0, own, height(below)),
+            None => end(-1.0, self.source.half_width),
+        };
+        let high = match row + 1 < grid.across {
+            true => beside(top + 1, 1.0, own, height(row + 1)),
+            false => end(1.0, false),
+        };
+        let (shift, rise) = vertex(pressure(top), own, [low, high]);
+        highest += rise;
+        at.across += shift;
+        // rounding of a film that is the same on both sides
+        if at.across.abs() < TIE * self.source.width {
+            at.across = 0.0;
         }
         (highest, at)
     }
@@ -471,19 +481,41 @@ impl Film {
     }
 }
 
-/// The place of the highest point of a parabola through three values, and its height above the middle one. Places
-/// count from the middle one. The values are means of the parabola over this width, or points if it is 0.
-fn vertex(places: [f64; 2], values: [f64; 3], width: f64) -> (f64, f64) {
-    let (before, behind) = (
-        (values[0] - values[1]) / places[0],
-        (values[2] - values[1]) / places[1],
-    );
-    let bend = (behind - before) / (places[1] - places[0]);
-    let slope = before - bend * places[0];
+/// The pressure beside a cell, at a place that counts from the middle of this cell.
+#[derive(Clone, Copy)]
+struct Beside {
+    place: f64,
+    /// Mean over a width about the place.
+    mean: f64,
+    /// 0 for the pressure at a point.
+    width: f64,
+}
+
+impl Beside {
+    fn point(place: f64, pressure: f64) -> Self {
+        Beside {
+            place,
+            mean: pressure,
+            width: 0.0,
+        }
+    }
+}
+
+/// The highest point of the parabola with a mean over a cell of this width and with what is on both sides of it: its place
+/// from the middle of the cell, and its height above the mean.
+fn vertex(mean: f64, width: f64, sides: [Beside; 2]) -> (f64, f64) {
+    // slope and bend from `slope x + bend (x² + (w² - width²)/12) = mean beside - mean`
+    let [before, behind] = sides.map(|side| {
+        let square = side.place * side.place + (side.width * side.width - width * width) / 12.0;
+        [side.place, square, side.mean - mean]
+    });
+    let determinant = before[0] * behind[1] - behind[0] * before[1];
+    let bend = (before[0] * behind[2] - behind[0] * before[2]) / determinant;
+    let slope = (before[2] * behind[1] - behind[2] * before[1]) / determinant;
     if bend >= 0.0 {
         return (0.0, 0.0);
     }
-    let shift = (-slope / (2.0 * bend)).clamp(places[0], places[1]);
+    let shift = (-slope / (2.0 * bend)).clamp(sides[0].place, sides[1].place);
     let over_mean = bend * width * width / 12.0;
     (shift, slope * shift + bend * shift * shift - over_mean)
 }

@@ -381,6 +381,43 @@ fn rotating(ratio: f64, slenderness: f64, cells: [usize; 2], half_width: bool) -
     [force, solved.summary.maximum_pressure]
 }
 
+/// A groove around the shell leaves two lands. The highest pressure over two cells of a land is that of a parabola through
+/// their means and the pressures at both edges.
+#[test]
+fn two_cells_across_a_land_tell_the_highest_pressure() {
+    for (ratio, slenderness, most) in [
+        (0.3, 0.25, [0.002, 0.002]),
+        (0.6, 0.5, [0.01, 0.02]),
+        (0.9, 0.5, [0.04, 0.07]),
+        (0.8, 1.0, [0.05, 0.09]),
+    ] {
+        let width = 2.0 * slenderness;
+        let of = |cells: [usize; 2]| {
+            let mut source = FilmSource::plain(1.0, width, 1.0, Cavitation::Reynolds, cells);
+            source.openings = vec![Opening {
+                on: Part::Shell,
+                around: [0.0, std::f64::consts::TAU],
+                across: [-width / 10.0, width / 10.0],
+                feed: Feed::Pressure,
+            }];
+            let inputs = Inputs {
+                eccentricity: [ratio, 0.0],
+                spin: 1.0,
+                supply: &[0.0],
+                ..Inputs::still(1.0)
+            };
+            let solved = solved(source, inputs.write()).expect("a film");
+            let force = solved.outputs[0].hypot(solved.outputs[1]);
+            [force, solved.summary.maximum_pressure]
+        };
+        let (few, many) = (of([72, 5]), of([72, 81]));
+        let errors = [0, 1].map(|at| few[at] / many[at] - 1.0);
+        println!("{ratio} B/D {slenderness}: {errors:.4?}");
+        let within = |at: usize| errors[at].abs() < most[at];
+        assert!(within(0) && within(1), "{errors:?}");
+    }
+}
+
 #[test]
 fn errors_of_the_usual_cells_are_those_of_the_documents() {
     let reference = reference();
