@@ -397,7 +397,7 @@ const OF_FINGERS: &[Change] = &[
     (
         "plunger_mass: 12 g",
         "plunger_mass: -12 g",
-        "a plunger of -12 g",
+        "a plunger of -12 g with a way of 2 mm",
     ),
     (
         "at([0, 0, 0] mm",
