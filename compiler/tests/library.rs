@@ -115,6 +115,7 @@ fn every_class_elaborates_with_its_number_of_equations() {
         ("j20", 1),
         ("d5", 1),
         ("c8", 0),
+        ("c9", 0),
         ("l1", 0),
         ("t1", 0),
         ("t2", 0),

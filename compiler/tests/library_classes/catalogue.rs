@@ -312,6 +312,11 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         "EndStop",
         "a.m, b.m, reach: 3 m, stiffness: 10 N/mm, damping: 5 N*s/m, soft_depth: 1 m",
     ),
+    of(
+        "std.contacts",
+        "WayStops",
+        "a.m, b.m, way: 0 m, stiffness: 10 N/mm, damping: 5 N*s/m, soft_depth: 1 m",
+    ),
     Case {
         poses: Poses::Film(CLEARANCE),
         ..of(

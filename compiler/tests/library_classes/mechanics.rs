@@ -434,6 +434,7 @@ fn heat_and_stored_energy_account_for_the_power() {
             "SphereOnSphere",
             "CylinderOnPlane",
             "EndStop",
+            "WayStops",
             "PinInBush",
             "Friction",
             "LuGre",
