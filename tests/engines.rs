@@ -3,6 +3,7 @@
 
 use crate::library_run::{close, column, largest, refusal, run};
 use eng::Sources;
+use eng::post::{Run, evaluate};
 use eng::results::Results;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -914,6 +915,54 @@ analysis run = transient(Test(), duration: 4 rev, sample: 0.25 deg)
             "{layout}: {behind}"
         );
     }
+}
+
+/// A slow cylinder whose gas pushes with `A (1 + 2 cos(angle)) bar`: for 120° of the turn it pulls the wrist pin, with a third of the
+/// largest load. The report of the guide measures both.
+#[test]
+fn a_report_measures_the_reversal_of_a_pin() {
+    let text = "use std.cylinder.{Rod, diametral}
+use std.engine.{Crank, Engine}
+use std.forces.GasPressure
+use std.journals.Impedance
+use std.layouts.single
+use std.oils.SAE_10W40
+fn wave(theta: CrankAngle) -> AbsolutePressure = 5 bar + 2 bar*cos(theta - 0 deg)
+model Test {
+    accept peak
+    part unit = Engine(
+        layout: single(), cycle_length: 360 deg, numbered_from: timing_end, seen_from: timing_end, sense: clockwise,
+        bore: 60 mm, stroke: 80 mm, rod_length: 140 mm, spacing: 92 mm,
+        main_diameter: 54 mm, main_width: 20 mm, main_clearance: diametral(54 um), pin_diameter: 48 mm, big_ends: hinge,
+        law: Impedance, oil: SAE_10W40, oil_temperature: 60 degC,
+        rod: Rod(mass: 0.3 kg, center: 50 mm, inertia: [0.12, 1.5, 1.5] g*m^2), piston_mass: 0.35 kg,
+        crankshaft: Crank(mass: 8 kg, inertia: [60, 60, 15] g*m^2), gas: GasPressure(pressure: wave, ambient: 4 bar),
+        flywheel_mass: 11 kg, flywheel_inertia: 0.112 kg*m^2, block_mass: 60 kg, block_inertia: [2.2, 2.4, 1.1] kg*m^2,
+        speed: 6 rpm, drive_line: constant_speed,
+    )
+    gravity = [0, 0, 0] m/s^2
+}
+analysis run = transient(Test(), duration: 2 rev, sample: 0.5 deg, start: assembled)
+report pins {
+    let pin = last_cycle(run.unit.cylinder[1].pin_load)
+    value reversal = 180 deg*(1 - abs(mean(min(max(pin/(10 N), -1), 1)))) as deg
+    value reversed = min(maximum(pin), -minimum(pin))/max(maximum(pin), -minimum(pin)) as %
+    value most = maximum(pin) as N
+}";
+    let program = eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program();
+    let program = program.unwrap_or_else(|report| panic!("{report}"));
+    let analysis = program.analysis("run").unwrap();
+    let solved = analysis.run(&mut |_| {});
+    let results = solved
+        .unwrap_or_else(|failed| panic!("{}", failed.error))
+        .results;
+    let machine = analysis.machine().expect("its numbers");
+    let report = evaluate(&program.reports()[0], &[Run::new(&results, &machine)]);
+    let value = |name: &str| report.values(name).expect("a value")[0].value;
+    close("reversal", value("reversal"), TAU / 3.0, 1e-3);
+    close("share", value("reversed"), 1.0 / 3.0, 1e-3);
+    let area = std::f64::consts::PI / 4.0 * 0.06 * 0.06;
+    close("largest", value("most"), 3e5 * area, 1e-4);
 }
 
 /// The example: its gas repeats, the drive gives what gas and films take, and a gram of air takes a few

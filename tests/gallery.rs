@@ -144,7 +144,7 @@ fn the_v6_has_its_numbers() {
 
 #[test]
 fn the_compressor_has_its_numbers() {
-    compare("compressor", &["running"], 5);
+    compare("compressor", &["running"], 7);
 }
 
 #[test]

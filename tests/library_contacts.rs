@@ -136,6 +136,50 @@ fn a_stop_is_a_spring_and_its_heat_is_the_energy_lost() {
     close("heat", heat, 0.05 * (0.04 - rebound * rebound), 1e-4);
 }
 
+/// A slug of 1 kg flies 10 mm between two stops at 1 m/s: each bounce takes half a period of the mass on the stiffness. With damping its
+/// loss of energy is the heat.
+#[test]
+fn a_slug_bounces_between_two_stops() {
+    let text = |damping: f64, run: &str| {
+        format!(
+            "use std.contacts.WayStops
+            use std.joints.Translational
+            model Between {{
+                gravity = [0, 0, 0] m/s^2
+                marker middle = [0, 0, 0] mm
+                body slug {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin }}
+                joint guide = Translational(slug.eye, middle)
+                force stops = WayStops(slug.eye, middle, way: 5 mm, stiffness: 1 kN/mm, damping: {damping} N*s/m)
+                start guide.travel = 0 mm
+                start guide.speed = 1 m/s
+            }}
+            analysis run = transient(Between(), {run})"
+        )
+    };
+    // two turns to and fro, and 2 ms
+    let time = 1e3 * (2.0 * (0.02 + 2.0 * std::f64::consts::PI * 1e-3) + 2e-3);
+    let results = run(
+        &text(0.0, &format!("duration: {time} ms, sample: 20 us")),
+        "run",
+    );
+    let travel = column(&results, "guide.travel");
+    close("reached", largest(travel), 6e-3, 1e-4);
+    close("place", last(&results, "guide.travel"), 2e-3, 3e-4);
+    close(
+        "energy",
+        largest(column(&results, "stops.stored_energy")),
+        0.5,
+        2e-4,
+    );
+    let results = run(&text(200.0, "duration: 60 ms, sample: 10 us"), "run");
+    let heat = integral(
+        column(&results, "time"),
+        column(&results, "stops.power_loss"),
+    );
+    let speed = last(&results, "guide.speed");
+    close("heat", heat, 0.5 * (1.0 - speed * speed), 1e-3);
+}
+
 /// The load of a pin in its bush is the integral of the pressure over the arc of contact.
 #[test]
 fn a_pin_in_a_bush_is_carried_by_the_pressure_of_its_layer() {

@@ -97,6 +97,78 @@ model Cam {
 analysis run = transient(Cam(), duration: 1 ms, sample: 0.5 ms)
 ";
 
+/// A finger on a lash adjuster.
+const FINGER: &str = "
+use std.valvetrain.*
+use std.drives.ConstantSpeed
+model Train {
+    gravity = [0, 0, 0] m/s^2
+    marker socket = at([0, 0, 0] mm, z: [0, 1, 0])
+    marker axle = [20, 29, 0] mm
+    marker seat = at([42, -40, 0] mm, z: [0, 1, 0])
+    body cam { mass = 1 kg; inertia = [0.5, 0.5, 0.5] g*m^2; marker main = origin }
+    drive turn = ConstantSpeed(cam.main, axle, speed: 1000 rpm, initial: 180 deg)
+    const shape = Lever(mass: 60 g, inertia: 20 kg*mm^2, center: [20, 3] mm, cam_side: [19, 5] mm, tip: [42, 8] mm, tip_radius: 10 mm)
+    part valve = Valve(seat, valve_mass: 80 g, installed: 35 mm, stem_height: 38 mm, stiffness: 30 N/mm, free_length: 45 mm,
+        seat_stiffness: 50 N/um)
+    part finger = FingerFollower(socket, cam.main, valve.valve.stem, shape: shape, plunger_mass: 12 g, tip_stiffness: 50 N/um,
+        cam_side: RollerCam(base: 24 mm, roller_radius: 9 mm, profile: polynomial_lift(lift: 5 mm, half: 60 deg), stiffness: 50 N/um, friction: 0),
+        adjuster: HydraulicLashAdjuster(diameter: 11 mm, gap: 6 um, seal: 8 mm, volume: 0.3 cc, supply: 3 bar, viscosity: 10 mPa*s))
+}
+analysis run = transient(Train(), duration: 0.2 ms, sample: 0.1 ms)
+";
+
+/// A rocker arm on a pushrod that stands on the ground.
+const PUSHROD: &str = "
+use std.valvetrain.*
+model Train {
+    gravity = [0, 0, 0] m/s^2
+    marker shaft = [0, 0, 0] mm
+    marker socket = [-26, -150, 0] mm
+    marker seat = at([36, -62, 0] mm, z: [0, 1, 0])
+    const shape = Lever(mass: 90 g, inertia: 40 kg*mm^2, center: [3, 0] mm, cam_side: [-25, -3] mm, tip: [36, -4] mm, tip_radius: 12 mm)
+    part valve = Valve(seat, valve_mass: 100 g, installed: 38 mm, stem_height: 45.8 mm, stiffness: 30 N/mm, free_length: 48 mm,
+        seat_stiffness: 50 N/um)
+    part rocker = RockerArm(shaft, socket, valve.valve.stem, shape: shape, tip_stiffness: 50 N/um,
+        cam_side: Pushrod(length: 147 mm, stiffness: 50 N/um))
+}
+analysis run = transient(Train(), duration: 0.2 ms, sample: 0.1 ms)
+";
+
+/// A box on a bushing.
+const BUSHING: &str = "
+use std.mounts.RubberBushing
+model Mounted {
+    gravity = [0, 0, -9.81] m/s^2
+    marker floor = [0, 0, 0] mm
+    body box { mass = 50 kg; inertia = [1, 1, 1] kg*m^2; marker foot = origin; start rotation = [0, 0, 1] deg }
+    force mount = RubberBushing(box.foot, floor, stiffness: [500, 500, 300] N/mm, torsional_stiffness: [90, 90, 120] N*m/rad,
+        loss: 0.15, loss_at: 20 Hz)
+}
+analysis run = transient(Mounted(), duration: 2 ms, sample: 1 ms)
+";
+
+/// A disc behind a dual-mass flywheel, and a box on a hydraulic mount.
+const FLYWHEEL: &str = "
+use std.drivelines.DualMassFlywheel
+use std.mounts.HydraulicMount
+use std.joints.{Revolute, Translational}
+model Flywheel {
+    gravity = [0, 0, -9.81] m/s^2
+    marker engine = [0, 0, 0] mm
+    marker floor = [500, 0, 0] mm
+    body disc { mass = 5 kg; inertia = [30, 30, 50] g*m^2; marker hub = origin }
+    body box { mass = 50 kg; inertia = [1, 1, 1] kg*m^2; marker foot = origin; start position = [500, 0, 10] mm }
+    joint bearing = Revolute(disc.hub, engine)
+    joint guide = Translational(box.foot, floor)
+    force springs = DualMassFlywheel(disc.hub, engine, stiffness: 690 N*m/rad, second_stiffness: 1400 N*m/rad, free_play: 0 deg,
+        second_stage: 40 deg, friction: 12 N*m, creep: 1 rad/s)
+    force mount = HydraulicMount(box.foot, floor, stiffness: 200 N/mm, damping: 100 N*s/m, free_length: 12 mm, piston: 30 cm^2,
+        compliance: 3e-11 m^3/Pa, inertance: 4e6 Pa*s^2/m^3, resistance: 2e7 Pa*s/m^3)
+}
+analysis run = transient(Flywheel(), duration: 2 ms, sample: 1 ms)
+";
+
 /// A change of a model: a part of its text, the text in place of it, and a part of the message.
 type Change = (&'static str, &'static str, &'static str);
 
@@ -310,6 +382,96 @@ const OF_CAMS: &[Change] = &[
     ),
 ];
 
+const OF_FINGERS: &[Change] = &[
+    (
+        "tip: [42, 8] mm",
+        "tip: [42, 8] cm",
+        "the tip is 427.6 mm from the axis of the lever, the cam side 19.65 mm",
+    ),
+    (
+        "cam_side: [19, 5] mm",
+        "cam_side: [0, 0] mm",
+        "both must be beside it",
+    ),
+    ("tip_radius: 10 mm", "tip_radius: 0 mm", "a tip of 0 mm"),
+    (
+        "plunger_mass: 12 g",
+        "plunger_mass: -12 g",
+        "a plunger of -12 g with a way of 2 mm",
+    ),
+    (
+        "at([0, 0, 0] mm",
+        "at([0, 6, 0] mm",
+        "the ball begins -5.96",
+    ),
+    (
+        "30 N/mm",
+        "30 N/m",
+        "the spring presses the closed valve with 0.3 N",
+    ),
+    (
+        "installed: 35 mm",
+        "installed: 55 mm",
+        "an installed length of 55 mm, a free length of 45 mm",
+    ),
+    (
+        "friction: 0",
+        "friction: 10",
+        "a coefficient of friction of 10",
+    ),
+    ("friction: 0", "friction: -0.1", "a friction of -0.1"),
+];
+
+const OF_PUSHRODS: &[Change] = &[
+    (
+        "length: 147 mm",
+        "length: 14.7 mm",
+        "at start of cam_contact.gap",
+    ),
+    ("length: 147 mm", "length: -147 mm", "a length of -147 mm"),
+    (
+        "tip: [36, -4] mm",
+        "tip: [36, -1] mm",
+        "the lash of valve trains is 0 to 0.5 mm",
+    ),
+];
+
+const OF_BUSHINGS: &[Change] = &[
+    ("loss: 0.15", "loss: 15", "a loss factor of 15"),
+    ("loss: 0.15", "loss: -0.15", "adds energy to the motion"),
+    (
+        "loss_at: 20 Hz",
+        "loss_at: 20 kHz",
+        "the loss factor belongs to 20000 Hz",
+    ),
+    ("loss_at: 20 Hz", "loss_at: 0 Hz", "0 Hz must be positive"),
+    (
+        "120] N*m/rad",
+        "120] kN*m/rad",
+        "springs 489.9 mm from its middle",
+    ),
+    ("300] N/mm", "300] N/m", "springs 489.9 mm from its middle"),
+    ("[0, 0, 1] deg", "[0, 0, 1] rad", "it is turned by 48.2"),
+    (
+        "floor = [0, 0, 0] mm",
+        "floor = [0, 0, 90] mm",
+        "its markers are 90 mm apart",
+    ),
+];
+
+const OF_FLYWHEELS: &[Change] = &[
+    (
+        "stiffness: 690 N*m/rad",
+        "stiffness: 12 N*m/rad",
+        "the first stage ends at 8.378 N*m, and the friction is 12 N*m",
+    ),
+    (
+        "compliance: 3e-11 m^3/Pa",
+        "compliance: 3e-5 m^3/Pa",
+        "the fluid in the channel swings on the soft walls at 0.01453 Hz",
+    ),
+];
+
 /// All that is said of a text: by its check, its assembly, and its analysis `run` if it has one.
 fn said(text: &str) -> String {
     let checked = eng::check(&Sources::from_text("m.eng", text), "m.eng");
@@ -349,12 +511,16 @@ fn said(text: &str) -> String {
 
 #[test]
 fn numbers_that_no_machine_has_are_told() {
-    let models: [(&str, &[Change]); 5] = [
+    let models: [(&str, &[Change]); 9] = [
         (FILM, OF_FILMS),
         (THRUST, OF_THRUST),
         (SINGLE, OF_ENGINES),
         (QUICK, OF_QUICK_ENGINES),
         (CAM, OF_CAMS),
+        (FINGER, OF_FINGERS),
+        (PUSHROD, OF_PUSHRODS),
+        (BUSHING, OF_BUSHINGS),
+        (FLYWHEEL, OF_FLYWHEELS),
     ];
     for (model, changes) in models {
         let right = said(model);

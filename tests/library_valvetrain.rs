@@ -329,6 +329,91 @@ fn a_roller_rides_on_an_eccentric_disc() {
     assert!(checked > 100);
 }
 
+/// The pad of 12 mm on the same disc, with a friction of 0.1: force along the normal and across it, torque on the cam, heat.
+#[test]
+fn a_pad_rubs_on_its_cam() {
+    let rubbing = "damping: 6 kN*s/m, friction: 0.1, creep: 1 mm/s)";
+    let results = run(&ROLLER.replace("damping: 6 kN*s/m)", rubbing), "run");
+    let mut checked = 0;
+    for (k, t) in column(&results, "time").iter().enumerate() {
+        if *t < 0.1 {
+            continue;
+        }
+        let omega = 60.0;
+        let (sin, cos) = (30.0_f64.to_radians() + omega * t).sin_cos();
+        let root = (0.032_f64.powi(2) - (0.005 * sin).powi(2)).sqrt();
+        let lean = 0.005 * sin / root;
+        let travel = 0.005 * cos + root;
+        let slope = -0.005 * sin - 0.005 * cos * lean;
+        let bend = -0.005 * cos
+            - 0.005_f64.powi(2)
+                * ((cos * cos - sin * sin) / root + (0.005 * sin * cos).powi(2) / root.powi(3));
+        let along = 0.3 * bend * omega * omega + 20e3 * (0.08 - (0.09 - travel));
+        // from the centre of the disc to that of the pad, and a quarter of a turn ahead of it
+        let normal = [root / 0.032, -0.005 * sin / 0.032];
+        let ahead = [-normal[1], normal[0]];
+        let touch = [
+            0.005 * cos + 0.020 * normal[0],
+            0.005 * sin + 0.020 * normal[1],
+        ];
+        let seen = [omega * (slope + touch[1]), -omega * touch[0]];
+        let sliding = seen[0] * ahead[0] + seen[1] * ahead[1];
+        let rub = -0.1 * sliding.signum();
+        let load = along / (normal[0] + rub * ahead[0]);
+        let force = [0, 1].map(|i| load * (normal[i] + rub * ahead[i]));
+        let value = |path: &str| column(&results, path)[k];
+        close("load", value("contact.load"), load, 1e-3);
+        close(
+            "heat",
+            value("contact.power_loss"),
+            0.1 * load * sliding.abs(),
+            1e-3,
+        );
+        let torque = touch[0] * force[1] - touch[1] * force[0];
+        assert!(
+            (value("turn.torque.z") - torque).abs() < 2e-3 * 3.4,
+            "{t}: {} {torque}",
+            value("turn.torque.z")
+        );
+        // the friction acts on the face of the pad, and the guide holds its moment
+        let held = -0.012 * rub * load;
+        assert!((value("guide.torque.y") + held).abs() < 1e-3, "{t}: {held}");
+        checked += 1;
+    }
+    assert!(checked > 100);
+}
+
+/// A roller falls on the back of its cam just where its angle from the nose jumps by a turn. The lift is the same on both sides, so a
+/// long step that meets both goes on, and the bounce is that of short steps.
+#[test]
+fn a_roller_falls_on_the_back_of_its_cam() {
+    for law in [
+        "harmonic_lift",
+        "cycloidal_lift",
+        "polynomial_lift",
+        "polydyne_lift",
+    ] {
+        let text = ROLLER
+            .replace("use std.valvetrain.RollerCam", "use std.valvetrain.*")
+            .replace(
+                "profile: rise",
+                &format!("profile: {law}(lift: 5 mm, half: 60 deg)"),
+            )
+            .replace("base: 27 mm", "base: 32 mm")
+            .replace("bore = at([0, 0, 0]", "bore = at([0, 3, 0]")
+            .replace("top = [90, 0, 0]", "top = [90, 3, 0]")
+            .replace("initial: 30 deg", "initial: 170 deg")
+            .replace("travel = 36 mm", "travel = 32 mm")
+            .replace(", damping: 6 kN*s/m", "")
+            .replace("duration: 250 ms", "duration: 8 ms");
+        let bounced = last(&run(&text, "run"), "contact.gap");
+        let short = text.replace("sample: 1 ms", "sample: 20 us");
+        let due = last(&run(&short, "run"), "contact.gap");
+        assert!(due > 1e-4, "{law}: {due}");
+        close(law, bounced, due, 1e-3);
+    }
+}
+
 /// The powers 4, 6, 8 of `polydyne_lift` are the law `(1 - s²)⁴`.
 #[test]
 fn a_polydyne_of_low_powers_is_the_polynomial() {

@@ -47,6 +47,7 @@ mod library_contacts;
 mod library_drivelines;
 mod library_gas;
 mod library_joints;
+mod library_levers;
 mod library_limits;
 mod library_liners;
 mod library_mounts;

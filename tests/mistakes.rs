@@ -14,7 +14,7 @@ use std::sync::Mutex;
 
 /// The mistakes, those that are reported before a run, and those reported near their place. `docs/validation.md`
 /// states these figures.
-const FIGURES: [usize; 3] = [313, 304, 287];
+const FIGURES: [usize; 3] = [323, 315, 295];
 /// Lines that count as near.
 const LINES: usize = 3;
 

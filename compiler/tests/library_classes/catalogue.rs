@@ -312,6 +312,11 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         "EndStop",
         "a.m, b.m, reach: 3 m, stiffness: 10 N/mm, damping: 5 N*s/m, soft_depth: 1 m",
     ),
+    of(
+        "std.contacts",
+        "WayStops",
+        "a.m, b.m, way: 0 m, stiffness: 10 N/mm, damping: 5 N*s/m, soft_depth: 1 m",
+    ),
     Case {
         poses: Poses::Film(CLEARANCE),
         ..of(
@@ -390,6 +395,18 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
         "a.m, b.m, stiffness: [60, 90, 140] N/mm, fast_stiffness: [50, 70, 80] N/mm, relaxation: 3 ms,
         torsional_stiffness: [400, 800, 900] N*m/rad, torsional_damping: [3, 5, 2] N*m*s/rad",
     ),
+    // without torsion, whose law holds for small turns, it accounts for its energy at any pose
+    of(
+        "std.mounts",
+        "RubberBushing",
+        "a.m, b.m, [60, 90, 140] N/mm, [0, 0, 0] N*m/rad, loss: 0.2, loss_at: 50 Hz, preload: [10, 20, 30] N",
+    ),
+    of(
+        "std.mounts",
+        "RubberBushing",
+        "a.m, b.m, stiffness: [60, 90, 140] N/mm, torsional_stiffness: [400, 800, 900] N*m/rad, loss: 0.2, loss_at: 50 Hz,
+        preload: [10, 20, 30] N, preload_torque: [3, 5, 2] N*m",
+    ),
     of(
         "std.mounts",
         "HydraulicMount",
@@ -416,6 +433,22 @@ const valve = PlateValve(plate: 4 cm^2, port: 3 cm^2, lift: 2 mm, mass: 2 g, sti
             "a.m, b.m, base: 3 m, roller_radius: 1 m, profile: harmonic_lift(lift: 400 mm, half: 170 deg), stiffness: 20 N/mm, damping: 3 N*s/m, soft_depth: 1 m",
         )
     },
+    Case {
+        definitions: "use std.valvetrain.harmonic_lift",
+        parts: PLANE,
+        poses: Poses::Planar,
+        ..of(
+            "std.valvetrain",
+            "RollerCam",
+            "a.m, b.m, base: 3 m, roller_radius: 1 m, profile: harmonic_lift(lift: 400 mm, half: 170 deg), stiffness: 20 N/mm, damping: 3 N*s/m,
+        soft_depth: 1 m, friction: 0.2, creep: 100 m/s",
+        )
+    },
+    of(
+        "std.valvetrain",
+        "Pushrod",
+        "a.m, b.m, length: 3 m, stiffness: 20 N/mm, damping: 3 N*s/m, soft_depth: 1 m",
+    ),
     of(
         "std.valvetrain",
         "HydraulicLashAdjuster",
