@@ -335,7 +335,8 @@ fn rough_surfaces_of_the_reference() {
             .collect();
         // the pressure of asperities is that at the least gap on any number of cells
         let touch = number(row, "asperity_p_max");
-        assert!((on([36, 7])[5] - touch).abs() < 1e-4 * touch, "{touch}");
+        let few = on([36, 7])[5];
+        assert!((few - touch).abs() < 1e-4 * touch + 1e-9, "{few} {touch}");
         let load = number(row, "hydro_fx") + number(row, "asperity_fx");
         let exact = [
             load,
