@@ -63,6 +63,13 @@ impl<'a> Elaborator<'a, '_> {
             sorted(&mut points)
                 .map_err(|incomplete| self.incomplete(table, &points, &incomplete))?;
         }
+        let stated = points.arguments.iter().zip(&ends).zip(&points.units);
+        for ((x, ends), unit) in stated {
+            if let Ends::Periodic(period) = ends {
+                let help = "state points over the whole period";
+                self.doubtful_gap(table, x, *period, unit, help);
+            }
+        }
         let names = table.parameters.iter().map(|p| p.name.text.clone());
         let arguments = names
             .zip(&points.arguments)

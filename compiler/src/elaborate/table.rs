@@ -217,7 +217,8 @@ impl<'a> Elaborator<'a, '_> {
             points.unit.clone(),
         );
         if let (Interpolation::Cubic, Some(period)) = (options.interpolation, options.period) {
-            self.doubtful_gap(table, x, period, &units.0);
+            let help = "state points over the whole period, or take `interpolation: monotone`, which stays between the two values";
+            self.doubtful_gap(table, x, period, &units.0, help);
         }
         let name = table.name.text.clone();
         let made = Table::new(
@@ -325,7 +326,14 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The lint on a part of a period without points.
-    fn doubtful_gap(&mut self, table: &ast::Table, x: &[f64], period: f64, unit: &DisplayUnit) {
+    pub(super) fn doubtful_gap(
+        &mut self,
+        table: &ast::Table,
+        x: &[f64],
+        period: f64,
+        unit: &DisplayUnit,
+        help: &str,
+    ) {
         let Some((last, next, usual)) = period_gap(x, period) else {
             return;
         };
@@ -349,9 +357,7 @@ impl<'a> Elaborator<'a, '_> {
                 "elsewhere they are {} apart; the spline bridges the gap by a curve of its own",
                 unit.text(usual)
             ))
-            .with_help(
-                "state points over the whole period, or take `interpolation: monotone`, which stays between the two values",
-            ),
+            .with_help(help),
         );
     }
 
