@@ -613,6 +613,9 @@ pub struct Mesh {
     pub code: Code,
     /// Whether this code lumps the masses of the elements here: Nastran without `PARAM,COUPMASS,1`.
     pub lumped: bool,
+    /// Whether this code holds freedoms without stiffness beside the supports here: Nastran without
+    /// `PARAM,AUTOSPC,NO`.
+    pub autospc: bool,
     /// Nodes in the order of the file.
     pub nodes: Vec<Node>,
     /// Analysis frames of nodes.

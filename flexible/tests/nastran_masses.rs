@@ -383,8 +383,8 @@ fn wrong_scalar_points_are_refused() {
         let found = problem(&format!("{OSCILLATORS}{cards}")).problem;
         assert!(found.contains(expected), "{found}");
     }
-    // a scalar point that nothing holds
-    let deck = OSCILLATORS.replace("SPC1,1,,300\n", "");
+    // a scalar point that nothing holds, and that AUTOSPC would hold
+    let deck = OSCILLATORS.replace("SPC1,1,,300\n", "PARAM,AUTOSPC,NO\n");
     let request = Request {
         support_of_deck: true,
         terms: vec![Term::Normal {

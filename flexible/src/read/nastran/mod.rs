@@ -5,7 +5,8 @@
 //! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =` and `MPC =`: without
 //! such a selection all sets apply. Sets of the mesh have the names `set:3` (`SET1`, `SET3`) and `pid:3`
 //! (elements with property 3). `PARAM,WTMASS` multiplies densities and masses here. Without a positive
-//! `PARAM,COUPMASS` the mesh is one of lumped masses.
+//! `PARAM,COUPMASS` the mesh is one of lumped masses, and without `PARAM,AUTOSPC,NO` it holds freedoms without
+//! stiffness.
 //!
 //! ```text
 //! lines ─▶ sections ─▶ continuation ─▶ card ─▶ grids, elements, … (cards) ─▶ mesh
@@ -106,6 +107,8 @@ struct Deck {
     sets: Sets,
     mass_scale: f64,
     coupled: bool,
+    /// Whether freedoms without stiffness stay free.
+    kept_loose: bool,
     /// Cards of materials that depend on the temperature.
     thermal: Vec<(String, At)>,
     unread: UnreadCards,
@@ -216,6 +219,7 @@ impl Deck {
                     value => number::integer(value).is_some_and(|value| value > 0),
                 }
             }
+            "AUTOSPC" => self.kept_loose = matches!(card.text(1), "NO" | "N"),
             _ => self.unread.card("PARAM", &card.at),
         }
         Ok(())
@@ -249,6 +253,7 @@ impl Deck {
         let mut mesh = Mesh {
             code: Code::Nastran,
             lumped: !self.coupled,
+            autospc: !self.kept_loose,
             nodes,
             frames,
             ..Mesh::default()
