@@ -119,10 +119,18 @@ fn intervals(a: &BeamSection, b: &BeamSection) -> Vec<f64> {
             up = up.max(b / a);
         }
     }
-    let halvings = |ratio: f64| 1..=(ratio.log2().ceil() as i32).clamp(0, 60);
+    // halves of the way to the end with the smaller constant
+    let halves = |ratio: f64| {
+        let (mut shares, mut left) = (Vec::new(), ratio);
+        while left > 1.0 && shares.len() < 60 {
+            shares.push(shares.last().map_or(0.5, |share| 0.5 * share));
+            left *= 0.5;
+        }
+        shares
+    };
     let mut shares = vec![0.0, 1.0];
-    shares.extend(halvings(down).map(|k| 1.0 - 0.5_f64.powi(k)));
-    shares.extend(halvings(up).map(|k| 0.5_f64.powi(k)));
+    shares.extend(halves(down).into_iter().map(|share| 1.0 - share));
+    shares.extend(halves(up));
     shares.sort_by(f64::total_cmp);
     shares.dedup();
     shares
