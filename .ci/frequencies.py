@@ -1,9 +1,10 @@
-"""Compares the frequencies of decks with those that Nastran or MYSTRAN printed. Usage: frequencies.py ENG FOLDER [KNOWN]
+"""Compares the frequencies of decks with those that Nastran or MYSTRAN printed. Usage: frequencies.py ENG FOLDER
 
 ENG is the command. Each result (.f06, .ans of MYSTRAN, .op2) of the folder with a table of real eigenvalues belongs to the deck of its
-name, next to it or elsewhere in the folder, or to the deck beside it with which its name begins. `eng reduce` with `element_rules = nastran` and the supports of the deck gives as
-many elastic frequencies as the table. Frequencies below 1e-4 of the largest are rigid motions. A line for each deck has the number of
-frequencies and the largest relative difference; decks above 1e-3 follow with both lists, refused decks with the message.
+name, beside it or elsewhere in the folder, else to the deck beside it with which its name begins. `eng reduce` with
+`element_rules = nastran` and the supports of the deck gives as many frequencies as the table. Of a free body those below 1e-4 of the
+largest are rigid motions. A line for each deck has the number of frequencies and the largest relative difference; decks above 1e-3 follow
+with both lists, refused decks with the message.
 """
 
 import pathlib
