@@ -59,68 +59,78 @@ def counts(text: str, code: str) -> bool:
     return bool(re.search(r"^GRID", text, re.M | re.I) and NASTRAN_ELEMENT.search(text) and mass)
 
 
-def reduced(eng: str, deck: pathlib.Path, code: str, modes: int, supports: bool) -> str:
-    """The answer of `eng reduce`."""
+def reduced(
+    eng: str, deck: pathlib.Path, code: str, modes: int, supports: bool, folder: pathlib.Path, rules: str = ""
+) -> tuple[bool, str]:
+    """Whether `eng reduce` refused a deck, and its answer. The model is written into the folder of the survey."""
+    place = folder / "survey.eng"  # a model reads files of its own folder and below
     support = "support = deck" if supports else ""
     model = f"""model M {{
     gravity = [0, 0, 0] m/s^2
     flexible body {{
-        mesh = {code}("{deck.relative_to(MODEL.parent)}", units: m_kg_s)
+        mesh = {code}("{deck.relative_to(folder)}", units: m_kg_s)
         modes = normal({modes})
         damping = 1 %
         {support}
+        {rules}
     }}
 }}
 analysis stand = assemble(M())
 """
-    with tempfile.TemporaryDirectory() as folder:
-        MODEL.write_text(model)
+    with tempfile.TemporaryDirectory() as cache:
+        place.write_text(model)
         try:
-            environment = dict(os.environ, ENG_CACHE=folder)
-            run = subprocess.run([eng, "reduce", MODEL], capture_output=True, text=True, timeout=SECONDS, env=environment)
+            environment = dict(os.environ, ENG_CACHE=cache)
+            run = subprocess.run([eng, "reduce", place], capture_output=True, text=True, timeout=SECONDS, env=environment)
         except subprocess.TimeoutExpired:
-            return "TIMEOUT"
-        return run.stdout + run.stderr if run.returncode else ""
+            return True, "TIMEOUT"
+        finally:
+            place.unlink()
+        return run.returncode != 0, run.stdout + run.stderr
 
 
-def answer(eng: str, deck: pathlib.Path, code: str) -> str:
+def answer(eng: str, deck: pathlib.Path, code: str, folder: pathlib.Path) -> str:
     """The error of a deck; empty if it is read."""
-    text = reduced(eng, deck, code, 2, True)
+    failed, text = reduced(eng, deck, code, 2, True, folder)
     supports = "holds no freedom" not in text
     if not supports:
-        text = reduced(eng, deck, code, 2, False)
-    if "modes are requested" in text:
-        text = reduced(eng, deck, code, 1, supports)
-    return text
+        failed, text = reduced(eng, deck, code, 2, False, folder)
+    if failed and "modes are requested" in text:
+        failed, text = reduced(eng, deck, code, 1, supports, folder)
+    return text if failed else ""
 
 
-eng, folder, code = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), sys.argv[3]
-MODEL = folder / "survey.eng"  # a model reads files of its own folder and below
-table = open(sys.argv[4], "w") if len(sys.argv) > 4 else None
-reasons: collections.Counter = collections.Counter()
-contents: collections.Counter = collections.Counter()
-decks = 0
-for deck in sorted(folder.rglob("*")):
-    if deck.suffix.lower() not in ENDINGS[code] or not deck.is_file() or deck.stat().st_size > LARGEST:
-        continue
-    if not counts(deck.read_text(errors="replace"), code):
-        continue
-    decks += 1
-    text = answer(eng, deck, code)
-    found = re.search(r"error(?:\[E\d+\])?: .*", text)
-    if not text:
-        reason = "read"
-    else:
-        named = (reason for reason, words in REASONS if words in text)
-        reason = next(named, "others")
-    reasons[reason] += 1
-    lost = re.findall(r"\d+ × (.*?) \(the first", text)
-    contents.update(set(lost))
-    if table:
-        print(deck.relative_to(folder), reason, found.group(0) if found else "", lost, sep="\t", file=table, flush=True)
-MODEL.unlink(missing_ok=True)
-print(f"{decks} decks\n")
-print("| answer | decks |\n| --- | --- |")
-for reason, count in reasons.most_common():
-    print(f"| {reason} | {count} |")
-print("\ncontents: " + ", ".join(f"{name} {count}" for name, count in contents.most_common(25)))
+def main() -> None:
+    """Prints the counts of a folder."""
+    eng, folder, code = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), sys.argv[3]
+    table = open(sys.argv[4], "w") if len(sys.argv) > 4 else None
+    reasons: collections.Counter = collections.Counter()
+    contents: collections.Counter = collections.Counter()
+    decks = 0
+    for deck in sorted(folder.rglob("*")):
+        if deck.suffix.lower() not in ENDINGS[code] or not deck.is_file() or deck.stat().st_size > LARGEST:
+            continue
+        if not counts(deck.read_text(errors="replace"), code):
+            continue
+        decks += 1
+        text = answer(eng, deck, code, folder)
+        found = re.search(r"error(?:\[E\d+\])?: .*", text)
+        if not text:
+            reason = "read"
+        else:
+            named = (reason for reason, words in REASONS if words in text)
+            reason = next(named, "others")
+        reasons[reason] += 1
+        lost = re.findall(r"\d+ × (.*?) \(the first", text)
+        contents.update(set(lost))
+        if table:
+            print(deck.relative_to(folder), reason, found.group(0) if found else "", lost, sep="\t", file=table, flush=True)
+    print(f"{decks} decks\n")
+    print("| answer | decks |\n| --- | --- |")
+    for reason, count in reasons.most_common():
+        print(f"| {reason} | {count} |")
+    print("\ncontents: " + ", ".join(f"{name} {count}" for name, count in contents.most_common(25)))
+
+
+if __name__ == "__main__":
+    main()

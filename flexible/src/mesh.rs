@@ -195,6 +195,8 @@ pub enum Section {
     Shell(ShellSection),
     /// A beam.
     Beam(BeamSection),
+    /// A beam whose section changes along it: index into [`Mesh::tapers`].
+    Tapered(u32),
 }
 
 /// Section of a shell.
@@ -276,6 +278,40 @@ pub struct BeamSection {
     pub shear: [f64; 2],
     /// Mass per length in addition to the material's.
     pub mass_per_length: f64,
+}
+
+/// The section at a place of a beam.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Station {
+    /// Share of the way from the first end to the second, 0 to 1.
+    pub place: f64,
+    /// Section there.
+    pub section: BeamSection,
+}
+
+/// The section at a share of the way from the first end to the second, linear between the stations, which are in
+/// ascending order.
+pub(crate) fn section_at(stations: &[Station], share: f64) -> BeamSection {
+    let after = stations.partition_point(|station| station.place <= share);
+    let [before, after] = [after.saturating_sub(1), after].map(|i| stations.get(i));
+    match (before, after) {
+        (Some(a), Some(b)) if b.place > a.place => {
+            let t = (share - a.place) / (b.place - a.place);
+            let (a, b) = (&a.section, &b.section);
+            let between = |a: f64, b: f64| a + t * (b - a);
+            BeamSection {
+                area: between(a.area, b.area),
+                moment_z: between(a.moment_z, b.moment_z),
+                moment_y: between(a.moment_y, b.moment_y),
+                product: between(a.product, b.product),
+                torsion: between(a.torsion, b.torsion),
+                shear: [0, 1].map(|i: usize| between(a.shear[i], b.shear[i])),
+                mass_per_length: between(a.mass_per_length, b.mass_per_length),
+            }
+        }
+        (Some(own), _) | (None, Some(own)) => own.section,
+        (None, None) => BeamSection::default(),
+    }
 }
 
 /// A linear elastic material, isotropic unless it is that of a sheet.
@@ -577,6 +613,9 @@ pub struct Mesh {
     pub code: Code,
     /// Whether this code lumps the masses of the elements here: Nastran without `PARAM,COUPMASS,1`.
     pub lumped: bool,
+    /// Whether this code holds freedoms without stiffness beside the supports here: Nastran without
+    /// `PARAM,AUTOSPC,NO`.
+    pub autospc: bool,
     /// Nodes in the order of the file.
     pub nodes: Vec<Node>,
     /// Analysis frames of nodes.
@@ -591,6 +630,8 @@ pub struct Mesh {
     pub shell_shapes: Vec<ShellShape>,
     /// Layers of shells, each list from the lower surface to the upper.
     pub laminates: Vec<Vec<Layer>>,
+    /// Sections of tapered beams, each list by ascending place, from 0 to 1.
+    pub tapers: Vec<Vec<Station>>,
     /// Properties.
     pub properties: Vec<Property>,
     /// Materials.
@@ -641,6 +682,18 @@ impl Mesh {
                 let id = self.nodes.get(node as usize).map_or(0, |node| node.id);
                 format!("component {} of node {id}", component + 1)
             }
+        }
+    }
+
+    /// The sections of a beam with this section; none for another element.
+    pub(crate) fn stations(&self, section: &Section) -> Vec<Station> {
+        match *section {
+            Section::Beam(section) => vec![Station {
+                place: 0.0,
+                section,
+            }],
+            Section::Tapered(index) => self.tapers.get(index as usize).cloned().unwrap_or_default(),
+            Section::Solid | Section::Shell(_) => Vec::new(),
         }
     }
 

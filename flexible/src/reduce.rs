@@ -172,8 +172,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     };
     held.extend(stated_supports(&mesh, &marker_freedoms)?);
     report.supported |= request.is_held();
-    let reduction = Reduction::new(&mesh, &full, &held)?;
-    let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
+    let (reduction, stiffness) = eliminated(&mesh, &full, held, request, &mut report)?;
     let mass = reduction.reduce_mass(&full.mass)?;
     let motions = rigid_motions(&mesh, &full.freedoms);
     let structure = if report.supported {
@@ -253,6 +252,35 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         mesh,
         report,
     })
+}
+
+/// T with the supports, and the stiffness over free freedoms. With the supports of a deck of Nastran, freedoms without
+/// stiffness are held as its `AUTOSPC` does (MSC Nastran, Quick Reference Guide, PARAM,AUTOSPC), and a warning names them.
+fn eliminated(
+    mesh: &Mesh,
+    full: &fe::Structure,
+    mut held: Vec<Support>,
+    request: &Request,
+    report: &mut Report,
+) -> Result<(Reduction, SymmetricMatrix), FlexibleError> {
+    let reduction = Reduction::new(mesh, full, &held)?;
+    if !(request.support_of_deck && mesh.autospc) {
+        let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
+        return Ok((reduction, stiffness));
+    }
+    let (stiffness, loose) = reduction.reduce_and_search(&full.stiffness)?;
+    if loose.is_empty() {
+        return Ok((reduction, stiffness));
+    }
+    report.warnings.push(format!(
+        "{} freedoms have no stiffness and are held, as by Nastran's AUTOSPC: {}; `PARAM,AUTOSPC,NO` in the deck refuses them",
+        loose.len(),
+        reduction.listed(&loose)
+    ));
+    held.extend(reduction.supports_of(mesh, &full.freedoms, &loose));
+    let reduction = Reduction::new(mesh, full, &held)?;
+    let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
+    Ok((reduction, stiffness))
 }
 
 /// Whether the matrices of another code for this mesh are those of a condensation: the mesh has only the

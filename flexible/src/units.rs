@@ -57,24 +57,12 @@ impl Mesh {
                     *thickness *= length;
                     *mass_per_area *= mass / (length * length);
                 }
-                Section::Beam(BeamSection {
-                    area,
-                    moment_z,
-                    moment_y,
-                    product,
-                    torsion,
-                    shear: _,
-                    mass_per_length,
-                }) => {
-                    let second = length * length * length * length;
-                    *area *= length * length;
-                    *moment_z *= second;
-                    *moment_y *= second;
-                    *product *= second;
-                    *torsion *= second;
-                    *mass_per_length *= mass / length;
-                }
+                Section::Beam(section) => convert_section(section, length, mass),
+                Section::Tapered(_) => {}
             }
+        }
+        for station in self.tapers.iter_mut().flatten() {
+            convert_section(&mut station.section, length, mass);
         }
         for point in &mut self.point_masses {
             for (i, row) in point.matrix.iter_mut().enumerate() {
@@ -110,6 +98,16 @@ impl Mesh {
             }
         }
     }
+}
+
+fn convert_section(section: &mut BeamSection, unit: f64, mass: f64) {
+    let second = unit * unit * unit * unit;
+    section.area *= unit * unit;
+    section.moment_z *= second;
+    section.moment_y *= second;
+    section.product *= second;
+    section.torsion *= second;
+    section.mass_per_length *= mass / unit;
 }
 
 /// Whether a file's own metres, kilograms and seconds are others than those of the model.

@@ -1,5 +1,6 @@
 //! Supports: all nodes of a marker, the mean motion of an averaging one, the deck's own.
 
+use crate::nastran_deck::mesh;
 use eng_flexible::Files;
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest, Selection, Spider};
@@ -126,4 +127,53 @@ fn the_decks_supports_hold() {
     none.supports.clear();
     let error = reduce(none, &held).unwrap_err().to_string();
     assert!(error.contains("holds no freedom"), "{error}");
+}
+
+/// Two rods of 1 m at 45° with a mass of 3 kg where they meet. Nothing resists its motion across their plane, and no
+/// rotation has stiffness: Nastran's AUTOSPC holds these freedoms.
+const TRUSS: &str = "GRID,1,,0.,0.,0.
+GRID,2,,1.4142135623730951,0.,0.
+GRID,3,,.70710678118654757,.70710678118654757,0.
+MAT1,8,2.+11,,.3
+CONROD,1,1,3,8,1.-4
+CONROD,2,2,3,8,1.-4
+CONM2,3,3,,3.
+SPC1,1,123,1,2
+";
+
+#[test]
+fn freedoms_without_stiffness_are_held_with_the_supports_of_a_deck() {
+    let request = |of_deck| Request {
+        support_of_deck: of_deck,
+        terms: vec![Term::Normal {
+            modes: Modes::Count(2),
+            fixed: Vec::new(),
+        }],
+        ..Request::default()
+    };
+    let found = reduce(mesh(TRUSS), &request(true)).unwrap();
+    // 2 E A/L cos² 45° in both directions
+    let expected = (2e7_f64 / 3.0).sqrt() / (2.0 * std::f64::consts::PI);
+    for own in &found.body.frequencies {
+        assert!((own / expected - 1.0).abs() < 1e-9, "{own} {expected}");
+    }
+    let told = found.report.warnings.join("\n");
+    assert!(
+        told.contains("10 freedoms have no stiffness and are held, as by Nastran's AUTOSPC"),
+        "{told}"
+    );
+    assert!(told.contains("component 3 of node 3"), "{told}");
+    for (deck, of_deck) in [
+        (format!("{TRUSS}PARAM,AUTOSPC,NO\n"), true),
+        (TRUSS.to_string(), false),
+    ] {
+        let error = match reduce(mesh(&deck), &request(of_deck)) {
+            Err(error) => error.to_string(),
+            Ok(_) => String::new(),
+        };
+        assert!(
+            error.contains("have no stiffness") || !of_deck && !error.is_empty(),
+            "{error}"
+        );
+    }
 }

@@ -17,7 +17,7 @@ use super::solid::{self, PAIR, Present, pair};
 use super::surface;
 use crate::error::FlexibleError;
 use crate::mesh::{
-    BeamAxes, Element, ElementKind, Material, Mesh, Section, Spring, Variant, scalar_index,
+    BeamAxes, Element, ElementKind, Material, Mesh, Spring, Station, Variant, scalar_index,
 };
 use crate::sparse::SymmetricMatrix;
 
@@ -412,11 +412,21 @@ impl System<'_> {
                 MassRule::Nastran => BeamMass::Lumped {
                     turns: element.variant == Variant::Beam,
                 },
+                MassRule::Coupled if element.variant != Variant::Beam => BeamMass::Coupled,
                 _ => BeamMass::Consistent,
             };
-            let matrices = of_beam(self.mesh, &element, |positions, axes, section, material| {
-                beam::matrices(positions, axes, section, material, own)
-            })?;
+            let matrices = of_beam(
+                self.mesh,
+                &element,
+                |positions, axes, stations, material| {
+                    let own = match own {
+                        // its rule is not public
+                        BeamMass::Lumped { .. } if stations.len() > 1 => BeamMass::Consistent,
+                        own => own,
+                    };
+                    beam::matrices(positions, axes, stations, material, own)
+                },
+            )?;
             let nodes = self.mesh.nodes_of(&element);
             let freedoms: Vec<usize> = nodes
                 .iter()
@@ -521,7 +531,7 @@ impl System<'_> {
 pub(crate) fn of_beam<T>(
     mesh: &Mesh,
     element: &Element,
-    what: impl Fn([[f64; 3]; 2], &BeamAxes, &Section, &Material) -> Result<T, String>,
+    what: impl Fn([[f64; 3]; 2], &BeamAxes, &[Station], &Material) -> Result<T, String>,
 ) -> Result<T, FlexibleError> {
     let fault = |what: String| {
         wrong(
@@ -543,7 +553,7 @@ pub(crate) fn of_beam<T>(
         return Err(fault("it begins and ends at the same node".into()));
     }
     let positions = [first, second].map(|node| mesh.nodes[node as usize].position);
-    what(positions, axes, &property.section, material).map_err(fault)
+    what(positions, axes, &mesh.stations(&property.section), material).map_err(fault)
 }
 
 /// The nodes of an element, with the inner ones of its form.

@@ -13,12 +13,13 @@
 //!
 //! (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, ch. 5 and 11, is the case without a
 //! product of moments). The ends lie at the shear centre; where the centroid is beside it, N and the moments are those
-//! about the centroid. With a shear factor of zero the section does not shear. A section without a second
+//! about the centroid. Where a section changes along the beam, its constants are linear between stations, and the
+//! flexibilities are integrated over the intervals between them. With a shear factor of zero the section does not shear. A section without a second
 //! moment carries no bending in that plane, one without a torsion constant no torque: rods and cables.
 
 use super::vector::{add, cross, norm, scale, subtract};
 use crate::element::quadrature::unit_interval;
-use crate::mesh::{BeamAxes, BeamSection, Material, Section};
+use crate::mesh::{BeamAxes, BeamSection, Material, Station, section_at};
 
 /// A matrix over the twelve freedoms of two ends.
 pub type EndMatrix = [[f64; 12]; 12];
@@ -36,9 +37,9 @@ pub struct BeamMatrices {
 /// Freedoms of an end that bending moves: v, w, θ_y, θ_z.
 const BENDING: [usize; 4] = [1, 2, 4, 5];
 
-/// A section's constants.
-struct Beam {
-    length: f64,
+/// The constants of a section.
+#[derive(Clone, Copy)]
+struct Constants {
     /// EA (N) and GJ (N m²).
     axial: f64,
     torsional: f64,
@@ -46,26 +47,15 @@ struct Beam {
     shear: [f64; 2],
     /// Inverse of the bending stiffness for (M_y, M_z) (1/(N m²)); zero for a section without it.
     bending: [[f64; 2]; 2],
-    /// The freedoms among v, w, θ_y, θ_z that bending couples.
-    active: [bool; 4],
-    /// Polar radius of gyration squared, (I_y + I_z)/A (m²).
-    gyration: f64,
     /// Mass per length (kg/m), and inertia of the section per length about y and z, with their product (kg
     /// m).
     mass: f64,
     inertia: [[f64; 2]; 2],
-    /// From the line of the ends, which is that of the shear centres, to the centroids along y and z (m).
-    centroid: [f64; 2],
 }
 
-impl Beam {
-    fn new(
-        length: f64,
-        section: &Section,
-        material: &Material,
-        centroid: [f64; 2],
-    ) -> Option<Self> {
-        let Section::Beam(BeamSection {
+impl Constants {
+    fn new(section: &BeamSection, material: &Material) -> Self {
+        let BeamSection {
             area,
             moment_z,
             moment_y,
@@ -73,10 +63,7 @@ impl Beam {
             torsion,
             shear,
             mass_per_length,
-        }) = *section
-        else {
-            return None;
-        };
+        } = *section;
         let modulus = material.young / (2.0 * (1.0 + material.poisson));
         let inverse = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
         let bending = if product == 0.0 {
@@ -91,39 +78,148 @@ impl Beam {
                 [product / determinant, moment_y / determinant],
             ]
         };
-        let (about_y, about_z) = (moment_y > 0.0, moment_z > 0.0);
-        Some(Beam {
-            length,
+        Constants {
             axial: material.young * area,
             torsional: modulus * torsion,
             shear: shear.map(|factor| inverse(factor * modulus * area)),
             bending,
-            active: [about_z, about_y, about_y, about_z],
-            gyration: (moment_y + moment_z) / area,
             mass: material.density * area + mass_per_length,
             inertia: [
                 [material.density * moment_y, -material.density * product],
                 [-material.density * product, material.density * moment_z],
             ],
+        }
+    }
+}
+
+/// A beam along its axis.
+#[derive(Clone)]
+struct Beam<'a> {
+    length: f64,
+    /// Its sections, by ascending place; one of a uniform beam.
+    stations: &'a [Station],
+    material: &'a Material,
+    /// The freedoms among v, w, θ_y, θ_z that bending couples.
+    active: [bool; 4],
+    /// From the line of the ends, which is that of the shear centres, to the centroids along y and z (m).
+    centroid: [f64; 2],
+}
+
+/// Points for each interval of a tapered beam in which no constant changes by more than half. A flexibility is one over a
+/// linear constant, whose zero is then at least an interval away: the error of n points is below 5.8⁻²ⁿ.
+const TAPER_POINTS: usize = 8;
+
+/// The shares of the way between two stations between which no constant changes by more than half.
+fn intervals(a: &BeamSection, b: &BeamSection) -> Vec<f64> {
+    let constants = |own: &BeamSection| [own.area, own.moment_z, own.moment_y, own.torsion];
+    let (mut down, mut up) = (1.0_f64, 1.0_f64);
+    for (a, b) in constants(a).into_iter().zip(constants(b)) {
+        if a > 0.0 && b > 0.0 {
+            down = down.max(a / b);
+            up = up.max(b / a);
+        }
+    }
+    // halves of the way to the end with the smaller constant
+    let halves = |ratio: f64| {
+        let (mut shares, mut left) = (Vec::new(), ratio);
+        while left > 1.0 && shares.len() < 60 {
+            shares.push(shares.last().map_or(0.5, |share| 0.5 * share));
+            left *= 0.5;
+        }
+        shares
+    };
+    let mut shares = vec![0.0, 1.0];
+    shares.extend(halves(down).into_iter().map(|share| 1.0 - share));
+    shares.extend(halves(up));
+    shares.sort_by(f64::total_cmp);
+    shares.dedup();
+    shares
+}
+
+impl<'a> Beam<'a> {
+    fn new(
+        length: f64,
+        stations: &'a [Station],
+        material: &'a Material,
+        centroid: [f64; 2],
+    ) -> Option<Self> {
+        let first = &stations.first()?.section;
+        let (about_y, about_z) = (first.moment_y > 0.0, first.moment_z > 0.0);
+        Some(Beam {
+            length,
+            stations,
+            material,
+            active: [about_z, about_y, about_y, about_z],
             centroid,
         })
+    }
+
+    /// The constants of the section at a distance from the first end.
+    fn constants(&self, s: f64) -> Constants {
+        let share = s / self.length;
+        Constants::new(&section_at(self.stations, share), self.material)
+    }
+
+    /// The points and weights of an integral from the first end to a distance from it, with the constants there. A uniform
+    /// beam has as many points as stated.
+    fn points(&self, to: f64, uniform: usize) -> Vec<(f64, f64, Constants)> {
+        let rule = |from: f64, to: f64, count: usize| {
+            let points = unit_interval(count).into_iter();
+            points.map(move |(t, weight)| (from + t * (to - from), weight * (to - from)))
+        };
+        if self.stations.len() < 2 {
+            let same = self.constants(0.0);
+            return rule(0.0, to, uniform)
+                .map(|(at, weight)| (at, weight, same))
+                .collect();
+        }
+        let mut points = Vec::new();
+        for pair in self.stations.windows(2) {
+            let [a, b] = [0, 1].map(|i: usize| pair[i].place);
+            let shares = intervals(&pair[0].section, &pair[1].section);
+            for ends in shares.windows(2) {
+                let [from, until] = [0, 1].map(|i: usize| (a + ends[i] * (b - a)) * self.length);
+                if from < to {
+                    points.extend(rule(from, until.min(to), TAPER_POINTS));
+                }
+            }
+        }
+        points
+            .into_iter()
+            .map(|(at, weight)| (at, weight, self.constants(at)))
+            .collect()
+    }
+
+    /// Flexibilities in tension and torsion from the first end to a distance: ∫ dx/(EA), ∫ dx/(GJ); zero torsion for a
+    /// section without it.
+    fn flexibility(&self, to: f64) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for (_, weight, own) in self.points(to, 1) {
+            for (sum, stiffness) in sums.iter_mut().zip([own.axial, own.torsional]) {
+                *sum += if stiffness > 0.0 {
+                    weight / stiffness
+                } else {
+                    0.0
+                };
+            }
+        }
+        sums
     }
 
     /// Displacement (v, w, θ_y, θ_z) at `s` of a cantilever clamped at the first end, for a unit of each
     /// force (F_y, F_z, M_y, M_z) at the second end: columns are the forces.
     fn cantilever(&self, s: f64) -> [[f64; 4]; 4] {
         let mut displacement = [[0.0; 4]; 4];
-        // the integrands are quadratic: two points are exact
-        for (t, weight) in unit_interval(2) {
-            let (at, weight) = (t * s, weight * s);
+        // the integrands of a uniform beam are quadratic: two points are exact
+        for (at, weight, own) in self.points(s, 2) {
             let arm = self.length - at;
             // section forces V_y, V_z, M_y, M_z: M = M_B + (L − s) e_x × F
             let moments = [[0.0, -arm, 1.0, 0.0], [arm, 0.0, 0.0, 1.0]];
             for force in 0..4 {
                 let (my, mz) = (moments[0][force], moments[1][force]);
-                let curvature_y = self.bending[0][0] * my + self.bending[0][1] * mz;
-                let curvature_z = self.bending[1][0] * my + self.bending[1][1] * mz;
-                let shear = |axis: usize| if force == axis { self.shear[axis] } else { 0.0 };
+                let curvature_y = own.bending[0][0] * my + own.bending[0][1] * mz;
+                let curvature_z = own.bending[1][0] * my + own.bending[1][1] * mz;
+                let shear = |axis: usize| if force == axis { own.shear[axis] } else { 0.0 };
                 let rest = s - at;
                 displacement[0][force] += weight * (shear(0) + curvature_z * rest);
                 displacement[1][force] += weight * (shear(1) - curvature_y * rest);
@@ -208,8 +304,9 @@ impl Beam {
                 stiffness[bending(i)][bending(j)] = sum;
             }
         }
-        for (freedom, value) in [(0, self.axial), (3, self.torsional)] {
-            let value = value / self.length;
+        let inverse = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let [axial, torsional] = self.flexibility(self.length).map(inverse);
+        for (freedom, value) in [(0, axial), (3, torsional)] {
             stiffness[freedom][freedom] = value;
             stiffness[freedom + 6][freedom + 6] = value;
             stiffness[freedom][freedom + 6] = -value;
@@ -245,7 +342,9 @@ impl Beam {
     fn section_shape(&self, s: f64, force: &[[f64; 8]; 4]) -> [[f64; 12]; 6] {
         let mut shape = [[0.0; 12]; 6];
         let share = s / self.length;
-        for freedom in [0, 3] {
+        let (own, whole) = (self.flexibility(s), self.flexibility(self.length));
+        for (freedom, (own, whole)) in [0, 3].into_iter().zip(own.into_iter().zip(whole)) {
+            let share = if whole > 0.0 { own / whole } else { share };
             shape[freedom][freedom] = 1.0 - share;
             shape[freedom][freedom + 6] = share;
         }
@@ -282,26 +381,30 @@ impl Beam {
         force
     }
 
-    fn mass(&self) -> EndMatrix {
+    /// The consistent mass, with the rotary inertia of the sections or without.
+    fn mass(&self, rotary: bool) -> EndMatrix {
         let force = self.end_forces();
         let mut mass = [[0.0; 12]; 12];
-        // cubic displacements: products of degree 6, exact with four points
-        for (t, weight) in unit_interval(4) {
-            let mut shape = self.section_shape(t * self.length, &force);
+        // cubic displacements of a uniform beam: products of degree 6, exact with four points
+        for (at, weight, own) in self.points(self.length, 4) {
+            let mut shape = self.section_shape(at, &force);
             let (turn, [y, z]) = (shape[3], self.centroid);
             for (i, turn) in turn.into_iter().enumerate() {
                 shape[1][i] -= z * turn;
                 shape[2][i] += y * turn;
             }
-            let weight = weight * self.length;
             for (i, row) in mass.iter_mut().enumerate() {
                 for (j, x) in row.iter_mut().enumerate() {
                     let translation: f64 = (0..3).map(|k| shape[k][i] * shape[k][j]).sum();
-                    let mut sum = self.mass * translation
-                        + (self.inertia[0][0] + self.inertia[1][1]) * shape[3][i] * shape[3][j];
+                    if !rotary {
+                        *x += weight * own.mass * translation;
+                        continue;
+                    }
+                    let mut sum = own.mass * translation
+                        + (own.inertia[0][0] + own.inertia[1][1]) * shape[3][i] * shape[3][j];
                     for k in 0..2 {
                         for l in 0..2 {
-                            sum += shape[4 + k][i] * self.inertia[k][l] * shape[4 + l][j];
+                            sum += shape[4 + k][i] * own.inertia[k][l] * shape[4 + l][j];
                         }
                     }
                     *x += weight * sum;
@@ -312,18 +415,35 @@ impl Beam {
     }
 }
 
-impl Beam {
+impl Beam<'_> {
+    /// Coupled mass of Nastran's `CBAR`: the consistent one without rotary inertia of the sections, about all three axes,
+    /// and along the axis the mean of the lumped and the consistent one, ρ A L (5/12, 1/12) (MSC Nastran, Basic Dynamic
+    /// Analysis User's Guide, ch. 2). A rod has the consistent one.
+    fn coupled(&self) -> EndMatrix {
+        if self.active == [false; 4] {
+            return self.mass(true);
+        }
+        let mut mass = self.mass(false);
+        let whole = self.constants(0.0).mass * self.length;
+        for (i, j) in [(0, 6), (6, 0)] {
+            mass[i][i] = whole * 5.0 / 12.0;
+            mass[i][j] = whole / 12.0;
+        }
+        mass
+    }
+
     /// Lumped mass of Nastran: half of the mass at each end (MSC Nastran, Basic Dynamic Analysis User's Guide;
     /// MYSTRAN `BREL1.f90`), and half of the inertia ρ (I_y + I_z) L (kg m²) about the axis if it `turns`.
     fn lumped(&self, turns: bool) -> EndMatrix {
         let mut mass = [[0.0; 12]; 12];
+        let own = self.constants(0.0);
         for end in [0, 6] {
             for axis in 0..3 {
-                mass[end + axis][end + axis] = 0.5 * self.mass * self.length;
+                mass[end + axis][end + axis] = 0.5 * own.mass * self.length;
             }
             if turns {
                 mass[end + 3][end + 3] =
-                    0.5 * (self.inertia[0][0] + self.inertia[1][1]) * self.length;
+                    0.5 * (own.inertia[0][0] + own.inertia[1][1]) * self.length;
             }
         }
         self.of_neutral_axis(mass, true)
@@ -335,6 +455,7 @@ impl Beam {
     /// forces and moments at rest add nothing here.
     fn tension(&self) -> EndMatrix {
         let force = self.end_forces();
+        let shear = self.constants(0.0).shear;
         let mut matrix = [[0.0; 12]; 12];
         // quadratic slopes: products of degree 4, exact with three points
         for (t, weight) in unit_interval(3) {
@@ -348,7 +469,7 @@ impl Beam {
                         *x = turn.1 * theta;
                     }
                     for (j, f) in force[axis].iter().enumerate() {
-                        slope[bending(j)] += self.shear[axis] * f;
+                        slope[bending(j)] += shear[axis] * f;
                     }
                 } else {
                     slope[BENDING[axis]] = -1.0 / self.length;
@@ -361,7 +482,8 @@ impl Beam {
                 }
             }
         }
-        let twist = self.gyration / self.length;
+        let section = section_at(self.stations, 0.0);
+        let twist = (section.moment_y + section.moment_z) / section.area / self.length;
         for (i, j, sign) in [(3, 3, 1.0), (9, 9, 1.0), (3, 9, -1.0), (9, 3, -1.0)] {
             matrix[i][j] += sign * twist;
         }
@@ -427,7 +549,7 @@ fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String
 fn placed(
     positions: [[f64; 3]; 2],
     axes: &BeamAxes,
-    section: &Section,
+    stations: &[Station],
     material: &Material,
     other: impl Fn(&Beam) -> EndMatrix,
 ) -> Result<(Pair, EndMatrix), String> {
@@ -448,7 +570,7 @@ fn placed(
     }
     let z = scale(1.0 / across, normal);
     let frame = [x, cross(z, x), z];
-    let beam = Beam::new(length, section, material, axes.centroid)
+    let beam = Beam::new(length, stations, material, axes.centroid)
         .ok_or("its section is no beam section")?;
     let mut local = Pair {
         stiffness: beam.stiffness(),
@@ -483,6 +605,8 @@ fn placed(
 pub enum BeamMass {
     /// Of the displacements between the ends, with the rotary inertia of the sections.
     Consistent,
+    /// That of Nastran's `CBAR` with `PARAM,COUPMASS`.
+    Coupled,
     /// Half of it at each end; with half of the inertia about the axis if it turns.
     Lumped {
         /// Whether there is inertia about the axis.
@@ -490,7 +614,7 @@ pub enum BeamMass {
     },
 }
 
-/// Stiffness and mass of a beam between two nodes.
+/// Stiffness and mass of a beam between two nodes, with the sections at its stations.
 ///
 /// # Errors
 /// In words: no length, an orientation along the beam, releases that leave a mechanism, a section that isn't
@@ -498,15 +622,16 @@ pub enum BeamMass {
 pub fn matrices(
     positions: [[f64; 3]; 2],
     axes: &BeamAxes,
-    section: &Section,
+    stations: &[Station],
     material: &Material,
     mass: BeamMass,
 ) -> Result<BeamMatrices, String> {
     let mass = |beam: &Beam| match mass {
-        BeamMass::Consistent => beam.mass(),
+        BeamMass::Consistent => beam.mass(true),
+        BeamMass::Coupled => beam.coupled(),
         BeamMass::Lumped { turns } => beam.lumped(turns),
     };
-    let (local, transformation) = placed(positions, axes, section, material, mass)?;
+    let (local, transformation) = placed(positions, axes, stations, material, mass)?;
     Ok(BeamMatrices {
         stiffness: turned(&local.stiffness, &transformation),
         mass: turned(&local.other, &transformation),
@@ -529,13 +654,20 @@ pub struct BeamTension {
 pub fn tension(
     positions: [[f64; 3]; 2],
     axes: &BeamAxes,
-    section: &Section,
+    stations: &[Station],
     material: &Material,
 ) -> Result<BeamTension, String> {
+    if stations.len() > 1 {
+        return Err(
+            "its geometric stiffness is not computed, because its section changes along it".into(),
+        );
+    }
     if axes.centroid != [0.0; 2] {
         return Err("its geometric stiffness is not computed, because its centroid is beside its shear centre".into());
     }
-    let (local, transformation) = placed(positions, axes, section, material, Beam::tension)?;
+    let (local, transformation) = placed(positions, axes, stations, material, |beam: &Beam| {
+        beam.tension()
+    })?;
     let mut tension = [0.0; 12];
     for (force, line) in local.stiffness[6].iter().zip(&transformation) {
         for (sum, x) in tension.iter_mut().zip(line) {

@@ -5,7 +5,7 @@
 use super::sheet::{Sheet, shape_fault, sheet_fault};
 use crate::error::FlexibleError;
 use crate::mesh::{
-    ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, ShellSection, Tie,
+    ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, ShellSection, Station, Tie,
     scalar_index,
 };
 
@@ -57,7 +57,9 @@ pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
     };
     match (element.kind, property.section, material) {
         (kind, Section::Solid, Some(material)) if kind.is_solid() => Some(Role::Solid(material)),
-        (ElementKind::Beam2, Section::Beam(_), Some(material)) => Some(Role::Beam(material)),
+        (ElementKind::Beam2, Section::Beam(_) | Section::Tapered(_), Some(material)) => {
+            Some(Role::Beam(material))
+        }
         (kind, section, material) if !kind.is_solid() && kind != ElementKind::Beam2 => {
             match (section, material) {
                 (Section::Shell(section), Some(material)) => {
@@ -119,39 +121,69 @@ fn shell_fault(section: &ShellSection, role: Role) -> Option<String> {
     }
 }
 
-fn section_fault(section: &Section, role: Role) -> Option<String> {
+fn section_fault(mesh: &Mesh, section: &Section, role: Role) -> Option<String> {
     match *section {
         Section::Solid => None,
         Section::Shell(section) => shell_fault(&section, role),
-        Section::Beam(BeamSection {
-            area,
-            moment_z,
-            moment_y,
-            product,
-            torsion,
-            shear,
-            mass_per_length,
-        }) => {
-            let moments = [
-                moment_z,
-                moment_y,
-                torsion,
-                shear[0],
-                shear[1],
-                mass_per_length,
-            ];
-            if !(area > 0.0 && area.is_finite()) {
-                Some(format!("an area of {area} m²; it must be above zero"))
-            } else if !moments.iter().all(|x| *x >= 0.0 && x.is_finite()) || !product.is_finite() {
-                Some("a moment, torsion constant, shear factor or mass a length that is negative or not a number".into())
-            } else if product != 0.0 && product * product >= moment_y * moment_z {
-                Some(format!(
-                    "a product of area of {product} m⁴, whose square must be below the product of its second moments {moment_z} and {moment_y} m⁴"
-                ))
-            } else {
-                None
-            }
-        }
+        Section::Beam(section) => beam_fault(&section),
+        Section::Tapered(_) => taper_fault(&mesh.stations(section)),
+    }
+}
+
+fn taper_fault(stations: &[Station]) -> Option<String> {
+    let ascending = stations
+        .windows(2)
+        .all(|pair| pair[0].place < pair[1].place);
+    let whole = [stations.first(), stations.last()].map(|end| end.map(|end| end.place));
+    if !ascending || whole != [Some(0.0), Some(1.0)] {
+        return Some("stations that do not ascend from 0 to 1".into());
+    }
+    if let Some(fault) = stations
+        .iter()
+        .find_map(|station| beam_fault(&station.section))
+    {
+        return Some(fault);
+    }
+    let moments: [fn(&BeamSection) -> f64; 3] =
+        [|own| own.moment_z, |own| own.moment_y, |own| own.torsion];
+    let vanishes = moments.iter().any(|moment| {
+        let some = stations
+            .iter()
+            .filter(|station| moment(&station.section) > 0.0);
+        !matches!(some.count(), count if count == 0 || count == stations.len())
+    });
+    vanishes
+        .then(|| "a second moment or torsion constant that vanishes at one of its stations".into())
+}
+
+fn beam_fault(section: &BeamSection) -> Option<String> {
+    let BeamSection {
+        area,
+        moment_z,
+        moment_y,
+        product,
+        torsion,
+        shear,
+        mass_per_length,
+    } = *section;
+    let moments = [
+        moment_z,
+        moment_y,
+        torsion,
+        shear[0],
+        shear[1],
+        mass_per_length,
+    ];
+    if !(area > 0.0 && area.is_finite()) {
+        Some(format!("an area of {area} m²; it must be above zero"))
+    } else if !moments.iter().all(|x| *x >= 0.0 && x.is_finite()) || !product.is_finite() {
+        Some("a moment, torsion constant, shear factor or mass a length that is negative or not a number".into())
+    } else if product != 0.0 && product * product >= moment_y * moment_z {
+        Some(format!(
+            "a product of area of {product} m⁴, whose square must be below the product of its second moments {moment_z} and {moment_y} m⁴"
+        ))
+    } else {
+        None
     }
 }
 
@@ -232,7 +264,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
                 "check the element's offset, thicknesses and material direction",
             ));
         }
-        if let Some(fault) = section_fault(&property.section, role) {
+        if let Some(fault) = section_fault(mesh, &property.section, role) {
             return Err(wrong(
                 format!(
                     "element {}: the property “{}” has {fault}",

@@ -21,7 +21,7 @@ use super::hexahedron::{self, EnhancedPoint};
 use super::rules::{MassRule, Rules, StiffnessRule, Table, shares_equally};
 use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
-use crate::mesh::{Code, Element, Material, Mesh, VARIANT_LETTERS, Variant};
+use crate::mesh::{Code, Element, Material, Mesh, Section, VARIANT_LETTERS, Variant};
 
 /// The form of a solid's stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -515,6 +515,10 @@ fn not_lumped(mesh: &Mesh) -> Option<String> {
         if heavy && !shares_equally(element.kind) {
             let name = name(mesh, element.kind, Variant::Plain);
             *kinds.entry(name).or_default() += 1;
+        }
+        let property = mesh.properties.get(element.property as usize);
+        if property.is_some_and(|property| matches!(property.section, Section::Tapered(_))) {
+            *kinds.entry("CBEAM with a taper".into()).or_default() += 1;
         }
     }
     let listed: Vec<String> = kinds

@@ -27,7 +27,7 @@ mod sheet;
 mod shell;
 pub mod solid;
 pub mod stress;
-mod surface;
+pub(crate) mod surface;
 pub mod ties;
 pub(crate) mod vector;
 pub mod volume;

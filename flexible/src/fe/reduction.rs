@@ -423,6 +423,73 @@ impl Reduction {
         &self,
         stiffness: &SymmetricMatrix,
     ) -> Result<SymmetricMatrix, FlexibleError> {
+        let (reduced, loose) = self.reduce_and_search(stiffness)?;
+        if loose.is_empty() {
+            return Ok(reduced);
+        }
+        Err(wrong(
+            format!(
+                "{} freedoms have no stiffness: {}",
+                loose.len(),
+                self.listed(&loose)
+            ),
+            "tie the node to several others, hold the freedom, or give it a spring; solids do not hold rotations, also not those that a mass beside its node or with rotary inertia (CONM2) needs. Nastran's AUTOSPC holds such freedoms: `support = deck` does the same, also at grid points with axes of their own if these get SPC1 cards",
+        ))
+    }
+
+    /// The names of free freedoms.
+    pub(crate) fn listed(&self, columns: &[u32]) -> String {
+        let names = columns
+            .iter()
+            .filter_map(|column| self.names.get(*column as usize).copied().flatten());
+        list(
+            names
+                .map(|(name, _)| name.to_string())
+                .collect::<Vec<String>>(),
+        )
+    }
+
+    /// Supports of free freedoms without stiffness, as Nastran's `AUTOSPC` makes them. At a node with axes of its own, which
+    /// a support would refer to, all three translations or rotations must be without stiffness; others have none here.
+    pub(crate) fn supports_of(
+        &self,
+        mesh: &Mesh,
+        freedoms: &FreedomMap,
+        columns: &[u32],
+    ) -> Vec<Support> {
+        let mut found: std::collections::BTreeMap<u32, u8> = Default::default();
+        for column in columns {
+            let full = self.free.get(*column as usize);
+            if let Some((node, component)) = full.and_then(|full| freedoms.owner(*full as usize)) {
+                *found.entry(node).or_insert(0) |= 1 << component;
+            }
+        }
+        let has_axes = |node: u32| {
+            mesh.nodes
+                .get(node as usize)
+                .is_some_and(|node| node.frame.is_some())
+        };
+        for (node, components) in &mut found {
+            for kind in [0b00_0111, 0b11_1000] {
+                if has_axes(*node) && *components & kind != kind {
+                    *components &= !kind;
+                }
+            }
+        }
+        let supports = found.into_iter().filter(|(_, components)| *components != 0);
+        supports
+            .map(|(node, components)| Support { node, components })
+            .collect()
+    }
+
+    /// Stiffness over free freedoms, and those without any stiffness.
+    ///
+    /// # Errors
+    /// A matrix of another size.
+    pub(crate) fn reduce_and_search(
+        &self,
+        stiffness: &SymmetricMatrix,
+    ) -> Result<(SymmetricMatrix, Vec<u32>), FlexibleError> {
         let reduced = self.reduce(stiffness)?;
         let diagonal: Vec<f64> = (0..reduced.size())
             .map(|column| match reduced.column(column) {
@@ -433,31 +500,19 @@ impl Reduction {
         // translations, rotations and scalar points have different units, so each is compared with its own kind
         let mut largest = [0.0f64; 3];
         let named = || {
-            let named = diagonal.iter().zip(&self.names);
-            named.filter_map(|(x, name)| Some((*x, (*name)?)))
+            let named = (0..).zip(diagonal.iter().zip(&self.names));
+            named.filter_map(|(column, (x, name))| Some((column, *x, (*name)?.1)))
         };
-        for (x, (_, kind)) in named() {
+        for (_, x, kind) in named() {
             largest[kind] = largest[kind].max(x);
         }
         // the frame of a reduced body resists nothing: its stiffness is that of amplitudes alone
         if largest[0] == 0.0 && largest[1] == 0.0 && largest[2] > 0.0 {
-            return Ok(reduced);
+            return Ok((reduced, Vec::new()));
         }
-        let loose: Vec<String> = named()
-            .filter(|(x, (_, kind))| x.is_nan() || *x <= 1e-14 * largest[*kind])
-            .map(|(_, (name, _))| name.to_string())
-            .collect();
-        if loose.is_empty() {
-            return Ok(reduced);
-        }
-        Err(wrong(
-            format!(
-                "{} freedoms have no stiffness: {}",
-                loose.len(),
-                list(loose)
-            ),
-            "tie the node to several others, hold the freedom, or give it a spring; solids do not hold rotations, also not those that a mass beside its node or with rotary inertia (CONM2) needs. Nastran's AUTOSPC holds such freedoms: write SPC1 cards for them, and `support = deck`",
-        ))
+        let loose = named().filter(|(_, x, kind)| x.is_nan() || *x <= 1e-14 * largest[*kind]);
+        let loose = loose.map(|(column, ..)| column).collect();
+        Ok((reduced, loose))
     }
 
     /// Mass over free freedoms, Tᵀ M T.

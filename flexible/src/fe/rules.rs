@@ -47,7 +47,7 @@ pub enum MassRule {
     /// ANSYS: consistent mass, of the 20-node hexahedron at 14 points, of other solids at the points of the
     /// stiffness. Checked against its frequencies for SOLID186.
     Ansys,
-    /// Nastran: a deck with a positive `PARAM,COUPMASS` has the exact mass. In others each node of an element
+    /// Nastran: a deck with a positive `PARAM,COUPMASS` has the mass of [`MassRule::Coupled`]. In others each node of an element
     /// has an equal share of its mass, in its translations alone; `CBEAM` has half of its inertia about its
     /// axis at each end. Lines are checked against the frequencies of MSC Nastran and MYSTRAN. The rule of
     /// solids and shells is that of MYSTRAN's source. Elements with mid-side nodes keep the exact mass, because
@@ -58,6 +58,9 @@ pub enum MassRule {
     /// so these have the exact diagonal, scaled to the element's mass (E. Hinton, T. Rock, O. C. Zienkiewicz,
     /// Earthq. Eng. Struct. Dyn. 4, 1976).
     Lumped,
+    /// Nastran with `PARAM,COUPMASS`: exact, but `CBAR` without rotary inertia of its sections and with a mass along its
+    /// axis between the lumped and the consistent one. Checked against the frequencies of MSC Nastran.
+    Coupled,
 }
 
 /// The rules of an assembly.
@@ -86,10 +89,10 @@ impl Rules {
         }
     }
 
-    /// These rules for a mesh: those of Nastran are exact in the mass where the file does not lump it.
+    /// These rules for a mesh: the mass of Nastran is coupled where the file does not lump it.
     pub(super) fn for_mesh(mut self, mesh: &Mesh) -> Self {
         if self.mass == MassRule::Nastran && !mesh.lumped {
-            self.mass = MassRule::Exact;
+            self.mass = MassRule::Coupled;
         }
         self
     }
@@ -129,9 +132,8 @@ pub(super) fn spread(kind: ElementKind, rule: MassRule) -> Spread {
     match (rule, linear) {
         (MassRule::Nastran, _) if shares_equally(kind) => Spread::Equal,
         (MassRule::Nastran, _) => Spread::Consistent,
-        (MassRule::Exact | MassRule::CalculiX | MassRule::Ansys, _) | (MassRule::Abaqus, false) => {
-            Spread::Consistent
-        }
+        (MassRule::Exact | MassRule::CalculiX | MassRule::Ansys | MassRule::Coupled, _)
+        | (MassRule::Abaqus, false) => Spread::Consistent,
         (MassRule::Abaqus | MassRule::Lumped, true) => Spread::RowSum,
         (MassRule::Lumped, false) => Spread::ScaledDiagonal,
     }

@@ -4,7 +4,7 @@
 use super::check::{Role, role};
 use super::mass::RigidMass;
 use super::vector::{add, cross, dot, norm, subtract};
-use crate::mesh::{ABSENT, BeamSection, Mesh, Section};
+use crate::mesh::{ABSENT, Mesh, Station};
 
 /// Volume (m³), area (m²) or length (m).
 fn measure(corners: &[[f64; 3]]) -> f64 {
@@ -50,9 +50,23 @@ impl Sum {
     }
 }
 
+/// The mean mass per length of a beam.
+fn mean_mass(stations: &[Station], density: f64) -> f64 {
+    let own = |station: &Station| density * station.section.area + station.section.mass_per_length;
+    match stations {
+        [single] => own(single),
+        _ => {
+            let pairs = stations.windows(2);
+            pairs
+                .map(|pair| 0.5 * (own(&pair[0]) + own(&pair[1])) * (pair[1].place - pair[0].place))
+                .sum()
+        }
+    }
+}
+
 /// Mass properties about the origin of the basic frame with straight edges between corners, of a mesh in SI;
-/// `None` if no element has mass. Point masses count with their mass and rotary inertia. References to
-/// missing parts of the mesh are skipped.
+/// `None` if no element has mass. Point masses count with their mass and rotary inertia. The mass of a tapered
+/// beam is spread evenly along it. References to missing parts of the mesh are skipped.
 pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
     let mut sum = Sum::default();
     for element in &mesh.elements {
@@ -62,14 +76,8 @@ pub fn estimate(mesh: &Mesh) -> Option<RigidMass> {
             Some(Role::Coat(mass)) => mass,
             Some(Role::Beam(material)) => {
                 let property = mesh.properties.get(element.property as usize);
-                match property.map(|property| property.section) {
-                    Some(Section::Beam(BeamSection {
-                        area,
-                        mass_per_length,
-                        ..
-                    })) => material.density * area + mass_per_length,
-                    _ => 0.0,
-                }
+                let stations = property.map(|property| mesh.stations(&property.section));
+                mean_mass(&stations.unwrap_or_default(), material.density)
             }
             Some(Role::Facet) | None => 0.0,
         };

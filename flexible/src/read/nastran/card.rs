@@ -362,6 +362,12 @@ pub(super) struct IdRange {
     pub listed: bool,
 }
 
+impl IdRange {
+    fn holds(&self, id: u64) -> bool {
+        (self.from..=self.to).contains(&id) && (id - self.from).is_multiple_of(self.step.max(1))
+    }
+}
+
 /// A list of identification numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Ids {
@@ -374,11 +380,15 @@ pub(super) struct Ids {
 impl Ids {
     /// Whether a number is among them.
     pub fn holds(&self, id: u64) -> bool {
-        let within = |range: &IdRange| {
-            (range.from..=range.to).contains(&id)
-                && (id - range.from).is_multiple_of(range.step.max(1))
-        };
-        self.ranges.iter().any(within) && !self.except.contains(&id)
+        self.ranges.iter().any(|range| range.holds(id)) && !self.except.contains(&id)
+    }
+
+    /// How often the list has a number.
+    pub fn times(&self, id: u64) -> usize {
+        match self.holds(id) {
+            true => self.ranges.iter().filter(|range| range.holds(id)).count(),
+            false => 0,
+        }
     }
 
     /// A list of one number.

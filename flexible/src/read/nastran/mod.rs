@@ -5,7 +5,8 @@
 //! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =` and `MPC =`: without
 //! such a selection all sets apply. Sets of the mesh have the names `set:3` (`SET1`, `SET3`) and `pid:3`
 //! (elements with property 3). `PARAM,WTMASS` multiplies densities and masses here. Without a positive
-//! `PARAM,COUPMASS` the mesh is one of lumped masses.
+//! `PARAM,COUPMASS` the mesh is one of lumped masses, and without `PARAM,AUTOSPC,NO` it holds freedoms without
+//! stiffness.
 //!
 //! ```text
 //! lines ─▶ sections ─▶ continuation ─▶ card ─▶ grids, elements, … (cards) ─▶ mesh
@@ -24,6 +25,8 @@ mod grids;
 mod lines;
 mod masses;
 mod matrices;
+mod nonstructural;
+mod panels;
 mod plates;
 mod properties;
 mod replication;
@@ -36,19 +39,23 @@ mod ties;
 mod unread;
 
 use crate::error::{FileProblem, FlexibleError};
-use crate::mesh::{Carries, Code, ElementKind, Mesh, Variant};
+use crate::fe::surface;
+use crate::fe::vector::{add, subtract};
+use crate::mesh::{ABSENT, Carries, Code, ElementKind, Mesh, Variant};
 use crate::read::builder::{NewElement, add_element};
 use crate::read::held::HoldingCards;
 use crate::read::{Files, number, vector};
 use beams::{Around, BeamDefaults, Beams};
 use bushes::Bushes;
 use card::{Card, IdRange};
-use elements::{Elements, Extra};
+use elements::{ElementCard, Elements, Extra};
 use frames::{Shape, SystemCard, Systems};
 use grids::{GridCard, GridDefaults, Lookup};
-use lines::whole;
+use lines::{At, whole};
 use masses::{Masses, distinct};
 pub use matrices::read_dmig;
+use nonstructural::NonStructural;
+use panels::Panels;
 use plates::Thickness;
 use properties::{Made, Properties};
 use sections::{CaseControl, read_cards};
@@ -93,11 +100,17 @@ struct Deck {
     properties: Properties,
     masses: Masses,
     bushes: Bushes,
+    panels: Panels,
+    non_structural: NonStructural,
     ties: Ties,
     supports: Supports,
     sets: Sets,
     mass_scale: f64,
     coupled: bool,
+    /// Whether freedoms without stiffness stay free.
+    kept_loose: bool,
+    /// Cards of materials that depend on the temperature.
+    thermal: Vec<(String, At)>,
     unread: UnreadCards,
     doubts: Vec<String>,
 }
@@ -159,10 +172,15 @@ impl Deck {
             "CROD" | "CTUBE" => self.beams.rod(card, &mut self.elements)?,
             "CONROD" => self.beams.conrod(card, &mut self.elements)?,
             "PARAM" => self.parameter(card)?,
+            "MATT1" | "MATT2" | "MATT3" | "MATT8" | "MATT9" => {
+                self.thermal.push((card.name.clone(), card.at.clone()));
+            }
             _ => {
                 return Ok(self.properties.read(card, &mut self.unread)?
                     || self.masses.read(card)?
                     || self.bushes.read(card, &mut self.unread)?
+                    || self.panels.read(card)?
+                    || self.non_structural.read(card)?
                     || self.supports.read(card)?
                     || self.ties.read(card)?
                     || self.sets.read(card)?);
@@ -201,6 +219,7 @@ impl Deck {
                     value => number::integer(value).is_some_and(|value| value > 0),
                 }
             }
+            "AUTOSPC" => self.kept_loose = matches!(card.text(1), "NO" | "N"),
             _ => self.unread.card("PARAM", &card.at),
         }
         Ok(())
@@ -234,12 +253,13 @@ impl Deck {
         let mut mesh = Mesh {
             code: Code::Nastran,
             lumped: !self.coupled,
+            autospc: !self.kept_loose,
             nodes,
             frames,
             ..Mesh::default()
         };
         self.elements.cards.sort_by_key(|element| element.order);
-        let properties = self.elements(&mut mesh, &grids, &systems, &lookup)?;
+        let properties = self.elements(&mut mesh, &grids, &systems, (&lookup, case))?;
         mesh.sets = self
             .sets
             .sets(&lookup, &mesh, &properties, &mut self.unread);
@@ -261,7 +281,12 @@ impl Deck {
             lookup: &lookup,
         };
         let bushes = self.bushes.springs(&around, &mesh.frames)?;
+        let (panels, corners) =
+            self.panels
+                .springs(&around, &self.properties, self.mass_scale, &mesh)?;
         mesh.springs.extend(bushes);
+        mesh.springs.extend(panels);
+        mesh.point_masses.extend(corners);
         let equations = self.supports.equations(&case.mpc)?;
         let selected = |set: u64| equations.as_ref().is_none_or(|sets| sets.contains(&set));
         mesh.ties = self.ties.ties(
@@ -281,6 +306,7 @@ impl Deck {
             &mut self.unread,
         )?;
         mesh.support_cards = cards.into_list();
+        self.temperatures(case);
         mesh.interface = self.supports.interface(&lookup)?;
         mesh.boundary = self
             .supports
@@ -294,20 +320,67 @@ impl Deck {
         Ok(mesh)
     }
 
+    /// Cards `MATTi` change the materials only if case control gives them a temperature.
+    fn temperatures(&mut self, case: &CaseControl) {
+        for (name, at) in &self.thermal {
+            if case.temperature {
+                self.unread.note(name, at, Carries::Structure);
+            }
+        }
+        if let Some((name, at)) = self.thermal.first()
+            && !case.stated
+        {
+            self.doubts.push(format!(
+                "{}:{}: {name} has tables of temperature, and the deck has no case control that gives a temperature: the constants of its materials count",
+                at.file, at.line
+            ));
+        }
+    }
+
+    /// Area of a shell, length of a line with its offsets.
+    fn size(&self, card: &ElementCard, around: &Around) -> Result<f64, FileProblem> {
+        let mut nodes = Vec::new();
+        self.elements.nodes(card, around.lookup, &mut nodes)?;
+        let beam = match card.extra {
+            Extra::Beam(beam) => self.beams.cards.get(beam as usize),
+            _ => None,
+        };
+        if let (Some(beam), &[a, b]) = (beam, nodes.as_slice()) {
+            let [first, second] = beams::axes(beam, card.id, [a, b], around, &card.at)?.offsets;
+            let along = subtract(around.position(b), around.position(a));
+            return Ok(vector::norm(add(along, subtract(second, first))));
+        }
+        let places: Vec<Option<[f64; 3]>> = (nodes.iter())
+            .map(|node| (*node != ABSENT).then(|| around.position(*node)))
+            .collect();
+        Ok(surface::measure(card.kind, &places))
+    }
+
     /// Makes the elements. Returns the number of each element's property card.
     fn elements(
         &mut self,
         mesh: &mut Mesh,
         grids: &[GridCard],
         systems: &Systems,
-        lookup: &Lookup,
+        (lookup, case): (&Lookup, &CaseControl),
     ) -> Result<Vec<u64>, FileProblem> {
         let cards = &self.elements.cards;
         distinct("element", cards.iter().map(|card| (card.id, &card.at)))?;
         let mut made = Made::new(&self.properties, self.mass_scale);
+        let around = Around {
+            nodes: &mesh.nodes,
+            grids,
+            systems,
+            lookup,
+        };
+        let (added, doubt) =
+            (self.non_structural).added(&case.nsm, cards, &self.properties, &|card| {
+                self.size(card, &around)
+            })?;
+        self.doubts.extend(doubt);
         let (mut nodes, mut numbers) = (Vec::new(), Vec::with_capacity(cards.len()));
         mesh.connectivity.reserve(self.elements.grids.len());
-        for card in cards {
+        for (card, added) in cards.iter().zip(added) {
             nodes.clear();
             self.elements.nodes(card, lookup, &mut nodes)?;
             let (shell, beam) = match card.extra {
@@ -331,12 +404,20 @@ impl Deck {
             };
             let property = match card.extra {
                 Extra::Rod(_, section) => match self.beams.sections.get(section as usize) {
-                    Some(section) => {
-                        made.own(section, format!("conrod:{}", card.id), card.id, &card.at)?
-                    }
+                    Some(section) => made.own(
+                        section,
+                        (format!("conrod:{}", card.id), added),
+                        card.id,
+                        &card.at,
+                    )?,
                     None => continue,
                 },
-                _ => made.property(card.family, card.property, own, card.id, &card.at)?,
+                _ => made.property(
+                    (card.family, card.property),
+                    (own, added),
+                    card.id,
+                    &card.at,
+                )?,
             };
             let shape = match &shell {
                 Some(fields) => fields.shape(
@@ -358,6 +439,10 @@ impl Deck {
                     };
                     let mut axes = beams::axes(beam, card.id, [a, b], &around, &card.at)?;
                     axes.centroid = self.properties.neutral(card.family, card.property);
+                    if axes.centroid != [0.0; 2] && added != 0.0 {
+                        let name = "added mass of a CBEAM with N1 and N2";
+                        self.unread.note(name, &card.at, Carries::Structure);
+                    }
                     Some(axes)
                 }
                 _ => None,
@@ -382,6 +467,7 @@ impl Deck {
         mesh.properties = made.properties.all;
         mesh.materials = made.materials.all;
         mesh.laminates = made.laminates.all;
+        mesh.tapers = made.tapers.all;
         Ok(numbers)
     }
 }

@@ -13,7 +13,7 @@ use super::unread::UnreadCards;
 use crate::error::FileProblem;
 use crate::mesh::{
     BeamSection, Carries, Layer, Layup, Material, Property, Section, SheetElasticity, ShellSection,
-    Variant,
+    Station, Variant,
 };
 use crate::read::builder::Once;
 
@@ -27,20 +27,6 @@ pub(super) fn rod(area: f64, torsion: f64, mass_per_length: f64) -> BeamSection 
     }
 }
 
-/// The mean of two sections, with the shear factors of the first.
-fn mean(a: BeamSection, b: BeamSection) -> BeamSection {
-    let mean = |a: f64, b: f64| 0.5 * (a + b);
-    BeamSection {
-        area: mean(a.area, b.area),
-        moment_z: mean(a.moment_z, b.moment_z),
-        moment_y: mean(a.moment_y, b.moment_y),
-        product: mean(a.product, b.product),
-        torsion: mean(a.torsion, b.torsion),
-        shear: a.shear,
-        mass_per_length: mean(a.mass_per_length, b.mass_per_length),
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Solid(Variant),
@@ -48,6 +34,8 @@ enum Kind {
     /// A laminate: index into the deck's.
     Laminate(usize),
     Line(BeamSection),
+    /// A tapered beam: index into the deck's.
+    Tapered(usize),
     /// A property that can't be expressed.
     Unreadable,
 }
@@ -121,6 +109,7 @@ struct MaterialCard {
 pub(super) struct Properties {
     properties: BTreeMap<(Family, u64), PropertyCard>,
     laminates: Vec<LaminateCard>,
+    tapers: Vec<Vec<Station>>,
     materials: BTreeMap<u64, MaterialCard>,
     /// N1 and N2 of `PBEAM`: from the shear centre to the neutral axis.
     neutral: BTreeMap<u64, [f64; 2]>,
@@ -161,11 +150,52 @@ impl Properties {
         }
     }
 
+    /// The name of the card of a property, without the letters of its form: `PBARL` is `PBAR`, laminates are `PSHELL`.
+    pub fn group(&self, family: Family, id: u64) -> Option<&'static str> {
+        let name = self.properties.get(&(family, id))?.name.as_str();
+        let groups = [
+            ("PSHELL", "PSHELL"),
+            ("PCOMP", "PSHELL"),
+            ("PBAR", "PBAR"),
+            ("PBEAM", "PBEAM"),
+            ("PROD", "PROD"),
+            ("PTUBE", "PTUBE"),
+        ];
+        let found = groups
+            .into_iter()
+            .find(|(begin, _)| name.starts_with(begin));
+        found.map(|(_, group)| group)
+    }
+
     /// The integration of the solids of a property.
     pub fn variant(&self, family: Family, id: u64) -> Variant {
         match self.properties.get(&(family, id)).map(|card| card.kind) {
             Some(Kind::Solid(variant)) => variant,
             _ => Variant::Plain,
+        }
+    }
+
+    /// Young's modulus, Poisson's ratio, shear modulus and density of the material of a shear panel.
+    pub fn shear_of(&self, id: u64, user: &At) -> Result<[f64; 4], FileProblem> {
+        match self.materials.get(&id).map(|card| &card.constants) {
+            Some(Constants::Isotropic([young, poisson, density], own)) => {
+                let shear = own.unwrap_or(young / (2.0 * (1.0 + poisson)));
+                if shear > 0.0 && *poisson > -1.0 && *density >= 0.0 {
+                    return Ok([*young, *poisson, shear, *density]);
+                }
+                Err(user.problem(
+                    format!("the shear panel's material {id} has no positive shear modulus, or a negative density"),
+                    "give E and NU, or G, above zero in its MAT1",
+                ))
+            }
+            Some(_) => Err(user.problem(
+                format!("the shear panel's material {id} is not isotropic"),
+                "use MAT1",
+            )),
+            None => Err(user.problem(
+                format!("the shear panel's material {id} is missing"),
+                "add its MAT1 card, or INCLUDE the file that holds it",
+            )),
         }
     }
 
@@ -257,30 +287,57 @@ impl Properties {
         self.insert(card, Family::Beam, Some(material), kind)
     }
 
+    /// The kind of a beam with its sections at both ends and between them. Equal ones make a uniform beam.
+    fn tapered(&mut self, card: &Card, mut stations: Vec<Station>) -> Result<Kind, FileProblem> {
+        stations.sort_by(|a, b| a.place.total_cmp(&b.place));
+        let (Some(first), Some(last)) = (stations.first(), stations.last()) else {
+            return Ok(Kind::Unreadable); // never: end A is a station
+        };
+        if stations.len() > 1 && last.place != 1.0 {
+            return Err(card.problem(
+                &format!("the last station is at X/XB = {}", last.place),
+                "state the section of end B, with X/XB = 1.0",
+            ));
+        }
+        if let Some(pair) = stations
+            .windows(2)
+            .find(|pair| pair[0].place == pair[1].place)
+        {
+            return Err(card.problem(
+                &format!("two stations are at X/XB = {}", pair[0].place),
+                "give each station a place of its own above 0, and end B the place 1.0",
+            ));
+        }
+        if stations
+            .iter()
+            .all(|station| station.section == first.section)
+        {
+            return Ok(Kind::Line(first.section));
+        }
+        self.tapers.push(stations);
+        Ok(Kind::Tapered(self.tapers.len() - 1))
+    }
+
     /// `PBEAML PID MID GROUP TYPE / DIM1 … NSM [SO X/XB DIM1 … NSM]…`. The nodes of a CBEAM lie at the shear
     /// centre. A section whose centroid is beside it is listed.
     fn beam_shape(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let material = card.id(1, "MID")?;
         let kind = match shapes::dimension_count(card.text(3)) {
             Some(count) => {
-                let mut section = shaped(card, 8, count)?;
+                let mut stations = vec![Station {
+                    place: 0.0,
+                    section: shaped(card, 8, count)?,
+                }];
                 let mut at = 8 + count + 1;
-                let mut end = None;
                 while card.text(at).starts_with(['Y', 'N']) {
                     let station = at + 2;
                     if (station..station + count).any(|i| !card.is_blank(i)) {
-                        let place = card.optional_real(at + 1, "X/XB")?.unwrap_or(1.0);
-                        end = Some((place, shaped(card, station, count)?));
+                        stations.push(Station {
+                            place: card.optional_real(at + 1, "X/XB")?.unwrap_or(1.0),
+                            section: shaped(card, station, count)?,
+                        });
                     }
                     at = station + count + 1;
-                }
-                if let Some((place, other)) = end
-                    && other != section
-                {
-                    unread.note("PBEAML taper", &card.at, Carries::Structure);
-                    if place == 1.0 {
-                        section = mean(section, other);
-                    }
                 }
                 let dimensions = (0..count)
                     .map(|i| card.real(8 + i, "DIM"))
@@ -289,7 +346,7 @@ impl Properties {
                     let name = "PBEAML with its shear centre beside its centroid";
                     unread.note(name, &card.at, Carries::Structure);
                 }
-                Kind::Line(section)
+                self.tapered(card, stations)?
             }
             None => Kind::Unreadable,
         };
@@ -299,53 +356,18 @@ impl Properties {
     /// `PBEAM PID MID A I1 I2 I12 J NSM / C1…F2 / [SO X/XB A I1 I2 I12 J NSM / C1…F2]… / K1 K2 S1 S2 NSI(A)
     /// NSI(B) CW(A) CW(B) / M1(A) M2(A) M1(B) M2(B) N1(A) N2(A) N1(B) N2(B)`. Blank shear factors are 1. N1 and
     /// N2 lead from the shear centre, where the ends are, to the neutral axis (y, z). Added mass has a place of
-    /// its own, M1 and M2. The mean of a tapered section is taken, and listed.
+    /// its own, M1 and M2.
     fn beam(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let material = card.id(1, "MID")?;
-        let mut section = BeamSection {
-            area: card.real(2, "A")?,
-            moment_z: card.real_or_zero(3, "I1")?,
-            moment_y: card.real_or_zero(4, "I2")?,
-            product: card.real_or_zero(5, "I12")?,
-            torsion: card.real_or_zero(6, "J")?,
-            mass_per_length: card.real_or_zero(7, "NSM")?,
-            shear: [1.0, 1.0],
-        };
-        let station = |line: usize| matches!(card.text(line), "YES" | "YESA" | "NO");
-        let mut line = 8;
-        if !station(line) {
-            line += 8;
-        }
-        let mut other = None;
-        while station(line) {
-            let or = |i: usize, name: &str, blank: f64| {
-                Ok::<f64, FileProblem>(card.optional_real(line + i, name)?.unwrap_or(blank))
-            };
-            let here = BeamSection {
-                area: or(2, "A", section.area)?,
-                moment_z: or(3, "I1", section.moment_z)?,
-                moment_y: or(4, "I2", section.moment_y)?,
-                product: or(5, "I12", section.product)?,
-                torsion: or(6, "J", section.torsion)?,
-                mass_per_length: or(7, "NSM", section.mass_per_length)?,
-                shear: section.shear,
-            };
-            let place = or(1, "X/XB", 1.0)?;
-            if here != section || other.is_some() {
-                other = Some((place, here));
-            }
-            line += if card.text(line) == "YES" { 16 } else { 8 };
-        }
-        if let Some((place, here)) = other {
-            unread.note("PBEAM taper", &card.at, Carries::Structure);
-            if place == 1.0 {
-                section = mean(section, here);
-            }
-        }
-        section.shear = [
+        card.real(2, "A")?;
+        let (mut stations, line) = stations(card)?;
+        let shear = [
             card.optional_real(line, "K1")?.unwrap_or(1.0),
             card.optional_real(line + 1, "K2")?.unwrap_or(1.0),
         ];
+        for station in &mut stations {
+            station.section.shear = shear;
+        }
         let mut last = [0.0; 14];
         for (i, value) in last.iter_mut().enumerate() {
             *value = card.real_or_zero(line + 2 + i, "S1…N2(B)")?;
@@ -354,14 +376,17 @@ impl Properties {
         let alike =
             (n1 == n1_b || card.is_blank(line + 14)) && (n2 == n2_b || card.is_blank(line + 15));
         let beside = [n1, n2] != [0.0; 2];
-        if others.iter().any(|x| *x != 0.0) || !alike || (beside && section.mass_per_length != 0.0)
-        {
+        let heavy = stations
+            .iter()
+            .any(|station| station.section.mass_per_length != 0.0);
+        if others.iter().any(|x| *x != 0.0) || !alike || (beside && heavy) {
             unread.note("PBEAM axes and warping", &card.at, Carries::Structure);
         }
         if beside {
             self.neutral.insert(card.id(0, "PID")?, [n1, n2]);
         }
-        self.insert(card, Family::Beam, Some(material), Kind::Line(section))
+        let kind = self.tapered(card, stations)?;
+        self.insert(card, Family::Beam, Some(material), kind)
     }
 
     /// `PTUBE PID MID OD T NSM OD2`: a blank or zero wall is a solid bar.
@@ -430,6 +455,52 @@ impl Properties {
     }
 }
 
+/// The stations of a `PBEAM` in the order of the card, and the field of K1. A blank field of end B is that of end A, one
+/// between the ends is linear between both (MSC Nastran, Quick Reference Guide, PBEAM, remark 7).
+fn stations(card: &Card) -> Result<(Vec<Station>, usize), FileProblem> {
+    let fields = |line: usize| {
+        let mut values = [None; 6];
+        for (i, (value, name)) in values
+            .iter_mut()
+            .zip(["A", "I1", "I2", "I12", "J", "NSM"])
+            .enumerate()
+        {
+            *value = card.optional_real(line + 2 + i, name)?;
+        }
+        Ok::<_, FileProblem>(values)
+    };
+    let first = fields(0)?.map(|value| value.unwrap_or(0.0));
+    let is_station = |line: usize| matches!(card.text(line), "YES" | "YESA" | "NO");
+    let mut line = if is_station(8) { 8 } else { 16 };
+    let mut stated = vec![(0.0, first.map(Some))];
+    while is_station(line) {
+        let place = card.optional_real(line + 1, "X/XB")?.unwrap_or(1.0);
+        stated.push((place, fields(line)?));
+        line += if card.text(line) == "YES" { 16 } else { 8 };
+    }
+    let end = stated.iter().find(|(place, _)| *place == 1.0);
+    let last = end.map_or(first, |(_, values)| {
+        [0, 1, 2, 3, 4, 5].map(|i: usize| values[i].unwrap_or(first[i]))
+    });
+    let stations = stated.into_iter().map(|(place, values)| {
+        let [area, moment_z, moment_y, product, torsion, mass_per_length] = [0, 1, 2, 3, 4, 5]
+            .map(|i: usize| values[i].unwrap_or(first[i] + place * (last[i] - first[i])));
+        Station {
+            place,
+            section: BeamSection {
+                area,
+                moment_z,
+                moment_y,
+                product,
+                torsion,
+                shear: [1.0; 2],
+                mass_per_length,
+            },
+        }
+    });
+    Ok((stations.collect(), line))
+}
+
 /// `IN` and `ISOP` of `PSOLID`: blank or 0 is the default of both.
 fn network(card: &Card) -> Result<Variant, FileProblem> {
     let points = match card.text(3) {
@@ -483,14 +554,17 @@ fn shaped(card: &Card, from: usize, count: usize) -> Result<BeamSection, FilePro
 pub(super) struct Made<'d> {
     cards: &'d Properties,
     mass_scale: f64,
-    /// Properties in the order of their first use, by family, number and a shell's own thickness.
-    pub properties: Once<(Family, u64, Option<u64>), Property>,
+    /// Properties in the order of their first use, by family, number, a shell's own thickness and mass that other cards
+    /// add.
+    pub properties: Once<(Family, u64, Option<u64>, u64), Property>,
     /// Materials in the order of their first use, by number and form.
     pub materials: Once<(u64, Form), Material>,
     /// The cards of materials of solids with a G of its own.
     pub odd_shear: Vec<At>,
     /// Layers, by the order of the deck's laminates.
     pub laminates: Once<usize, Vec<Layer>>,
+    /// Sections of tapered beams, by the order of the deck's.
+    pub tapers: Once<(usize, u64), Vec<Station>>,
 }
 
 impl<'d> Made<'d> {
@@ -503,19 +577,20 @@ impl<'d> Made<'d> {
             materials: Once::default(),
             odd_shear: Vec::new(),
             laminates: Once::default(),
+            tapers: Once::default(),
         }
     }
 
-    /// Index of the property that an element uses, with a shell's own thickness if it has one.
+    /// Index of the property that an element uses, with a shell's own thickness if it has one, and with an added mass per
+    /// area or length.
     pub fn property(
         &mut self,
-        family: Family,
-        id: u64,
-        thickness: Option<f64>,
+        (family, id): (Family, u64),
+        (thickness, added): (Option<f64>, f64),
         element: u64,
         at: &At,
     ) -> Result<u32, FileProblem> {
-        let key = (family, id, thickness.map(f64::to_bits));
+        let key = (family, id, thickness.map(f64::to_bits), added.to_bits());
         if let Some(index) = self.properties.find(&key) {
             return Ok(index);
         }
@@ -531,7 +606,7 @@ impl<'d> Made<'d> {
                 format!("add a {kind} card, or INCLUDE the file that holds it"),
             ));
         };
-        let property = self.made(card, id.to_string(), thickness, element, at)?;
+        let property = self.made(card, id.to_string(), (thickness, added), element, at)?;
         Ok(self.properties.add(key, property))
     }
 
@@ -539,11 +614,11 @@ impl<'d> Made<'d> {
     pub fn own(
         &mut self,
         card: &PropertyCard,
-        name: String,
+        (name, added): (String, f64),
         element: u64,
         at: &At,
     ) -> Result<u32, FileProblem> {
-        let property = self.made(card, name, None, element, at)?;
+        let property = self.made(card, name, (None, added), element, at)?;
         Ok(self.properties.push(property))
     }
 
@@ -551,7 +626,7 @@ impl<'d> Made<'d> {
         &mut self,
         card: &PropertyCard,
         name: String,
-        own_thickness: Option<f64>,
+        (own_thickness, added): (Option<f64>, f64),
         element: u64,
         at: &At,
     ) -> Result<Property, FileProblem> {
@@ -573,13 +648,18 @@ impl<'d> Made<'d> {
                 let made = [(bending, Use::Sheet), (shear, Use::Across)]
                     .map(|(id, usage)| id.map(|id| self.material(id, card, usage)).transpose());
                 let [bending, shear] = made;
-                Section::Shell(plate.section(thickness, scale, [bending?, shear?]))
+                let section = plate.section(thickness, scale, [bending?, shear?]);
+                Section::Shell(ShellSection {
+                    mass_per_area: section.mass_per_area + added * scale,
+                    ..section
+                })
             }
-            Kind::Laminate(index) => self.laminate(index, card)?,
+            Kind::Laminate(index) => self.laminate(index, card, added)?,
             Kind::Line(line) => Section::Beam(BeamSection {
-                mass_per_length: line.mass_per_length * scale,
+                mass_per_length: (line.mass_per_length + added) * scale,
                 ..line
             }),
+            Kind::Tapered(index) => Section::Tapered(self.taper(index, added)),
             Kind::Unreadable => {
                 return Err(card.at.problem(
                     format!(
@@ -605,8 +685,27 @@ impl<'d> Made<'d> {
         })
     }
 
+    /// Index of the stations of a tapered beam of the deck.
+    fn taper(&mut self, index: usize, added: f64) -> u32 {
+        let key = (index, added.to_bits());
+        if let Some(made) = self.tapers.find(&key) {
+            return made;
+        }
+        let mut stations = self.cards.tapers.get(index).cloned().unwrap_or_default();
+        for station in &mut stations {
+            let own = &mut station.section.mass_per_length;
+            *own = (*own + added) * self.mass_scale;
+        }
+        self.tapers.add(key, stations)
+    }
+
     /// The section of a laminate of the deck, with its layers.
-    fn laminate(&mut self, index: usize, card: &PropertyCard) -> Result<Section, FileProblem> {
+    fn laminate(
+        &mut self,
+        index: usize,
+        card: &PropertyCard,
+        added: f64,
+    ) -> Result<Section, FileProblem> {
         let Some(laminate) = self.cards.laminates.get(index) else {
             return Ok(Section::Solid); // never: indices come from the list
         };
@@ -625,7 +724,7 @@ impl<'d> Made<'d> {
             }
         };
         Ok(Section::Shell(ShellSection {
-            mass_per_area: laminate.mass_per_area * self.mass_scale,
+            mass_per_area: (laminate.mass_per_area + added) * self.mass_scale,
             layup: Layup::Layers(made),
             ..ShellSection::plate(laminate.thickness())
         }))
@@ -664,7 +763,7 @@ impl<'d> Made<'d> {
                 "add its MAT1 card, or INCLUDE the file that holds it",
             ));
         };
-        let line = matches!(user.kind, Kind::Line(_));
+        let line = matches!(user.kind, Kind::Line(_) | Kind::Tapered(_));
         let (young, poisson, density, sheet, form) = match (&card.constants, usage) {
             (Constants::Isotropic([young, poisson, density], shear), _) => {
                 let (young, stated, density) = (*young, *poisson, *density);

@@ -1,6 +1,6 @@
 //! The sections of a deck: executive and case control are skipped, except for the entries that select
-//! supports and equations; a deck of cards alone has none of them. Of several subcases those with a `METHOD`
-//! count, which are the ones of the modes, else all.
+//! supports, equations, added mass and the temperature of the materials; a deck of cards alone has none of them. Of
+//! several subcases those with a `METHOD` count, which are the ones of the modes, else all.
 
 use super::card::{Card, cut};
 use super::continuation::Assembler;
@@ -18,6 +18,13 @@ pub(super) struct CaseControl {
     pub spc: Selection,
     /// Its equations.
     pub mpc: Selection,
+    /// Its sets of added mass. Unlike those of supports, they need an entry: a deck with case control and without one
+    /// has `Nothing`.
+    pub nsm: Selection,
+    /// Whether the deck has case control at all.
+    pub stated: bool,
+    /// Whether it gives the materials a temperature.
+    pub temperature: bool,
     /// Whether it asks for modes.
     pub modes: bool,
     /// The note about subcases with different supports.
@@ -43,6 +50,7 @@ struct Case {
     name: String,
     spc: Option<(u64, At)>,
     mpc: Option<(u64, At)>,
+    nsm: Option<(u64, At)>,
     /// Whether it selects a method for modes.
     method: bool,
 }
@@ -54,6 +62,8 @@ impl Case {
             self.spc = Some((number, at.clone()));
         } else if let Some(number) = selected(text, "MPC") {
             self.mpc = Some((number, at.clone()));
+        } else if let Some(number) = selected(text, "NSM") {
+            self.nsm = Some((number, at.clone()));
         } else {
             self.method |= text.contains('=') && first_word(text) == "METHOD";
         }
@@ -65,10 +75,15 @@ impl Case {
 struct Cases {
     above: Case,
     subcases: Vec<Case>,
+    /// Whether the deck has control sections at all.
+    controlled: bool,
+    temperature: bool,
 }
 
 impl Cases {
     fn line(&mut self, line: &Line) {
+        self.controlled = true;
+        self.temperature |= heats_materials(&line.text);
         if first_word(&line.text) == "SUBCASE" {
             self.subcases.push(Case {
                 name: line.text.trim().to_ascii_lowercase(),
@@ -83,7 +98,7 @@ impl Cases {
     /// The selection that holds for the modes.
     ///
     /// # Errors
-    /// Subcases of modes with different equations.
+    /// Subcases of modes with different equations or different added mass.
     fn selection(mut self) -> Result<CaseControl, FileProblem> {
         if self.subcases.is_empty() {
             self.subcases.push(self.above);
@@ -108,17 +123,22 @@ impl Cases {
         };
         let mut doubt = None;
         for case in &self.subcases {
-            if number(&case.mpc) != number(&first.mpc)
-                && let Some((_, at)) = case.mpc.as_ref().or(first.mpc.as_ref())
-            {
-                return Err(at.problem(
-                    format!(
-                        "the equations differ: {}, {}",
-                        words("MPC", &first.mpc, first),
-                        words("MPC", &case.mpc, case)
-                    ),
-                    "keep METHOD in the subcase of the wanted modes alone, or leave out the other subcases",
-                ));
+            for (title, name, here, before) in [
+                ("equations", "MPC", &case.mpc, &first.mpc),
+                ("sets of added mass", "NSM", &case.nsm, &first.nsm),
+            ] {
+                if number(here) != number(before)
+                    && let Some((_, at)) = here.as_ref().or(before.as_ref())
+                {
+                    return Err(at.problem(
+                        format!(
+                            "the {title} differ: {}, {}",
+                            words(name, before, first),
+                            words(name, here, case)
+                        ),
+                        "keep METHOD in the subcase of the wanted modes alone, or leave out the other subcases",
+                    ));
+                }
             }
             if doubt.is_none()
                 && number(&case.spc) != number(&first.spc)
@@ -133,15 +153,22 @@ impl Cases {
                 ));
             }
         }
-        let [spc, mpc] =
-            [(&first.spc, some[0]), (&first.mpc, some[1])].map(|(set, some)| match set {
-                Some((number, at)) => Selection::One(*number, at.clone()),
-                None if some => Selection::Nothing,
-                None => Selection::All,
-            });
+        let [spc, mpc, nsm] = [
+            (&first.spc, some[0]),
+            (&first.mpc, some[1]),
+            (&first.nsm, self.controlled),
+        ]
+        .map(|(set, some)| match set {
+            Some((number, at)) => Selection::One(*number, at.clone()),
+            None if some => Selection::Nothing,
+            None => Selection::All,
+        });
         Ok(CaseControl {
             spc,
             mpc,
+            nsm,
+            stated: self.controlled,
+            temperature: self.temperature,
             modes,
             doubt,
         })
@@ -257,6 +284,21 @@ fn selected(text: &str, name: &str) -> Option<u64> {
         .and_then(|number| number.trim().parse::<u64>().ok())
 }
 
+/// Whether an entry of case control gives the materials a temperature: `TEMPERATURE(MATERIAL)`, `(INITIAL)` or
+/// `(BOTH)`, or without a describer, which means `BOTH`. Without such an entry `MATTi` are not used (MSC Nastran, Quick
+/// Reference Guide, TEMPERATURE, remark 6).
+fn heats_materials(text: &str) -> bool {
+    let text = text.trim().to_ascii_uppercase();
+    let Some((head, _)) = text.split_once('=') else {
+        return false;
+    };
+    let (name, describers) = head.split_once('(').unwrap_or((head, ""));
+    let name = name.trim();
+    name.len() >= 4
+        && "TEMPERATURE".starts_with(name)
+        && !describers.trim_start().starts_with("LOAD")
+}
+
 /// The first word of a line, in upper case, up to a comma, bracket or asterisk.
 fn first_word(text: &str) -> String {
     text.trim_start()
@@ -307,6 +349,21 @@ mod tests {
         assert!(!is_card("SPC", "SPC = 3"));
         assert!(!is_card("PARAM", "PARAM,POST,-1"));
         assert_eq!(first_word("spc(2)=3"), "SPC");
+        for used in [
+            "TEMP = 3",
+            "temperature(mate)=4",
+            "TEMP(INIT) = 1",
+            "TEMPERATURE(BOTH)=2",
+        ] {
+            assert!(heats_materials(used), "{used}");
+        }
+        for unused in [
+            "TEMP(LOAD) = 3",
+            "TITLE = TEMP = 3",
+            "TEMPERATURE(LOAD,HTIME=1.)=2",
+        ] {
+            assert!(!heats_materials(unused), "{unused}");
+        }
         assert_eq!(first_word("  disp(plot) = all"), "DISP");
     }
 }

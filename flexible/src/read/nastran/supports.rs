@@ -252,7 +252,7 @@ fn list_of(card: &Card, from: usize) -> Result<Ids, FileProblem> {
     Ok(ids)
 }
 
-fn add_sum(sums: &mut BTreeMap<u64, Vec<u64>>, card: &Card) -> Result<(), FileProblem> {
+pub(super) fn add_sum(sums: &mut BTreeMap<u64, Vec<u64>>, card: &Card) -> Result<(), FileProblem> {
     let mut parts = Vec::new();
     for i in 1..card.len() {
         parts.extend(card.optional_id(i, "S")?);
@@ -262,7 +262,7 @@ fn add_sum(sums: &mut BTreeMap<u64, Vec<u64>>, card: &Card) -> Result<(), FilePr
 }
 
 /// The sets of a selection; `None` without a selection.
-fn chosen(
+pub(super) fn chosen(
     selection: &Selection,
     sums: &BTreeMap<u64, Vec<u64>>,
     sets: &BTreeSet<u64>,
