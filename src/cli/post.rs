@@ -9,7 +9,7 @@ use crate::motion::SUFFIX;
 use crate::post::{self, EvaluatedReport, Outcome, Run};
 use crate::program::Program;
 use crate::report::mixed;
-use crate::results::{Results, file_stem};
+use crate::results::{Gradient, Results, file_stem, read_gradients};
 use crate::run::RunOutcome;
 use std::path::Path;
 
@@ -92,14 +92,23 @@ pub(super) fn reports(
         }
     });
     let motions: Vec<Option<Results>> = motions.collect::<Result<_, _>>()?;
-    let ran_now =
-        (outcomes.iter()).map(|o| Run::new(&o.results, &o.machine).with_motion(o.motion.as_ref()));
-    let read = earlier.iter().zip(&described).zip(&motions);
-    let runs: Vec<Run<'_>> = ran_now
-        .chain(read.map(|((results, described), motion)| {
-            Run::new(results, &described.machine).with_motion(motion.as_ref())
-        }))
-        .collect();
+    let gradients = earlier
+        .iter()
+        .map(|results| or_stop(read_gradients(folder, results), console));
+    let gradients: Vec<Vec<Gradient>> = gradients.collect::<Result<_, _>>()?;
+    let ran_now = outcomes.iter().map(|o| {
+        let run = Run::new(&o.results, &o.machine).with_motion(o.motion.as_ref());
+        run.with_gradients(&o.gradients)
+    });
+    let read = earlier
+        .iter()
+        .zip(&described)
+        .zip(motions.iter().zip(&gradients));
+    let read = read.map(|((results, described), (motion, gradients))| {
+        let run = Run::new(results, &described.machine).with_motion(motion.as_ref());
+        run.with_gradients(gradients)
+    });
+    let runs: Vec<Run<'_>> = ran_now.chain(read).collect();
     let mut holds = true;
     for report in &reports {
         let made = post::evaluate(report, &runs);
