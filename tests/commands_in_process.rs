@@ -232,7 +232,7 @@ report slopes {
         (line(&second, "By length"), line(&second, "By load")),
         (by_length, by_load)
     );
-    let (code, _, errors) = folder.eng("report", &[]);
+    let (code, _, errors) = folder.eng("report", &["--results", &folder.path("out")]);
     assert_eq!((code, errors.as_str()), (0, ""));
     // gradients of another run of the analysis, or damaged ones, are refused
     let path = folder.path("out/one.gradients.parquet");
