@@ -156,9 +156,16 @@ fn gradients_are_a_file_of_their_own() {
         .iter()
         .map(|f| f.name().clone())
         .collect();
-    assert_eq!(names, ["parameter", "parameter_unit", "time", "height"]);
+    let due = [
+        "parameter",
+        "parameter_unit",
+        "time",
+        "time.gradient",
+        "height",
+    ];
+    assert_eq!(names, due);
     assert_eq!(
-        batch.schema().field(3).metadata()["unit"],
+        batch.schema().field(4).metadata()["unit"],
         "mm/parameter_unit"
     );
     let text = |name: &str, row: usize| {
@@ -192,6 +199,65 @@ fn gradients_are_a_file_of_their_own() {
         errors.contains("--gradients: there is no parameter lenght"),
         "{errors}"
     );
+}
+
+/// The page and the reports of a later run read the gradients of an earlier one.
+#[test]
+fn reports_read_the_gradients_of_earlier_runs() {
+    let text = SWING.replace(
+        "sample: 10 ms)\nanalysis two",
+        "sample: 10 ms, gradients: [length, load])\nanalysis two",
+    );
+    let report = "
+report slopes {
+    value by_length = gradient(minimum(one.height), length) as mm/m
+    value by_load = gradient(minimum(one.height), load) as mm/kg
+    value other = minimum(two[1].height)
+    figure parts = tornado([gradient(minimum(one.height), length)*1 mm, gradient(minimum(one.height), load)*1 g])
+}
+";
+    let folder = Folder::new("slopes", &(text + report));
+    let (code, first, errors) = folder.eng("run", &["--analysis", "one", "--no-plots"]);
+    assert_eq!((code, errors.as_str()), (0, ""));
+    let line = |text: &str, name: &str| {
+        let line = text.lines().find(|line| line.contains(name));
+        line.unwrap_or_else(|| panic!("{text}")).trim().to_owned()
+    };
+    let (by_length, by_load) = (line(&first, "By length"), line(&first, "By load"));
+    // at the start the height is −l cos 30°, and it falls a little from there
+    assert!(by_length.ends_with("-868.7 mm/m"), "{by_length}");
+    let (code, second, errors) = folder.eng("run", &["--analysis", "two", "--no-plots"]);
+    assert_eq!((code, errors.as_str()), (0, ""));
+    assert_eq!(
+        (line(&second, "By length"), line(&second, "By load")),
+        (by_length, by_load)
+    );
+    let (code, _, errors) = folder.eng("report", &["--results", &folder.path("out")]);
+    assert_eq!((code, errors.as_str()), (0, ""));
+    // gradients of another run of the analysis, or damaged ones, are refused
+    let path = folder.path("out/one.gradients.parquet");
+    let whole = std::fs::read(&path).unwrap();
+    let (code, _, _) = folder.eng(
+        "run",
+        &[
+            "--analysis",
+            "one",
+            "--quiet",
+            "--no-plots",
+            "--set",
+            "length=500 mm",
+        ],
+    );
+    assert_eq!(code, 0);
+    for bytes in [&whole[..], &whole[..whole.len() / 2], b"none"] {
+        std::fs::write(&path, bytes).unwrap();
+        let (code, _, errors) = folder.eng("run", &["--analysis", "two", "--no-plots"]);
+        assert_eq!(code, 2, "{errors}");
+        assert!(
+            errors.contains("holds no gradients of these results of one"),
+            "{errors}"
+        );
+    }
 }
 
 fn files_of_two_analyses() -> Vec<String> {

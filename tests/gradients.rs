@@ -5,21 +5,21 @@
 use eng::{Analysis, Gradient, Outcome, Program, Quantity, Results, Sources, StepControl};
 use std::path::Path;
 
-fn program(text: &str) -> Program {
+pub(crate) fn program(text: &str) -> Program {
     match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
         Ok(program) => program,
         Err(report) => panic!("{report}"),
     }
 }
 
-fn analysis(program: &Program, name: &str) -> Analysis {
+pub(crate) fn analysis(program: &Program, name: &str) -> Analysis {
     match program.analysis(name) {
         Ok(analysis) => analysis,
         Err(error) => panic!("{error}"),
     }
 }
 
-fn run(analysis: &Analysis) -> Outcome {
+pub(crate) fn run(analysis: &Analysis) -> Outcome {
     match analysis.run(&mut |_| {}) {
         Ok(outcome) => outcome,
         Err(failed) => panic!("{}", failed.error),
@@ -34,7 +34,7 @@ fn refusal(analysis: &Analysis) -> String {
 }
 
 /// The value (SI) of a parameter.
-fn value(analysis: &Analysis, path: &str) -> f64 {
+pub(crate) fn value(analysis: &Analysis, path: &str) -> f64 {
     let infos = analysis.model().parameters();
     let index = infos.iter().position(|info| info.path == path).unwrap();
     analysis.parameter_values().unwrap()[index]
@@ -50,18 +50,19 @@ fn run_at(analysis: &Analysis, path: &str, value: f64) -> Results {
     run(&changed.unwrap()).results
 }
 
-/// Channels of a gradient: all columns behind time and cycle.
+/// Channels of a gradient: all columns behind time, cycle and their derivatives.
 fn channels(gradient: &Gradient) -> Vec<&str> {
     let columns = gradient.results.columns().iter().map(|c| c.path.as_str());
     columns
         .filter(|path| !["time", "cycle.angle", "cycle.speed"].contains(path))
+        .filter(|path| !path.ends_with(".gradient"))
         .collect()
 }
 
 /// The numbers of `get` at four values of a parameter around its own make a central difference of fourth order,
 /// `(8 (f(ε) − f(−ε)) − (f(2ε) − f(−2ε)))/12ε`, with ε as a share of the parameter. It is the extrapolation of the differences
 /// over ε and 2ε.
-fn differences(
+pub(crate) fn differences(
     plain: &Analysis,
     path: &str,
     share: f64,
@@ -153,7 +154,7 @@ model Pendulum {{
 }
 
 /// Steps whose equations are solved to rounding: the error of the iteration is one of the differences.
-fn exact(step: f64) -> StepControl {
+pub(crate) fn exact(step: f64) -> StepControl {
     StepControl::FixedTo {
         step,
         tolerance: 1e-5,

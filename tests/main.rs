@@ -69,6 +69,7 @@ mod periodic_decay;
 mod periodic_results;
 mod quick_engine;
 mod report;
+mod report_gradients;
 mod reports_of_a_text;
 mod response;
 mod run_command;

@@ -76,6 +76,8 @@ pub(crate) enum OfResults {
     Resample,
     /// A level.
     Decibel,
+    /// A derivative by a parameter.
+    Gradient,
 }
 
 impl BuiltIn {
@@ -129,7 +131,7 @@ const fn reduction(name: &'static str, reduction: Reduction) -> BuiltIn {
 }
 
 /// All functions.
-static FUNCTIONS: [BuiltIn; 51] = [
+static FUNCTIONS: [BuiltIn; 52] = [
     function("dot", &["a", "b"], Kind::Vectors),
     function("cross", &["a", "b"], Kind::Vectors),
     function("norm", &["v"], Kind::Vectors)
@@ -188,10 +190,11 @@ static FUNCTIONS: [BuiltIn; 51] = [
     of_results("last_cycle", &["signal"], OfResults::LastCycle).with(&["cycles"]),
     of_results("resample", &["signal", "like"], OfResults::Resample),
     of_results("decibel", &["x", "reference"], OfResults::Decibel),
+    of_results("gradient", &["x", "parameter"], OfResults::Gradient),
 ];
 
 /// The forms of a call and the meaning of each function.
-static ABOUT: [(&str, &str, &str); 51] = [
+static ABOUT: [(&str, &str, &str); 52] = [
     (
         "dot",
         "dot(a, b)",
@@ -406,6 +409,11 @@ static ABOUT: [(&str, &str, &str); 51] = [
         "decibel",
         "decibel(v, reference: r)",
         "20 lg of the magnitude over the reference",
+    ),
+    (
+        "gradient",
+        "gradient(x, oil_temperature), gradient(x, main[*].radial_clearance)",
+        "the derivative of a number or signal of transients by a parameter that their `gradients` name",
     ),
 ];
 

@@ -17,8 +17,8 @@ use std::sync::OnceLock;
 /// takes it as it is: `polars.DataFrame(run)`, `pyarrow.table(run)`, `pandas.DataFrame.from_arrow(run)`.
 #[pyclass(frozen, mapping, module = "englang")]
 pub struct Run {
-    /// Its gradients are in the tables.
     outcome: RunOutcome,
+    /// Tables of copies of its gradients, which reports read from the outcome.
     gradients: Vec<Py<Gradient>>,
     program: eng::Program,
     batch: OnceLock<RecordBatch>,
@@ -26,8 +26,8 @@ pub struct Run {
 
 impl Run {
     /// The results of an analysis of a program.
-    pub fn new(py: Python<'_>, mut outcome: RunOutcome, program: eng::Program) -> PyResult<Run> {
-        let gradients = std::mem::take(&mut outcome.gradients).into_iter();
+    pub fn new(py: Python<'_>, outcome: RunOutcome, program: eng::Program) -> PyResult<Run> {
+        let gradients = outcome.gradients.iter().cloned();
         let tables = gradients.map(|gradient| Py::new(py, Gradient::new(gradient)));
         Ok(Run {
             gradients: tables.collect::<PyResult<_>>()?,
@@ -44,7 +44,9 @@ impl Run {
         Source {
             analysis: results.analysis(),
             hash: results.metadata().get("source_hash"),
-            run: run.with_motion(self.outcome.motion.as_ref()),
+            run: run
+                .with_motion(self.outcome.motion.as_ref())
+                .with_gradients(&self.outcome.gradients),
         }
     }
 

@@ -88,7 +88,8 @@ pub use kinks::Overlooked;
 pub use linearised::{FrequencyResponse, LinearModes, run_linear, run_response};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{
-    Energy, FAILS, Jump, Jumping, Options, Pace, Reading, Simulation, Slow, StepReport, Warning,
+    Energy, FAILS, Jump, Jumping, Options, Pace, Reading, SampleGradient, Simulation, Slow,
+    StepReport, Warning,
 };
 pub use start::{StartReport, Turning, Unstable};
 pub use topology::TopologyReport;

@@ -33,7 +33,7 @@ use astray::Astray;
 use eng_system::analysis::Integration;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
-pub use gradients::Gradients;
+pub use gradients::{Gradients, SampleGradient};
 use pace::Limit;
 pub use reading::Reading;
 use std::sync::OnceLock;

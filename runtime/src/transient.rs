@@ -6,7 +6,7 @@ use crate::decay::CycleReport;
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::{Damped, Statistics};
 use crate::kinks::Overlooked;
-use crate::simulation::{Energy, Gradients, Options, Simulation, Slow, Warning};
+use crate::simulation::{Energy, Gradients, Options, SampleGradient, Simulation, Slow, Warning};
 use crate::start::StartReport;
 use eng_system::analysis::{Kind, Names};
 use eng_system::code::Compiled;
@@ -89,9 +89,9 @@ pub trait Observer {
     fn sampled(&mut self) {}
     /// Takes a sample; `Break` ends the run after it.
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
-    /// Takes the derivatives of all channels (SI) by one of the parameters of [`Transient::gradients`], in their order, at
-    /// the sample that it took last.
-    fn gradient(&mut self, _parameter: usize, _values: &[f64]) {}
+    /// Takes the derivatives by one of the parameters of [`Transient::gradients`], in their order, at the sample that it took
+    /// last.
+    fn gradient(&mut self, _parameter: usize, _sample: SampleGradient<'_>) {}
     /// Called after every step. No verdict changes a bit of the results.
     fn progress(&mut self, _advance: &Advance) -> Verdict {
         Verdict::GoOn
@@ -568,8 +568,8 @@ impl Run<'_> {
         });
         if let Some(gradients) = &mut self.gradients {
             let observer = &mut self.observer;
-            gradients.sample(simulation, angle, &mut |parameter, values| {
-                observer.gradient(parameter, values);
+            gradients.sample(simulation, angle, &mut |parameter, sample| {
+                observer.gradient(parameter, sample);
             })?;
         }
         Ok(taken)

@@ -2,9 +2,13 @@
 
 use super::Analysis;
 use crate::error::Error;
-use crate::results::{Column, Gradient, Results, ResultsError, gradients_file, write_gradients};
+use crate::results::{
+    Column, Gradient, Results, ResultsError, derivative_of, derived_from, gradients_file,
+    write_gradients,
+};
+use eng_runtime::SampleGradient;
 use eng_system::analysis::{Named, Names};
-use eng_system::recorded::recorded;
+use eng_system::recorded::{Recorded, recorded};
 use eng_system::system::{AnalysisKind, Location};
 
 impl Analysis {
@@ -69,27 +73,27 @@ impl Analysis {
         let found = parameters.filter_map(|index| system.parameters.get(index));
         found
             .map(|parameter| {
-                let columns = recorded(system).into_iter();
                 let head = 1 + if system.cycle.is_some() { 2 } else { 0 };
-                let kept = columns.take(head + system.channels.len());
-                let columns = kept.enumerate().map(|(k, column)| {
-                    let per = k >= head;
-                    Column {
-                        dimension: match per {
-                            true => column.dimension.over(parameter.dimension),
-                            false => column.dimension,
-                        },
-                        display: match per {
-                            true => column.display.over(&parameter.display),
-                            false => column.display,
-                        },
-                        path: column.path,
-                        frame: column.frame,
-                        values: Vec::new(),
-                    }
-                });
+                let recorded = recorded(system);
+                let (head, rest) = recorded.split_at(head);
+                let own = |column: &Recorded| Column {
+                    path: column.path.clone(),
+                    dimension: column.dimension,
+                    display: column.display.clone(),
+                    frame: column.frame.clone(),
+                    values: Vec::new(),
+                };
+                let derived = |column: &Recorded| Column {
+                    path: derivative_of(&column.path).to_owned(),
+                    dimension: column.dimension.over(parameter.dimension),
+                    display: column.display.over(&parameter.display),
+                    ..own(column)
+                };
+                let mut columns: Vec<Column> = head.iter().map(own).collect();
+                let channels = rest.iter().take(system.channels.len());
+                columns.extend(head.iter().chain(channels).map(derived));
                 GradientColumns {
-                    columns: columns.collect(),
+                    columns,
                     parameter: parameter.origin.path.clone(),
                     unit: parameter.display.clone(),
                 }
@@ -128,10 +132,13 @@ pub(super) struct GradientColumns {
 }
 
 impl GradientColumns {
-    /// Adds a sample: time, cycle, and derivatives of the channels (SI).
-    pub fn push(&mut self, row: impl Iterator<Item = f64>) {
+    /// Adds a sample: its time and cycle, and the derivatives there (SI).
+    pub fn push(&mut self, head: &[f64], sample: SampleGradient<'_>) {
+        let cycle = sample.cycle.iter().take(head.len().saturating_sub(1));
+        let derived = std::iter::once(&sample.time).chain(cycle);
+        let row = head.iter().chain(derived).chain(sample.channels);
         for (column, value) in self.columns.iter_mut().zip(row) {
-            column.values.push(value);
+            column.values.push(*value);
         }
     }
 
@@ -139,7 +146,8 @@ impl GradientColumns {
     pub fn finish(self, kept: &Results) -> Result<Gradient, ResultsError> {
         let mut results = kept.without_columns();
         for mut column in self.columns {
-            if kept.column(&column.path).is_some() {
+            let of = derived_from(&column.path).unwrap_or(&column.path);
+            if kept.column(of).is_some() {
                 let first = column.values.len().saturating_sub(kept.samples());
                 column.values.drain(..first);
                 results.push(column)?;

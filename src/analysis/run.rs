@@ -11,8 +11,8 @@ use crate::timings::{Clock, Timings};
 use eng_runtime::linearised::FrequencyResponse;
 use eng_runtime::{
     Advance, CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, RuntimeError,
-    Sample, Slow, StartReport, Verdict, Warning, run_assemble, run_linear, run_periodic,
-    run_response, run_static, run_transient,
+    Sample, SampleGradient, Slow, StartReport, Verdict, Warning, run_assemble, run_linear,
+    run_periodic, run_response, run_static, run_transient,
 };
 use eng_system::recorded::recorded;
 use eng_system::system::{AnalysisKind, Location, Origin, Response, Rows};
@@ -489,10 +489,10 @@ impl Observer for Recorder<'_> {
         taken
     }
 
-    fn gradient(&mut self, parameter: usize, values: &[f64]) {
+    fn gradient(&mut self, parameter: usize, sample: SampleGradient<'_>) {
         self.spent(|timings| &mut timings.samples);
         if let Some(columns) = self.gradients.get_mut(parameter) {
-            columns.push(self.at.iter().chain(values).copied());
+            columns.push(&self.at, sample);
         }
     }
 

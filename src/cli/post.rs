@@ -9,7 +9,7 @@ use crate::motion::SUFFIX;
 use crate::post::{self, EvaluatedReport, Outcome, Run};
 use crate::program::Program;
 use crate::report::mixed;
-use crate::results::{Results, file_stem};
+use crate::results::{Gradient, Results, file_stem, read_gradients};
 use crate::run::RunOutcome;
 use std::path::Path;
 
@@ -82,24 +82,20 @@ pub(super) fn reports(
             }
         }
     }
-    let motions = earlier.iter().map(|results| {
-        let name = format!("{}{SUFFIX}", results.analysis());
-        let path = folder.join(format!("{}.parquet", file_stem(&name)));
-        // a figure that needs a missing motion reports this
-        match path.is_file() {
-            true => or_stop(Results::read_parquet(&path), console).map(Some),
-            false => Ok(None),
-        }
+    let (motions, gradients) = beside(&earlier, folder, console)?;
+    let ran_now = outcomes.iter().map(|o| {
+        let run = Run::new(&o.results, &o.machine).with_motion(o.motion.as_ref());
+        run.with_gradients(&o.gradients)
     });
-    let motions: Vec<Option<Results>> = motions.collect::<Result<_, _>>()?;
-    let ran_now =
-        (outcomes.iter()).map(|o| Run::new(&o.results, &o.machine).with_motion(o.motion.as_ref()));
-    let read = earlier.iter().zip(&described).zip(&motions);
-    let runs: Vec<Run<'_>> = ran_now
-        .chain(read.map(|((results, described), motion)| {
-            Run::new(results, &described.machine).with_motion(motion.as_ref())
-        }))
-        .collect();
+    let read = earlier
+        .iter()
+        .zip(&described)
+        .zip(motions.iter().zip(&gradients));
+    let read = read.map(|((results, described), (motion, gradients))| {
+        let run = Run::new(results, &described.machine).with_motion(motion.as_ref());
+        run.with_gradients(gradients)
+    });
+    let runs: Vec<Run<'_>> = ran_now.chain(read).collect();
     let mut holds = true;
     for report in &reports {
         let made = post::evaluate(report, &runs);
@@ -127,6 +123,26 @@ pub(super) fn reports(
         }
     }
     Ok(holds)
+}
+
+/// The motions and the gradients in the folder of earlier results. A figure or a value that needs a missing one reports this.
+#[allow(clippy::type_complexity)]
+fn beside(
+    earlier: &[Results],
+    folder: &Path,
+    console: &mut Terminal<'_>,
+) -> Result<(Vec<Option<Results>>, Vec<Vec<Gradient>>), Stop> {
+    let (mut motions, mut gradients) = (Vec::new(), Vec::new());
+    for results in earlier {
+        let name = format!("{}{SUFFIX}", results.analysis());
+        let path = folder.join(format!("{}.parquet", file_stem(&name)));
+        motions.push(match path.is_file() {
+            true => Some(or_stop(Results::read_parquet(&path), console)?),
+            false => None,
+        });
+        gradients.push(or_stop(read_gradients(folder, results), console)?);
+    }
+    Ok((motions, gradients))
 }
 
 /// File names (without extension) and SVG texts.

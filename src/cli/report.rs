@@ -11,7 +11,9 @@ use crate::Quantity;
 use crate::motion::SUFFIX;
 use crate::plot::write_svg_and_png;
 use crate::report::{At, Drawn, Entry, Made, Request, make, write_fields, write_series};
-use crate::results::{Results, ResultsError, file_stem, interrupted, replace_file};
+use crate::results::{
+    Gradient, Results, ResultsError, file_stem, interrupted, read_gradients, replace_file,
+};
 use eng_flexible::store::{content_hash, hexadecimal};
 use eng_system::Dimension;
 use std::io::Write;
@@ -46,7 +48,11 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
         .in_time
         .into_iter()
         .zip(described)
-        .map(|(read, described)| Entry::new(read.results, read.motion, described, read.files))
+        .map(|(read, described)| {
+            let mut entry = Entry::new(read.results, read.motion, described, read.files);
+            entry.outcome.gradients = read.gradients;
+            entry
+        })
         .collect();
     let modes = entries.split_off(in_time);
     let file = arguments
@@ -92,6 +98,7 @@ pub(super) fn report(arguments: &ReportArguments, console: &mut Terminal<'_>) ->
 struct Read {
     results: Results,
     motion: Option<Results>,
+    gradients: Vec<Gradient>,
     /// Name and hash of each file.
     files: Vec<(String, String)>,
 }
@@ -122,6 +129,7 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
         let mut read = Read {
             results,
             motion: None,
+            gradients: Vec::new(),
             files: vec![or_stop(hashed(&path), console)?],
         };
         if read.results.are_responses() {
@@ -148,6 +156,7 @@ fn read(names: &[&str], folder: &Path, console: &mut Terminal<'_>) -> Result<Fou
             found.inputs.push(path.clone());
             read.motion = Some(or_stop(Results::read_parquet(&path), console)?);
         }
+        read.gradients = or_stop(read_gradients(folder, &read.results), console)?;
         found.in_time.push(read);
     }
     Ok(found)

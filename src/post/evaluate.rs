@@ -1,6 +1,6 @@
 //! Expressions over results.
 
-use super::operation::{amplitude, filtered, reduced, resampled};
+use super::operation::{component_of, filtered, reduced, resampled};
 use super::reach::{extent_text, limit_text};
 use super::track::{Samples, Track};
 use super::{PostError, Run};
@@ -19,7 +19,8 @@ const STEEP: f64 = 0.2;
 const NEAR: f64 = 0.1;
 
 /// A value while it is evaluated.
-enum Value {
+#[derive(Clone)]
+pub(super) enum Value {
     Number(f64),
     Signal(Track),
     Truth(bool),
@@ -27,7 +28,7 @@ enum Value {
 
 impl Value {
     /// The error if the place needs another sort of value.
-    fn instead_of(&self, due: &'static str) -> PostError {
+    pub fn instead_of(&self, due: &'static str) -> PostError {
         let found = match self {
             Value::Number(_) => "number",
             Value::Signal(_) => "signal",
@@ -37,7 +38,7 @@ impl Value {
     }
 
     /// A function of each number.
-    fn each(self, function: impl Fn(f64) -> f64) -> Result<Value, PostError> {
+    pub fn each(self, function: impl Fn(f64) -> f64) -> Result<Value, PostError> {
         match self {
             Value::Number(x) => Ok(Value::Number(function(x))),
             Value::Signal(mut track) => {
@@ -128,6 +129,7 @@ impl<'r> Evaluator<'r> {
             period: run.machine.cycle_period,
             whole: false,
             shortened: false,
+            shifts: None,
         };
         if let Some(period) = run.machine.cycle_period.filter(|_| run.machine.periodic) {
             samples.angle = samples.angle.map(|angle| shifted(angle, Some(period)));
@@ -136,7 +138,7 @@ impl<'r> Evaluator<'r> {
         Ok(samples)
     }
 
-    fn channel(&self, analysis: &str, path: &str) -> Result<Track, PostError> {
+    pub fn channel(&self, analysis: &str, path: &str) -> Result<Track, PostError> {
         let samples = self.samples(analysis)?;
         let values = match (&samples.angle, path) {
             (Some(angle), CYCLE_ANGLE) => angle.clone(),
@@ -148,7 +150,7 @@ impl<'r> Evaluator<'r> {
         })
     }
 
-    fn value(&self, expression: &Expression) -> Result<Value, PostError> {
+    pub fn value(&self, expression: &Expression) -> Result<Value, PostError> {
         Ok(match expression {
             Expression::Number(value) => Value::Number(*value),
             Expression::Channel { analysis, path } => Value::Signal(self.channel(analysis, path)?),
@@ -176,15 +178,7 @@ impl<'r> Evaluator<'r> {
                 value => value.each(|x| 20.0 * libm::log10(x.abs() / reference))?,
             },
             Expression::Last(part, of) => {
-                let mut last = self.last(*part, self.track(of)?)?;
-                // the angle that the other signals are over counts from the beginning, too
-                if let (Part::Cycles(_), Expression::Channel { path, .. }, Some(angle)) =
-                    (part, &**of, &last.samples.angle)
-                    && path == CYCLE_ANGLE
-                {
-                    last.values.clone_from(angle);
-                }
-                Value::Signal(last)
+                Value::Signal(self.last_of(*part, of, self.track(of)?)?)
             }
             Expression::Filter(filter, of) => Value::Signal(filtered(filter, self.track(of)?)?),
             Expression::Resample(of, like) => {
@@ -195,16 +189,39 @@ impl<'r> Evaluator<'r> {
             }
             Expression::Amplitude(limit, window, of) => {
                 let track = self.track(of)?;
-                Value::Number(amplitude(*limit, *window, &track)?)
+                Value::Number(component_of(*limit, *window, &track)?.amplitude)
             }
             Expression::AtFrequency(frequency, of) => {
                 Value::Number(self.at_frequency(*frequency, of)?)
             }
             Expression::Mode(chosen, of) => Value::Number(self.mode(*chosen, &self.track(of)?)?),
+            Expression::Gradient { of, parameter } => self.gradient(of, parameter)?,
+            Expression::Parameter { analysis, path } => {
+                Value::Number(self.parameter(analysis, path)?)
+            }
         })
     }
 
-    /// The value in a column for one of the modes.
+    /// The value (SI) of a parameter by which a run is differentiated.
+    fn parameter(&self, analysis: &str, path: &str) -> Result<f64, PostError> {
+        let run = self.run(analysis)?;
+        let gradient = run.gradients.iter().find(|g| g.parameter == path);
+        let text = run.results.metadata().get(&format!("parameter.{path}"));
+        let number = text.and_then(|text| text.split(' ').next()?.parse().ok());
+        match (gradient, number) {
+            // a share of zero would be no change
+            (Some(_), Some(0.0)) => Err(PostError::ZeroParameter {
+                analysis: analysis.to_owned(),
+                parameter: path.to_owned(),
+            }),
+            (Some(gradient), Some(number)) => Ok(gradient.unit.to_si(number)),
+            _ => Err(PostError::NoGradient {
+                analysis: analysis.to_owned(),
+                parameter: path.to_owned(),
+            }),
+        }
+    }
+
     /// The value of a column at a frequency (Hz): of the cubic through its four neighbours over the logarithm of the
     /// frequency. An amplitude is interpolated in logarithms too, and a phase goes the shorter way.
     fn at_frequency(&self, frequency: f64, of: &Expression) -> Result<f64, PostError> {
@@ -263,6 +280,7 @@ impl<'r> Evaluator<'r> {
         })
     }
 
+    /// The value in a column for one of the modes.
     fn mode(&self, chosen: Chosen, track: &Track) -> Result<f64, PostError> {
         let analysis = &track.samples.analysis;
         let numbers = &track.samples.time;
@@ -304,6 +322,19 @@ impl<'r> Evaluator<'r> {
             }
         };
         Ok(track.values.get(row).copied().unwrap_or(f64::NAN))
+    }
+
+    /// The last part of a signal with its expression.
+    pub fn last_of(&self, part: Part, of: &Expression, track: Track) -> Result<Track, PostError> {
+        let mut last = self.last(part, track)?;
+        // the angle that the other signals are over counts from the beginning, too
+        if let (Part::Cycles(_), Expression::Channel { path, .. }, Some(angle)) =
+            (part, of, &last.samples.angle)
+            && path == CYCLE_ANGLE
+        {
+            last.values.clone_from(angle);
+        }
+        Ok(last)
     }
 
     /// The last part of a signal.
@@ -360,7 +391,7 @@ impl<'r> Evaluator<'r> {
     }
 }
 
-fn mapped(function: Function, x: f64) -> f64 {
+pub(super) fn mapped(function: Function, x: f64) -> f64 {
     match function {
         Function::Abs => x.abs(),
         Function::Sqrt => x.sqrt(),
@@ -370,7 +401,7 @@ fn mapped(function: Function, x: f64) -> f64 {
 }
 
 /// An operator between numbers; `None` for one that gives a truth value.
-fn computed(operator: Operator, a: f64, b: f64) -> Option<f64> {
+pub(super) fn computed(operator: Operator, a: f64, b: f64) -> Option<f64> {
     Some(match operator {
         Operator::Add => a + b,
         Operator::Subtract => a - b,
@@ -429,25 +460,37 @@ fn signal_text(of: &Expression) -> String {
     }
 }
 
-fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, PostError> {
-    let each = |a: f64, b: f64| computed(operator, a, b).unwrap_or(f64::NAN);
-    Ok(match (left, right) {
-        (Value::Number(a), Value::Number(b)) => match computed(operator, a, b) {
-            Some(value) => Value::Number(value),
-            None => match compared(operator, a, b) {
+pub(super) fn operated(operator: Operator, left: Value, right: Value) -> Result<Value, PostError> {
+    match (&left, &right) {
+        (Value::Number(a), Value::Number(b)) if computed(operator, *a, *b).is_none() => {
+            match compared(operator, *a, *b) {
                 // NaN cannot be compared
                 Some(_) if a.is_nan() || b.is_nan() => {
-                    return Err(PostError::NotFinite("a side of the comparison".to_owned()));
+                    Err(PostError::NotFinite("a side of the comparison".to_owned()))
                 }
-                Some(truth) => Value::Truth(truth),
-                None => return Err(Value::Number(a).instead_of("number")),
-            },
-        },
+                Some(truth) => Ok(Value::Truth(truth)),
+                None => Err(left.instead_of("number")),
+            }
+        }
         (Value::Truth(a), Value::Truth(b)) => match operator {
-            Operator::And => Value::Truth(a && b),
-            Operator::Or => Value::Truth(a || b),
-            _ => return Err(Value::Truth(a).instead_of("number")),
+            Operator::And => Ok(Value::Truth(*a && *b)),
+            Operator::Or => Ok(Value::Truth(*a || *b)),
+            _ => Err(left.instead_of("number")),
         },
+        _ => zipped(left, right, |a, b| {
+            computed(operator, a, b).unwrap_or(f64::NAN)
+        }),
+    }
+}
+
+/// A function of two numbers, sample by sample.
+pub(super) fn zipped(
+    left: Value,
+    right: Value,
+    each: impl Fn(f64, f64) -> f64,
+) -> Result<Value, PostError> {
+    Ok(match (left, right) {
+        (Value::Number(a), Value::Number(b)) => Value::Number(each(a, b)),
         (signal @ Value::Signal(_), Value::Number(b)) => signal.each(|a| each(a, b))?,
         (Value::Number(a), signal @ Value::Signal(_)) => signal.each(|b| each(a, b))?,
         (Value::Signal(mut left), Value::Signal(mut right)) => {

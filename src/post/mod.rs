@@ -27,6 +27,7 @@
 //! ```
 
 mod evaluate;
+mod gradient;
 mod natural;
 mod operation;
 mod picture;
@@ -42,7 +43,7 @@ pub(crate) use section::section;
 pub use table::text;
 
 use crate::machine::Machine;
-use crate::results::Results;
+use crate::results::{Gradient, Results};
 use eng_report::figure::Figure;
 use eng_report::signal::SignalError;
 use eng_system::DisplayUnit;
@@ -63,6 +64,34 @@ pub enum PostError {
         analysis: String,
         /// The column.
         path: String,
+    },
+    /// A run without the derivatives by a parameter.
+    #[error(
+        "the results of {analysis} have no gradients by {parameter}; run it with `gradients: [{parameter}]`"
+    )]
+    NoGradient {
+        /// The analysis.
+        analysis: String,
+        /// The parameter.
+        parameter: String,
+    },
+    /// A share of a parameter that is zero.
+    #[error(
+        "{parameter} of {analysis} is zero, so a share of it is no change; draw changes of your own: `gradient(…)` times each"
+    )]
+    ZeroParameter {
+        /// The analysis.
+        analysis: String,
+        /// The parameter.
+        parameter: String,
+    },
+    /// A function without a known derivative by a parameter.
+    #[error("`{function}` has no known derivative {why}")]
+    NoDerivative {
+        /// Its name.
+        function: String,
+        /// The circumstance, as the rest of the sentence.
+        why: String,
     },
     /// No entry of that name.
     #[error("the report has no value {0}")]
@@ -285,6 +314,7 @@ pub struct Run<'r> {
     pub(crate) results: &'r Results,
     pub(crate) machine: &'r Machine,
     pub(crate) motion: Option<&'r Results>,
+    pub(crate) gradients: &'r [Gradient],
 }
 
 impl<'r> Run<'r> {
@@ -294,6 +324,7 @@ impl<'r> Run<'r> {
             results,
             machine,
             motion: None,
+            gradients: &[],
         }
     }
 
@@ -301,6 +332,12 @@ impl<'r> Run<'r> {
     #[must_use]
     pub fn with_motion(self, motion: Option<&'r Results>) -> Run<'r> {
         Run { motion, ..self }
+    }
+
+    /// With the gradients of the run: values by `gradient` need them.
+    #[must_use]
+    pub fn with_gradients(self, gradients: &'r [Gradient]) -> Run<'r> {
+        Run { gradients, ..self }
     }
 }
 

@@ -6,8 +6,8 @@ use super::sampling::{FEWEST, Sampled, sampled};
 use super::track::Track;
 use crate::tables::mean;
 use eng_report::signal::{
-    Axis, Band, Ends, Filter, Interpolation, Sampling, Signal, Slope, Window, component,
-    maximum_at, minimum, resample,
+    Axis, Band, Component, Ends, Extreme, Filter, Interpolation, Sampling, Signal, Slope, Window,
+    component, maximum_at, minimum, resample,
 };
 use eng_system::expression::{self as plan, Limit, Reduction};
 use eng_system::system::Extent;
@@ -168,13 +168,13 @@ pub(super) fn resampled(track: &Track, like: &Track) -> Result<Track, PostError>
     })
 }
 
-/// Amplitude (zero to peak) of a sinusoid. The mean is removed as in a spectrum. The last sample is left out,
-/// because in whole cycles it is the first of the next cycle.
-pub(super) fn amplitude(
+/// A sinusoid of a signal. The mean is removed as in a spectrum. The last sample is left out, because in whole cycles it is
+/// the first of the next cycle.
+pub(super) fn component_of(
     limit: Limit,
     window: plan::Window,
     track: &Track,
-) -> Result<f64, PostError> {
+) -> Result<Component, PostError> {
     let sampled = sampled_track(track, axis_of(limit))?;
     let place = counted(limit, &sampled, track)?;
     track.resolves(&sampled, place, limit_text(limit))?;
@@ -185,9 +185,7 @@ pub(super) fn amplitude(
     let values = track.values.get(..sampled.count).unwrap_or_default();
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     let values: Vec<f64> = values.iter().map(|x| x - mean).collect();
-    component(&values, cycles, window_of(window))
-        .map(|found| found.amplitude)
-        .map_err(|e| track.refused(e))
+    component(&values, cycles, window_of(window)).map_err(|e| track.refused(e))
 }
 
 pub(super) fn window_of(window: plan::Window) -> Window {
@@ -221,10 +219,6 @@ pub(super) fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostEr
     }
     let smallest = || values.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = || values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let over = |by_time: bool| match (&track.samples.angle, by_time) {
-        (Some(angle), false) => angle,
-        _ => &track.samples.time,
-    };
     match reduction {
         Reduction::Minimum => Ok(smallest()),
         Reduction::Maximum => Ok(largest()),
@@ -235,21 +229,34 @@ pub(super) fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostEr
             Ok(mean(&track.samples.time, &squares).sqrt())
         }
         Reduction::MinimumAt(by_time) | Reduction::MaximumAt(by_time) => {
-            let place = over(by_time);
-            // the angle may increase or decrease
-            let sense = match (place.first(), place.last()) {
-                (Some(first), Some(last)) if last < first => -1.0,
-                _ => 1.0,
-            };
-            let along: Vec<f64> = place.iter().map(|x| sense * x).collect();
-            let found = if let Reduction::MinimumAt(_) = reduction {
-                minimum(&along, values)
-            } else {
-                maximum_at(&along, values)
-            };
-            found
-                .map(|found| sense * found.position)
-                .map_err(|e| track.refused(e))
+            Ok(found_at(reduction, by_time, track)?.position)
         }
     }
+}
+
+/// The least or largest value of a signal with its place over time, or over the cycle angle if there is one.
+pub(super) fn found_at(
+    reduction: Reduction,
+    by_time: bool,
+    track: &Track,
+) -> Result<Extreme, PostError> {
+    let place = match (&track.samples.angle, by_time) {
+        (Some(angle), false) => angle,
+        _ => &track.samples.time,
+    };
+    // the angle may increase or decrease
+    let sense = match (place.first(), place.last()) {
+        (Some(first), Some(last)) if last < first => -1.0,
+        _ => 1.0,
+    };
+    let along: Vec<f64> = place.iter().map(|x| sense * x).collect();
+    let found = match reduction {
+        Reduction::MinimumAt(_) => minimum(&along, &track.values),
+        _ => maximum_at(&along, &track.values),
+    };
+    let found = found.map_err(|e| track.refused(e))?;
+    Ok(Extreme {
+        position: sense * found.position,
+        ..found
+    })
 }

@@ -23,6 +23,17 @@ pub(super) struct Samples {
     pub whole: bool,
     /// Whether the irregular sample at the end of the run was left out.
     pub shortened: bool,
+    /// The derivatives of the samples by a parameter, if signals have them.
+    pub shifts: Option<Shifts>,
+}
+
+/// The derivatives of the places of samples by a parameter (SI).
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Shifts {
+    /// Those of the times.
+    pub time: Vec<f64>,
+    /// Those of the cycle angles; empty without a cycle.
+    pub angle: Vec<f64>,
 }
 
 /// Largest difference between the samples of two runs, as a share of the distance of samples.
@@ -44,6 +55,10 @@ impl Samples {
             period: self.period,
             whole: false,
             shortened: self.shortened,
+            shifts: self.shifts.as_ref().map(|shifts| Shifts {
+                time: of(&shifts.time),
+                angle: of(&shifts.angle),
+            }),
         }
     }
 
@@ -152,6 +167,7 @@ impl Track {
             period: samples.period,
             whole: false,
             shortened: samples.shortened,
+            shifts: None,
         };
         Some(Track {
             values: at(&self.values)?,
@@ -276,6 +292,7 @@ mod tests {
             period: None,
             whole: false,
             shortened: false,
+            shifts: None,
         }
     }
 

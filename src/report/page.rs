@@ -223,6 +223,7 @@ fn reported(reports: &[Report], entries: &[Entry]) -> Vec<EvaluatedReport> {
         .map(|entry| {
             Run::new(&entry.outcome.results, &entry.described.machine)
                 .with_motion(entry.outcome.motion.as_ref())
+                .with_gradients(&entry.outcome.gradients)
         })
         .collect();
     reports

@@ -1,13 +1,18 @@
 //! The file of gradients: rows of samples, those of the first parameter first.
 //!
 //! Its columns are `parameter` and `parameter_unit` (texts), then time, cycle angle and speed if there is a cycle, and the
-//! channels as 64-bit floats with the metadata of [`super::schema`]: each in its display unit per that of the parameter.
+//! derivatives of these and of the channels as 64-bit floats with the metadata of [`super::schema`]: each in its display unit
+//! per that of the parameter.
 
-use super::parquet::{WriteError, write_batch};
-use super::{Column, Results, ResultsError, file_stem, replace_file, schema};
-use arrow_array::{ArrayRef, Float64Array, StringArray};
+use super::parquet::{WriteError, entries, is_sound, write_batch};
+use super::{
+    CYCLE_ANGLE, CYCLE_SPEED, Column, Results, ResultsError, TIME, file_stem, replace_file, schema,
+};
+use crate::regular::open;
+use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use eng_system::DisplayUnit;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,6 +22,30 @@ const ENDING: &str = ".gradients.parquet";
 /// Names of the columns of texts.
 const TEXTS: [&str; 2] = ["parameter", "parameter_unit"];
 
+/// Before the path of a parameter in the metadata: the SI value of its unit.
+const SCALE: &str = "gradient.";
+/// The columns of the samples themselves, and the names of their derivatives. No channel has such a name.
+const OF_SAMPLES: [(&str, &str); 3] = [
+    (TIME, "time.gradient"),
+    (CYCLE_ANGLE, "cycle.angle.gradient"),
+    (CYCLE_SPEED, "cycle.speed.gradient"),
+];
+
+/// The column with the derivatives of a column: of time and cycle another one, because these keep their values.
+pub(crate) fn derivative_of(path: &str) -> &str {
+    let own = OF_SAMPLES.iter().find(|(of, _)| *of == path);
+    own.map_or(path, |(_, name)| name)
+}
+
+/// The column of results whose derivatives a column has; `None` for time and cycle.
+pub(crate) fn derived_from(path: &str) -> Option<&str> {
+    if OF_SAMPLES.iter().any(|(of, _)| *of == path) {
+        return None;
+    }
+    let own = OF_SAMPLES.iter().find(|(_, name)| *name == path);
+    Some(own.map_or(path, |(of, _)| of))
+}
+
 /// The derivatives of the channels of a run by a parameter, over its samples.
 #[derive(Clone, Debug)]
 pub struct Gradient {
@@ -24,7 +53,8 @@ pub struct Gradient {
     pub parameter: String,
     /// Its display unit.
     pub unit: DisplayUnit,
-    /// Time, cycle, and the derivative of each channel under the channel's name.
+    /// Time, cycle, their derivatives as `time.gradient`, `cycle.angle.gradient` and `cycle.speed.gradient`, and the
+    /// derivative of each channel under the channel's name.
     pub results: Results,
 }
 
@@ -58,10 +88,13 @@ pub(crate) fn write_gradients(
     };
     let mut header = first.results.without_columns();
     let one_unit = gradients.iter().all(|g| g.unit == first.unit);
+    for gradient in gradients {
+        let key = format!("{SCALE}{}", gradient.parameter);
+        header.set_metadata(key, gradient.unit.scale.to_string());
+    }
     for column in first.results.columns() {
-        let own = of.column(&column.path).map(|own| &own.display);
-        // time and cycle are no derivatives
-        let per = own.filter(|own| !one_unit && **own != column.display);
+        let own = derived_from(&column.path).and_then(|path| of.column(path));
+        let per = own.map(|own| &own.display).filter(|_| !one_unit);
         let symbol = per.map(|own| format!("{}/{}", own.symbol, TEXTS[1]));
         header.push(Column {
             display: DisplayUnit {
@@ -102,4 +135,117 @@ fn write(file: &mut File, header: &Results, gradients: &[Gradient]) -> Result<()
         arrays.push(Arc::new(Float64Array::from(values)));
     }
     write_batch(file, header, schema, arrays)
+}
+
+/// Reads the gradients that a run wrote into a folder with its results; none without their file. Values return to SI
+/// within a rounding error of the factor of their unit.
+///
+/// # Errors
+/// A file that cannot be read, or that belongs to other results.
+pub(crate) fn read_gradients(folder: &Path, of: &Results) -> Result<Vec<Gradient>, ResultsError> {
+    let path = gradients_file(folder, of.analysis());
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    let system = |source| ResultsError::File {
+        path: path.clone(),
+        source,
+    };
+    let file = open(&path).map_err(system)?;
+    let length = file.metadata().map_err(system)?.len();
+    // the library panics on some damaged files: see `Results::read_parquet`
+    let read = std::panic::catch_unwind(|| read(file, length, of));
+    read.unwrap_or(None).ok_or_else(|| ResultsError::Damaged {
+        path: path.clone(),
+        problem: format!(
+            "the file is damaged, or it holds no gradients of these results of {}",
+            of.analysis()
+        ),
+    })
+}
+
+fn read(file: File, length: u64, of: &Results) -> Option<Vec<Gradient>> {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).ok()?;
+    if refusal(builder.schema()).is_none() || !is_sound(builder.metadata(), length) {
+        return None;
+    }
+    let fields = builder.schema().fields().iter().skip(TEXTS.len()).cloned();
+    let numbers = Schema::new(fields.collect::<Vec<_>>());
+    let (header, columns) = schema::header(&entries(builder.metadata()), &numbers).ok()?;
+    let mut made: Vec<(Gradient, Vec<Column>)> = Vec::new();
+    for batch in builder.build().ok()? {
+        add(&batch.ok()?, (&header, &columns), of, &mut made)?;
+    }
+    let own = |key: &str| key == "source_hash" || key.starts_with("parameter.");
+    let mut decided = of.metadata().iter().filter(|(key, _)| own(key));
+    if !decided.all(|(key, value)| header.metadata().get(key) == Some(value)) {
+        return None;
+    }
+    let whole = made.into_iter().map(|(mut gradient, columns)| {
+        for column in columns {
+            gradient.results.push(column).ok()?;
+        }
+        (gradient.results.samples() == of.samples()).then_some(gradient)
+    });
+    whole.collect()
+}
+
+/// Adds the rows of a batch to the gradients by its parameters.
+fn add(
+    batch: &RecordBatch,
+    (header, columns): (&Results, &[Column]),
+    of: &Results,
+    made: &mut Vec<(Gradient, Vec<Column>)>,
+) -> Option<()> {
+    let texts = |at: usize| {
+        batch
+            .columns()
+            .get(at)?
+            .as_any()
+            .downcast_ref::<StringArray>()
+    };
+    let (parameters, symbols) = (texts(0)?, texts(1)?);
+    let numbers = batch.columns().iter().skip(TEXTS.len());
+    let numbers = numbers.map(|array| array.as_any().downcast_ref::<Float64Array>());
+    let numbers: Vec<&Float64Array> = numbers.collect::<Option<_>>()?;
+    for row in 0..batch.num_rows() {
+        let parameter = parameters.value(row);
+        if made
+            .last()
+            .is_none_or(|(last, _)| last.parameter != parameter)
+        {
+            let scale = header.metadata().get(&format!("{SCALE}{parameter}"))?;
+            let unit = DisplayUnit {
+                symbol: symbols.value(row).to_owned(),
+                scale: scale.parse().ok()?,
+                offset: 0.0,
+            };
+            let own = columns.iter().map(|column| {
+                let display = match derived_from(&column.path) {
+                    Some(path) => of.column(path)?.display.over(&unit),
+                    None => column.display.clone(),
+                };
+                Some(Column {
+                    display,
+                    ..column.clone()
+                })
+            });
+            let own = own.collect::<Option<Vec<_>>>()?;
+            let results = of.without_columns();
+            let parameter = parameter.to_owned();
+            made.push((
+                Gradient {
+                    parameter,
+                    unit,
+                    results,
+                },
+                own,
+            ));
+        }
+        let (_, own) = made.last_mut()?;
+        for (column, array) in own.iter_mut().zip(&numbers) {
+            column.values.push(column.display.to_si(array.value(row)));
+        }
+    }
+    Some(())
 }

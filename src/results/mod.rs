@@ -27,7 +27,9 @@ pub use csv::CsvForm;
 pub use file::{file_stem, replace_file, writable};
 pub(crate) use file::{may_be_folder, remove_leftovers};
 pub use gradients::Gradient;
-pub(crate) use gradients::{gradients_file, write_gradients};
+pub(crate) use gradients::{
+    derivative_of, derived_from, gradients_file, read_gradients, write_gradients,
+};
 pub use listing::{Kind, Listed, listed};
 pub(crate) use points::{POINTS, PointRow, PointTable};
 pub use recording::Recording;

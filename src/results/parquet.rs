@@ -313,7 +313,7 @@ fn read(file: File, length: u64) -> Result<Results, Refused> {
 }
 
 /// Whether the offsets and sizes of columns lie within a file of this length.
-fn is_sound(metadata: &ParquetMetaData, length: u64) -> bool {
+pub(super) fn is_sound(metadata: &ParquetMetaData, length: u64) -> bool {
     metadata.row_groups().iter().all(|group| {
         group.num_rows() >= 0
             && group.columns().iter().all(|column| {

@@ -131,7 +131,8 @@ impl Study {
         }
         let (mut table, mut said) = (sweep::table(&[outcome]), Vec::new());
         if matches!(self.points, Points::Table { .. }) {
-            let runs = [Run::new(&outcome.results, &outcome.machine)];
+            let run = Run::new(&outcome.results, &outcome.machine);
+            let runs = [run.with_gradients(&outcome.gradients)];
             for report in self.program.reports() {
                 self.values(&self.own(report), &runs, &mut table, &mut said);
             }

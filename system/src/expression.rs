@@ -50,6 +50,20 @@ pub enum Expression {
     Fold(Operator, Vec<Expression>),
     /// The negation of a truth value.
     Not(Box<Expression>),
+    /// The derivative of a number or of each sample by a parameter of the models.
+    Gradient {
+        /// The number or signal.
+        of: Box<Expression>,
+        /// Path of the parameter.
+        parameter: String,
+    },
+    /// The value (SI) of a parameter of an analysis, of those by which its run is differentiated.
+    Parameter {
+        /// The analysis.
+        analysis: String,
+        /// Path of the parameter.
+        path: String,
+    },
 }
 
 /// A function of one number.
@@ -157,7 +171,9 @@ impl Expression {
     /// The expressions inside this one.
     pub fn parts(&self) -> Vec<&Expression> {
         match self {
-            Expression::Number(_) | Expression::Channel { .. } => Vec::new(),
+            Expression::Number(_) | Expression::Channel { .. } | Expression::Parameter { .. } => {
+                Vec::new()
+            }
             Expression::Map(_, of)
             | Expression::Last(_, of)
             | Expression::Filter(_, of)
@@ -166,7 +182,8 @@ impl Expression {
             | Expression::Mode(_, of)
             | Expression::AtFrequency(_, of)
             | Expression::Decibel(_, of)
-            | Expression::Not(of) => vec![of],
+            | Expression::Not(of)
+            | Expression::Gradient { of, .. } => vec![of],
             Expression::Binary(_, left, right) | Expression::Resample(left, right) => {
                 vec![left, right]
             }

@@ -24,6 +24,7 @@ mod spectra;
 pub(crate) mod svg;
 mod sweep;
 mod ticks;
+mod tornado;
 mod xy;
 
 pub use abscissa::Abscissa;
@@ -37,6 +38,7 @@ pub use plane::Upright;
 pub use polar::{FixedTo, Polar, PolarCurve};
 pub use spectra::spectra;
 pub use sweep::{Campbell, SweepFigure, Waterfall};
+pub use tornado::{Tornado, TornadoBar};
 pub use xy::{Xy, XyCurve};
 
 pub(crate) use ticks::significant;
@@ -100,6 +102,8 @@ figures!(
     Xy: title,
     /// Colours over angle and width of bearings.
     FilmMap: title,
+    /// Bars of changes.
+    Tornado: title,
 );
 
 impl Figure {

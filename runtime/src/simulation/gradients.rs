@@ -44,6 +44,8 @@ const START: (f64, f64) = (1e-4, 1e-6);
 const SENSITIVE: f64 = 1e6;
 /// Increment of the time of a sample, as a share of the step.
 const MOMENT: f64 = 1e-2;
+/// Numbers of the cycle behind the channels of a sample: its angle and its rate.
+const CYCLE: usize = 2;
 
 /// The derivatives by several parameters beside a simulation.
 #[derive(Debug)]
@@ -62,6 +64,17 @@ pub struct Gradients {
     warned: [bool; 2],
 }
 
+/// The derivatives of a sample by a parameter (SI).
+#[derive(Clone, Copy, Debug)]
+pub struct SampleGradient<'s> {
+    /// That of its time; zero if the sample does not lie at a cycle angle.
+    pub time: f64,
+    /// Those of the cycle angle and of its rate; zero without a cycle.
+    pub cycle: [f64; 2],
+    /// Those of all channels.
+    pub channels: &'s [f64],
+}
+
 /// The derivative by one parameter.
 #[derive(Debug)]
 struct Beside {
@@ -75,7 +88,7 @@ struct Beside {
     /// At the beginning and at the end of the last step.
     before: Variation,
     now: Variation,
-    /// Channels at the start.
+    /// Channels, cycle angle and its rate at the start.
     start: Vec<f64>,
 }
 
@@ -113,7 +126,7 @@ impl Gradients {
         let beside = parameters.map(|index| Beside::new(compiled, overrides, *index, base, reach));
         let state = base.integrator.current.clone();
         let mut same = Simulation::with_state(model.clone(), state, base.options)?;
-        same.system.project_to_rounding();
+        same.system.stand_beside();
         Ok(Gradients {
             parameters: beside.collect::<Result<_, _>>()?,
             step: StepDerivative::new(model),
@@ -276,8 +289,8 @@ impl Gradients {
         Ok(())
     }
 
-    /// Gives the derivatives of all channels (SI) at the sample that the simulation took last: calls `give` with the index of
-    /// each parameter. A sample at a cycle angle has the derivatives at this angle.
+    /// Gives the derivatives at the sample that the simulation took last: calls `give` with the index of each parameter. A
+    /// sample at a cycle angle has the derivatives at this angle.
     ///
     /// # Errors
     /// Outputs that are not defined nearby.
@@ -285,11 +298,21 @@ impl Gradients {
         &mut self,
         base: &mut Simulation,
         angle: Option<f64>,
-        give: &mut dyn FnMut(usize, &[f64]),
+        give: &mut dyn FnMut(usize, SampleGradient<'_>),
     ) -> Result<(), RuntimeError> {
         if self.at_start {
             for (index, beside) in self.parameters.iter().enumerate() {
-                give(index, &beside.start);
+                if let [channels @ .., turned, speed] = beside.start.as_slice() {
+                    let (time, cycle) = (0.0, [*turned, *speed]);
+                    give(
+                        index,
+                        SampleGradient {
+                            time,
+                            cycle,
+                            channels,
+                        },
+                    );
+                }
             }
             return Ok(());
         }
@@ -304,22 +327,36 @@ impl Gradients {
             Some(_) => Some(self.rates_of_time(base, sample)?),
             None => None,
         };
-        let mut sum = vec![0.0; base.outputs.values.len() + 1];
+        let mut sum = vec![0.0; base.outputs.values.len() + CYCLE];
         for index in 0..self.parameters.len() {
             self.sample_one(base, index, sample, &mut sum)?;
-            let [channels @ .., turned] = sum.as_mut_slice() else {
-                continue;
-            };
-            if let Some([rates @ .., speed]) = rates.as_deref() {
+            let mut time = 0.0;
+            if let (Some(rates), [.., turned, _]) = (rates.as_deref(), sum.as_mut_slice())
+                && let [.., speed, _] = rates
+            {
                 // the sample keeps its angle
-                add_scaled(channels, -*turned / speed, rates);
+                time = -*turned / speed;
+                add_scaled(&mut sum, time, rates);
+                if let [.., turned, _] = sum.as_mut_slice() {
+                    *turned = 0.0;
+                }
             }
-            give(index, channels);
+            if let [channels @ .., turned, speed] = sum.as_slice() {
+                let cycle = [*turned, *speed];
+                give(
+                    index,
+                    SampleGradient {
+                        time,
+                        cycle,
+                        channels,
+                    },
+                );
+            }
         }
         Ok(())
     }
 
-    /// The derivatives of all channels and of the cycle angle (SI) by a parameter, at the time of a sample.
+    /// The derivatives of all channels, of the cycle angle and of its rate (SI) by a parameter, at the time of a sample.
     fn sample_one(
         &mut self,
         base: &mut Simulation,
@@ -349,13 +386,13 @@ impl Gradients {
         Ok(())
     }
 
-    /// The rates of all channels and of the cycle angle (SI per second) at a sample.
+    /// The rates of all channels, of the cycle angle and of its rate (SI per second) at a sample.
     fn rates_of_time(
         &mut self,
         base: &mut Simulation,
         sample: Sampled,
     ) -> Result<Vec<f64>, RuntimeError> {
-        let mut rates = vec![0.0; base.outputs.values.len() + 1];
+        let mut rates = vec![0.0; base.outputs.values.len() + CYCLE];
         let increment = MOMENT * (base.integrator.current.time - base.integrator.previous.time);
         let still = Variation::new(&base.model);
         (self.same.integrator).stand_beside(&base.model, &base.integrator, [&still; 2], 0.0);
@@ -433,7 +470,7 @@ impl Beside {
             let mut simulation =
                 Simulation::new(compiled, &at(value + distance * increment), base.options)?;
             simulation.same_start(base, path)?;
-            simulation.system.project_to_rounding();
+            simulation.system.stand_beside();
             around.push(simulation);
         }
         let mut beside = Beside {
@@ -442,7 +479,7 @@ impl Beside {
             increment,
             before: Variation::new(model),
             now: Variation::new(model),
-            start: vec![0.0; system.channels.len()],
+            start: vec![0.0; system.channels.len() + CYCLE],
             around,
         };
         beside.begin(base, path)?;
@@ -466,7 +503,14 @@ impl Beside {
                 &mut long
             };
             one.add_difference(model, own, from, 0.5 / (distance * self.increment));
-            simulation.evaluate_channels(&mut values)?;
+            if let [channels @ .., _, _] = values.as_mut_slice() {
+                simulation.evaluate_channels(channels)?;
+            }
+            if let ([.., turned, speed], Some(cycle)) =
+                (values.as_mut_slice(), simulation.sampled_cycle()?)
+            {
+                [*turned, *speed] = cycle;
+            }
             add_scaled(&mut self.start, share, &values);
             // rows of the kept factors have the scales of the motion
             let (length, mass) = (model.length, model.mass);
@@ -602,7 +646,7 @@ fn distance(model: &Model, state: &State, along: [&Variation; 2], reach: f64) ->
     }
 }
 
-/// Adds a multiple of the channels and of the cycle angle (SI) at a time, for a simulation that stands beside the motion, with the
+/// Adds a multiple of the channels, of the cycle angle and of its rate (SI) at a time, for a simulation that stands beside the motion, with the
 /// factors of the motion.
 fn sample_beside(
     simulation: &mut Simulation,
@@ -624,11 +668,12 @@ fn sample_beside(
     Ok(())
 }
 
-/// Adds a multiple of the channels and of the cycle angle (SI) of the last sample of a simulation.
+/// Adds a multiple of the channels, of the cycle angle and of its rate (SI) of the last sample of a simulation.
 fn add_channels(simulation: &Simulation, factor: f64, sum: &mut [f64]) {
     add_scaled(sum, factor, &simulation.outputs.values);
-    if let ([.., turned], Some(cycle)) = (sum, &simulation.cycle) {
+    if let ([.., turned, speed], Some(cycle)) = (sum, &simulation.cycle) {
         *turned += factor * cycle.watched_values[0];
+        *speed += factor * cycle.watched_values[1];
     }
 }
 

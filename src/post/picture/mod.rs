@@ -5,6 +5,7 @@ mod film;
 mod labels;
 mod orders;
 mod plane;
+mod tornado;
 mod xy;
 
 pub(crate) use labels::capital;
@@ -43,6 +44,7 @@ pub(super) fn figure(
         Picture::Xy(xy) => drawer.xy(xy),
         Picture::Bode(bode) => drawer.bode(bode),
         Picture::Film(map) => drawer.film(map),
+        Picture::Tornado(tornado) => drawer.tornado(tornado),
     }
 }
 

@@ -46,6 +46,11 @@ pub enum Takes {
     Moment,
     /// Recorded vectors, or journals, whose loads are meant.
     Vectors,
+    /// A value, if the named argument states a share by which parameters change; otherwise changes of values by
+    /// parameters.
+    Changes(&'static str),
+    /// A share above 0, up to 100 %.
+    Change,
     /// Linear analyses of the model of the first argument.
     LinearAnalyses,
     /// A plain number above zero or a list of them.

@@ -13,6 +13,7 @@ mod orbit;
 mod order_track;
 mod polar;
 mod spectrum;
+mod tornado;
 mod waterfall;
 mod xy;
 
@@ -25,6 +26,7 @@ pub use orbit::Orbit;
 pub use order_track::OrderTrack;
 pub use polar::{Polar, Vector};
 pub use spectrum::{AVERAGINGS, Averaging, Axis, Spectrum, SpectrumSettings};
+pub use tornado::Tornado;
 pub use waterfall::Waterfall;
 pub use xy::Xy;
 
@@ -44,6 +46,7 @@ pub const KINDS: &[FigureRow] = &[
     xy::ROW,
     bode::ROW,
     film::ROW,
+    tornado::ROW,
 ];
 
 /// The kind with a name.
@@ -125,6 +128,8 @@ pub enum Picture {
     Bode(Bode),
     /// Cells of films.
     Film(FilmMap),
+    /// Changes of a value.
+    Tornado(Tornado),
 }
 
-dereferences!(Picture to Kind: History Spectrum Orbit Polar OrderTrack Waterfall Campbell Xy Bode Film);
+dereferences!(Picture to Kind: History Spectrum Orbit Polar OrderTrack Waterfall Campbell Xy Bode Film Tornado);

@@ -18,13 +18,13 @@ use std::rc::Rc;
 const SHOWN: usize = 12;
 
 /// A part of a path.
-enum Step<'a> {
+pub(super) enum Step<'a> {
     Field(&'a Name),
     Index(&'a [IndexArgument], Span),
 }
 
 /// The name at the root of a path, and its steps; `None` if the expression is no path.
-fn steps(expr: &Expr) -> Option<(&str, Span, Vec<Step<'_>>)> {
+pub(super) fn steps(expr: &Expr) -> Option<(&str, Span, Vec<Step<'_>>)> {
     match &expr.kind {
         ExprKind::Name(name) => Some((name, expr.span, Vec::new())),
         ExprKind::Field { base, name } => {

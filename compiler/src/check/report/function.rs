@@ -65,6 +65,7 @@ impl<'a> Reporter<'a, '_> {
             }
             OfResults::Fold(operator) => self.extreme(function, operator, first, of, &bound, span),
             OfResults::Decibel => self.decibel(first, of, bound.option("reference")?),
+            OfResults::Gradient => self.gradient(first, of, bound.option("parameter")?),
             results => {
                 let what = format!("the argument of `{name}`");
                 self.shaped(first, &of, Shape::Signal, &what)?;

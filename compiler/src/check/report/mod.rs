@@ -8,6 +8,7 @@
 mod axes;
 mod channel;
 mod function;
+mod gradient;
 mod picture;
 mod recorded;
 mod settings;

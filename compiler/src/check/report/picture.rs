@@ -94,6 +94,10 @@ impl<'a> Reporter<'a, '_> {
                     };
                     Value::Vectors(vectors, shown)
                 }
+                Takes::Changes(share) => {
+                    let signals = self.changes(value, bound.option(share), display)?;
+                    Value::Signals(vec![signals])
+                }
                 takes => self.option(row, argument, takes, (value, of.as_ref()))?,
             };
             given.state(argument.name, value);
@@ -197,6 +201,7 @@ impl<'a> Reporter<'a, '_> {
             Takes::Limit => self.limit(expr, &what).map(Value::Limit),
             Takes::Extent => self.extent(expr, of?, &what).map(Value::Extent),
             Takes::Share => number(self.share(expr, &what)?),
+            Takes::Change => number(self.change(expr, &what)?),
             Takes::Count => number(f64::from(self.count(expr, &what)?)),
             Takes::Turn => {
                 let angle = Quantity::hard(Dimension::ANGLE);
@@ -225,12 +230,18 @@ impl<'a> Reporter<'a, '_> {
             | Takes::Responses
             | Takes::Journals
             | Takes::Films
+            | Takes::Changes(_)
             | Takes::Vectors => None,
         }
     }
 
     /// Signals with their unit, as a figure takes them.
-    fn shown(&mut self, of: Typed, display: Option<&UnitExpr>, expr: &'a Expr) -> Option<Signals> {
+    pub(super) fn shown(
+        &mut self,
+        of: Typed,
+        display: Option<&UnitExpr>,
+        expr: &'a Expr,
+    ) -> Option<Signals> {
         let first = of.members.first();
         Some(Signals {
             shown: figure::Recorded {
@@ -674,7 +685,7 @@ fn runs(members: &[Member]) -> usize {
 }
 
 /// `shell acceleration` of `shell_acceleration[5]`, `force x` of `main[5].force.x`.
-fn last_name(path: &str) -> String {
+pub(super) fn last_name(path: &str) -> String {
     let plain: String = {
         let mut depth = 0;
         path.chars()

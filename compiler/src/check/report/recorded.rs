@@ -9,6 +9,7 @@ use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::analysis::AnalysisKind;
 use eng_system::host::Host;
 use eng_system::recorded::{Recorded, of_modes, of_response, recorded};
+use eng_system::system::System;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -34,13 +35,16 @@ pub(super) struct Journal {
 }
 
 impl Channels {
+    /// The model.
+    pub fn system(&self) -> &System {
+        &self.model.elaborated.system
+    }
+
     /// The columns of a frequency response; none of another analysis, or of one whose input or outputs have a
     /// mistake.
     pub fn response(&self, plan: &AnalysisPlan) -> Rc<[Recorded]> {
         let columns = match &plan.analysis.kind {
-            AnalysisKind::Response(response) => {
-                of_response(&self.model.elaborated.system, response)
-            }
+            AnalysisKind::Response(response) => of_response(self.system(), response),
             _ => None,
         };
         columns.unwrap_or_default().into()

@@ -164,6 +164,15 @@ impl<'a> Reporter<'a, '_> {
         Some(share)
     }
 
+    /// A share by which a parameter changes.
+    pub(super) fn change(&mut self, expr: &'a Expr, what: &str) -> Option<f64> {
+        let share = self.constant(expr, &Quantity::one(), what)?;
+        if !(share > 0.0 && share <= 1.0) {
+            self.refuse(expr, what, "above 0, up to 100 %")?;
+        }
+        Some(share)
+    }
+
     /// The stated window; otherwise rectangular if the cycle repeats, and Hann if it does not.
     pub(super) fn window(&mut self, taken: &Bound<'a>, of: &Typed) -> Option<Window> {
         let stated = self.word(taken.option("window"), "`window`", &WINDOWS)?;
