@@ -75,7 +75,7 @@ impl Finger {
     /// Turn of the finger at an angle of the cam, with a gap between roller and cam.
     fn turn(&self, cam: f64, gap: f64) -> f64 {
         let miss = |turn: f64| {
-            let arm = self.from_cam(turn);
+            let arm = self.arm_from_cam(turn);
             let (lift, _) = polynomial(arm[1].atan2(arm[0]) - cam, LIFT, self.half);
             arm[0].hypot(arm[1]) - BASE - lift - gap
         };
@@ -83,7 +83,7 @@ impl Finger {
     }
 
     /// The roller's axis, seen from that of the cam.
-    fn from_cam(&self, turn: f64) -> Point {
+    fn arm_from_cam(&self, turn: f64) -> Point {
         minus(plus([0.0, self.ball], turned(CAM_SIDE, turn)), AXLE)
     }
 
@@ -94,7 +94,7 @@ impl Finger {
     /// Arms of the contact with the cam and of that with the valve about the ball.
     fn arms(&self, cam: f64, gap: f64) -> (f64, f64) {
         let turn = self.turn(cam, gap);
-        let arm = self.from_cam(turn);
+        let arm = self.arm_from_cam(turn);
         let distance = arm[0].hypot(arm[1]);
         let (_, slope) = polynomial(arm[1].atan2(arm[0]) - cam, LIFT, self.half);
         let lean = slope / distance;
