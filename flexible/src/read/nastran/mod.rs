@@ -2,8 +2,8 @@
 //! sets become a [`Mesh`].
 //!
 //! The reader accepts free, small and large field in any mixture, continuations next to their card or
-//! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =` and `MPC =`: without
-//! such a selection all sets apply. Sets of the mesh have the names `set:3` (`SET1`, `SET3`) and `pid:3`
+//! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =` and `MPC =`, without
+//! which all sets apply, and `NSM =` and temperatures of materials. Sets of the mesh have the names `set:3` (`SET1`, `SET3`) and `pid:3`
 //! (elements with property 3). `PARAM,WTMASS` multiplies densities and masses here. Without a positive
 //! `PARAM,COUPMASS` the mesh is one of lumped masses, and without `PARAM,AUTOSPC,NO` it holds freedoms without
 //! stiffness.
