@@ -43,6 +43,10 @@ const VELOCITY_ROUNDING: f64 = 1e-12;
 const HERE: f64 = 1e-10;
 /// Most refinements of a solution with the factors of a nearby position.
 const REFINEMENTS: usize = 6;
+/// Corrections of a position and of accelerations beside a state that has both. Factors of this state leave a power of their
+/// own error, and a part of second order in the distance, which no derivative has. The last correction of a position removes
+/// rounding.
+const BESIDE: (usize, usize) = (3, 2);
 
 /// The factors for the projection of positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,8 +83,10 @@ pub struct AccelerationSystem {
     stale: bool,
     /// The position of the factors.
     pose: Vec<f64>,
-    /// Largest |Φ| (m or rad) at which the projection ends.
-    goal: f64,
+    /// Whether the states lie beside one with factors: see [`AccelerationSystem::stand_beside`].
+    beside: bool,
+    /// The scaled accelerations and multipliers that were solved last.
+    solved: Vec<f64>,
 }
 
 impl AccelerationSystem {
@@ -137,16 +143,19 @@ impl AccelerationSystem {
             correction: vec![0.0; size],
             stale: false,
             pose: vec![0.0; model.poses],
-            goal: POSITION_GOAL,
+            beside: false,
+            solved: vec![0.0; size],
             pattern,
             bodies,
             transposed,
         })
     }
 
-    /// Lets every projection end at rounding, so that its result is smooth in the state before it.
-    pub fn project_to_rounding(&mut self) {
-        self.goal = 0.0;
+    /// From now on every state lies beside one of another system, whose factors and solution
+    /// [`AccelerationSystem::exchange_factors`] gives. Projections and accelerations have a fixed number of corrections, so
+    /// they are smooth in the distance of the states, with the derivatives of exact ones.
+    pub fn stand_beside(&mut self) {
+        self.beside = true;
     }
 
     /// Exchanges the factors with the system of a model of the same pattern, which takes the scales too. A second call gives
@@ -155,6 +164,7 @@ impl AccelerationSystem {
     pub fn exchange_factors(&mut self, other: &mut AccelerationSystem) {
         std::mem::swap(&mut self.solver, &mut other.solver);
         other.scales.copy_from_slice(&self.scales);
+        other.solved.copy_from_slice(&self.solved);
         other.stale = true;
     }
 
@@ -276,6 +286,36 @@ impl AccelerationSystem {
         Ok(())
     }
 
+    /// Solves with `self.rhs` by corrections of the solution beside it. Returns `false` and leaves `self.rhs` if these do not
+    /// become small quickly.
+    fn correct_solved(&mut self) -> bool {
+        self.wanted.copy_from_slice(&self.rhs);
+        self.rhs.copy_from_slice(&self.solved);
+        let mut last = f64::INFINITY;
+        for _ in 0..BESIDE.1 {
+            self.pattern
+                .multiply(&self.values, &self.rhs, &mut self.correction);
+            for (c, w) in self.correction.iter_mut().zip(&self.wanted) {
+                *c = w - *c;
+            }
+            self.solver.solve(&mut self.correction);
+            let (mut size, mut change) = (0.0_f64, 0.0_f64);
+            for (x, c) in self.rhs.iter_mut().zip(&self.correction) {
+                *x += c;
+                size = size.max(x.abs());
+                change = change.max(c.abs());
+            }
+            // NaN is no contraction
+            let settles = change < 0.1 * last || change <= 1e-12 * size;
+            if !settles {
+                self.rhs.copy_from_slice(&self.wanted);
+                return false;
+            }
+            last = change;
+        }
+        true
+    }
+
     /// Brings a state back to Φ = 0 and Φ̇ = 0 and computes its accelerations, multipliers and state rates.
     pub fn complete(
         &mut self,
@@ -302,6 +342,9 @@ impl AccelerationSystem {
         let n = model.velocities;
         for attempt in 0..ATTEMPTS {
             dynamics.set_state(model, state, &[]);
+            if self.beside && attempt == BESIDE.0 {
+                return Ok(());
+            }
             dynamics.evaluate_constraints(model)?;
             let (at, worst) =
                 dynamics
@@ -324,7 +367,9 @@ impl AccelerationSystem {
             if (attempt == 0 && first) || attempt == ATTEMPTS / 2 {
                 self.factor(model, dynamics, moment)?;
             }
-            if worst.abs() <= self.goal || (attempt >= 3 && worst.abs() <= POSITION_LIMIT) {
+            let within =
+                worst.abs() <= POSITION_GOAL || (attempt >= 3 && worst.abs() <= POSITION_LIMIT);
+            if within && !self.beside {
                 return Ok(());
             }
             if attempt + 1 == ATTEMPTS
@@ -526,7 +571,10 @@ impl AccelerationSystem {
         for i in 0..model.rows {
             self.rhs[n + i] = dynamics.constraint_accelerations()[i] * self.scales[n + i];
         }
-        self.solve(model, moment)?;
+        if !(self.beside && self.correct_solved()) {
+            self.solve(model, moment)?;
+        }
+        self.solved.copy_from_slice(&self.rhs);
         for i in 0..n {
             state.acceleration[i] = self.rhs[i] * self.scales[i];
         }

@@ -126,7 +126,7 @@ impl Gradients {
         let beside = parameters.map(|index| Beside::new(compiled, overrides, *index, base, reach));
         let state = base.integrator.current.clone();
         let mut same = Simulation::with_state(model.clone(), state, base.options)?;
-        same.system.project_to_rounding();
+        same.system.stand_beside();
         Ok(Gradients {
             parameters: beside.collect::<Result<_, _>>()?,
             step: StepDerivative::new(model),
@@ -470,7 +470,7 @@ impl Beside {
             let mut simulation =
                 Simulation::new(compiled, &at(value + distance * increment), base.options)?;
             simulation.same_start(base, path)?;
-            simulation.system.project_to_rounding();
+            simulation.system.stand_beside();
             around.push(simulation);
         }
         let mut beside = Beside {
