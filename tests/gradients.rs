@@ -371,9 +371,11 @@ analysis rests = transient(Rotor(), duration: 4 ms, sample: 0.2 ms, start: quasi
                 run(at).results.column(force).unwrap().values.clone()
             });
             let errors = missed(column(force), &expected);
-            let error = errors[errors.len() / 2] / size(&expected);
-            println!("{force} by {path}: {error:.1e}");
-            assert!(error < 3e-5, "{force} by {path}: {error}");
+            let error = errors[errors.len() / 2];
+            println!("{force} by {path}: {:.1e}", error / size(&expected));
+            // the rounding of positions, times the stiffness of the film, the weight that it carries over its clearance
+            let most = 3e-5 * size(&expected) + rounding * 15.0 / 2e-5;
+            assert!(error < most, "{force} by {path}: {error} of {most}");
         }
         // the search for the bending of the turning shaft ends before it is smooth
         let rests = analysis(&program, "rests").gradients(&["disc_mass"]);

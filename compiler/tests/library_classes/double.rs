@@ -178,6 +178,10 @@ impl Double {
     }
 
     pub fn tanh(self) -> Double {
+        // beyond, the distance from one is below 1e-34, and the exponential may have no number
+        if self.high.abs() > 40.0 {
+            return Double::from(self.high.signum());
+        }
         let e = (self + self).exp();
         (e - Double::ONE) / (e + Double::ONE)
     }

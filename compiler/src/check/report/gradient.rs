@@ -177,7 +177,7 @@ impl<'a> Reporter<'a, '_> {
                     "the second argument of `gradient` is a parameter",
                 )
                 .at(by.span, "no path of a parameter")
-                .with_help("such as `oil_temperature` or `main[*].radial_clearance`"),
+                .with_help("such as `speed` or `rod[*].mass`"),
             );
             return None;
         };
@@ -369,7 +369,7 @@ impl<'a> Reporter<'a, '_> {
                     Diagnostic::error(codes::REPORT_SHAPE, "`tornado` draws changes by parameters")
                         .at(expr.span, "a value, not a change of it")
                         .with_help(
-                            "state `change: 1 %`, or give changes such as `gradient(moft, oil_temperature)*5 K`",
+                            "state `change: 1 %`, or give changes such as `gradient(moft, speed)*10 rpm`",
                         ),
                 );
                 return None;

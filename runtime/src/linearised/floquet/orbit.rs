@@ -166,6 +166,16 @@ impl Course<'_> {
         Equations::new(&self.model, self.running.sampled_state(), self.moment)
     }
 
+    /// Refuses a motion that began at a kink with unequal sides and is at one now. A motion may pass the kink at which it begins, but
+    /// then it is elsewhere later.
+    fn refuse_rest(&self, begun: Option<&RuntimeError>) -> Result<(), RuntimeError> {
+        let now = || kinked(&self.model, self.running.sampled_state(), self.moment);
+        match begun {
+            Some(begun) if now().is_some() => Err(begun.clone()),
+            _ => Ok(()),
+        }
+    }
+
     fn seen(&self, equations: &Equations) -> DMatrix<f64> {
         seen(&self.model, self.running.sampled_state(), equations)
     }
@@ -174,6 +184,12 @@ impl Course<'_> {
         let advance = Advance::new(&self.running, part);
         follow(&self.running, self.observer, &advance, false)
     }
+}
+
+/// The refusal of a state at a kink with unequal sides.
+fn kinked(model: &Model, state: &State, moment: Moment) -> Option<RuntimeError> {
+    let error = Equations::of_both_sides(model, state, moment).err();
+    error.filter(|error| matches!(error, RuntimeError::Kinked { .. }))
 }
 
 /// One period (s) from a state. With `halved`, the integration uses halved steps, stores the observed moves
@@ -197,11 +213,7 @@ pub(super) fn round(
         cycle_angle: running.sampled_cycle()?.map(|c| c[0]),
     };
     let first = Equations::new(&model, &start, moment)?;
-    // a motion may pass the kink at which it begins; one that rests at a kink is there later, too
-    let kinked = halved
-        .then(|| Equations::of_both_sides(&model, &start, moment).err())
-        .flatten();
-    let kinked = kinked.filter(|error| matches!(error, RuntimeError::Kinked { .. }));
+    let kinked = halved.then(|| kinked(&model, &start, moment)).flatten();
     let pairs = pace.steps(&model, &start, time) / 2;
     let whole = time / pairs as f64;
     let size = first.first_order_size().max(1);
@@ -272,13 +284,7 @@ pub(super) fn round(
                 six
             }
         };
-        if pair == pairs / 3
-            && let Some(error) = &kinked
-            && Equations::of_both_sides(&course.model, course.running.sampled_state(), moment)
-                .is_err()
-        {
-            return Err(error.clone());
-        }
+        course.refuse_rest(kinked.as_ref().filter(|_| pair == pairs / 3))?;
         if !closing && (pair + 1) * segments >= (segment + 1) * pairs {
             fine.end_segment();
             coarse.iter_mut().for_each(March::end_segment);
