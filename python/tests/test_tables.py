@@ -156,7 +156,9 @@ def test_gradients_are_tables(mass: eng.Program) -> None:
     assert list(run.gradients) == ["stiffness", "weight"]
     by_stiffness = run.gradients["stiffness"]
     assert (by_stiffness.parameter, by_stiffness.unit) == ("stiffness", "N/mm")
-    assert by_stiffness.columns == [path for path in run.columns if not path.startswith("energy.")]
+    # derivatives of the moments of samples have columns of their own
+    columns = [path for path in by_stiffness.columns if not path.endswith(".gradient")]
+    assert columns == [path for path in run.columns if not path.startswith("energy.")]
     assert by_stiffness.units["place"] == "mm/(N/mm)"
     table = pyarrow.table(by_stiffness)
     assert table.num_rows == len(by_stiffness) == len(run)
