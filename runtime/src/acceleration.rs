@@ -253,18 +253,7 @@ impl AccelerationSystem {
         self.solver.solve(&mut self.rhs);
         let mut last = f64::INFINITY;
         for _ in 0..REFINEMENTS {
-            self.pattern
-                .multiply(&self.values, &self.rhs, &mut self.correction);
-            for (c, w) in self.correction.iter_mut().zip(&self.wanted) {
-                *c = w - *c;
-            }
-            self.solver.solve(&mut self.correction);
-            let (mut size, mut change) = (0.0_f64, 0.0_f64);
-            for (x, c) in self.rhs.iter_mut().zip(&self.correction) {
-                *x += c;
-                size = size.max(x.abs());
-                change = change.max(c.abs());
-            }
+            let [size, change] = self.refine();
             if change <= 1e-15 * size {
                 return Ok(());
             }
@@ -286,6 +275,23 @@ impl AccelerationSystem {
         Ok(())
     }
 
+    /// Corrects `self.rhs`, a solution for `self.wanted`, once by the factors. Returns the largest unknown and the largest change.
+    fn refine(&mut self) -> [f64; 2] {
+        self.pattern
+            .multiply(&self.values, &self.rhs, &mut self.correction);
+        for (c, w) in self.correction.iter_mut().zip(&self.wanted) {
+            *c = w - *c;
+        }
+        self.solver.solve(&mut self.correction);
+        let (mut size, mut change) = (0.0_f64, 0.0_f64);
+        for (x, c) in self.rhs.iter_mut().zip(&self.correction) {
+            *x += c;
+            size = size.max(x.abs());
+            change = change.max(c.abs());
+        }
+        [size, change]
+    }
+
     /// Solves with `self.rhs` by corrections of the solution beside it. Returns `false` and leaves `self.rhs` if these do not
     /// become small quickly.
     fn correct_solved(&mut self) -> bool {
@@ -293,18 +299,7 @@ impl AccelerationSystem {
         self.rhs.copy_from_slice(&self.solved);
         let mut last = f64::INFINITY;
         for _ in 0..BESIDE.1 {
-            self.pattern
-                .multiply(&self.values, &self.rhs, &mut self.correction);
-            for (c, w) in self.correction.iter_mut().zip(&self.wanted) {
-                *c = w - *c;
-            }
-            self.solver.solve(&mut self.correction);
-            let (mut size, mut change) = (0.0_f64, 0.0_f64);
-            for (x, c) in self.rhs.iter_mut().zip(&self.correction) {
-                *x += c;
-                size = size.max(x.abs());
-                change = change.max(c.abs());
-            }
+            let [size, change] = self.refine();
             // NaN is no contraction
             let settles = change < 0.1 * last || change <= 1e-12 * size;
             if !settles {
