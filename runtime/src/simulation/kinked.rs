@@ -312,8 +312,8 @@ impl Simulation {
     ///
     /// The error of the positions does not show a short pulse between two kinks: within a microsecond nothing
     /// moves. But the error of the velocity remains, and over a step as long as that before the pulse it
-    /// becomes one of positions. The scheme integrates accelerations like a trapezoid: the error of a step is
-    /// a twelfth of `h³` times their second rate.
+    /// becomes an error of positions. The scheme integrates accelerations like the trapezoidal rule: the
+    /// error of a step is `h³/12` times their second rate.
     fn velocity_error(&self, h: f64, factor: f64) -> f64 {
         let (begin, end) = (&self.integrator.current, self.integrator.trial_state());
         let scales = self.model.velocity_scales();

@@ -12,7 +12,8 @@ use crate::state::{State, move_pose};
 use eng_system::dense::largest_scaled;
 use eng_system::system::{ConditionKind, Origin, StepControl};
 
-/// Largest change of an acceleration in the first step, as a share of its size.
+/// Largest change of an acceleration in the first step, as a share of its size, so that the step excites no
+/// ringing.
 const FOLLOWED: f64 = 0.2;
 /// This share of the largest acceleration is added to the size of each, so that an acceleration near zero
 /// does not shorten the first step.
