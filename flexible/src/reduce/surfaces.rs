@@ -314,9 +314,9 @@ impl Sums {
             }
         }
         let corners = kind.corner_count();
-        // The middle of a face lies on chords, inside of the arc of the bore, perhaps by more than a thin
-        // wall is thick. So it is compared with the middle of the element's corners, which lie inside of
-        // their arcs alike.
+        // The mean of a face's corners lies on a chord, inside of the arc of the bore, perhaps by more than a
+        // thin wall is thick. The mean of the element's corners lies inside of its arc alike, so these two
+        // are compared.
         let own = mean(&places[..corners.min(nodes.len())]);
         let (_, _, out) = bore.seen(own);
         let convex =

@@ -9,9 +9,9 @@ use crate::integrator::STATE_SHARE;
 /// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
 /// kink, so the load of this distance is an error.
 const BEFORE: f64 = 0.01;
-/// A state nearer to a kink than this many times that distance counts as at the kink.
+/// A state nearer to a kink than this many times the distance of [`BEFORE`] counts as at the kink.
 const AT: f64 = 2.0;
-/// Nearer to a kink than this many times that distance, rounding decides the side of a state.
+/// Nearer to a kink than this many times the distance of [`BEFORE`], rounding decides the side of a state.
 const BESIDE: f64 = 0.5;
 /// Limit of a time, as a share of the time itself.
 const MOMENT: f64 = 8.0 * f64::EPSILON;
