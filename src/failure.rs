@@ -268,7 +268,7 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
         .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: its frequencies are useful if they are well above the speed, and it is wrong for whirl, damping and stability")
 }
 
-/// The remedy of a failure to linearise for a frequency response, which knows no `over`.
+/// The remedy of a failure to linearise for a frequency response. A response has no `over:`.
 pub(crate) fn help_of_response(error: &RuntimeError) -> Option<&'static str> {
     match error {
         RuntimeError::Turning { .. } => Some(
@@ -297,7 +297,7 @@ pub(crate) fn independent(outputs: &[String], inputs: &[String], analysis: &Orig
         .with_help("check the loads that read the input, and the paths of the outputs; `eng results` lists them")
 }
 
-/// The first few names in a sentence.
+/// Names joined for a sentence. The names behind the fourth are counted.
 fn listed(names: &[String]) -> String {
     const MOST: usize = 4;
     match names {
@@ -340,8 +340,8 @@ fn jumps(message: Diagnostic, jump: &Jump) -> Diagnostic {
     }
 }
 
-/// The warning about a run that continues in short steps. The reason is a jump, or the run slows down; `rest`
-/// is then the remaining time in words.
+/// The warning about a run that continues in short steps, because of a jump or because it slows down. `rest`
+/// is the remaining time in words of a run that slows down. Without `rest` only a jump gives a warning.
 pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Diagnostic> {
     let (code, title) = match (&*slow.pace, rest) {
         (Pace::Jump(_), _) => (
@@ -433,7 +433,7 @@ fn redundant(groups: &[eng_runtime::RedundantGroup]) -> Diagnostic {
     )
 }
 
-/// A parameter in place of an input.
+/// The error for a parameter that is named where an input is needed.
 pub(crate) fn no_input(parameter: &Parameter) -> Diagnostic {
     let path = &parameter.origin.path;
     let message = Diagnostic::error(
@@ -585,7 +585,8 @@ pub(crate) fn start_advice(start: &StartReport) -> Option<Diagnostic> {
     )
 }
 
-/// The balance that a search found, by its part of the load. One with the whole load breaks a condition.
+/// The balance that a search found, in words. `carried` is its part of the load, 0…1. A balance with the
+/// whole load is refused only because it breaks a condition.
 fn balance_with(carried: f64) -> String {
     match carried < 1.0 {
         true => format!("an equilibrium with {:.3} % of the load", 100.0 * carried),
@@ -595,7 +596,8 @@ fn balance_with(carried: f64) -> String {
     }
 }
 
-/// An unstable balance: the smallest disturbance leads away from it.
+/// The warning about an unstable balance: the smallest disturbance leads away from it. `what` names the
+/// balance.
 fn upside_down(unstable: &Unstable, what: &str) -> Diagnostic {
     let message = Diagnostic::warning(
         codes::UPSIDE_DOWN,
@@ -625,7 +627,8 @@ pub(crate) fn periodic(
         .collect();
     let decay = found.decay.as_ref().filter(|_| !found.erratic);
     if let Some((decay, mode)) = decay.and_then(|d| Some((d, d.mode?))) {
-        // what does not shrink in a motion that repeats is below the change that counts
+        // in a motion that repeats, deviations that do not shrink are below the `change` that counts as a
+        // repetition
         let pace = match found.repeats && mode.factor >= crate::repetition::HARDLY_SHRINKS {
             true => "are as small as the errors of the steps".to_owned(),
             false => crate::repetition::pace(mode.factor),

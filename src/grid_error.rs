@@ -3,18 +3,21 @@
 //! The error of a film is of second order in the cells, so twice as many leave a quarter of it. The difference of both
 //! times 4/3 is the error of the coarser one (Richardson, Phil. Trans. A 210 (1911) 307).
 //!
-//! A film on few cells that carries too much load at a place of the pin has its pin too near to the middle at a given
-//! load, and the film too thick. So the errors at the same place and at the same load differ. The
-//! load is compared at the same place, the highest pressure and the least film at the same load.
+//! A film on few cells may carry too much load at a given place of the pin. At a given load its pin is then
+//! too near to the middle, and its film is too thick. So the errors at the same place and those at the same
+//! load differ. The load is compared at the same place, the highest pressure and the least film at the same
+//! load.
 //!
-//! A film with memory has no such error here: the finer one would continue from the memory of the coarser
-//! one, and a single step does not show the difference of two films that were always apart. Openings of the pin lie over
-//! other cells at each moment, and the errors of single moments are no measure of those of a run. The lines of such films
-//! say so. They also tell where the oil of flooded ends fills less than a cell: the cells decide the inflow there.
+//! Two kinds of films have no such error here. The first are films with memory. The finer film would continue
+//! from the memory of the coarser one, and a single step does not show the difference of two films that were
+//! apart from the start. The second are films with openings in the pin. These lie over other cells at each
+//! moment, so the errors of single moments are no measure of the errors of a run. The text of such films
+//! gives the reason. It also tells along which share of the flooded ends the oil fills less than a cell: the
+//! cells decide the inflow there.
 //!
-//! A solution on twice as many cells takes five to sixteen times as long. So the film on its own cells chooses the
-//! moments: those of the largest loads, of the highest pressures and of the least films. There all errors are
-//! largest, because the cells must follow the steepest pressure.
+//! A solution on twice as many cells takes five to sixteen times as long, so only some moments have one. The
+//! film on its own cells chooses them: those of the largest loads, of the highest pressures and of the least
+//! films. There all errors are largest, because the cells must follow the steepest pressure.
 
 use crate::machine::Machine;
 use crate::recorded_field::{RecordedField, Solution, Twice};
@@ -22,14 +25,15 @@ use crate::results::Results;
 use eng_system::field::{FieldError, FieldGrid};
 use eng_system::significant::significant;
 
-/// Moments of the last cycle among which those of the finer cells are chosen.
+/// Number of moments of the last cycle among which the moments on the finer cells are chosen.
 const MOMENTS: usize = 20;
-/// Number of moments with the largest loads; of those with the highest pressures and with the least films as many.
+/// Number of moments with the largest loads, of those with the highest pressures, and of those with the least
+/// films.
 const HARDEST: usize = 3;
-/// The error over the difference from twice as many cells.
+/// The error of the coarser film over its difference from the film on twice as many cells.
 const WHOLE: f64 = 4.0 / 3.0;
 
-/// Share of the flooded ends with unfilled cells that is worth a word.
+/// Share of the flooded ends with unfilled cells above which the text mentions them.
 const UNFILLED: f64 = 0.05;
 /// Share of the size of `shear` below which a load is rounding, such as that of a centred pin.
 const NO_LOAD: f64 = 1e-9;
@@ -55,8 +59,8 @@ pub(crate) enum Found {
     Errors(usize, LoadErrors),
     /// A film without load.
     NoLoad,
-    /// The reason for which finer cells at a moment do not show the error, and the share of the flooded ends of a film with memory
-    /// whose outermost cell is not full of oil.
+    /// The reason for which finer cells at a moment do not show the error, and the share of the flooded ends
+    /// of a film with memory whose outermost cell is not full of oil.
     Unknown {
         reason: String,
         unfilled: Option<f64>,
@@ -69,11 +73,11 @@ pub(crate) struct LoadErrors {
     /// Largest error of the load at the same places of the pin, over the largest load of the moments; positive for a load
     /// that is too high.
     pub load: f64,
-    /// Largest error of the highest pressure at the same load and the scaled orbit, over the largest one of the moments.
-    /// `None` if no place with this load was found.
+    /// Largest error of the highest pressure at the same load on a scaled orbit ([`Twice::at_load`]), over
+    /// the largest pressure of the moments. `None` if no place with this load was found.
     pub pressure: Option<f64>,
-    /// At the moment of the least film: that film (m), and by how much it is too thick (m) at the same load and
-    /// the scaled orbit. `None` as above.
+    /// At the moment of the least film: that film (m), and by how much it is too thick (m) at the same load
+    /// on a scaled orbit. `None` if no place with this load was found.
     pub film: Option<[f64; 2]>,
 }
 
@@ -119,7 +123,7 @@ impl LoadErrors {
         };
         let mut text = format!("the load is up to {} at the same place", percent(self.load));
         match self.pressure {
-            // that of an opening
+            // the highest pressure is then that of an opening, which both grids state
             Some(0.0) => text += "; at the same load the highest pressure is the same",
             Some(pressure) => {
                 text += &format!(

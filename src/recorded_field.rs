@@ -33,7 +33,7 @@ pub struct RecordedField {
     own: Arc<dyn FieldKernel>,
 }
 
-/// Names and sizes decide which numbers belong to a field.
+/// Fields are equal if their names and sizes are: these decide which numbers belong to a field.
 impl PartialEq for RecordedField {
     fn eq(&self, other: &Self) -> bool {
         let sizes = |field: &Self| (field.openings, field.own.memory());
@@ -241,7 +241,7 @@ pub(crate) struct Solution {
 }
 
 impl Solution {
-    /// Numbers of a result; `None` if the kernel has no such result.
+    /// The numbers of a result by its name; `None` if the kernel has no such result.
     pub fn result<const N: usize>(&self, name: &str) -> Option<[f64; N]> {
         let (_, first, answer) = self.kernel.result(name)?;
         let numbers = match answer {
@@ -265,9 +265,9 @@ impl Solution {
     /// the result does not depend on the part that turns. A stated rate would: a pin under a load at rest in space moves
     /// against a turning shell, and faster where it is farther from the middle.
     ///
-    /// Newton's method with the stiffness and the damping of the film, which are kept while they serve. The solver has this
-    /// solution, and its readings have slopes. A move is a third of the least film at most, so the film stays open.
-    /// `None` if no such place was found.
+    /// Newton's method takes the stiffness and the damping of the film, and keeps them while they serve. The
+    /// solver must have solved this field, and its readings must have slopes. A move is a third of the least
+    /// film at most, so the film stays open. `None` if no such place was found.
     fn moved_to(
         mut self,
         wanted: [f64; 2],
@@ -295,7 +295,7 @@ impl Solution {
             before = miss;
             let (stiffness, damping) =
                 (self.result::<4>("stiffness")?, self.result::<4>("damping")?);
-            // the loss of force by a change of the factor's real and imaginary part
+            // the force that is lost per change of the factor's real and imaginary part
             let lost = |place: [f64; 2], rate: [f64; 2]| {
                 [0, 2].map(|row| {
                     stiffness[row] * place[0]
@@ -336,10 +336,11 @@ pub(crate) struct Twice {
     pub at_load: Option<Solution>,
 }
 
-/// Most rounds of the search for a place with a given force, and its error as a share of the force.
+/// Most rounds of the search for a place with a given force.
 const LOAD_ROUNDS: usize = 20;
+/// Largest error of that force, as a share of it.
 const SAME_LOAD: f64 = 1e-6;
-/// Share to which a move must bring the error, or else the stiffness is computed again.
+/// Share of the error that a move may leave. If it leaves more, the stiffness is computed again.
 const SERVES: f64 = 0.1;
 
 impl RecordedField {
@@ -416,8 +417,8 @@ impl RecordedField {
         Ok(Some(most))
     }
 
-    /// These solutions and those of the finer field. Moments that the finer grid does not
-    /// solve are left out. `gap_name` is the reading of the least gap.
+    /// These solutions beside the solutions of the finer field. Moments that the finer grid does not solve
+    /// are left out. `gap_name` is the name of the result with the least gap.
     pub(crate) fn twice(
         &self,
         finer: &dyn FieldKernel,

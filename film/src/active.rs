@@ -92,9 +92,10 @@ impl Film {
         })
     }
 
-    /// Share of the area whose cells are at the edge of the cavity in the last solution: they have neither pressure nor
-    /// outflow, as all of a centred film at rest. There the outputs have other derivatives on both sides, and
-    /// [`Film::tangent`] has one of them. Known for the rule [`Cavitation::Reynolds`] alone, for others it is zero.
+    /// Share of the area whose cells are at the edge of the cavity in the last solution: they have neither
+    /// pressure nor outflow, as all cells of a centred film at rest. There the outputs have other derivatives
+    /// on both sides, and [`Film::tangent`] gives those of one side. The share is known for the rule
+    /// [`Cavitation::Reynolds`] alone; for the others it is zero.
     #[must_use]
     pub fn undecided(&self, work: &Work) -> f64 {
         let (level, state) = (&self.levels[0], &work.levels[0]);

@@ -74,7 +74,8 @@ pub struct ElasticWork {
     given: Vec<f64>,
     outputs: Vec<f64>,
     slopes: Vec<f64>,
-    /// The outputs before the forces of the shapes whose derivatives are wanted; the force on the pin always is.
+    /// For each output before the forces of the shapes: whether its derivatives are wanted. Those of the
+    /// force on the pin always are.
     wanted: [bool; SHAPE_FORCE],
     /// Whether the slopes are those of the last solution of the film.
     current: bool,
@@ -96,7 +97,7 @@ pub struct ElasticWork {
     /// The last move of the amplitudes, and the change by G before it.
     moved: Vec<f64>,
     earlier: Vec<f64>,
-    /// Change of the given inputs since the last solution, and of the forces along.
+    /// Change of the given inputs since the last solution, and the change of the forces of the shapes by it.
     given_change: Vec<f64>,
     forces: Vec<f64>,
     /// `C ∂f/∂x`, replaced by the derivatives of the amplitudes by the inputs.
@@ -211,10 +212,10 @@ impl Elastic {
         self.work_for(&ALL)
     }
 
-    /// Memory for solutions of which [`Elastic::tangent`] gives the derivatives of these outputs and of the
-    /// forces: of other outputs before the forces of the shapes they are zero. The values of all outputs
-    /// remain. (Those of an elastic surface follow the last change of the surface by these derivatives, so
-    /// the others miss a change of 1e-11 of the clearance.)
+    /// Memory for solutions of which [`Elastic::tangent`] gives only the derivatives of the wanted outputs
+    /// and of the forces on the pin and of the shapes. The derivatives of the other outputs are zero. The
+    /// values of all outputs are computed. (They follow the last change of an elastic surface by these
+    /// derivatives. So outputs without derivatives miss a change of 1e-11 of the clearance.)
     #[must_use]
     pub fn work_for(&self, wanted: &[bool; SHAPE_FORCE]) -> ElasticWork {
         let count = self.shapes();
@@ -297,8 +298,8 @@ impl Elastic {
         found
     }
 
-    /// Searches the amplitudes that are in balance with the film. They have followed the inputs by the length
-    /// of the last move. An error of the stated share of their change may be left.
+    /// Searches the amplitudes that are in balance with the film. `followed` is the length (m) by which they
+    /// have followed the inputs before. `error` is the share of their change that may be left as an error.
     fn search(
         &self,
         content: &[f64],
@@ -316,7 +317,8 @@ impl Elastic {
             let careful = round > QUICK_ROUNDS;
             let mut longest = self.change(work, paired && !careful)?;
             if round == 1 && followed > 0.0 && longest > followed {
-                // these slopes are of no use here
+                // the residual is larger than the move: the kept slopes led the amplitudes astray, so the
+                // move is taken back
                 add_scaled(&mut work.amplitudes, -1.0, &work.moved);
                 continue;
             }
@@ -324,7 +326,7 @@ impl Elastic {
                 goal = goal.max(error * longest.max(followed));
             }
             if longest > GROWTH * last && share > LEAST_SHARE {
-                // cells change sides on the way: a shorter one reduces the residual
+                // cells change between film and cavity on the way: a shorter change reduces the residual
                 share /= 2.0;
                 work.moved.iter_mut().for_each(|moved| *moved /= 2.0);
                 add_scaled(&mut work.amplitudes, -1.0, &work.moved);
@@ -420,7 +422,7 @@ impl Elastic {
         longest
     }
 
-    /// Adds the last change of the amplitudes, which ended the search, to them, and its effect to the outputs.
+    /// Adds the last change, which ended the search, to the amplitudes, and its effect to the outputs.
     fn correct(&self, work: &mut ElasticWork, outputs: &mut [f64]) {
         let amplitude = self.plain_inputs();
         let by_step = work.step.map_or(0.0, |step| 1.0 / step);
@@ -432,9 +434,9 @@ impl Elastic {
         add_scaled(&mut work.amplitudes, 1.0, &work.change);
     }
 
-    /// The largest change of an amplitude in a round (m): a share of the clearance, and within a step the
-    /// same share of the way of surfaces with these velocities if it is shorter. A larger change needs rates
-    /// far above those of the surfaces, and the next iterate would be useless.
+    /// The largest change of an amplitude in a round (m): a share of the clearance, or of the way that the
+    /// surfaces move within the step if this is shorter. A larger change needs rates far above those of the
+    /// surfaces, and the next iterate would be useless.
     fn reach(&self, work: &ElasticWork) -> f64 {
         let source = self.film.source();
         let x = &work.given;
@@ -506,8 +508,8 @@ impl Elastic {
         }
     }
 
-    /// Takes such numbers, and returns those after them. Where there are too few, the next search begins as it would
-    /// without them.
+    /// Takes numbers of [`Elastic::kept`], and returns the numbers after them. If there are too few, the next
+    /// search begins as it would without them.
     pub fn keep<'n>(&self, work: &mut ElasticWork, numbers: &'n [f64]) -> &'n [f64] {
         let numbers = self.film.begin_at(&mut work.film, numbers);
         if self.shapes() == 0 {
@@ -517,7 +519,8 @@ impl Elastic {
         self.keep_surface(work, numbers).unwrap_or(&[])
     }
 
-    /// Takes such numbers after those of the cavity, and returns those after them; none if there are too few.
+    /// Takes the numbers of [`Elastic::kept`] behind those of the cavity, and returns the numbers after them;
+    /// none if there are too few.
     fn keep_surface<'n>(&self, work: &mut ElasticWork, numbers: &'n [f64]) -> Option<&'n [f64]> {
         let (step, others) = numbers.split_first()?;
         let (amplitudes, others) = others.split_at_checked(self.shapes())?;
@@ -562,7 +565,7 @@ impl Elastic {
         }
     }
 
-    /// Factors G, and makes it before if it is not there.
+    /// Factors G. It makes G first if there is none.
     fn factor(&self, work: &mut ElasticWork) -> Result<(), FilmError> {
         if !work.feedback.is_made() {
             self.renew(work);
@@ -652,7 +655,7 @@ impl Elastic {
         }
         let (amplitude, rate) = (self.plain_inputs(), self.plain_inputs() + count);
         let mut found = [0.0; 8];
-        // the memory of another use
+        // `follows` lends its memory here
         let mut follows = std::mem::take(&mut work.follows);
         for axis in 0..2 {
             let (by_place, by_rate) = follows[..2 * count].split_at_mut(count);

@@ -46,7 +46,8 @@ pub struct Summary {
     pub asperity_load: f64,
     /// Its share of `∫ (p + p_a) dA`.
     pub asperity_share: f64,
-    /// Highest pressure of the asperities, at the least gap, Pa. Where an opening has the least gap, the highest one over a cell's middle.
+    /// Highest pressure of the asperities, at the least gap, Pa. If the least gap is over an opening, it is
+    /// the highest one at the middle of a cell.
     pub asperity_pressure: f64,
     /// Power of the friction where asperities touch, W.
     pub boundary_power: f64,
@@ -219,7 +220,8 @@ impl Film {
         self.summary_in(work, Vec::new())
     }
 
-    /// The same, with the memory of the supply flows of an earlier one: so it allocates nothing.
+    /// Results of the last solution. `supply_flow` lends its memory for those of the openings, so nothing is
+    /// allocated.
     #[must_use]
     pub fn summary_in(&self, work: &Work, mut supply_flow: Vec<f64>) -> Summary {
         supply_flow.clear();
@@ -271,7 +273,7 @@ impl Film {
                 summary.cavitated += cell.area;
             }
         }
-        // it falls by half within a fraction of the roughness, and so within a cell
+        // the pressure of asperities falls by half within a fraction of the roughness, and so within a cell
         if least[0] <= least[1] {
             let touch = self.surfaces.touching(minimum_gap)[0];
             summary.asperity_pressure = summary.asperity_pressure.max(touch);

@@ -34,18 +34,18 @@ const POSITION_GOAL: f64 = 1e-12;
 const ATTEMPTS: usize = 12;
 /// Most corrections of a velocity: the first hardly changes the films, and two more leave only rounding.
 const VELOCITY_ROUNDS: usize = 6;
-/// Largest |Φ̇| after the corrections, of that before them.
+/// Largest |Φ̇| after the corrections, as a share of that before them.
 const VELOCITY_GOAL: f64 = 1e-9;
-/// Rounding of Φ̇, of the model's speed: both are scaled to 1/s.
+/// Rounding of Φ̇, as a share of the model's speed: both are scaled to 1/s.
 const VELOCITY_ROUNDING: f64 = 1e-12;
-/// Distance of positions, of the model's length or in rad, within which one matrix serves: accelerations and
-/// multipliers then have errors of this share.
+/// Distance of positions, as a share of the model's length or in rad, within which one matrix serves:
+/// accelerations and multipliers then have errors of this share.
 const HERE: f64 = 1e-10;
 /// Most refinements of a solution with the factors of a nearby position.
 const REFINEMENTS: usize = 6;
-/// Corrections of a position and of accelerations beside a state that has both. Factors of this state leave a power of their
-/// own error, and a part of second order in the distance, which no derivative has. The last correction of a position removes
-/// rounding.
+/// Corrections of a position and of accelerations beside a state that has both. Corrections with the factors
+/// of this state leave a power of the factors' error, and a part of second order in the distance, which
+/// changes no derivative. The last correction of a position removes rounding.
 const BESIDE: (usize, usize) = (3, 2);
 
 /// The factors for the projection of positions.
@@ -53,7 +53,7 @@ const BESIDE: (usize, usize) = (3, 2);
 pub enum Factors {
     /// Made at the given state; [`AccelerationSystem::finish`] needs them.
     Made,
-    /// Those of the call before, which was at a nearby position.
+    /// The factors of the call before, which was at a nearby position.
     Kept,
     /// Made at the given state if its positions must move.
     IfNeeded,
@@ -83,7 +83,7 @@ pub struct AccelerationSystem {
     stale: bool,
     /// The position of the factors.
     pose: Vec<f64>,
-    /// Whether the states lie beside one with factors: see [`AccelerationSystem::stand_beside`].
+    /// Whether the states lie beside a state with factors: see [`AccelerationSystem::stand_beside`].
     beside: bool,
     /// The scaled accelerations and multipliers that were solved last.
     solved: Vec<f64>,
@@ -151,16 +151,18 @@ impl AccelerationSystem {
         })
     }
 
-    /// From now on every state lies beside one of another system, whose factors and solution
-    /// [`AccelerationSystem::exchange_factors`] gives. Projections and accelerations have a fixed number of corrections, so
-    /// they are smooth in the distance of the states, with the derivatives of exact ones.
+    /// From now on every state lies beside a state of another system, whose factors and solution
+    /// [`AccelerationSystem::exchange_factors`] gives. Projections and accelerations then have a fixed number
+    /// of corrections. So they are smooth in the distance of the states, and have the derivatives of exact
+    /// solutions.
     pub fn stand_beside(&mut self) {
         self.beside = true;
     }
 
-    /// Exchanges the factors with the system of a model of the same pattern, which takes the scales too. A second call gives
-    /// them back. The other system solves with them by refinement, because they belong to a nearby position. Should that not
-    /// converge it makes them anew, so they serve no later position without being made there.
+    /// Exchanges the factors with the system of a model of the same pattern, which also takes the scales. A
+    /// second call gives the factors back. The other system solves with them by refinement, because they
+    /// belong to a nearby position. If the refinement does not converge, it makes factors anew. So no factors
+    /// serve a later position unless they are made there.
     pub fn exchange_factors(&mut self, other: &mut AccelerationSystem) {
         std::mem::swap(&mut self.solver, &mut other.solver);
         other.scales.copy_from_slice(&self.scales);

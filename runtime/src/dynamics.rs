@@ -55,7 +55,7 @@ struct Placement {
 /// Memory that is reused between evaluations. Nothing in it outlives a call.
 #[derive(Clone, Debug)]
 struct Workspace {
-    /// That of the element functions.
+    /// Memory of the element functions.
     elements: Scratch,
     /// Columns of pose and twist along the step's unknown.
     pose_columns: Vec<f64>,
@@ -70,14 +70,14 @@ struct Workspace {
     pulls: Vec<[f64; 6]>,
     /// One row over a body's velocities.
     line: Vec<f64>,
-    /// That of the flexible bodies.
+    /// Memory of the flexible bodies.
     bending: Work,
     /// Wrenches and forces of shapes that are not those of the last evaluation.
     wrenches: Vec<f64>,
     shape_forces: Vec<f64>,
     /// Changes of the motion of surfaces.
     surfaces: Vec<f64>,
-    /// That of the blocks of elastic surfaces.
+    /// Memory of the blocks of elastic surfaces.
     surface: SurfaceWork,
 }
 
@@ -262,7 +262,7 @@ impl Dynamics {
         }
     }
 
-    /// Lets the next searches of the fields begin at such numbers.
+    /// Lets the next searches of the fields begin at numbers of [`Dynamics::found`].
     pub fn begin_at(&mut self, mut numbers: &[f64]) {
         for batch in &mut self.batches {
             numbers = batch.begin_at(numbers);
@@ -278,7 +278,7 @@ impl Dynamics {
         numbers
     }
 
-    /// Lets all fields continue with such numbers.
+    /// Lets all fields continue with numbers of [`Dynamics::kept`].
     pub fn keep(&mut self, mut numbers: &[f64]) {
         for batch in &mut self.batches {
             numbers = batch.keep(numbers);

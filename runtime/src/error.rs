@@ -331,7 +331,7 @@ pub enum RuntimeError {
         together(starts)
     )]
     Contradiction {
-        /// Without any one of them the others hold.
+        /// A smallest set: without any one of them the others hold.
         starts: Vec<Origin>,
     },
     /// The assembled positions are on the wrong branch.
@@ -358,7 +358,7 @@ pub enum RuntimeError {
     FarGuess {
         /// The body.
         origin: Box<Origin>,
-        /// From the ground's markers and stated bodies (m).
+        /// Its distance from the ground's markers and the stated bodies (m).
         distance: f64,
         /// Size of the largest body (m).
         length: f64,

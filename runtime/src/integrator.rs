@@ -171,7 +171,7 @@ pub struct Integrator {
     pub increment: Vec<f64>,
     /// Trial of the next state.
     next: State,
-    /// Auxiliary a, and the step it belongs to.
+    /// Auxiliary accelerations a.
     pub auxiliary: Vec<f64>,
     /// Auxiliary rates of the states.
     pub state_auxiliary: Vec<f64>,
@@ -179,15 +179,15 @@ pub struct Integrator {
     pub base_velocity: Vec<f64>,
     /// The part of the current velocity that violates the constraints.
     pub defect: Vec<f64>,
-    /// Whether the two above belong to the current state.
+    /// Whether `base_velocity` and `defect` belong to the current state.
     pub defect_known: bool,
     /// The step `auxiliary` belongs to (s).
     pub auxiliary_step: f64,
-    /// Rates of v̇, λ and ẏ for the predictor.
+    /// Rate of v̇, for the predictor.
     pub jerk: Vec<f64>,
-    /// Rate of λ.
+    /// Rate of λ, for the predictor.
     pub multiplier_rate: Vec<f64>,
-    /// Rate of ẏ.
+    /// Rate of ẏ, for the predictor.
     pub state_jerk: Vec<f64>,
     /// The larger of each state's scale and its largest magnitude so far. Errors are limited to a share of
     /// it.

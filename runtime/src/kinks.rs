@@ -54,11 +54,11 @@ use std::ops::Range;
 
 /// A step that passes a kink, or ends close before it, adds this number to the count of the kink. Any other step subtracts 1.
 const PASSED: f64 = 32.0;
-/// Number of steps of equal length that an end close before a kink is from it at most. A motion that comes to a kink and passes it
-/// counts some five times.
+/// A step ends close before a kink if it is at most so many steps of its length away from it. A motion that
+/// comes to a kink and passes it then counts some five times.
 const CLOSE: f64 = 4.0;
-/// The count at which the motion may be held at a kink: after 8 steps that pass it or end close before it, or a few more with others
-/// between.
+/// The count at which the motion may be held at a kink: after 8 steps that pass it or end close before it, or
+/// a few more with other steps between.
 const OFTEN: f64 = 256.0;
 /// Largest change (rad) in a step of the argument of a sine in a function of the motion. The cubic through values and rates differs
 /// from a sine by 1e-5 then, the share that errors of states may have. Narrower tips may be missed.
@@ -83,7 +83,8 @@ struct Item {
     constrains: bool,
     /// Whether it jumps where a `wrapped` angle begins anew.
     wraps: bool,
-    /// Whether a jump of a load may hold the motion there: not at a moment, nor at a place, whose rate does not jump.
+    /// Whether a jump of a load may hold the motion at the kink. It cannot at a kink of time, nor at one of
+    /// places, whose rates do not jump.
     holds: bool,
 }
 
@@ -97,13 +98,13 @@ impl Item {
 /// Elements of one class with kinks.
 #[derive(Clone, Debug)]
 struct Group {
-    /// Index among the batches of the dynamics, whose inputs serve.
+    /// Index among the batches of the dynamics, which gather the inputs.
     batch: usize,
     /// Own inputs, if the rates of the functions need accelerations.
     own: Option<Batch>,
     /// Index of the first item.
     first: usize,
-    /// Its clocks, and its functions of places.
+    /// Ranges of its clocks, and of its functions of places in `sloped`.
     clocks: Range<usize>,
     sloped: Range<usize>,
 }
@@ -133,7 +134,7 @@ pub struct Kinks {
     bends: Vec<f64>,
     /// Largest magnitudes at accepted states.
     peaks: Vec<f64>,
-    /// Number of steps one after the other that passed each kink.
+    /// Number of successive steps that passed each kink.
     stays: Vec<f64>,
     /// Counts of passages that fall with each step without one.
     passages: Vec<f64>,
@@ -405,7 +406,8 @@ impl Kinks {
         Ok(())
     }
 
-    /// A time (s), or one just behind it, if a function of time alone touches zero there: loads have another value for this time alone.
+    /// A time (s), or one just after it if a function of time alone touches zero there: loads have another
+    /// value at this single time.
     pub fn beside_touch(
         &mut self,
         model: &Model,
@@ -477,7 +479,7 @@ impl Kinks {
         }
     }
 
-    /// The change of sign that a function counts from, if it is that of a clock.
+    /// The change of sign from which the function of a clock counts; `None` for other functions.
     fn change(&self, item: usize) -> Option<Change> {
         let behind = self.clocks.partition_point(|clock| clock.first <= item);
         let clock = self.clocks.get(behind.checked_sub(1)?)?;
@@ -622,7 +624,7 @@ impl Kinks {
         counts.chain(self.slopes[0].iter().copied()).collect()
     }
 
-    /// Sets them from a checkpoint.
+    /// Sets the numbers of [`Kinks::numbers`] from a checkpoint.
     pub fn set_numbers(&mut self, numbers: &[f64]) {
         let (pairs, rest) = numbers.split_at((2 * self.now.len()).min(numbers.len()));
         for (now, pair) in self.now.iter_mut().zip(pairs.as_chunks::<2>().0) {
@@ -687,7 +689,8 @@ pub(crate) fn is_length(kink: &Kink) -> bool {
     kink.dimension == Some(Dimension::LENGTH)
 }
 
-/// A function with its rate; the time since its change of sign, if its rate is constant and the function depends on time alone.
+/// A function with its rate. If the function depends on time alone at a constant rate: the time since its
+/// change of sign, with the rate 1.
 fn timed(course: Course, [value, rate]: [f64; 2]) -> [f64; 2] {
     if course == Course::Uniform && rate != 0.0 {
         [value / rate, 1.0]

@@ -279,7 +279,8 @@ const UPRIGHT: f64 = 0.2;
 /// For a spring that is softer along gravity than across, the estimate is too small.
 ///
 /// `None` if no spring yields, if the bodies turn as they sink (a weak spring on a pendulum), and for bodies
-/// on an element with states that are its stiffness: it has no other one, or they do not relax at rest.
+/// on an element whose states are its stiffness: it has no other stiffness, or its states do not relax at
+/// rest.
 ///
 /// # Errors
 ///
@@ -419,7 +420,7 @@ fn gives_way(
 struct Answers(BTreeMap<(usize, usize), [f64; 36]>);
 
 impl Answers {
-    /// The same by scaled velocities on both sides.
+    /// The same blocks by scaled velocities on both sides.
     fn scaled(mut self, model: &Model, scales: &[f64]) -> Answers {
         for ((loaded, mover), block) in &mut self.0 {
             let (rows, columns) = (
@@ -590,8 +591,9 @@ fn cycle_row(model: &Model, rest: &State) -> Option<DVector<f64>> {
     Some(row)
 }
 
-/// Groups motions by the bodies that they move together. `projected` gives six columns a body of the projector on the
-/// motions, in scaled velocities of rigid bodies: the motions of all bodies that go with each velocity of this one.
+/// Groups motions by the bodies that they move together. `projected` gives the six columns of a body in the
+/// projector on the motions, in scaled velocities of rigid bodies: the motions of all bodies that go with
+/// each velocity of this body.
 fn groups(model: &Model, rest: &State, projected: impl Fn(usize) -> DMatrix<f64>) -> Vec<Loose> {
     let count = model.bodies.len();
     let mut group: Vec<usize> = (0..count).collect();

@@ -156,7 +156,7 @@ pub struct Simulation {
     kinks: Kinks,
     /// The kink at which the last step ended.
     at_kink: Option<usize>,
-    /// The change of accelerations (of the model's size, 1/s²) after this kink, if they jump there; otherwise 0.
+    /// The change of accelerations (in model lengths, 1/s²) after this kink, if they jump there; otherwise 0.
     jump_at_kink: f64,
     /// The step (s) before a kink, until steps are as long again; otherwise zero.
     before_kink: f64,
@@ -191,7 +191,7 @@ pub struct Simulation {
     /// Length of the last step (s), zero before the first.
     earlier_step: f64,
     cycle_now: Option<[f64; 2]>,
-    /// Cycle angle and rate of the dense output at the ends of the last step, if a sample asked for them.
+    /// Cycle angle and rate of the dense output at both ends of the last step, if a sample asked for them.
     cycle_at_ends: Option<[[f64; 2]; 2]>,
     cycle_start: f64,
     astray: Astray,
@@ -199,7 +199,8 @@ pub struct Simulation {
     /// Names and places of failed `advise`s on parameters that follow inputs, since the start or the resumption.
     advised_inputs: Vec<(String, Origin)>,
     warnings: Vec<Warning>,
-    /// Of the model and its parameters, at the first use: its text is long, and most runs write no checkpoint.
+    /// The fingerprint of the model and its parameters. It is made at the first use, because its text is long
+    /// and most runs write no checkpoint.
     fingerprint: OnceLock<u64>,
     start: StartReport,
 }
@@ -541,8 +542,8 @@ pub const GOAL: f64 = 1e-9;
 /// Least such share above rounding.
 const LEAST_GOAL: f64 = 1e-15;
 
-/// The limits of Newton's iteration; see [`Options::newton_tolerance`]. A wide tolerance saves steps, and no
-/// iterations.
+/// The limits of Newton's iteration; see [`Options::newton_tolerance`]. A factor above 1 on the tolerances
+/// does not widen them, because it should save steps and not iterations.
 fn goal(model: &Model, options: &Options) -> Goal {
     let factor = options.step.tolerance().min(1.0);
     Goal {

@@ -85,7 +85,8 @@ pub trait Observer {
     fn started(&mut self, _report: &StartReport) {}
     /// Called at the end of every step, before its samples.
     fn stepped(&mut self) {}
-    /// Called after every sample of a cycle that a periodic analysis compares with others, and may never give.
+    /// Called after every sample of a cycle that a periodic analysis compares with others. The analysis gives
+    /// only the samples of its last cycle.
     fn sampled(&mut self) {}
     /// Takes a sample; `Break` ends the run after it.
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()>;
@@ -185,8 +186,8 @@ impl Points {
     }
 }
 
-/// Most steps or samples of a run. Double precision still resolves a thousandth of such a part of the run's
-/// length.
+/// Most steps or samples of a run. Double precision still resolves a thousandth of so short a step at the end
+/// of the run.
 const MOST: f64 = 1e12;
 
 /// Refuses an analysis with too many samples or steps, or without a positive length.

@@ -67,7 +67,7 @@ impl Analysis {
         };
         let system = &self.model.compiled().system;
         let known = system.paths_of(Names::Parameters);
-        // the run reports names that are wrong
+        // the run itself reports wrong names; here they give no columns
         let found = Names::Parameters.indices(&transient.gradients, &known);
         let parameters = found.unwrap_or_default().into_iter();
         let found = parameters.filter_map(|index| system.parameters.get(index));

@@ -125,7 +125,8 @@ pub(super) fn reports(
     Ok(holds)
 }
 
-/// The motions and the gradients in the folder of earlier results. A figure or a value that needs a missing one reports this.
+/// The motions and the gradients in the folder of earlier results. A figure or a value that needs a missing
+/// file reports this.
 #[allow(clippy::type_complexity)]
 fn beside(
     earlier: &[Results],

@@ -310,7 +310,7 @@ pub(crate) fn accepted(system: &System, covered: &[Covered]) -> Vec<String> {
                         finding.message
                     ))
                 }
-                // a lint of the motion, which only a run can decide
+                // an acceptance without a finding is one of the motion, which only a run can decide
                 None => {
                     let paths = indices.iter().filter_map(|i| system.accepted.get(*i));
                     let paths = paths.map(|a| a.path.as_str()).collect();

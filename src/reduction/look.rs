@@ -120,7 +120,7 @@ impl Looks {
         Ok(look.outline.clone())
     }
 
-    /// Keeps all in the cache of sources.
+    /// Keeps all looks in the cache of sources.
     pub(crate) fn save(&self, sources: &Sources) -> std::io::Result<()> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known

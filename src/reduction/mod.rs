@@ -43,7 +43,7 @@ pub struct Reduction {
 }
 
 impl Reduction {
-    /// The warnings about it.
+    /// The warnings about the reduction.
     pub(crate) fn doubts(&self) -> impl Iterator<Item = Diagnostic> + '_ {
         let warnings = self.stored.report.warnings.iter().map(|text| {
             Diagnostic::warning(codes::REDUCED, format!("{}: {text}", self.path))
@@ -96,7 +96,7 @@ fn rigid_loads(report: &Report) -> Vec<&str> {
 }
 
 impl Reduction {
-    /// Keeps it in the cache of sources.
+    /// Keeps the stored body in the cache of sources.
     pub(crate) fn save(&self, sources: &Sources) -> std::io::Result<()> {
         cache::save(sources, &*self.stored)
     }
@@ -118,7 +118,7 @@ impl Files for Sources {
     }
 }
 
-/// Sections that make no mesh, at the section that causes it.
+/// The error of sections that make no mesh, at the section that causes it.
 fn stack_failed(error: &StackError, source: &StackSource) -> Box<Diagnostic> {
     let section = error.section().and_then(|number| number.checked_sub(1));
     let at = section.and_then(|index| source.sections.get(index));
@@ -249,7 +249,7 @@ fn reduced(
     Ok(stored)
 }
 
-/// A failure at the marker or the matrix that it is about, else at the mode set.
+/// The error of a failed reduction, at the marker or the matrix that it concerns, else at the mode set.
 fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Box<Diagnostic> {
     let marker = |index: usize| source.markers.get(index).map(|marker| marker.at);
     let matrix = |matrix: &Option<MatrixSource>| matrix.as_ref().map(|matrix| matrix.at);

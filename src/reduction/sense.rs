@@ -84,7 +84,7 @@ pub(super) fn doubts(mesh: &Facts, source: &FlexibleSource) -> Vec<Diagnostic> {
     found
 }
 
-/// The note about an exact mass where the code of the mesh has another by its own rules.
+/// The note that the mass is exact, although the code of the mesh has another one by its own rules.
 pub(super) fn own_mass(mesh: &Mesh) -> Option<&'static str> {
     if mesh.lumped && !mesh.elements.is_empty() {
         return Some(

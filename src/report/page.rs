@@ -14,7 +14,7 @@ use crate::run::RunOutcome;
 use eng_report::page::{Page, Section};
 use eng_system::report::Report;
 
-/// Animations of a page.
+/// Most animations of a page.
 const ANIMATED: usize = 2;
 /// Approximate size in bytes of the pictures of flexible bodies in all animations of a page.
 const BUDGET: usize = 5_000_000;

@@ -2,7 +2,7 @@
 //!
 //! Its columns are `parameter` and `parameter_unit` (texts), then time, cycle angle and speed if there is a cycle, and the
 //! derivatives of these and of the channels as 64-bit floats with the metadata of [`super::schema`]: each in its display unit
-//! per that of the parameter.
+//! per display unit of the parameter.
 
 use super::parquet::{WriteError, entries, is_sound, write_batch};
 use super::{
@@ -22,7 +22,7 @@ const ENDING: &str = ".gradients.parquet";
 /// Names of the columns of texts.
 const TEXTS: [&str; 2] = ["parameter", "parameter_unit"];
 
-/// Before the path of a parameter in the metadata: the SI value of its unit.
+/// Prefix of a key in the metadata. The path of a parameter follows; the value is the SI value of its unit.
 const SCALE: &str = "gradient.";
 /// The columns of the samples themselves, and the names of their derivatives. No channel has such a name.
 const OF_SAMPLES: [(&str, &str); 3] = [
@@ -31,7 +31,8 @@ const OF_SAMPLES: [(&str, &str); 3] = [
     (CYCLE_SPEED, "cycle.speed.gradient"),
 ];
 
-/// The column with the derivatives of a column: of time and cycle another one, because these keep their values.
+/// The name of the column with the derivatives of a column. It is the name of the column itself, except for
+/// time and cycle, whose columns hold their values.
 pub(crate) fn derivative_of(path: &str) -> &str {
     let own = OF_SAMPLES.iter().find(|(of, _)| *of == path);
     own.map_or(path, |(_, name)| name)

@@ -60,9 +60,10 @@ pub enum Event {
 const BETWEEN: Duration = Duration::from_millis(20);
 
 /// Runs several analyses, up to `threads` at a time. If there are fewer analyses than threads, each has an
-/// equal share of the threads for its films on cells. `on_event` gets events, of progress at most fifty a
-/// second, with the index of its analysis in `analyses`. After a `Break` no further analysis begins, and those that run
-/// are stopped. The results equal those of [`run`] to the last bit, for any number of threads. `patient`: see [`run`].
+/// equal share of the threads for its films on cells. `on_event` gets each event with the index of its
+/// analysis in `analyses`; events of progress come at most fifty times a second. After a `Break` no further
+/// analysis begins, and those that run are stopped. The results equal those of [`run`] to the last bit, for
+/// any number of threads. `patient`: see [`run`].
 pub fn run_many(
     analyses: &[Analysis],
     patient: bool,
@@ -73,7 +74,7 @@ pub fn run_many(
     let broken = AtomicBool::new(false);
     let (sender, receiver) = mpsc::channel();
     let together = threads.get().min(analyses.len().max(1));
-    // analyses share the processors: their films have those that are left
+    // with fewer analyses than threads, the films on cells of each have an equal share of the threads
     let each = NonZeroUsize::new(threads.get() / together).unwrap_or(NonZeroUsize::MIN);
     std::thread::scope(|scope| {
         for _ in 0..together {
@@ -338,7 +339,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     let cells = clock.since();
     facts.extend(errors.iter().map(GridError::text));
     if outcome.results.are_modes() || outcome.results.are_responses() {
-        // these have no orbits and no peaks
+        // modes and responses have no orbits and no peaks
         machine.journals.clear();
         machine.summaries.clear();
     }

@@ -67,7 +67,8 @@ pub struct KernelResult {
     pub dimension: Dimension,
     /// Number of numbers: a list has more than one.
     pub count: u32,
-    /// Its usual size where the first answer is 1 (SI). Static modes of flexible bodies follow from it.
+    /// The usual size of its numbers when the first answer is 1 (SI). Static modes of flexible bodies follow
+    /// from it.
     pub size: f64,
     /// Whether it is a continuous function of motion and memory. A place that jumps from cell to cell, a number
     /// that changes where a cell ruptures or fills, and an error of the steps are not. They need not repeat in a
@@ -438,9 +439,8 @@ impl FieldGrid {
 /// The equations of one field. It holds no state.
 pub trait FieldKernel: Send + Sync + fmt::Debug {
     /// A solver with memory of its own. `differentiated` states for each answer of the kernel's row whether
-    /// its derivatives are read
-    /// ([`ClassFacts::differentiated`](crate::system::ClassFacts::differentiated)); of answers beyond its
-    /// end they are.
+    /// its derivatives are read ([`ClassFacts::differentiated`](crate::system::ClassFacts::differentiated)).
+    /// Those of answers beyond the end of the list are read.
     fn solver(&self, differentiated: &[bool]) -> Box<dyn FieldSolver>;
     /// Count of numbers that the field keeps from one moment to the next, such as the oil in the cells of a
     /// film.
@@ -507,7 +507,7 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     /// Appends numbers of the last solution from which the search for a solution nearby begins well, such as
     /// the cavity of a film.
     fn found(&self, _numbers: &mut Vec<f64>) {}
-    /// Begins the next search at such numbers, and returns those after its own.
+    /// Begins the next search at numbers of [`FieldSolver::found`], and returns the numbers after its own.
     fn begin_at<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
         numbers
     }
@@ -516,7 +516,7 @@ pub trait FieldSolver: Send + Sync + fmt::Debug {
     fn kept(&self, numbers: &mut Vec<f64>) {
         self.found(numbers);
     }
-    /// Takes such numbers, and returns those after its own.
+    /// Takes numbers of [`FieldSolver::kept`], and returns the numbers after its own.
     fn keep<'n>(&mut self, numbers: &'n [f64]) -> &'n [f64] {
         self.begin_at(numbers)
     }

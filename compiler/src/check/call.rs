@@ -363,7 +363,7 @@ impl<'p> Checker<'p> {
         lacks
     }
 
-    /// The parameters of a class of which some have an argument.
+    /// The parameters of a class, with the places of the arguments that some have already.
     fn slots_with(&mut self, id: DefinitionId, given: &[(usize, Span)]) -> Vec<Slot> {
         let mut slots = self.slots_of(id);
         for (at, place) in given {

@@ -214,7 +214,7 @@ impl<'a> Elaborator<'a, '_> {
         let near = bench.subtract(near, shift);
         let near = bench.binary(near, from, Graph::maximum);
         let after = operations(bench);
-        // a function that is zero there, with the rate of the angle
+        // a function that is zero at the ends of the interval and changes there at the rate of the angle
         let half_turn = bench.constant(std::f64::consts::PI);
         let half_turns = bench.multiply(periods, half_turn);
         let sine = bench.unary(half_turns, |graph, x| graph.unary(Elementary::Sin, x));

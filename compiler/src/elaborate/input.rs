@@ -352,7 +352,6 @@ impl BindProgram {
     }
 }
 
-/// The name of a function or table.
 /// Whether a function is the slope or curvature of a table.
 fn is_derivative_of_table(value: &Value<'_>) -> bool {
     let (mut inner, mut order) = (value, 0);
@@ -363,6 +362,7 @@ fn is_derivative_of_table(value: &Value<'_>) -> bool {
     order > 0 && matches!(inner, Value::Table(_))
 }
 
+/// The name of a function or table; `None` for another item.
 fn name_of(item: &ast::Item) -> Option<String> {
     match &item.kind {
         ItemKind::Function(function) => Some(function.name.text.clone()),

@@ -31,7 +31,7 @@ const HELD: usize = 8;
 const MOST: usize = 3;
 /// Correction after the held steps up to which the search has ended, over the size of the unknown and of its way.
 const ENDED: f64 = 1e-6;
-/// The same in SI units, for a zero at zero.
+/// The same correction in SI units, for a zero at zero.
 const SMALL: f64 = 1e-12;
 /// Share of the sum of its products' magnitudes below which a determinant is rounding. The equations then do
 /// not determine the unknowns, and the correction is meaningless.
@@ -99,7 +99,7 @@ impl<'a> Elaborator<'a, '_> {
             let (share, least) = (graph.constant(ENDED), graph.constant(SMALL));
             let most = graph.multiply(share, size);
             let most = graph.add(most, least);
-            // so that the margin of the condition is a correction without a determinant, too
+            // without a determinant the margin of the condition is the correction itself
             let most = graph.select(determined, most, none);
             let fits = graph.less_equal(correction, most);
             ended = graph.push(crate::ir::Op::And(ended, fits));

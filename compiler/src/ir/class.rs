@@ -143,7 +143,7 @@ impl ClassBody {
             .iter()
             .flatten()
             .any(|n| graph.as_constant(*n) != Some(0.0));
-        // without −Gᵀλ, which has the time of the constraints
+        // the applied loads alone: `rows_over_time` tells whether −Gᵀλ depends on time
         let own: Vec<Node> = self
             .loads
             .iter()

@@ -30,9 +30,9 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Course, TableKink};
 use std::collections::BTreeMap;
 
-/// The highest derivative that must be continuous: that of a load, which bends otherwise, and that of a
-/// constraint, whose acceleration jumps otherwise.
+/// Highest derivative of a load that must be continuous. Without it the load bends.
 const OF_LOADS: u8 = 1;
+/// Highest derivative of a constraint that must be continuous. Without it the demanded acceleration jumps.
 const OF_CONSTRAINTS: u8 = 2;
 
 /// An operation with a kink. For a table also the index of the argument, else zero.
@@ -412,7 +412,8 @@ fn with_rates(
         if !inputs_of(graph, &[*slope]).contains(&InputLayout::TIME) {
             kind.course = Course::Uniform;
         } else if kind.table.is_some() {
-            // the functions of a table's points are its argument less each point, and these have no search ahead
+            // the functions of a table's points are its argument less each point; these are not searched
+            // ahead
             kind.course = Course::Motion;
         }
     }

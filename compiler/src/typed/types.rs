@@ -278,7 +278,8 @@ impl Quantity {
         Ok(Quantity { dim, soft, kind })
     }
 
-    /// The harder of two angles.
+    /// The dimension of the quantity whose angle is declared, this one first, and whether both angles are
+    /// computed.
     fn angle_with(&self, other: &Quantity) -> (Dim, bool) {
         if self.soft && !other.soft {
             (other.dim.clone(), false)

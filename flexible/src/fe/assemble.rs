@@ -420,7 +420,7 @@ impl System<'_> {
                 &element,
                 |positions, axes, stations, material| {
                     let own = match own {
-                        // its rule is not public
+                        // Nastran's rule for the lumped mass of a tapered beam is not public
                         BeamMass::Lumped { .. } if stations.len() > 1 => BeamMass::Consistent,
                         own => own,
                     };
@@ -455,7 +455,7 @@ impl System<'_> {
         }
     }
 
-    /// Springs k Σ c d·q along the components' directions d in basic axes.
+    /// Adds springs: the force k Σ c d·q along the directions d of the components in basic axes.
     fn add_springs(&mut self) {
         for spring in &self.mesh.springs {
             let terms = self.extension(spring);
@@ -467,7 +467,7 @@ impl System<'_> {
         }
     }
 
-    /// Masses m of differences of freedoms: m times the square of the rate of the extension is twice the
+    /// Adds masses m of differences of freedoms: m times the square of the rate of the extension is twice the
     /// kinetic energy.
     fn add_inerters(&self, mass: &mut Vec<(u32, u32, f64)>) {
         for inerter in &self.mesh.inerters {

@@ -160,8 +160,8 @@ impl<'a> Beam<'a> {
         Constants::new(&section_at(self.stations, share), self.material)
     }
 
-    /// The points and weights of an integral from the first end to a distance from it, with the constants there. A uniform
-    /// beam has as many points as stated.
+    /// The points and weights of an integral from the first end to a distance `to` from it, with the
+    /// constants there. `uniform` is the number of points of a uniform beam.
     fn points(&self, to: f64, uniform: usize) -> Vec<(f64, f64, Constants)> {
         let rule = |from: f64, to: f64, count: usize| {
             let points = unit_interval(count).into_iter();
@@ -315,9 +315,9 @@ impl<'a> Beam<'a> {
         self.of_neutral_axis(stiffness, false)
     }
 
-    /// A matrix over the freedoms of the ends from one whose displacements u are those of the centroids, `u + z θ_y − y
-    /// θ_z`; with `across` also v and w are, `v − z θ_x` and `w + y θ_x`. Shear and torque act in the line of the ends,
-    /// axial force and moments in that of the centroids.
+    /// Transforms a matrix whose displacement u is that of the centroid, `u + z θ_y − y θ_z`, to the freedoms
+    /// of the ends. With `across` its v and w are also those of the centroid, `v − z θ_x` and `w + y θ_x`.
+    /// Shear and torque act in the line of the ends, axial force and moments in the line of the centroids.
     fn of_neutral_axis(&self, matrix: EndMatrix, across: bool) -> EndMatrix {
         let [y, z] = self.centroid;
         if y == 0.0 && z == 0.0 {
@@ -491,13 +491,13 @@ impl Beam<'_> {
     }
 }
 
-/// Index among twelve of the bending freedom 0…7 of both ends.
+/// Index among the twelve freedoms of both ends of their bending freedom 0…7.
 fn bending(index: usize) -> usize {
     6 * (index / 4) + BENDING[index % 4]
 }
 
-/// Stiffness, and another matrix over the same freedoms that follows it where ends are released: mass or
-/// geometric stiffness.
+/// Stiffness and a second matrix over the same freedoms: mass or geometric stiffness. Where an end is
+/// released, the second matrix is condensed by the stiffness.
 struct Pair {
     stiffness: EndMatrix,
     other: EndMatrix,
@@ -544,8 +544,8 @@ fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String
     Ok(())
 }
 
-/// The stiffness and another matrix of a beam in element axes, and the transformation from the nodes'
-/// freedoms in basic ones.
+/// The stiffness and a second matrix of a beam in element axes, and the transformation to them from the
+/// nodes' freedoms in basic axes.
 fn placed(
     positions: [[f64; 3]; 2],
     axes: &BeamAxes,
@@ -603,7 +603,7 @@ fn placed(
 /// The mass of a beam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BeamMass {
-    /// Of the displacements between the ends, with the rotary inertia of the sections.
+    /// From the displacements between the ends, with the rotary inertia of the sections.
     Consistent,
     /// That of Nastran's `CBAR` with `PARAM,COUPMASS`.
     Coupled,

@@ -77,7 +77,8 @@ pub(super) fn role<'a>(mesh: &'a Mesh, element: &Element) -> Option<Role<'a>> {
     }
 }
 
-/// `line`: whether lines alone use it, which may have any shear modulus.
+/// The fault of a material, if it has one. `line` states whether lines alone use it: these may have any shear
+/// modulus.
 fn material_fault(material: &Material, line: bool) -> Option<String> {
     let most = if line { f64::INFINITY } else { 0.5 };
     let (young, poisson, density) = (material.young, material.poisson, material.density);
@@ -309,7 +310,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
     Ok(())
 }
 
-/// A solid of a property that names no material.
+/// The error for a solid whose property names no material.
 fn without_material(mesh: &Mesh, element: &Element, property: &str) -> FlexibleError {
     let property = match property {
         "" => String::new(),

@@ -194,7 +194,7 @@ impl Reduction {
         }
     }
 
-    /// The free freedom that a full one simply is.
+    /// The free freedom that equals a full one; `None` for a held one and for a sum.
     fn plain(&self, freedom: usize) -> Option<u32> {
         match self.row(freedom) {
             (&[free], &[1.0]) if self.free[free as usize] as usize == freedom => Some(free),

@@ -205,8 +205,9 @@ pub(super) fn prepare(
     prepared.collect()
 }
 
-/// Refuses shapes that the nodes cannot follow: a wave needs some nodes, and a degree across as many equal steps. The nodes of one face
-/// count, because in a mesh without rows those of many faces lie close to each other in angle or height.
+/// Refuses shapes that the nodes cannot follow: a wave around needs [`NODES_A_WAVE`] nodes, and a degree n
+/// across needs n equal steps. The nodes of one face count, because in a mesh without rows the nodes of many
+/// faces lie close to each other in angle or height.
 fn enough_nodes(
     mesh: &Mesh,
     nodes: &BTreeSet<u32>,
@@ -244,7 +245,7 @@ fn enough_nodes(
             ),
         ));
     }
-    // rows at equal distances are one more than steps
+    // the number of equal steps of this length across the width, which is 2 in ζ
     let most = 2.0 / sums.steps[1] * (1.0 + 1e-6);
     if f64::from(surface.shapes.across) > most {
         return Err(refuse(
@@ -313,7 +314,9 @@ impl Sums {
             }
         }
         let corners = kind.corner_count();
-        // chords lie inside of their arcs, by more than a thin wall is thick; the corners of face and element do so equally
+        // The mean of a face's corners lies on a chord, inside of the arc of the bore, perhaps by more than a
+        // thin wall is thick. The mean of the element's corners lies inside of its arc alike, so these two
+        // are compared.
         let own = mean(&places[..corners.min(nodes.len())]);
         let (_, _, out) = bore.seen(own);
         let convex =
@@ -468,7 +471,7 @@ pub(super) struct Answered {
     compliance: Vec<f64>,
 }
 
-/// The mesh with its freedoms.
+/// The mesh with its freedoms, for the loads of surfaces.
 pub(super) struct Places<'a> {
     pub mesh: &'a Mesh,
     pub markers: &'a MarkerFreedoms<'a>,

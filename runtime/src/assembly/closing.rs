@@ -24,7 +24,7 @@ const BENDING: f64 = 1e-2;
 pub struct Numbers(u64);
 
 impl Numbers {
-    /// A sequence.
+    /// The sequence of a seed.
     pub fn new(seed: u64) -> Numbers {
         Numbers(
             seed.wrapping_mul(2_862_933_555_777_941_757)
@@ -182,8 +182,9 @@ fn follow_wishes(
     }
 }
 
-/// Where guesses keep a pin out of its shell, moves the pins into their shells without the guesses: these are only
-/// the first values of the search. A guess inside of all clearances stays, because a film lets the pin be anywhere there.
+/// Moves the pins into their shells without the guesses, if guesses keep a pin out of its shell. Guesses are
+/// only the first values of the search. A guess inside of all clearances stays, because a film lets the pin
+/// be anywhere there.
 fn leave_guesses(
     model: &Model,
     exact: &[usize],
@@ -319,7 +320,7 @@ pub fn close_all(
         }
         return Ok(());
     }
-    // a row may be no number, from a table without a value at the start or from an undefined expression
+    // a row may be NaN, from a table without a value at the start or from an undefined expression
     if let Some((_, i)) = open.iter().find(|(size, _)| !size.is_finite()) {
         let (element, _) = rows.owners[*i];
         let inputs = super::rows::inputs(model, element, &at(state));

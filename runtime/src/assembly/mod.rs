@@ -353,7 +353,7 @@ fn freeze(model: &mut Model, state: &State) {
     }
 }
 
-/// Difference of rows (SI) between two turns below which it is rounding.
+/// Difference between the rows of two turns (SI) that is only rounding.
 const TURN_MARGIN: f64 = 1e-12;
 
 /// Chooses the turn of each rotation in the rows: the one with the smallest rows, and among equals the one
@@ -473,8 +473,8 @@ fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     Ok(())
 }
 
-/// The stated angle of one marker from another (rad): that of the two themselves, else that of other markers
-/// of their bodies.
+/// The stated angle of one marker from another (rad): the angle of these two markers, else that of other
+/// markers of the same bodies.
 fn stated_between(model: &Model, markers: [usize; 2], stated: &[([usize; 2], f64)]) -> Option<f64> {
     let bodies = |markers: [usize; 2]| markers.map(|m| model.markers[m].body);
     let signed = |same: &dyn Fn([usize; 2]) -> bool| {

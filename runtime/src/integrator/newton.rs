@@ -42,21 +42,25 @@ struct Iteration {
     goal: f64,
     noise: f64,
     floor: f64,
-    /// Largest change of the last correction, of the same matrix.
+    /// Largest change of the correction before, if it has the same matrix.
     last: Option<f64>,
-    /// Number of matrices in this step, and whether the next iteration needs a new one.
+    /// Number of matrices in this step.
     fills: usize,
+    /// Whether the next iteration needs a new matrix.
     renew: bool,
-    /// Largest change of the last correction, and largest scaled residual before it.
+    /// Largest change of the last correction, shortened by its halvings.
     step: f64,
+    /// Largest scaled residual before the last correction.
     before: f64,
-    /// Whether secants help, and whether `plain` is the correction before the last move, with the same matrix.
+    /// Whether secants help.
     learns: bool,
+    /// Whether `plain` is the correction before the last move, with the same matrix.
     known: bool,
     /// Whether the prediction extrapolates with rates of change.
     smooth: bool,
-    /// Whether a correction was applied, and the number of halvings.
+    /// Whether a correction was applied.
     moved: bool,
+    /// Number of halvings.
     backtracks: usize,
     /// The reason for values that are not finite.
     cause: Option<RuntimeError>,

@@ -1,9 +1,10 @@
 //! The derivative of a step by a parameter.
 //!
-//! A step solves `R(x', x, p) = 0`, so that `A δx' = −(∂R/∂x δx + ∂R/∂p)` with the matrix A of Newton's iteration. The
-//! residual depends on the beginning x of a step through the recurrences of the scheme alone. So a first guess of δx'
-//! follows from the derivatives of the recurrences, with accelerations, multipliers and rates of states as they were.
-//! Corrections remove the derivative of the residual that is left,
+//! A step from x to x' solves `R(x', x, p) = 0`, so that `A δx' = −(∂R/∂x δx + ∂R/∂p)` with the matrix A of
+//! Newton's iteration (O. Brüls, P. Eberhard, Int. J. Numer. Meth. Engng 74 (2008) 1889). The residual
+//! depends on the beginning x of a step through the recurrences of the scheme alone. So a first guess of δx'
+//! follows from the derivatives of the recurrences, with δv̇, δλ and δẏ as they were at the beginning.
+//! Corrections c remove the derivative ρ of the residual that the guess leaves,
 //!
 //! ```text
 //! ρ = K [δq'; δy'; δλ'] + D δv' + M δv̇' + [0; δẏ'; 0] + ∂R/∂p      A c = −ρ
@@ -34,22 +35,23 @@ pub struct Variation {
     pub velocity: Vec<f64>,
     /// δv̇.
     pub acceleration: Vec<f64>,
-    /// δa of the scheme.
+    /// δa of the auxiliary accelerations a of the scheme.
     pub auxiliary: Vec<f64>,
-    /// That of the part of the velocity that violates the constraints; see [`Integrator::set_defect`].
+    /// The derivative of the part of the velocity that violates the constraints; see
+    /// [`Integrator::set_defect`].
     pub defect: Vec<f64>,
     /// δy of the states.
     pub states: Vec<f64>,
     /// δẏ.
     pub rates: Vec<f64>,
-    /// Those of the auxiliary rates of the states.
+    /// The derivatives of the auxiliary rates of the states.
     pub state_auxiliary: Vec<f64>,
     /// δλ.
     pub multipliers: Vec<f64>,
 }
 
 impl Variation {
-    /// Zeros.
+    /// Derivatives that are all zero.
     pub fn new(model: &Model) -> Variation {
         let (n, s) = (vec![0.0; model.velocities], vec![0.0; model.states]);
         Variation {
@@ -159,7 +161,7 @@ pub struct StepDerivative {
 }
 
 impl StepDerivative {
-    /// Room for a model.
+    /// The matrices of a model, not yet filled.
     pub fn new(model: &Model) -> StepDerivative {
         let plan = MatrixPlan::new(model);
         let (size, count) = (plan.pattern.size(), plan.pattern.count());
@@ -275,9 +277,9 @@ impl StepDerivative {
         }
     }
 
-    /// The derivative at the end of the last step h (s), from that at its beginning. `partial` is ∂R/∂p (N, N m, rates of
-    /// states, m, rad) at the end. `ratio` is the step over that of the auxiliary numbers before, and `old.velocity` includes
-    /// the change of its part normal to the constraints.
+    /// The derivative at the end of the last step h (s), from the derivative `old` at its beginning.
+    /// `partial` is ∂R/∂p (N, N m, rates of states, m, rad) at the end. `ratio` is h over the step of the old
+    /// auxiliary numbers. `old.velocity` includes the change of its part normal to the constraints.
     pub fn advance(
         &mut self,
         model: &Model,
@@ -421,7 +423,7 @@ impl Integrator {
             self.increment.copy_from_slice(&step.increment);
             return;
         }
-        // exp(u*) = exp(−δq) exp(u) exp(δq'): only the changes round, not u
+        // exp(u*) = exp(−δq) exp(u) exp(δq'): only the changes are rounded, not u
         for body in &model.bodies {
             let v = body.velocity;
             for i in 0..body.width() {
@@ -437,8 +439,8 @@ impl Integrator {
         }
     }
 
-    /// Exchanges the kept factors with another integrator of the same pattern, which takes the scales too. A second call
-    /// gives them back.
+    /// Exchanges the kept factors with another integrator of the same pattern. The other one also takes the
+    /// scales. A second call gives the factors back.
     pub fn exchange_factors(&mut self, other: &mut Integrator) {
         std::mem::swap(&mut self.solver, &mut other.solver);
         std::mem::swap(&mut self.factored_step, &mut other.factored_step);

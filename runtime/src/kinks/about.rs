@@ -9,16 +9,16 @@ use crate::integrator::STATE_SHARE;
 /// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
 /// kink, so the load of this distance is an error.
 const BEFORE: f64 = 0.01;
-/// A state nearer to a kink than this number of these distances counts as at the kink. Nearer than the second one, rounding decides
-/// the side.
+/// A state nearer to a kink than this many times the distance of [`BEFORE`] counts as at the kink.
 const AT: f64 = 2.0;
+/// Nearer to a kink than this many times the distance of [`BEFORE`], rounding decides the side of a state.
 const BESIDE: f64 = 0.5;
 /// Limit of a time, as a share of the time itself.
 const MOMENT: f64 = 8.0 * f64::EPSILON;
 /// Share of the limit of a function without a unit above which its sign is not due to rounding.
 const SIGN: f64 = 1e-6;
-/// Number of steps one after the other that pass one kink, from which on the motion stays at it: a valve whose
-/// pressures have become equal, a body that sticks. Ending every step there would gain nothing.
+/// Number of successive steps that pass one kink after which the motion counts as staying there: a valve
+/// whose pressures have become equal, a body that sticks. Ending every step there would gain nothing.
 const STAYS: f64 = 3.0;
 /// Share of the change of a function over a step that its rates do not explain. Above it, a `wrapped` angle has jumped by a period.
 const WRAPPED: f64 = 0.5;
@@ -26,7 +26,7 @@ const WRAPPED: f64 = 0.5;
 impl Kinks {
     /// The limit of a function at a time (s), for a factor on the tolerances.
     pub(super) fn limit(&self, item: usize, time: f64, factor: f64) -> f64 {
-        // that of the end nearer to the kink, because both may differ much
+        // the slope at the end nearer to the kink, because the slopes at both ends may differ much
         let nearer = self.next[item][0].abs() < self.now[item][0].abs();
         let slope = self.slopes[usize::from(nearer)][item];
         // where the slope vanishes, rounding must not decide the side
@@ -85,8 +85,9 @@ impl Kinks {
     /// The crossing of a function in the last trial of h (s), deeper than its limit. The trial ends at a time (s).
     fn crossing_deeper(&self, item: usize, h: f64, time: f64, factor: f64) -> Option<Crossing> {
         let limit = self.limit(item, time, factor);
-        // a moment is known exactly, and beside the kink of a valve states move infinitely fast; at a length rounding must
-        // not decide which side an end is on
+        // The end aims at the kink itself at a moment, which is known exactly, and at the kink of a valve,
+        // beside which states move infinitely fast. At a length it aims before the kink, because rounding
+        // must not decide its side.
         let aim = BEFORE * limit;
         let (depths, aim) = match self.items[item].limit {
             Limit::Time | Limit::Share => ([limit; 2], 0.0),
@@ -222,8 +223,8 @@ impl Kinks {
         }
     }
 
-    /// A kink in time less than a millionth of a step h (s) behind the end of the last trial: a step that began at the end
-    /// would not end there.
+    /// A kink in time less than a millionth of a step h (s) after the end of the last trial: a step that
+    /// began at this end would not end at the kink.
     pub fn moment_behind(&self, h: f64) -> Option<usize> {
         let mut ends = self.next.iter().enumerate();
         ends.find(|(item, [value, rate])| {
@@ -234,8 +235,9 @@ impl Kinks {
         .map(|(item, _)| item)
     }
 
-    /// The time (s) until the function of a kink is on its other side by a share of its limit, at its present rate at a time
-    /// (s); `None` if the last step did not end at the kink, or if it does not come there.
+    /// The time (s) until the function of a kink is on its other side by a share of its limit, if it keeps
+    /// its present rate. `None` if the last step did not end at the kink, or if the function does not come
+    /// there.
     pub fn across(&self, item: usize, share: f64, time: f64, factor: f64) -> Option<f64> {
         let [value, rate] = self.now.get(item)?;
         if value.abs() > self.end(item, time, factor) {
@@ -309,7 +311,7 @@ impl Kinks {
             .collect()
     }
 
-    /// Those of constraints.
+    /// The kinks of constraints among [`Kinks::here`].
     pub fn constrains_here(&self, time: f64, factor: f64) -> Vec<usize> {
         let items = self.constraining.iter().copied();
         items
@@ -336,7 +338,7 @@ impl Kinks {
         passed.collect()
     }
 
-    /// A kink that the step before the last accepted state passed; the state has a time (s).
+    /// The crossing of a kink that the step before the last accepted state passed. The state has a time (s).
     pub fn at_end(&self, item: usize, time: f64) -> Crossing {
         Crossing {
             time: 0.0,

@@ -22,8 +22,9 @@ use nalgebra::{DMatrix, DVector};
 const POWERS: std::ops::RangeInclusive<i32> = -9..=3;
 /// Share of the slope by which the slopes to both sides may differ at every step; a larger share is a kink.
 const BENT: f64 = 1e-3;
-/// Number of the smallest steps whose scatter shows the rounding, and the least number of other steps.
+/// Number of the smallest steps whose scatter shows the rounding.
 const SCATTER: usize = 3;
+/// Least number of other steps.
 const WIDE: usize = 6;
 /// Number of roundings up to which a difference of slopes counts as zero.
 const NOISE: f64 = 1e3;
@@ -236,7 +237,7 @@ struct Differences {
 
 /// The rounding of each number, as the scatter of `f(h) + f(−h) − 2 f(0)` over the smallest steps shows it. An
 /// acceleration that is the small difference of large loads has far more than one rounding of itself. A kink adds its
-/// bend times h, which at these steps is as small as nothing beside that at the others.
+/// bend times h, which is negligible at these steps beside the other steps.
 fn noise(steps: &[Differences], count: usize) -> Vec<f64> {
     let smallest = steps
         .iter()

@@ -25,22 +25,25 @@ const AROUND: [(f64, f64); 4] = [
     (2.0, -1.0 / 12.0),
     (-2.0, 1.0 / 12.0),
 ];
-/// Increment of a parameter, as a share of its size.
+/// Increment of a parameter, as a share of its size. The error of a difference is then about 1e-9 of ∂R/∂p,
+/// from rounding.
 const SHARE: f64 = 2.5e-4;
-/// Largest displacement of a marker by an increment, as a share of the model's position tolerance, which is a thousandth of
-/// the smallest clearance; and as a share of the model's length if no class resolves a length. Forces are smooth over it.
+/// Largest displacement of a marker by an increment, as a share of the model's position tolerance. The
+/// tolerance is a thousandth of the smallest clearance, so forces are smooth over this displacement.
 const REACH: f64 = 0.25;
+/// The same as a share of the model's length, if no class resolves a length.
 const REACH_OF_LENGTH: f64 = 1e-4;
-/// Largest move of the state over the increment of a parameter, in multiples of the lengths above, for one difference of
-/// samples over both.
+/// Largest move of the state over the increment of a parameter, in multiples of the lengths above, at which
+/// one difference of a sample serves the state and the parameter together. Times [`REACH`] it is the
+/// tolerance of positions.
 const JOINT: f64 = 4.0;
 /// Largest change of a state by an increment, as a share of its size.
 const STATES: f64 = 1e-4;
-/// Largest difference between the derivatives of the start over one and over two increments, as a share of the largest, and
-/// as one of the model's size per change of the parameter by its size.
+/// Largest difference between the derivatives of the start over one and over two increments: as a share of
+/// the largest derivative, plus a share of the model's sizes per relative change of the parameter.
 const START: (f64, f64) = (1e-4, 1e-6);
-/// Displacement, of the model's length, per change of a parameter by its size, from which on a gradient predicts only tiny
-/// changes.
+/// Displacement over the model's length per relative change of a parameter. Above it a gradient predicts only
+/// changes below a millionth of the parameter.
 const SENSITIVE: f64 = 1e6;
 /// Increment of the time of a sample, as a share of the step.
 const MOMENT: f64 = 1e-2;
@@ -55,12 +58,13 @@ pub struct Gradients {
     dynamics: Dynamics,
     /// The same model, for differences along the motion of the state.
     same: Box<Simulation>,
-    /// The step (s) to which the auxiliary numbers belong, and whether their own part of the velocity is in the derivatives.
+    /// The step (s) to which the auxiliary numbers belong.
     auxiliary_step: f64,
+    /// Whether no step was followed yet.
     at_start: bool,
     /// Length (m) over which forces are smooth.
     reach: f64,
-    /// Whether a kink, and a sensitive motion, were told.
+    /// Whether the warnings of a kink and of a sensitive motion were given.
     warned: [bool; 2],
 }
 
@@ -101,8 +105,8 @@ impl Gradients {
     /// values of parameters of this simulation.
     ///
     /// # Errors
-    /// A model or a parameter without derivatives; a start that is not smooth in a parameter; those of the start at values
-    /// of a parameter nearby.
+    /// A model or a parameter without derivatives; a start that is not smooth in a parameter; the errors of a
+    /// start at values of a parameter nearby.
     pub fn new(
         compiled: &Compiled,
         overrides: &[Option<f64>],
@@ -181,7 +185,7 @@ impl Gradients {
             add_scaled(&mut old.velocity, share, &beside.before.defect);
             let steps = (h, ratio);
             beside.now = self.step.advance(model, from, steps, &old, &partial);
-            // behind a kink the auxiliary numbers begin with the accelerations
+            // after a kink the auxiliary numbers begin with the accelerations
             if from.auxiliary_step != h {
                 beside.now.auxiliary.clone_from(&beside.now.acceleration);
                 beside.now.state_auxiliary.clone_from(&beside.now.rates);
@@ -242,8 +246,10 @@ impl Gradients {
 
     /// The derivatives of the part of the velocity that violates the constraints, at the beginning of the last step.
     ///
-    /// With `x = P Φ̇(q, v)`, `G P = 1`, and without the part, `v̄ = v − x`, the derivative is `P δΦ̇(q, v̄)`. The derivative of the
-    /// measure P is left out: it moves tangentially by a share of x, which is of the size `C h² v̈`.
+    /// The part is `x = P Φ̇(q, v)` with `G P = 1`. P gives the least change of velocities in the measure of
+    /// the step's matrix ([`StepDerivative::nearest_change`]). With the velocity `v̄ = v − x` without the
+    /// part, the derivative is `P δΦ̇(q, v̄)`. The derivative of P is left out: it is a share of x in
+    /// tangential directions, and x is of the size `C h² v̈`.
     fn find_defects(&mut self, model: &Model, start: &State) -> Result<(), RuntimeError> {
         let mut base = start.clone();
         let mut rates = rates_at(&mut self.dynamics, model, &base)?;
@@ -400,12 +406,12 @@ impl Gradients {
         for (at, weight) in AROUND {
             let mut there = sample;
             there.moment.time += at * increment;
-            // the time that rounding leaves
+            // divided by the increment that rounding leaves of the time
             let share = weight * at / (there.moment.time - sample.moment.time);
             sample_beside(&mut self.same, base, there, share, &mut rates)?;
             rest += share;
         }
-        // without rounding the shares have no sum
+        // the shares would sum to zero without rounding: the value at the sample itself takes what is left
         add_channels(base, -rest, &mut rates);
         Ok(rates)
     }
@@ -512,7 +518,7 @@ impl Beside {
                 [*turned, *speed] = cycle;
             }
             add_scaled(&mut self.start, share, &values);
-            // rows of the kept factors have the scales of the motion
+            // the simulation takes kept factors of the motion, whose rows have the scales of the motion
             let (length, mass) = (model.length, model.mass);
             (simulation.model.length, simulation.model.mass) = (length, mass);
         }
@@ -577,7 +583,7 @@ fn increment(model: &Model, parameter: &Parameter, value: f64) -> Result<f64, Ru
 /// The largest displacement (m) of a marker in its body between two models, or its rotation times the model's length.
 fn moved_by(model: &Model, near: &Model) -> f64 {
     let pairs = model.markers.iter().zip(&near.markers);
-    // the assembly places a marker at another one
+    // a marker that the assembly places at another one has no position of its own
     let own = pairs.filter(|(_, near)| near.placed_at.is_none());
     own.fold(0.0_f64, |most, (a, b)| {
         let turned = (a.orientation - b.orientation).amax() * model.length;
@@ -607,7 +613,7 @@ fn residual_at(
     Ok(())
 }
 
-/// Φ̇ at a state.
+/// The rates Φ̇ of the constraints at a state.
 fn rates_at(
     dynamics: &mut Dynamics,
     model: &Model,
@@ -618,7 +624,9 @@ fn rates_at(
     Ok(dynamics.constraint_rates().to_vec())
 }
 
-/// The largest multiple of derivatives along which forces at a state are smooth; `None` if nothing moves.
+/// The increment of the parameter over which these derivatives of the state move nothing farther than forces
+/// are smooth: places by `reach` (m), velocities and states by like shares of their sizes. `None` if all
+/// derivatives are zero.
 fn distance(model: &Model, state: &State, along: [&Variation; 2], reach: f64) -> Option<f64> {
     let scales = model.velocity_scales();
     let pace = state.pace(model);
@@ -646,8 +654,8 @@ fn distance(model: &Model, state: &State, along: [&Variation; 2], reach: f64) ->
     }
 }
 
-/// Adds a multiple of the channels, of the cycle angle and of its rate (SI) at a time, for a simulation that stands beside the motion, with the
-/// factors of the motion.
+/// Adds a multiple of the channels, of the cycle angle and of its rate (SI) at a time, for a simulation that
+/// stands beside the motion. It solves with the kept factors of the motion.
 fn sample_beside(
     simulation: &mut Simulation,
     base: &mut Simulation,

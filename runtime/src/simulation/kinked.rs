@@ -11,16 +11,16 @@ use crate::state::State;
 
 /// Most trials of a step that a kink may shorten.
 const MOST_CUTS: usize = 14;
-/// Most trials that end where the cubic over the one before says, at a kink that is no length or angle, and
-/// the share of the way to it for the trials after that.
+/// At a kink that is no length or angle: most trials that end at the zero of the cubic over the trial before.
 const SECANTS: usize = 4;
+/// Share of the way to such a kink for the trials after these.
 const SHORT: f64 = 0.9;
 /// Share of the usual step below which the accelerations and multipliers of a step that ends at a kink are not accurate.
 const SHORT_STEP: f64 = 1e-2;
 /// Shortest trial that ends at a kink (s). A kink nearer than this is at the beginning of the step.
 const SHORTEST: f64 = 1e-12;
-/// Share of the way to a kink by which the third trial ends before it, its factor for each further one, and the largest
-/// share.
+/// Share of the way to a kink by which the third trial ends before the kink, the factor of this share for
+/// each further trial, and the largest share.
 const RETREAT: (f64, f64, f64) = (1e-5, 8.0, 0.1);
 /// Share of the change of accelerations after a kink that a jump makes at the kink itself.
 const AT_ONCE: f64 = 0.5;
@@ -28,16 +28,18 @@ const AT_ONCE: f64 = 0.5;
 const ACROSS: f64 = 1e-3;
 /// Distance of the states after a kink, as a share of the time in which the motion covers about its own size.
 const BEHIND: f64 = 1e-4;
-/// Their largest distance, as a share of the time to the next kink of the element.
+/// Largest distance of these states, as a share of the time to the next kink of the element.
 const BESIDE: f64 = 0.1;
 /// Largest deviation of accelerations and rates after a kink from a straight line through the state at the
 /// kink. A jump deviates by all of its size.
 const STRAIGHT: f64 = 0.5;
-/// Difference of accelerations or rates on both sides of a moment that is a jump, as a share of the largest of them.
+/// Difference of accelerations or rates between both sides of a moment above which they jump, as a share of
+/// the largest of them.
 const JUMP: f64 = 1e-9;
 /// Error of the velocity of a step after a kink that is allowed in any case, as a share of the largest velocity.
 const VELOCITY: f64 = 1e-4;
-/// Rounding of the increment of a step, of the model's length. Over a step it is one of the velocity.
+/// Rounding of the increment of a step, as a share of the model's length. Divided by the step it is a
+/// rounding of the velocity.
 const ROUNDING: f64 = 1e-14;
 /// Share of the step that the error allows after a kink, and largest growth of the step there. After a kink a
 /// force may grow as t^(3/2), as Hertz' contact does. The first step h then has an error of the velocity of
@@ -155,8 +157,8 @@ impl Simulation {
         }
     }
 
-    /// Starts the motion again after a kink at which loads jump. Returns the time (s) that passes, if they do. The next step
-    /// would end at a time (s) at the latest.
+    /// Starts the motion again after a kink if loads jump there, and then returns the time (s) that passes.
+    /// The next step would end at the time `end` (s) at the latest.
     pub(super) fn after_jump(
         &mut self,
         kink: usize,
@@ -210,8 +212,8 @@ impl Simulation {
             self.stand()?;
             return Ok(None);
         }
-        // the motion across leaves the constraints by the third power of its time, and every step behind it,
-        // however short, would have to remove this gap
+        // the motion across the kink leaves the constraints by the third power of its time, and the next
+        // step, however short, would have to remove this gap
         let projected = self.system.project(
             &self.model,
             &mut self.dynamics,
@@ -230,8 +232,8 @@ impl Simulation {
     /// Starts the motion again after a moment at which a load or the rate of a state jumps.
     ///
     /// The step before ends just before this moment, most often by some roundings of the time. The motion
-    /// continues up to both sides of it with the accelerations before it, also without a jump if the next step would end between
-    /// both sides: it would have no length.
+    /// continues up to both sides of it with the accelerations before it. Without a jump it does so only if
+    /// the next step would end between both sides, and so have no length.
     fn after_jump_in_time(&mut self, kink: usize, end: f64) -> Result<Option<f64>, RuntimeError> {
         let moment = self.moment();
         let time = self.integrator.current.time;
@@ -269,7 +271,8 @@ impl Simulation {
         self.begin_behind(&start, far).map(Some)
     }
 
-    /// Starts the motion again at a state after another one, the present one. Returns the time (s) between them.
+    /// Starts the motion again at the state `behind`, which follows the present state `start`. Returns the
+    /// time (s) between them.
     fn begin_behind(&mut self, start: &State, behind: State) -> Result<f64, RuntimeError> {
         let before = std::mem::replace(&mut self.integrator.current, behind);
         self.begin_anew()?;
@@ -295,7 +298,7 @@ impl Simulation {
         }
     }
 
-    /// A trial of h (s) whose error is also that of the velocities, after a kink.
+    /// A trial of h (s) after a kink, with the larger one of its errors of positions and of velocities.
     pub(super) fn with_velocity_error(&self, trial: Trial, h: f64, factor: f64) -> Trial {
         match trial {
             Trial::Solved { error } if self.before_kink > 0.0 => Trial::Solved {
@@ -309,8 +312,8 @@ impl Simulation {
     ///
     /// The error of the positions does not show a short pulse between two kinks: within a microsecond nothing
     /// moves. But the error of the velocity remains, and over a step as long as that before the pulse it
-    /// becomes one of positions. The scheme integrates accelerations like a trapezoid: the error of a step is
-    /// a twelfth of `h³` times their second rate.
+    /// becomes an error of positions. The scheme integrates accelerations like the trapezoidal rule: the
+    /// error of a step is `h³/12` times their second rate.
     fn velocity_error(&self, h: f64, factor: f64) -> f64 {
         let (begin, end) = (&self.integrator.current, self.integrator.trial_state());
         let scales = self.model.velocity_scales();
@@ -345,11 +348,13 @@ impl Simulation {
         if found.is_err() {
             return Ok(());
         }
-        // the step itself and the next one would take over the power of inaccurate multipliers
+        // the multipliers of such a step are inaccurate, and so is their power, which the energy of this step
+        // and of the next one would take
         if self.options.energy {
             self.powers[1] = self.dynamics.powers(&self.model, &start.multipliers)?.1;
         }
-        // rounding of positions is one of accelerations over the square of the step, which the scheme would carry on
+        // the rounding of positions over the square of a short step is an error of accelerations, which the
+        // scheme would carry on
         if h < SHORT_STEP * self.size.step {
             self.pass_defect(moment)?;
             self.integrator.take_accelerations(&start);
@@ -359,7 +364,7 @@ impl Simulation {
             return Ok(());
         }
         let e = (BEHIND / pace).min(h.max(BEHIND * self.size.step));
-        // not beyond the other face of a thin sheet
+        // the states must not lie behind the next kink, such as the other face of a thin sheet
         let beside = self.at_kink.map(|kink| self.kinks.time_beside(kink));
         let e = e.min(BESIDE * beside.unwrap_or(f64::INFINITY));
         let left = self.kinks.time_left(e);

@@ -12,7 +12,8 @@ use crate::state::{State, move_pose};
 use eng_system::dense::largest_scaled;
 use eng_system::system::{ConditionKind, Origin, StepControl};
 
-/// Largest change of an acceleration in the first step, as a share of its size.
+/// Largest change of an acceleration in the first step, as a share of its size, so that the step excites no
+/// ringing.
 const FOLLOWED: f64 = 0.2;
 /// This share of the largest acceleration is added to the size of each, so that an acceleration near zero
 /// does not shorten the first step.
@@ -406,8 +407,8 @@ impl Simulation {
         self.evaluated = None;
         self.cycle_at_ends = None;
         if self.options.step.fixed().is_some() && time >= end {
-            // the speed before a step decides; after the last one no other step would find a body that began
-            // at rest
+            // a step is refused by the speed before it, so no further step would find a body that began at
+            // rest in the last one
             self.turned_too_far(h)?;
         }
         let current = &self.integrator.current;
@@ -488,7 +489,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Replaces the error of a failed step by that of a lock, if the mechanism is at one.
+    /// Replaces the error of a failed step by [`RuntimeError::Locked`], if the mechanism is locked there.
     fn or_locked(&self, error: RuntimeError) -> RuntimeError {
         match error {
             RuntimeError::StepTooSmall { .. }
@@ -665,7 +666,8 @@ impl Simulation {
                     self.size.accepted(h, error);
                     self.keep_step_before_kink(wish);
                     if shortened {
-                        // the length up to a kink, or to the middle before it, is no measure of the next step
+                        // a step that was cut at a kink, or at the middle before it, is no measure of the
+                        // next step
                         self.size.step = self.size.step.max(wish);
                     }
                     return Ok((h, if last { end } else { begin + h }));

@@ -49,10 +49,11 @@ const LEFT: f64 = 0.25;
 const REACH: f64 = 0.2;
 /// Iterations of a portion, in a first search and in later ones.
 const ITERATIONS: [usize; 2] = [25, 60];
-/// Growth of the residual by which a step of a later search is too long, the factor that shortens it, and the least part of a
-/// step.
+/// Growth of the residual above which a step of a later search is too long.
 const GROWTH: f64 = 1.5;
+/// The factor that shortens such a step.
 const SHORTER: f64 = 0.3;
+/// Least part of such a step.
 const LEAST_PART: f64 = 1e-3;
 /// Share of the row of a moving part that other rows leave free, up to which it holds nothing more. Beside a drive
 /// the row of a leaning shaft leaves its tilt, and would hold it by the torque over the angle of the tilt.
@@ -241,8 +242,8 @@ impl<'a> Balance<'a> {
         Ok(balance)
     }
 
-    /// The state with its bodies moved as its loads push them, until the thinnest film has an eccentricity ratio; `None`
-    /// if no film becomes so thin.
+    /// The state with its bodies moved as its loads push them, until the thinnest film has the eccentricity
+    /// ratio `ratio`; `None` if no film becomes so thin.
     pub fn leaning(&mut self, state: &State, ratio: f64) -> Result<Option<State>, Stop> {
         let model = self.model;
         let place = Place {
@@ -714,7 +715,7 @@ impl<'a> Balance<'a> {
         factor
     }
 
-    /// Moves by a part of such a step.
+    /// Moves by a part of a step of Newton's method.
     fn shift(&self, place: &mut Place, step: &DVector<f64>, factor: f64) {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);

@@ -2,11 +2,11 @@
 //! sets become a [`Mesh`].
 //!
 //! The reader accepts free, small and large field in any mixture, continuations next to their card or
-//! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =` and `MPC =`, without
-//! which all sets apply, and `NSM =` and temperatures of materials. Sets of the mesh have the names `set:3` (`SET1`, `SET3`) and `pid:3`
-//! (elements with property 3). `PARAM,WTMASS` multiplies densities and masses here. Without a positive
-//! `PARAM,COUPMASS` the mesh is one of lumped masses, and without `PARAM,AUTOSPC,NO` it holds freedoms without
-//! stiffness.
+//! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =`, `MPC =`, `NSM =` and
+//! the temperatures of materials. Without `SPC =` or `MPC =` all sets apply. Sets of the mesh have the names
+//! `set:3` (`SET1`, `SET3`) and `pid:3` (elements with property 3). `PARAM,WTMASS` multiplies densities and
+//! masses here. Without a positive `PARAM,COUPMASS` the mesh has lumped masses, and without
+//! `PARAM,AUTOSPC,NO` freedoms without stiffness are held.
 //!
 //! ```text
 //! lines ─▶ sections ─▶ continuation ─▶ card ─▶ grids, elements, … (cards) ─▶ mesh
@@ -68,8 +68,8 @@ use unread::UnreadCards;
 ///
 /// # Errors
 /// With file, line and card: a file that can't be read or isn't a deck, text in the place of a number, a
-/// lost continuation, a missing or doubled grid point, element, property, material or coordinate system, a
-/// circle among them, a card that can't be expressed.
+/// lost continuation, a missing or doubled grid point, element, property, material or coordinate system,
+/// coordinate systems that refer to each other in a circle, a card that a [`Mesh`] can't hold.
 pub fn read_bulk(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
     let mut deck = Deck {
         mass_scale: 1.0,
@@ -116,9 +116,9 @@ struct Deck {
 }
 
 impl Deck {
-    /// Keeps a card, or counts it. A card may call a missing continuation. Like Nastran, the reader then
-    /// reads the card without it and lists this. It refuses the card if the continuation could hold nodes or
-    /// whole lists.
+    /// Keeps a card, or counts it as unread. A card may call a missing continuation. Like Nastran, the reader
+    /// then reads the card without it and notes a doubt. It refuses the card if the continuation could hold
+    /// nodes or whole lists.
     fn add(&mut self, card: &Card) -> Result<(), FileProblem> {
         match (self.read(card), card.lost_problem()) {
             (Err(problem), None) => Err(problem),
@@ -127,7 +127,7 @@ impl Deck {
                 Err(problem)
             }
             (Ok(true), Some(problem)) => {
-                // its continuation can hold only limits of stress
+                // the continuation of `MAT1` can hold only limits of stress
                 if card.name != "MAT1" {
                     let place = format!("{}:{}", card.at.file, card.at.line);
                     self.doubts.push(format!(
@@ -211,7 +211,7 @@ impl Deck {
                 }
                 self.mass_scale = scale;
             }
-            // OptiStruct has the words
+            // OptiStruct writes words in place of the number
             "COUPMASS" => {
                 self.coupled = match card.text(1) {
                     "YES" => true,

@@ -66,7 +66,7 @@ impl PropertyCard {
 enum Constants {
     /// Young's modulus, Poisson's ratio, density, and the shear modulus if the card states all three.
     Isotropic([f64; 3], Option<f64>),
-    /// Of a sheet.
+    /// The constants of a sheet.
     Sheet(Box<SheetConstants>),
     /// A material that can't be expressed.
     Unreadable,
@@ -222,7 +222,7 @@ impl Properties {
             }
             "PTUBE" => self.tube(card)?,
             "MAT1" => self.isotropic(card, unread)?,
-            // these are not lost as long as nothing uses them
+            // an unread property is an error only if an element uses it
             "PLSOLID" | "PCOMPS" => {
                 self.insert(card, Family::Solid, None, Kind::Unreadable)?;
             }
@@ -568,7 +568,8 @@ pub(super) struct Made<'d> {
 }
 
 impl<'d> Made<'d> {
-    /// None yet. `mass_scale` multiplies every density and added mass (`PARAM,WTMASS`).
+    /// Begins without properties and materials. `mass_scale` multiplies every density and added mass
+    /// (`PARAM,WTMASS`).
     pub fn new(cards: &'d Properties, mass_scale: f64) -> Self {
         Made {
             cards,
