@@ -9,6 +9,7 @@ use eng_runtime::{
     RuntimeError, Slow, StartReport, Turning, Undefined, Unstable,
 };
 use eng_system::code::BindError;
+use eng_system::sentence;
 use eng_system::significant::significant;
 use eng_system::system::{Location, Origin, Parameter, System};
 use eng_system::table::Outside;
@@ -297,19 +298,10 @@ pub(crate) fn independent(outputs: &[String], inputs: &[String], analysis: &Orig
         .with_help("check the loads that read the input, and the paths of the outputs; `eng results` lists them")
 }
 
-/// Names joined for a sentence. The names behind the fourth are counted.
+/// Names joined for a sentence.
 fn listed(names: &[String]) -> String {
-    const MOST: usize = 4;
-    match names {
-        [only] => only.clone(),
-        names if names.len() > MOST => format!(
-            "{} and {} more",
-            names[..MOST].join(", "),
-            names.len() - MOST
-        ),
-        [all @ .., last] => format!("{} and {last}", all.join(", ")),
-        [] => String::new(),
-    }
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    sentence::joined(&names, 4)
 }
 
 /// Adds the elements that change the coefficients with time, and the remedy.

@@ -15,7 +15,7 @@
 //! gives the reason. It also tells along which share of the flooded ends the oil fills less than a cell: the
 //! cells decide the inflow there.
 //!
-//! A solution on twice as many cells takes five to sixteen times as long, so only some moments have one. The
+//! A solution on twice as many cells takes five to thirteen times as long, so only some moments have one. The
 //! film on its own cells chooses them: those of the largest loads, of the highest pressures and of the least
 //! films. There all errors are largest, because the cells must follow the steepest pressure.
 

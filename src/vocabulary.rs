@@ -22,7 +22,7 @@ pub(crate) const WORDS: &[About] = &[
     ),
     (
         "analysis",
-        "`analysis run = transient(Model(), …)`: a model with a kind of computation; the kinds are transient, periodic, turn, equilibrium, linear and others of `docs/language.md#analyses`",
+        "`analysis run = transient(Model(), …)`: a model with a kind of computation: transient, periodic, linear, response, static or assemble; `docs/language.md#analyses` describes them",
     ),
     ("and", "`a and b`: both conditions hold"),
     (
@@ -340,6 +340,16 @@ pub(crate) fn lint(name: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::{LINTS, WORDS};
+
+    /// The sentence about analyses names every kind.
+    #[test]
+    fn the_kinds_of_analyses_are_named() {
+        let sentence = WORDS.iter().find(|(word, _)| *word == "analysis");
+        let (_, sentence) = sentence.expect("a word of the language");
+        for kind in eng_system::analysis::KINDS {
+            assert!(sentence.contains(kind.name), "{}", kind.name);
+        }
+    }
 
     /// Every word of the grammar has a sentence, and each lint of the program its own.
     #[test]

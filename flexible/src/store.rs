@@ -228,8 +228,9 @@ impl StoredBody {
     /// The body as the bytes of a file.
     ///
     /// # Errors
-    /// None, because all lists of a body have a known length.
+    /// Its parts contradict each other: nobody could read the file.
     pub fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
+        self.check()?;
         to_bytes(self)
     }
 
@@ -239,9 +240,14 @@ impl StoredBody {
     /// The bytes are no stored body, have another version, are cut off or altered, or contradict each other.
     pub fn from_bytes(bytes: &[u8]) -> Result<StoredBody, StoreError> {
         let stored: StoredBody = from_bytes(bytes)?;
-        match stored.defect() {
+        stored.check()?;
+        Ok(stored)
+    }
+
+    fn check(&self) -> Result<(), StoreError> {
+        match self.defect() {
             Some(problem) => Err(StoreError::Contents { problem }),
-            None => Ok(stored),
+            None => Ok(()),
         }
     }
 

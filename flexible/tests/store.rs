@@ -179,6 +179,15 @@ fn every_cut_is_told() {
     }
 }
 
+/// A body whose parts contradict each other becomes no file, because nobody could read it.
+#[test]
+fn a_body_that_contradicts_itself_is_not_written() {
+    let mut wrong = stored();
+    wrong.shapes.pop();
+    let error = wrong.to_bytes().unwrap_err();
+    assert!(matches!(error, StoreError::Contents { .. }), "{error}");
+}
+
 /// A count that is larger than the data must not allocate memory for its number.
 #[test]
 fn claimed_lengths_are_checked_before_room_is_taken() {

@@ -9,7 +9,7 @@ use eng_system::system::Slot;
 
 const MAGIC: &[u8; 8] = b"ENGCHECK";
 /// Version of the format.
-pub const VERSION: u32 = 12;
+pub const VERSION: u32 = 13;
 
 fn refuse(reason: impl Into<String>) -> RuntimeError {
     RuntimeError::Checkpoint {

@@ -5,6 +5,7 @@ mod pace;
 
 use eng_system::code::BindError;
 use eng_system::field::FieldError;
+use eng_system::sentence;
 use eng_system::significant::short;
 use eng_system::system::Origin;
 use eng_system::table::Outside;
@@ -190,13 +191,10 @@ fn gaps(rows: &[NamedRow], per: &str) -> String {
     text
 }
 
-/// The paths of elements as a list: `a and b`, `a, b and c`.
+/// The paths of elements as a list.
 fn together(elements: &[Origin]) -> String {
     let paths: Vec<&str> = elements.iter().map(|e| e.path.as_str()).collect();
-    match paths.as_slice() {
-        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        paths => paths.concat(),
-    }
+    sentence::joined(&paths, usize::MAX)
 }
 
 /// A body that resists no motion.
@@ -735,13 +733,11 @@ pub enum RuntimeError {
 
 /// The elements whose loads act on a body, in words.
 fn acting(loads: &[String]) -> String {
-    match loads {
-        [] => String::new(),
-        [one] => format!(", on which {one} acts"),
-        [first, second, .., last] if loads.len() > 3 => format!(
-            ", on which {first}, {second} to {last} act ({} in all)",
-            loads.len()
-        ),
-        several => format!(", on which {} act", several.join(", ")),
-    }
+    let paths: Vec<&str> = loads.iter().map(String::as_str).collect();
+    let verb = match paths.as_slice() {
+        [] => return String::new(),
+        [_] => "acts",
+        _ => "act",
+    };
+    format!(", on which {} {verb}", sentence::listed(&paths, 3))
 }

@@ -37,6 +37,7 @@
 mod dense;
 mod nearest;
 mod newton;
+mod saved;
 mod variation;
 mod vibration;
 
@@ -174,26 +175,26 @@ pub struct Integrator {
     /// Auxiliary accelerations a.
     pub auxiliary: Vec<f64>,
     /// Auxiliary rates of the states.
-    pub state_auxiliary: Vec<f64>,
+    state_auxiliary: Vec<f64>,
     /// The current velocity without the part that violates the constraints; see [`Integrator::set_defect`].
-    pub base_velocity: Vec<f64>,
+    base_velocity: Vec<f64>,
     /// The part of the current velocity that violates the constraints.
-    pub defect: Vec<f64>,
+    defect: Vec<f64>,
     /// Whether `base_velocity` and `defect` belong to the current state.
-    pub defect_known: bool,
+    defect_known: bool,
     /// The step `auxiliary` belongs to (s).
-    pub auxiliary_step: f64,
+    auxiliary_step: f64,
     /// Rate of v̇, for the predictor.
     pub jerk: Vec<f64>,
     /// Rate of λ, for the predictor.
     pub multiplier_rate: Vec<f64>,
     /// Rate of ẏ, for the predictor.
-    pub state_jerk: Vec<f64>,
+    state_jerk: Vec<f64>,
     /// The larger of each state's scale and its largest magnitude so far. Errors are limited to a share of
     /// it.
-    pub state_peak: Vec<f64>,
+    state_peak: Vec<f64>,
     /// The limits at which Newton's iteration ends.
-    pub goal: Goal,
+    goal: Goal,
     /// Counts.
     pub statistics: Statistics,
     plan: MatrixPlan,
@@ -379,14 +380,14 @@ impl Integrator {
         self.defect_known = true;
     }
 
+    /// The step to which the auxiliary accelerations belong (s).
+    pub fn auxiliary_step(&self) -> f64 {
+        self.auxiliary_step
+    }
+
     /// Magnitudes of the states in the scaled system.
     pub fn state_scales(&self, model: &Model) -> &[f64] {
         &self.scales[model.velocities..model.velocities + model.states]
-    }
-
-    /// Sets the magnitudes of the states, from a checkpoint.
-    pub fn set_state_scales(&mut self, model: &Model, scales: &[f64]) {
-        self.scales[model.velocities..model.velocities + model.states].copy_from_slice(scales);
     }
 
     /// Updates the magnitude of every state that has become much larger than it. With the old magnitude,
@@ -408,40 +409,6 @@ impl Integrator {
     pub fn drop_factors(&mut self) {
         self.factored_step = None;
         self.contraction = None;
-    }
-
-    /// Step (s), contraction, matrix and secants of the kept factors. [`Integrator::keep_factors`] makes the same
-    /// factors from them, to the same bits. `None` without factors, or if another matrix was filled since.
-    pub fn kept_factors(&self) -> Option<(f64, Option<f64>, [Vec<f64>; 2])> {
-        let step = self.factored_step?;
-        let numbers = || [self.values.clone(), self.secants.numbers()];
-        self.factored_values
-            .then(|| (step, self.contraction, numbers()))
-    }
-
-    /// As many numbers as [`Integrator::kept_factors`] gives for matrix and secants.
-    pub fn kept_numbers(&self) -> [Vec<f64>; 2] {
-        [vec![0.0; self.values.len()], self.secants.numbers()]
-    }
-
-    /// Makes the factors of a checkpoint again. It changes no count, because the first factorisation was
-    /// counted. `false` if the matrix has no factors.
-    pub fn keep_factors(
-        &mut self,
-        step: f64,
-        contraction: Option<f64>,
-        [values, secants]: &[Vec<f64>; 2],
-    ) -> bool {
-        if values.len() != self.values.len() || self.solver.factor(values).is_err() {
-            self.drop_factors();
-            return false;
-        }
-        self.values.copy_from_slice(values);
-        self.secants.set_numbers(secants);
-        self.factored_values = true;
-        self.factored_step = Some(step);
-        self.contraction = contraction;
-        true
     }
 
     /// Unknowns of a step: scaled increments, states, multipliers.

@@ -18,6 +18,7 @@ use eng_runtime::state::State;
 use eng_runtime::{FAILS, Warning};
 use eng_system::code::{Advice, Bound, Compiled};
 use eng_system::lint::{Accepted, OF_MODEL};
+use eng_system::sentence;
 use eng_system::significant::short;
 use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Role, System};
 
@@ -268,14 +269,9 @@ fn degrees(angle: f64, digits: usize) -> String {
     }
 }
 
-/// Paths as a list in a sentence. A long list is shortened.
+/// Paths as a list in a sentence.
 fn listed(paths: &[&str]) -> String {
-    match paths {
-        [first, second, .., last] if paths.len() > 3 => {
-            format!("{first}, {second} to {last} ({} in all)", paths.len())
-        }
-        _ => paths.join(", "),
-    }
+    sentence::listed(paths, 3)
 }
 
 /// A line for each acceptance in a model, with its findings.

@@ -38,6 +38,7 @@ pub mod recorded;
 pub mod reduced;
 pub mod report;
 pub mod secants;
+pub mod sentence;
 pub mod significant;
 pub mod stack;
 pub mod surface;

@@ -6,8 +6,8 @@ use super::binding::span_of;
 use crate::codes;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
-use eng_system::lint;
 use eng_system::system::{BodyRef, Location, Origin, Role};
+use eng_system::{lint, sentence};
 use std::collections::BTreeSet;
 
 impl Elaborator<'_, '_> {
@@ -318,14 +318,9 @@ fn by_place<'o>(origins: impl Iterator<Item = &'o Origin>) -> Vec<(Location, Vec
     places
 }
 
-/// Paths as a list in a sentence. A long list is shortened.
+/// Paths as a list in a sentence.
 pub(super) fn listed(paths: &[&str]) -> String {
-    match paths {
-        [first, second, .., last] if paths.len() > 5 => {
-            format!("{first}, {second} to {last} ({} in all)", paths.len())
-        }
-        _ => paths.join(", "),
-    }
+    sentence::listed(paths, 5)
 }
 
 fn root(parent: &[usize], mut i: usize) -> usize {

@@ -136,7 +136,7 @@ impl Gradients {
             step: StepDerivative::new(model),
             dynamics: Dynamics::new(model),
             same: Box::new(same),
-            auxiliary_step: base.integrator.auxiliary_step,
+            auxiliary_step: base.integrator.auxiliary_step(),
             at_start: true,
             reach,
             warned: [false; 2],

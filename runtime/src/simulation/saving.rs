@@ -5,7 +5,6 @@ use super::{Energy, Options, Simulation, check};
 use crate::checkpoint::{self, Reader, Writer};
 use crate::control::{FixedGrid, StepSize};
 use crate::error::RuntimeError;
-use crate::integrator::Vibration;
 use crate::model::Model;
 use crate::state::State;
 use eng_system::code::Compiled;
@@ -16,67 +15,12 @@ impl Simulation {
     /// elastic surfaces keep. (If [`Simulation::jacobian`] has overwritten that matrix, the factors are dropped, here and in
     /// the resumed simulation.)
     pub fn checkpoint(&mut self) -> Vec<u8> {
-        if self.integrator.kept_factors().is_none() {
-            self.integrator.drop_factors();
-        }
         let mut w = Writer::new(self.fingerprint());
         for marker in self.model.markers.iter().filter(|m| m.body.is_none()) {
             w.numbers(marker.position.as_slice());
             w.numbers(marker.orientation.as_slice());
         }
-        for state in [&self.integrator.current, &self.integrator.previous] {
-            w.number(state.time);
-            for part in [
-                &state.pose,
-                &state.velocity,
-                &state.acceleration,
-                &state.states,
-                &state.rates,
-                &state.multipliers,
-                &state.rotations,
-            ] {
-                w.numbers(part);
-            }
-        }
-        let i = &self.integrator;
-        for part in [
-            &i.increment,
-            &i.auxiliary,
-            &i.state_auxiliary,
-            &i.jerk,
-            &i.multiplier_rate,
-            &i.state_jerk,
-            &i.state_peak,
-            &i.base_velocity,
-            &i.defect,
-        ] {
-            w.numbers(part);
-        }
-        w.numbers(i.state_scales(&self.model));
-        w.number(i.auxiliary_step);
-        w.integer(u64::from(i.defect_known));
-        let kept = i.kept_factors();
-        w.integer(u64::from(kept.is_some()));
-        if let Some((step, contraction, [values, secants])) = kept {
-            w.number(step);
-            w.integer(u64::from(contraction.is_some()));
-            w.number(contraction.unwrap_or_default());
-            w.numbers(&values);
-            w.numbers(&secants);
-        }
-        let s = i.statistics;
-        for count in [
-            s.steps,
-            s.rejected,
-            s.failed,
-            s.iterations,
-            s.factorizations,
-            s.residuals,
-            s.fallbacks,
-            s.kinks,
-        ] {
-            w.integer(count);
-        }
+        self.integrator.save(&self.model, &mut w);
         w.numbers(&self.size.numbers());
         let (origin, counts) = self.grid.parts();
         w.number(origin);
@@ -108,9 +52,6 @@ impl Simulation {
         w.numbers(&self.kinks.numbers());
         w.numbers(&self.dynamics.memory().numbers());
         w.numbers(&self.dynamics.kept());
-        for vibration in &self.integrator.vibrations {
-            w.numbers(&vibration.numbers());
-        }
         w.finish()
     }
 
@@ -133,67 +74,7 @@ impl Simulation {
         let mut simulation = Simulation::with_state(model, blank, options)?;
         simulation.warnings.clear();
         simulation.start = crate::start::StartReport::Resumed;
-        let i = &mut simulation.integrator;
-        for state in [&mut i.current, &mut i.previous] {
-            state.time = r.number()?;
-            for part in [
-                &mut state.pose,
-                &mut state.velocity,
-                &mut state.acceleration,
-                &mut state.states,
-                &mut state.rates,
-                &mut state.multipliers,
-                &mut state.rotations,
-            ] {
-                r.numbers(part)?;
-            }
-        }
-        for part in [
-            &mut i.increment,
-            &mut i.auxiliary,
-            &mut i.state_auxiliary,
-            &mut i.jerk,
-            &mut i.multiplier_rate,
-            &mut i.state_jerk,
-            &mut i.state_peak,
-            &mut i.base_velocity,
-            &mut i.defect,
-        ] {
-            r.numbers(part)?;
-        }
-        let states = i.state_peak.len();
-        let mut scales = vec![0.0; states];
-        r.numbers(&mut scales)?;
-        i.set_state_scales(&simulation.model, &scales);
-        i.auxiliary_step = r.number()?;
-        i.defect_known = r.integer()? == 1;
-        if r.integer()? == 1 {
-            let step = r.number()?;
-            let has_contraction = r.integer()? == 1;
-            let contraction = r.number()?;
-            let mut numbers = i.kept_numbers();
-            for part in &mut numbers {
-                r.numbers(part)?;
-            }
-            if !i.keep_factors(step, has_contraction.then_some(contraction), &numbers) {
-                return Err(RuntimeError::Checkpoint {
-                    reason: "its matrix has no factors".into(),
-                });
-            }
-        }
-        let s = &mut i.statistics;
-        for count in [
-            &mut s.steps,
-            &mut s.rejected,
-            &mut s.failed,
-            &mut s.iterations,
-            &mut s.factorizations,
-            &mut s.residuals,
-            &mut s.fallbacks,
-            &mut s.kinks,
-        ] {
-            *count = r.integer()?;
-        }
+        simulation.integrator.restore(&simulation.model, &mut r)?;
         simulation.resume_pace_and_energy(&mut r)?;
         let has_cycle = r.integer()? == 1;
         let mut cycle = [0.0; 2];
@@ -203,11 +84,6 @@ impl Simulation {
         r.numbers(&mut advised)?;
         simulation.advised = advised.iter().map(|a| *a != 0.0).collect();
         simulation.resume_inputs_and_kinks(&mut r)?;
-        for vibration in &mut simulation.integrator.vibrations {
-            let mut numbers = [0.0; 8];
-            r.numbers(&mut numbers)?;
-            *vibration = Vibration::from_numbers(numbers);
-        }
         r.finish()?;
         Ok(simulation)
     }
