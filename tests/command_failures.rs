@@ -292,7 +292,7 @@ fn steps_and_tolerance_are_stated_on_the_command_line() {
     let refused = folder.eng(&["run", "model.eng", "--tolerance", "1e-12"]);
     let refused = said(&refused);
     assert!(
-        refused.contains("E0716") && refused.contains("the least is about"),
+        refused.contains("E0716") && refused.contains("the smallest possible one is about"),
         "{refused}"
     );
     for (wrong, says) in [
