@@ -267,7 +267,9 @@ fn steps_and_tolerance_are_stated_on_the_command_line() {
     let (fixed, results) = run(&["--step", "100 us"]);
     assert_eq!(steps(&fixed), 1000);
     assert!(
-        fixed.contains(" s, not tolerance = 1 as the text states"),
+        fixed.contains(
+            " s in place of tolerance = 1, which the text states or which is the default"
+        ),
         "{fixed}"
     );
     assert_eq!(
