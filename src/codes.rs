@@ -60,7 +60,7 @@ eng_grammar::codes! {
     CHECKPOINT = "E0715", "a checkpoint cannot be used",
         "The checkpoint is damaged, or belongs to another model, other parameters or another version. Start the run from its beginning.",
         "", "";
-    ROUNDING = "E0716", "a tolerance is below rounding",
+    ROUNDING = "E0716", "a tolerance is smaller than the rounding errors",
         "The tolerance requires errors of a step, or of the solution of its equations, below the rounding errors of this model with numbers of 16 digits. The message states the least possible tolerance, or the least length after `resolve`, of which the tolerance of positions is a thousandth. Bodies far from the origin and angles of many turns need a larger one.",
         "analysis run = transient(Engine(), duration: 4 rev, tolerance: 1e-12)",
         "analysis run = transient(Engine(), duration: 4 rev, tolerance: 1e-3)";

@@ -131,7 +131,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("state the length that matters after `resolve`, such as `resolve 1 um`"),
         R::StepTooSmall { origin, state: Some(state), .. } => {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is in its state")
-                .with_help(format!("make the rate of `{state}` continuous where it jumps; state a larger `scale` where errors as small as 1e-5 of it don't matter"))
+                .with_help(format!("make the rate of `{state}` continuous; or state a larger `scale` for `{state}`: the error of a step may be 1e-5 of the scale"))
         }
         R::StepTooSmall { origin, state: None, .. } => {
             place(d(codes::STEP_TOO_SMALL), origin, "the largest error is here")
@@ -153,7 +153,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             )
         }
         R::Projection { row, .. } => place(d(codes::PROJECTION), &row.origin, "stays open here")
-            .with_help("take a smaller step, or a tolerance; if that does not help, the mechanism locks or reaches its end here"),
+            .with_help("take a smaller `step`, or a smaller `tolerance`; if this does not help, the mechanism locks here or comes to the end of its reach"),
         R::CycleStands { .. } => {
             let message = d(codes::CYCLE_STANDS);
             let message = message.with_each(&system.cycle, |message, cycle| {
@@ -186,7 +186,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
                 place(message, &group.redundant.origin, "repeats others at this position")
             });
-            message.with_help("the mechanism is stretched, locks or can continue in two ways there: start a few degrees away, or keep it away from there")
+            message.with_help("at this position the mechanism is stretched, locks, or can continue in two ways: begin a few degrees away, or keep the motion away from it")
         }
         R::Singular { massless, .. } => {
             let message = massless.iter().take(3).fold(d(codes::SINGULAR), |message, body| {
@@ -266,7 +266,7 @@ fn turning(message: Diagnostic, bodies: &[eng_runtime::TurningBody]) -> Diagnost
         .fold(message, |message, body| {
             place(message, &body.origin, &format!("turns at {} rpm and {}", significant(body.speed*30.0/std::f64::consts::PI, 4), body.reason()))
         })
-        .with_help("where the motion repeats, `over: 1 rev` (a period: an angle or a time) gives its modes; `frozen: true` holds the coefficients at this moment: its frequencies are useful if they are well above the speed, and it is wrong for whirl, damping and stability")
+        .with_help("if the motion repeats, state its period as an angle or a time: `over: 1 rev` gives its modes. Otherwise `frozen: true` holds the coefficients at this moment: frequencies well above the speed are then useful, but whirl, damping and stability are wrong")
 }
 
 /// The remedy of a failure to linearise for a frequency response. A response has no `over:`.
@@ -327,8 +327,8 @@ fn unsteady(message: Diagnostic, body: &eng_runtime::LeavingBody) -> Diagnostic 
 fn jumps(message: Diagnostic, jump: &Jump) -> Diagnostic {
     let message = place(message, &jump.origin, "jumps");
     match &jump.of {
-        Jumping::Force | Jumping::Torque => message.with_help("the motion comes to the jump from both sides, and no step passes it: join the branches of the `if` by a slope, such as `tanh(v/(1 mm/s))` in place of a sign"),
-        Jumping::Rate { .. } => message.with_help("the motion comes to the jump from both sides, and no step passes it: let the rate change over a range, such as `min(max((limit - x)/width, 0), 1)` in place of `if x < limit then 1 else 0`, or switch by a second state, which gives it a hysteresis"),
+        Jumping::Force | Jumping::Torque => message.with_help("the motion returns to the jump from both sides, so no step passes it. Join the branches of the `if` by a slope, such as `tanh(v/(1 mm/s))` in place of a sign"),
+        Jumping::Rate { .. } => message.with_help("the motion returns to the jump from both sides, so no step passes it. Let the rate change over a range, such as `min(max((limit - x)/width, 0), 1)` in place of `if x < limit then 1 else 0`; or switch by a second state, which gives a hysteresis"),
     }
 }
 
@@ -369,9 +369,9 @@ fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
 fn outside_table(message: Diagnostic, outside: &Outside) -> Diagnostic {
     let message = message.also_if(outside.at.map(span), "its points are stated here");
     message.with_help(match &outside.of {
-        None => "state points farther out, or `periodic:`, or a rule for values outside: `extrapolation: hold` or `linear`".to_owned(),
+        None => "add points farther out, or state `periodic:`, or a rule for values outside: `extrapolation: hold` or `linear`".to_owned(),
         Some(of) => format!(
-            "state points farther out, or the continuation: `{of}: hold`, `linear`, `even`, `odd` or `periodic(…)`"
+            "add points farther out, or state how the table continues: `{of}: hold`, `linear`, `even`, `odd` or `periodic(…)`"
         ),
     })
 }
@@ -497,16 +497,18 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
         BindError::NotFinite { path, .. } => {
             let message = Diagnostic::error(
                 codes::PARAMETER_NOT_FINITE,
-                format!("with these parameters a number of {path} is not finite"),
+                format!("with these parameters {path} has a number that is not finite"),
             );
-            let message = message.at_if(place_of(path, system).map(span), "of this");
+            let at = place_of(path, system).map(span);
+            let message = message.at_if(at, "has a number that is not finite");
             message.with_help(
                 "look for a division by zero, a root of a negative number, or a direction of length zero",
             )
         }
         BindError::TooLarge { path, .. } => {
             let message = Diagnostic::error(codes::PARAMETER_NOT_FINITE, error.to_string());
-            let message = message.at_if(place_of(path, system).map(span), "of this");
+            let at = place_of(path, system).map(span);
+            let message = message.at_if(at, "has a number that is too large");
             message.with_help("check its exponent and its unit")
         }
         BindError::Limits { path, .. } => {

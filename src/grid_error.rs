@@ -20,7 +20,7 @@
 //! films. There all errors are largest, because the cells must follow the steepest pressure.
 
 use crate::machine::Machine;
-use crate::recorded_field::{RecordedField, Solution, Twice};
+use crate::recorded_field::{OnBothGrids, RecordedField, Solution};
 use crate::results::Results;
 use eng_system::field::{FieldError, FieldGrid};
 use eng_system::significant::significant;
@@ -73,7 +73,7 @@ pub(crate) struct LoadErrors {
     /// Largest error of the load at the same places of the pin, over the largest load of the moments; positive for a load
     /// that is too high.
     pub load: f64,
-    /// Largest error of the highest pressure at the same load on a scaled orbit ([`Twice::at_load`]), over
+    /// Largest error of the highest pressure at the same load on a scaled orbit ([`OnBothGrids::at_load`]), over
     /// the largest pressure of the moments. `None` if no place with this load was found.
     pub pressure: Option<f64>,
     /// At the moment of the least film: that film (m), and by how much it is too thick (m) at the same load
@@ -186,17 +186,17 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
     };
     let own = field.solved(motion, moments);
     let among = own.len();
-    let solved = field.twice(finer.as_ref(), hardest(own)?, "minimum_film");
+    let solved = field.on_both_grids(finer.as_ref(), hardest(own)?, "minimum_film");
     let loads = solved
         .iter()
-        .map(|twice| Some([load(&twice.own)?, load(&twice.finer)?]));
+        .map(|both| Some([load(&both.own)?, load(&both.finer)?]));
     let loads: Vec<[f64; 2]> = loads.collect::<Option<_>>()?;
     let at_load = |name| -> Vec<[f64; 2]> {
-        let both = solved.iter().filter_map(|twice| {
-            let at_load = twice.at_load.as_ref()?;
-            Some([number(&twice.own, name)?, number(at_load, name)?])
+        let pairs = solved.iter().filter_map(|both| {
+            let at_load = both.at_load.as_ref()?;
+            Some([number(&both.own, name)?, number(at_load, name)?])
         });
-        both.collect()
+        pairs.collect()
     };
     let pressures = at_load("maximum_pressure");
     let films = at_load("minimum_film").into_iter();
@@ -205,10 +205,10 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
     let loaded = most > LEAST_LOAD && most > NO_LOAD * shear(&solved)?;
     let errors = |load| LoadErrors {
         load,
-        pressure: largest(&pressures),
+        pressure: share_of_error(&pressures),
         film: thinnest.map(|[own, finer]| [own, WHOLE * (own - finer)]),
     };
-    let found = match largest(&loads).filter(|_| loaded) {
+    let found = match share_of_error(&loads).filter(|_| loaded) {
         Some(load) => Found::Errors(solved.len(), errors(load)),
         None => Found::NoLoad,
     };
@@ -248,21 +248,22 @@ fn hardest(solved: Vec<Solution>) -> Option<Vec<Solution>> {
 }
 
 /// The largest torque of the shear over the least gap (N): the size of a load that the motion of the surfaces makes.
-fn shear(solved: &[Twice]) -> Option<f64> {
-    let mut sizes = solved.iter().map(|twice| {
-        let torque = number(&twice.own, "torque")?;
-        let gap = number(&twice.finer, "minimum_film")?;
+fn shear(solved: &[OnBothGrids]) -> Option<f64> {
+    let mut sizes = solved.iter().map(|both| {
+        let torque = number(&both.own, "torque")?;
+        let gap = number(&both.finer, "minimum_film")?;
         Some(if gap > 0.0 { torque.abs() / gap } else { 0.0 })
     });
     sizes.try_fold(0.0_f64, |most, size| Some(most.max(size?)))
 }
 
-/// The largest error of a number, over the largest finer number.
-fn largest(both: &[[f64; 2]]) -> Option<f64> {
-    let most = both
+/// The error of the largest size, of numbers on the own and on the finer cells, over the largest finer number. It
+/// is positive for an own number that is too large. `None` if all finer numbers are zero.
+fn share_of_error(pairs: &[[f64; 2]]) -> Option<f64> {
+    let most = pairs
         .iter()
         .fold(0.0_f64, |most, [_, finer]| most.max(finer.abs()));
-    let errors = both.iter().map(|[own, finer]| WHOLE * (own - finer));
+    let errors = pairs.iter().map(|[own, finer]| WHOLE * (own - finer));
     let error = errors.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     (most > 0.0).then_some(error / most)
 }

@@ -268,7 +268,7 @@ impl Solution {
     /// Newton's method takes the stiffness and the damping of the film, and keeps them while they serve. The
     /// solver must have solved this field, and its readings must have slopes. A move is a third of the least
     /// film at most, so the film stays open. `None` if no such place was found.
-    fn moved_to(
+    fn at_force(
         mut self,
         wanted: [f64; 2],
         gap_name: &str,
@@ -326,7 +326,7 @@ impl Solution {
 }
 
 /// A field at a moment, on its own grid and on one of twice as many cells in both directions.
-pub(crate) struct Twice {
+pub(crate) struct OnBothGrids {
     /// On its own grid.
     pub own: Solution,
     /// On the finer grid.
@@ -419,19 +419,19 @@ impl RecordedField {
 
     /// These solutions beside the solutions of the finer field. Moments that the finer grid does not solve
     /// are left out. `gap_name` is the name of the result with the least gap.
-    pub(crate) fn twice(
+    pub(crate) fn on_both_grids(
         &self,
         finer: &dyn FieldKernel,
         solved: Vec<Solution>,
         gap_name: &str,
-    ) -> Vec<Twice> {
+    ) -> Vec<OnBothGrids> {
         let mut solver = finer.solver(&[]);
         let both = solved.into_iter().filter_map(|own| {
             let mut finer = own.clone();
             finer.solve(solver.as_mut(), true).ok()?;
             let wanted = own.result::<2>("force")?;
-            let at_load = finer.clone().moved_to(wanted, gap_name, solver.as_mut());
-            Some(Twice {
+            let at_load = finer.clone().at_force(wanted, gap_name, solver.as_mut());
+            Some(OnBothGrids {
                 own,
                 finer,
                 at_load,

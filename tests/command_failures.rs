@@ -267,7 +267,9 @@ fn steps_and_tolerance_are_stated_on_the_command_line() {
     let (fixed, results) = run(&["--step", "100 us"]);
     assert_eq!(steps(&fixed), 1000);
     assert!(
-        fixed.contains(" s, not tolerance = 1 as the text states"),
+        fixed.contains(
+            " s in place of tolerance = 1, which the text states or which is the default"
+        ),
         "{fixed}"
     );
     assert_eq!(
@@ -292,7 +294,7 @@ fn steps_and_tolerance_are_stated_on_the_command_line() {
     let refused = folder.eng(&["run", "model.eng", "--tolerance", "1e-12"]);
     let refused = said(&refused);
     assert!(
-        refused.contains("E0716") && refused.contains("the least is about"),
+        refused.contains("E0716") && refused.contains("the smallest possible one is about"),
         "{refused}"
     );
     for (wrong, says) in [

@@ -380,7 +380,10 @@ analysis rests = transient(Rotor(), duration: 4 ms, sample: 0.2 ms, start: quasi
         // the search for the bending of the turning shaft ends before it is smooth
         let rests = analysis(&program, "rests").gradients(&["disc_mass"]);
         let message = refusal(&rests.unwrap());
-        assert!(message.contains("the start is not smooth"), "{message}");
+        assert!(
+            message.contains("the start is not a smooth function of"),
+            "{message}"
+        );
     }
 }
 
@@ -549,7 +552,7 @@ fn what_has_no_gradients_is_refused() {
     assert!(message.contains("transient"), "{message}");
     let message = refusal(&swing.gradients(&["unused"]).unwrap());
     assert!(
-        message.contains("no number of the motion depends on unused"),
+        message.contains("unused changes no number of the motion"),
         "{message}"
     );
 }

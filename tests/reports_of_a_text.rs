@@ -463,7 +463,7 @@ fn what_samples_cannot_tell_is_refused() {
     );
     assert_eq!(
         error("long"),
-        "turned covers 720.000000 deg to 1440.000000 deg, and `like`, of coarse, covers 0.000000 deg to 1440.000000 deg: it has no values there; take parts that agree: `last`, `last_cycle`"
+        "turned covers only 720.000000 deg to 1440.000000 deg, but the samples of coarse in `like` cover 0.000000 deg to 1440.000000 deg: take the same part of both, such as by `last` or `last_cycle`"
     );
     assert_eq!(
         error("block"),
@@ -891,7 +891,7 @@ fn what_cannot_be_made_is_said_in_its_place() {
     assert_eq!(error("absent"), "no results of coarse");
     assert_eq!(
         error("differing"),
-        "timed and turned have different samples (2001 samples against 2881); `resample(a, like: b)` gives one at the other's samples"
+        "timed and turned have different samples (2001 samples against 2881); `resample(a, like: b)` gives the signal a at the samples of the signal b"
     );
     assert_eq!(
         error("long"),

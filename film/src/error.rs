@@ -113,8 +113,8 @@ pub enum SourceError {
     },
     /// A profile that closes the gap.
     #[error(
-        "the profile of a film closes its gap: {} from mid width the mean gap is {}, so no place of the pin leaves a film; \
-         a profile is positive where it opens the gap",
+        "the profile of a film closes its gap: {} from mid width the mean gap is {}, so the surfaces touch at every place of \
+         the pin; positive numbers of a profile open the gap",
         shown("across", *across),
         shown("gap", *gap)
     )]
@@ -162,7 +162,7 @@ pub enum SourceError {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FilmError {
     /// An input that is no number.
-    #[error("the {} of a film is {value}", input_name(*input))]
+    #[error("the {} of a film is {value}, which is not a finite number", input_name(*input))]
     NotFinite {
         /// Place of the input.
         input: usize,
@@ -196,8 +196,8 @@ pub enum FilmError {
     /// A pressure at which the viscosity by Barus' law is more than fifty times that without
     /// pressure.
     #[error(
-        "α q is {reached} at {place}: beyond 0.98 the viscosity by Barus' law exceeds fifty times its value at rest; \
-         lower the load, or state a smaller pressure coefficient"
+        "the pressure at {place} is too high for Barus' law: the viscosity would exceed fifty times its value without pressure \
+         (α q is {reached}, the limit 0.98); lower the load, or state a smaller pressure coefficient"
     )]
     Piezo {
         /// Value of α q.

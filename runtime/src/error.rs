@@ -417,7 +417,7 @@ pub enum RuntimeError {
         moment: Moment,
     },
     /// Newton's iteration fails even with the smallest step.
-    #[error("the step of {} s at {moment} has no solution: the largest residual is {} {unit} in {} ({equation})", short(*step, 3), short(*size, 3), origin.path)]
+    #[error("the equations of a step of {} s at {moment} have no solution: the largest residual is {} {unit} in {} ({equation})", short(*step, 3), short(*size, 3), origin.path)]
     Newton {
         /// When.
         moment: Moment,
@@ -434,7 +434,7 @@ pub enum RuntimeError {
     },
     /// A tolerance is smaller than the rounding error of the solution.
     #[error(
-        "a tolerance of {} is below rounding{}: the least is about {}",
+        "a tolerance of {} is smaller than the rounding errors of the motion{}: the smallest possible one is about {}",
         short(*tolerance, 4),
         moment.as_ref().map_or(String::new(), |m| format!(" at {m}")),
         short(*least, 1)
@@ -449,7 +449,7 @@ pub enum RuntimeError {
     },
     /// A class resolves a length below the rounding error of positions.
     #[error(
-        "{} resolves {} m, which is below rounding: the least is about {} m",
+        "{} resolves {} m, less than the rounding errors of positions in a model of this size: the smallest possible length is about {} m",
         origin.path,
         short(*length, 4),
         short(*least, 1)
@@ -603,13 +603,13 @@ pub enum RuntimeError {
         change: f64,
     },
     /// A field of an element has a memory, and linearised equations have no unknowns for it.
-    #[error("{}: a linearised motion has no unknowns for the memory of this film: its oil, or the shape of its elastic surface", origin.path)]
+    #[error("{}: this film keeps its oil, or the shape of its elastic surface, from step to step, and Eng has no linear equations of such a film", origin.path)]
     Remembers {
         /// The element.
         origin: Box<Origin>,
     },
     /// A field has other derivatives on both sides of the state.
-    #[error("{}: at {moment} its film has no pressure; its rupture there depends on the direction of the motion, so it has no linear equations", origin.path)]
+    #[error("{}: the film has no pressure at {moment}; how it ruptures then depends on the direction of the motion, so it has no linear equations", origin.path)]
     Undecided {
         /// The element.
         origin: Box<Origin>,
@@ -617,7 +617,7 @@ pub enum RuntimeError {
         moment: Moment,
     },
     /// An element is at a kink, and its loads or rates have other derivatives on both sides.
-    #[error("{}: at {moment} it is at a kink{}: {}, so the motion has no linear equations there", origin.path, linearised::quoted(text), linearised::both_sides(sides.as_ref()))]
+    #[error("{} is at a kink{} at {moment}: {}, so the motion has no linear equations there", origin.path, linearised::quoted(text), linearised::both_sides(sides.as_ref()))]
     Kinked {
         /// The element, with the place of the kink in its class.
         origin: Box<Origin>,
@@ -630,7 +630,7 @@ pub enum RuntimeError {
     },
     /// A load or a rate jumps at a kink that a repeating motion passes.
     #[error(
-        "{jump} at {moment}, and the motion passes it in each period: small motions meet the jump earlier or later, so the linear equations along the motion do not give their modes"
+        "{jump} at {moment} and again in each period: a small motion meets the jump earlier or later, so linear equations do not describe it, and no modes are given"
     )]
     JumpsInPeriod {
         /// When.
@@ -640,7 +640,7 @@ pub enum RuntimeError {
     },
     /// An output has other slopes on both sides of the state.
     #[error(
-        "the output {path} has a kink at {moment}: its slopes to both sides of the state differ, so no matrix gives it"
+        "the output {path} has a kink at {moment}: its slopes on both sides of the state differ, so a linear model cannot have this output"
     )]
     KinkedOutput {
         /// Its channel.
@@ -649,7 +649,7 @@ pub enum RuntimeError {
         moment: Moment,
     },
     /// The state is neither at rest nor in a steady motion.
-    #[error("the motion at {moment} is neither rest nor steady: {} {}", body.origin.path, body.reason())]
+    #[error("linear equations need rest or a steady motion, but at {moment} {} {}", body.origin.path, body.reason())]
     Unsteady {
         /// When.
         moment: Moment,

@@ -129,7 +129,7 @@ pub fn run_periodic(
     let samples = libm::ceil(period / periodic.sample - 1e-6);
     if !(periodic.sample > 0.0 && (1.0..=MOST_SAMPLES).contains(&samples)) {
         return refuse(format!(
-            "a distance of the samples of {}° does not fit a cycle of {}°: it must be above zero, at most the cycle, and at least a millionth of it",
+            "samples {}° apart do not fit a cycle of {}°: state a distance from a millionth of the cycle to the whole cycle",
             short(periodic.sample.to_degrees(), 4),
             short(period.to_degrees(), 6)
         ));

@@ -195,7 +195,7 @@ impl Equilibrium {
         if let Some(unstable) = &self.unstable {
             write!(
                 f,
-                "; unstable: {} leaves the balance, by the factor e in {} s",
+                "; unstable: a small deviation of {} grows by the factor e in {} s",
                 unstable.origin.path,
                 short(unstable.time, 3)
             )?;

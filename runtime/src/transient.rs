@@ -213,7 +213,7 @@ pub fn countable(kind: &dyn Kind) -> Result<(), RuntimeError> {
     }
     let too_many = |part: f64, whole: f64, name: &str, unit: &str| {
         refuse(format!(
-            "{name} of {} {unit} are {} in {whole} {unit}: more than can be counted; take at least {} {unit}",
+            "{name} of {} {unit} would be {} in a run of {whole} {unit}, more than Eng counts: state at least {} {unit}",
             short(part, 4),
             short(whole / part, 2),
             short(whole / MOST, 4)
@@ -320,7 +320,9 @@ fn gradients(
     }
     let paths = compiled.system.paths_of(Names::Parameters);
     let Ok(parameters) = Names::Parameters.indices(&transient.gradients, &paths) else {
-        return refuse("a path of `gradients` names no parameter of its own".into());
+        return refuse(
+            "a path of `gradients` names no parameter, or the same one as another path".into(),
+        );
     };
     Gradients::new(compiled, overrides, &parameters, simulation).map(Some)
 }

@@ -350,7 +350,7 @@ impl Analysis {
         let ((name, value), (stated_name, stated)) = (text(control), text(*place));
         if *place != control {
             self.replaced.push(format!(
-                "{name} = {value}, not {stated_name} = {stated} as the text states or takes by itself"
+                "{name} = {value} in place of {stated_name} = {stated}, which the text states or which is the default"
             ));
         }
         *place = control;

@@ -84,7 +84,7 @@ pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin
         ));
     } else if sample > COARSE {
         let message = format!("the cycle turns by {} deg between two samples", deg(sample));
-        let help = "0.5 to 2 deg show forces and films; also no step is longer than a sample";
+        let help = "0.5 to 2 deg show forces and films. No step is longer than the distance of two samples, so closer samples also keep steps from passing over short loads";
         found.push(finding(message, "its samples", help));
     }
     found

@@ -41,7 +41,7 @@ impl Start<'_> {
             return None;
         }
         let message = format!(
-            "{} turns at {} rpm at the start, {} at {} rpm: it winds up",
+            "at the start {} turns at {} rpm and {} at {} rpm, so its spring winds up",
             self.path(markers[0]),
             rpm(speeds[0]),
             self.path(markers[1]),

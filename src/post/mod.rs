@@ -98,7 +98,7 @@ pub enum PostError {
     NoValue(String),
     /// Signals with other samples, by their runs; those of one run by themselves.
     #[error(
-        "{first} and {second} have different samples ({detail}); `resample(a, like: b)` gives one at the other's samples"
+        "{first} and {second} have different samples ({detail}); `resample(a, like: b)` gives the signal a at the samples of the signal b"
     )]
     Samples {
         /// The analysis or signal of the left side.
@@ -208,7 +208,7 @@ pub enum PostError {
     },
     /// Samples beyond those of the resampled signal.
     #[error(
-        "{analysis} covers {own}, and `like`, of {other}, covers {asked}: it has no values there; take parts that agree: `last`, `last_cycle`"
+        "{analysis} covers only {own}, but the samples of {other} in `like` cover {asked}: take the same part of both, such as by `last` or `last_cycle`"
     )]
     Outside {
         /// The analysis that is resampled.

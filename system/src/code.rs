@@ -183,7 +183,7 @@ pub enum BindError {
         outside: Option<Box<Outside>>,
     },
     /// A value whose square is too large for a number, so that lengths and energies cannot be computed.
-    #[error("a number of {path} is {} in SI units: no machine has such a number", short(*value, 2))]
+    #[error("{path} has the number {} in SI units, which is too large to compute with", short(*value, 2))]
     TooLarge {
         /// Path of the slot.
         path: String,

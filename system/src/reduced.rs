@@ -266,7 +266,7 @@ impl Invariants {
         let rigid = self.inertia.as_flattened().iter().chain(&self.first_moment);
         if !(self.mass > 0.0 && self.mass.is_finite()) || rigid.into_iter().any(|x| !x.is_finite())
         {
-            return Some("mass, first moment or inertia make no sense".into());
+            return Some("the mass is not a positive number, or the first moment or the inertia is not finite".into());
         }
         None
     }

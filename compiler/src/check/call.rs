@@ -689,7 +689,7 @@ impl<'p> Checker<'p> {
             )
             .at(
                 expr.span,
-                format!("a use as `{interface_name}` states `{name}`"),
+                format!("each use as `{interface_name}` states `{name}` itself"),
             )
             .also(place, "given here");
             self.report(message.with_help(format!(

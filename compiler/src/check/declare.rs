@@ -324,7 +324,7 @@ impl<'p> Checker<'p> {
             let message = Diagnostic::error(
                 codes::STRUCTURAL,
                 format!(
-                    "the {} `{name}` decides how many there are",
+                    "a count depends on the {} `{name}`",
                     if binding.kind == BindingKind::Input {
                         "input"
                     } else {

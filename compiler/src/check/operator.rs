@@ -556,7 +556,7 @@ impl<'p> Checker<'p> {
             Misfit::Point => {
                 message = message
                     .with_note(
-                        "a point minus a point is a difference, a point and a difference make a point; nothing else",
+                        "a point minus a point is a difference, and a point plus or minus a difference is a point; there is no other arithmetic of points",
                     )
                     .with_help("for a mean, write `a + (b - a)/2`");
             }

@@ -318,7 +318,7 @@ impl<'a> Elaborator<'a, '_> {
             message.with_help("make it a `param`: `--set` and a program set it before a run");
         self.report(match fixed.decides {
             "a constraint" => message.with_help(
-                "a torque or force that reads the input can follow it: a constraint needs accelerations, and an input has none",
+                "let a torque or force follow the input: a constraint would need its acceleration, and an input has none",
             ),
             _ => message,
         })

@@ -68,7 +68,7 @@ pub enum StackError {
         width: f64,
     },
     /// Straight edges in the place of arcs change a section too much.
-    #[error("the mesh of section {section} has {:.2} % of the area of its outline", 100.0 * .share)]
+    #[error("the straight edges of its mesh change section {section} too much: they enclose {:.2} % of the area of its outline", 100.0 * .share)]
     Faceted {
         /// The section.
         section: usize,

@@ -136,7 +136,7 @@ impl Model {
             if memory > 0 && element.role != Role::Dynamic {
                 return Err(RuntimeError::Field {
                     origin: Box::new(element.origin.clone()),
-                    message: "apply a load that uses the results of the field: a field with memory must act on the motion".into(),
+                    message: "only outputs read this field, but it has a memory and must follow the motion: apply a load that uses its results".into(),
                 });
             }
             model.memory += memory;

@@ -92,7 +92,7 @@ impl Simulation {
     pub(super) fn ends_known(&self) -> Result<(), RuntimeError> {
         if self.dynamics.signals().aims() {
             return Err(RuntimeError::Options {
-                message: "an input has a value for the next point: `advance` gives the time of this point".into(),
+                message: "an input has a value for its next point, whose time `step` does not know: call `advance` with this time in place of `step`".into(),
             });
         }
         Ok(())

@@ -117,7 +117,7 @@ impl Gradients {
         let mut fields = model.kernels.iter().zip(&compiled.system.elements);
         if let Some((_, element)) = fields.find(|(kernels, _)| !kernels.is_empty()) {
             return Err(refused(format!(
-                "{} solves its film on cells, and gradients do not pass such a film yet: take a film whose force is a formula or a table, or \
+                "{} solves its film on cells, and Eng has no gradients of such a film yet: take a film whose force is a formula or a table, or \
                  compare two runs",
                 element.origin.path
             )));
@@ -150,7 +150,7 @@ impl Gradients {
     pub fn follow(&mut self, base: &mut Simulation, h: f64) -> Result<(), RuntimeError> {
         if base.renewals > 0 {
             return Err(refused(format!(
-                "accelerations jump at {} s, and gradients do not pass such a jump yet: make the load smooth, or take a fixed `step`",
+                "accelerations jump at {} s, and Eng has no gradients across such a jump yet: make the load smooth, or take a fixed `step`",
                 base.integrator.previous.time
             )));
         }
@@ -214,10 +214,10 @@ impl Gradients {
             name: String::new(),
             origin: beside.origin.clone(),
             message: format!(
-                "small changes of {} decide this motion, as after impacts: from here on its gradients predict only changes below a millionth",
+                "the motion is sensitive to {0}, as after impacts: from here on its gradients hold only for changes of {0} below a millionth",
                 beside.origin.path
             ),
-            label: "small changes of it decide the motion",
+            label: "the motion is sensitive to it",
             moment,
         });
     }
@@ -466,7 +466,7 @@ impl Beside {
             .all(|(a, b)| a.to_bits() == b.to_bits())
         {
             return Err(refused(format!(
-                "no number of the motion depends on {path}, so there are no gradients by it: a constant or a mesh does not follow a parameter"
+                "{path} changes no number of the motion, so no channel has a derivative by it; constants and meshes do not follow a parameter"
             )));
         }
         let moved = moved_by(model, &near);
@@ -536,8 +536,8 @@ impl Beside {
             let largest = largest_scaled(short, scales);
             if differ > START.0 * largest + START.1 * size {
                 return Err(refused(format!(
-                    "the start is not smooth in {path}: its derivatives over two increments of {:.2e} (SI) differ by {:.1e} of their size; \
-                     state `start: assembled`, or begin from a state that does not depend on it",
+                    "the start is not a smooth function of {path}: its differences over one and over two increments of {:.2e} (SI) disagree by \
+                     {:.1e} of their size; state `start: assembled`, or begin from a state that does not depend on {path}",
                     self.increment,
                     differ / largest
                 )));
@@ -555,7 +555,7 @@ impl Simulation {
             return Ok(());
         }
         Err(refused(format!(
-            "the start is not smooth in {path}: a value nearby has another kind of start; state `start: assembled`"
+            "the start is not a smooth function of {path}: a value nearby has another kind of start; state `start: assembled`"
         )))
     }
 }

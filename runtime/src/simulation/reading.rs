@@ -27,7 +27,7 @@ impl Reading {
     pub fn unprojected(mut self) -> Result<Reading, RuntimeError> {
         if self.depth > Depth::Velocity {
             return Err(RuntimeError::Options {
-                message: "a channel that needs accelerations or reactions cannot be read unprojected: they come from the solution of equations".into(),
+                message: "accelerations and reactions exist only after a solution of the equations, so such a channel has no unprojected reading: take the reading without `unprojected`".into(),
             });
         }
         self.projected = false;

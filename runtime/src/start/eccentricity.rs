@@ -40,11 +40,21 @@ fn arm(pin: &MarkerKinematics, shell: &MarkerKinematics) -> V3 {
     shell.rotation.transpose() * (pin.position - shell.position)
 }
 
+/// Each pin with its shell at a state.
+fn placed(
+    model: &Model,
+    pins: &[Wish],
+    pose: &[f64],
+    velocity: &[f64],
+) -> impl Iterator<Item = [MarkerKinematics; 2]> {
+    let of = move |marker| rows::marker(model, marker, pose, velocity);
+    pins.iter().map(move |wish| [of(wish.pin), of(wish.shell)])
+}
+
 /// Eccentricities of pins, seen from their shells: x and y of each (m).
 pub(super) fn places_of_pins(model: &Model, pins: &[Wish], pose: &[f64]) -> Vec<f64> {
     let rest = vec![0.0; model.velocities];
-    let of = |marker| rows::marker(model, marker, pose, &rest);
-    let arms = pins.iter().map(|wish| arm(&of(wish.pin), &of(wish.shell)));
+    let arms = placed(model, pins, pose, &rest).map(|[pin, shell]| arm(&pin, &shell));
     arms.flat_map(|arm| [arm.x, arm.y]).collect()
 }
 
@@ -55,16 +65,12 @@ pub(super) fn rates_of_eccentricities(
     pose: &[f64],
     velocity: &[f64],
 ) -> Vec<f64> {
-    let mut rates = Vec::new();
-    for wish in pins {
-        let seen = rows::marker(model, wish.shell, pose, velocity);
-        let place = rows::marker(model, wish.pin, pose, velocity);
-        let back = seen.rotation.transpose();
-        let arm = arm(&place, &seen);
-        let rate = back * (place.velocity - seen.velocity) - seen.angular_velocity.cross(&arm);
-        rates.extend([rate.x, rate.y]);
-    }
-    rates
+    let rates = placed(model, pins, pose, velocity).map(|[pin, shell]| {
+        let back = shell.rotation.transpose();
+        let arm = arm(&pin, &shell);
+        back * (pin.velocity - shell.velocity) - shell.angular_velocity.cross(&arm)
+    });
+    rates.flat_map(|rate| [rate.x, rate.y]).collect()
 }
 
 /// Rates of the axes of pins, seen from their shells: x and y of each (1/s).
@@ -74,28 +80,22 @@ pub(super) fn rates_of_axes(
     pose: &[f64],
     velocity: &[f64],
 ) -> Vec<f64> {
-    let mut rates = Vec::new();
-    for wish in pins {
-        let seen = rows::marker(model, wish.shell, pose, velocity);
-        let place = rows::marker(model, wish.pin, pose, velocity);
+    let rates = placed(model, pins, pose, velocity).map(|[pin, shell]| {
         // angular velocities are along the axes of their markers
-        let turning =
-            place.rotation * place.angular_velocity - seen.rotation * seen.angular_velocity;
-        let axis: V3 = place.rotation.column(2).into();
-        let rate = seen.rotation.transpose() * turning.cross(&axis);
-        rates.extend([rate.x, rate.y]);
-    }
-    rates
+        let turning = pin.rotation * pin.angular_velocity - shell.rotation * shell.angular_velocity;
+        let axis: V3 = pin.rotation.column(2).into();
+        shell.rotation.transpose() * turning.cross(&axis)
+    });
+    rates.flat_map(|rate| [rate.x, rate.y]).collect()
 }
 
 /// Derivative of [`rates_of_axes`] with respect to velocities: two rows (x, y) for each pin.
 pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(2 * pins.len(), model.velocities);
-    for (i, wish) in pins.iter().enumerate() {
-        let seen = rows::marker(model, wish.shell, &state.pose, &state.velocity);
-        let place = rows::marker(model, wish.pin, &state.pose, &state.velocity);
-        let axis: V3 = place.rotation.column(2).into();
-        let sides = [(wish.pin, 1.0, &place), (wish.shell, -1.0, &seen)];
+    let placed = placed(model, pins, &state.pose, &state.velocity);
+    for (i, (wish, [pin, shell])) in pins.iter().zip(placed).enumerate() {
+        let axis: V3 = pin.rotation.column(2).into();
+        let sides = [(wish.pin, 1.0, &pin), (wish.shell, -1.0, &shell)];
         for (marker, sign, own) in sides {
             let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
                 continue;
@@ -103,7 +103,7 @@ pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix
             for w in 0..jacobian.ncols() {
                 let turning = V3::new(jacobian[(3, w)], jacobian[(4, w)], jacobian[(5, w)]);
                 let turning = own.rotation * turning;
-                let rate = seen.rotation.transpose() * turning.cross(&axis);
+                let rate = shell.rotation.transpose() * turning.cross(&axis);
                 matrix[(2 * i, first + w)] += sign * rate.x;
                 matrix[(2 * i + 1, first + w)] += sign * rate.y;
             }
@@ -116,11 +116,10 @@ pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix
 /// (x, y) for each pin.
 pub(super) fn eccentricity_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(2 * pins.len(), model.velocities);
-    for (i, wish) in pins.iter().enumerate() {
-        let seen = rows::marker(model, wish.shell, &state.pose, &state.velocity);
-        let place = rows::marker(model, wish.pin, &state.pose, &state.velocity);
-        let back = seen.rotation.transpose();
-        let arm = arm(&place, &seen);
+    let placed = placed(model, pins, &state.pose, &state.velocity);
+    for (i, (wish, [pin, shell])) in pins.iter().zip(placed).enumerate() {
+        let back = shell.rotation.transpose();
+        let arm = arm(&pin, &shell);
         for (marker, of_shell) in [(wish.pin, false), (wish.shell, true)] {
             let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
                 continue;

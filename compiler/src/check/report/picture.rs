@@ -140,7 +140,9 @@ impl<'a> Reporter<'a, '_> {
             self.diagnose(
                 Diagnostic::error(codes::REPORT_RUNS, title)
                     .at(place, format!("{of_a:.0} of {a} against {of_b:.0} of {b}"))
-                    .with_help("`resample(a, like: b)` gives one at the other's samples"),
+                    .with_help(
+                        "`resample(a, like: b)` gives the signal a at the samples of the signal b",
+                    ),
             );
             return None;
         }

@@ -88,7 +88,7 @@ impl<'a> Elaborator<'a, '_> {
             let Some(partner) = partner else {
                 return Err(self.report(
                     Diagnostic::error(codes::GROUND_ALONE, "`ground` needs another marker beside it")
-                        .at(ground_span, "it is at the place of the element's other marker, but there is none")
+                        .at(ground_span, "`ground` takes the place of the element's other marker, and the element has no other one")
                         .with_help("name a marker of the model, which is on the ground: `marker rail = [0, 0, 0] mm`"),
                 ));
             };

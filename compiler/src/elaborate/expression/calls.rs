@@ -276,7 +276,7 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.report(
                     Diagnostic::error(
                         codes::LATE_ACCELERATION,
-                        "a function with a condition gets an argument that is known in outputs only",
+                        "the `require` of this function reads a value that is known in outputs only",
                     )
                     .at(call, "an acceleration, a reaction or an output of another element is in its condition")
                     .also(asked.span, "its condition is watched at every step")

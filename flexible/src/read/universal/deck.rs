@@ -233,8 +233,14 @@ impl Deck {
             let descriptor = u32::try_from(descriptor).unwrap_or(0);
             let wanted = descriptors::node_count(descriptor);
             if count < 1 || wanted.is_some_and(|wanted| wanted as i64 != count) {
+                let problem = match wanted {
+                    Some(wanted) => format!(
+                        "element {id} has {count} nodes, but elements with the descriptor {descriptor} have {wanted}"
+                    ),
+                    None => format!("element {id} has {count} nodes"),
+                };
                 return Err(record.problem(
-                    format!("element {id} of the descriptor {descriptor} has {count} nodes"),
+                    problem,
                     "write it with the number of nodes of its descriptor",
                 ));
             }

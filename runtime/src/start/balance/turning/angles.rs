@@ -260,7 +260,7 @@ impl Angles {
             }
             if solution.residual > STALLED {
                 return Err(NoOrbit::Reason(format!(
-                    "the equations of all angles are not solved: {} products leave {:.0} % of the unbalanced load",
+                    "the search for the motion over a turn does not converge: after {} products with the matrix {:.0} % of the unbalanced load is left",
                     solution.products,
                     100.0 * solution.residual
                 )));
@@ -330,10 +330,10 @@ impl Angles {
         let speed = libm::sqrt(turn.iter().map(|x| x * x).sum());
         let order = order as f64 * std::f64::consts::TAU / (self.period() * speed);
         format!(
-            "shape {} of {} is in resonance at {:.1} rpm with loads of order {order:.3} in its axes (0: they turn with it, 1: they \
-             are still)",
-            shape + 1,
+            "loads of order {order:.3} in the axes of {} (order 0 turns with it, order 1 stands still) are in resonance with its \
+             shape {} at {:.1} rpm",
             body.origin.path,
+            shape + 1,
             speed * 60.0 / std::f64::consts::TAU,
         )
     }
