@@ -186,13 +186,13 @@ impl Gradients {
             let steps = (h, ratio);
             beside.now = self.step.advance(model, from, steps, &old, &partial);
             // after a kink the auxiliary numbers begin with the accelerations
-            if from.auxiliary_step != h {
+            if from.auxiliary_step() != h {
                 beside.now.auxiliary.clone_from(&beside.now.acceleration);
                 beside.now.state_auxiliary.clone_from(&beside.now.rates);
             }
         }
         self.at_start = false;
-        self.auxiliary_step = from.auxiliary_step;
+        self.auxiliary_step = from.auxiliary_step();
         self.warn_of_kinks(base);
         self.warn_of_growth(base);
         Ok(())
