@@ -18,6 +18,7 @@ mod fe_meshes;
 mod fe_nafems;
 mod fe_parts;
 mod fe_patch;
+mod fe_residual;
 mod fe_shell_sections;
 mod fe_shell_stress;
 mod fe_shells;

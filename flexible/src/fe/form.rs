@@ -19,6 +19,7 @@ use super::bubbles;
 use super::check::{Role, role};
 use super::hexahedron::{self, EnhancedPoint};
 use super::rules::{MassRule, Rules, StiffnessRule, Table, shares_equally};
+use super::shell::Rotations;
 use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{Code, Element, Material, Mesh, Section, VARIANT_LETTERS, Variant};
@@ -375,6 +376,16 @@ pub(crate) fn form(
         Verdict::Refused(..) => {
             check(mesh, rule)?;
             Ok(Form::Full)
+        }
+    }
+}
+
+/// How the directors of shells of four nodes turn between them: Nastran's have its residual bending flexibility.
+pub(super) fn rotations(mesh: &Mesh, rule: StiffnessRule) -> Rotations {
+    match Whose::of(mesh.code, rule) {
+        Whose::Nastran => Rotations::Parabolic,
+        Whose::InFull | Whose::Nobody | Whose::Abaqus | Whose::CalculiX | Whose::Ansys => {
+            Rotations::Bilinear
         }
     }
 }
