@@ -35,6 +35,7 @@ mod modes;
 mod nastran_deck;
 mod nastran_files;
 mod nastran_format;
+mod nastran_glue;
 mod nastran_masses;
 mod nastran_mesh;
 mod nastran_mutations;
