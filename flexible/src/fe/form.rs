@@ -293,12 +293,30 @@ const RULES: &[Rule] = {
         ),
         rule(&[Abaqus, CalculiX], &[Hexahedron20], Letters("R"), REDUCED),
         rule(
-            &[Abaqus, CalculiX],
+            &[CalculiX],
             &[Hexahedron8],
             Letters("R"),
             Refused(
-                "one integration point and an artificial stiffness against hourglasses, so that bending takes many elements across",
+                "one integration point, also for the mass, and a stiffness against hourglasses that resists the rigid rotation of distorted elements",
                 ADVICE,
+            ),
+        ),
+        rule(
+            &[Abaqus],
+            &[Hexahedron8],
+            Letters("R"),
+            Refused(
+                "one integration point and a stiffness against hourglasses that carries all of its bending and whose rule is not public in all details",
+                ADVICE,
+            ),
+        ),
+        rule(
+            &[Abaqus, CalculiX, Nastran],
+            &[Tetrahedron10],
+            Letters("M"),
+            Refused(
+                "Abaqus' modified functions with freedoms inside are not public",
+                "write C3D10 in the file",
             ),
         ),
         rule(
