@@ -106,7 +106,14 @@ fn a_cross_ply_couples_bending_and_stretching() {
         assert!(agrees(found, exact, 1e-9), "{kind:?}: {found} {exact}");
         // the stress along x on both surfaces of both layers
         let wanted = vec![true; mesh.nodes.len()];
-        let faces = surface_stresses(&mesh, &structure.freedoms, &full, &wanted).unwrap();
+        let faces = surface_stresses(
+            &mesh,
+            &structure.freedoms,
+            &Rules::default(),
+            &full,
+            &wanted,
+        )
+        .unwrap();
         let expected = [(q11, -0.5), (q11, 0.0), (q22, 0.0), (q22, 0.5)].map(|(own, height)| {
             let at = |k: usize| strain[k] + height * t * curvature[k];
             own * at(0) + q12 * at(1)

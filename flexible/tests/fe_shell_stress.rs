@@ -14,7 +14,8 @@ use eng_system::reduced::{Invariants, ReducedBody};
 /// The stresses of a vector on the surfaces of each node, from the lower to the upper.
 fn stresses(mesh: &Mesh, structure: &Structure, full: &[f64]) -> Vec<Vec<Components>> {
     let wanted = vec![true; mesh.nodes.len()];
-    let found = surface_stresses(mesh, &structure.freedoms, full, &wanted).unwrap();
+    let found =
+        surface_stresses(mesh, &structure.freedoms, &Rules::default(), full, &wanted).unwrap();
     let whole = |surface: Vec<f64>| -> Components { surface.try_into().unwrap() };
     found
         .into_values()

@@ -263,6 +263,37 @@ CBUSH,1,7,1,2,,,,0
     assert!(agrees(found[at(5)], 3.0 * 0.75 / 70.0, 1e-12));
 }
 
+/// A bushing beside the line of its ends, placed in a turned system: a force F along y turns its end by F r/K₆ with
+/// the arm r along x from the bushing, and moves it by F/K₂ + F r²/K₆ along y and F r s/K₆ along x.
+#[test]
+fn a_bushing_beside_its_ends_has_arms() {
+    let mesh = mesh(
+        "GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+CORD2R,4,,0.,0.,0.,0.,0.,1.,+
++,0.,1.,0.
+CONM2,5,2,,1.,,,,,+
++,1.,,1.,,,1.
+PBUSH,7,K,1.+5,2.+4,3.+4,50.,60.,70.
+CBUSH,1,7,1,2,,,,0
+,.9,4,.5,-.25
+",
+    );
+    assert_eq!(unread(&mesh), []);
+    let structure = assemble(&mesh, &Rules::default()).unwrap();
+    let reduction = Reduction::new(&mesh, &structure, &[support(0, 63)]).unwrap();
+    let mut force = vec![0.0; structure.freedoms.size()];
+    let at = |component: u8| structure.freedoms.freedom(1, component).unwrap();
+    force[at(1)] = 3.0;
+    let found = solve(&structure, &reduction, &force);
+    // at x = 0.25, y = 0.5 of the basic system
+    let turn = 3.0 * 0.75 / 70.0;
+    for (component, exact) in [(5, turn), (1, 3.0 / 2e4 + turn * 0.75), (0, turn * 0.5)] {
+        let moved = found[at(component)];
+        assert!(agrees(moved, exact, 1e-12), "{component}: {moved} {exact}");
+    }
+}
+
 #[test]
 fn bushings_without_axes_or_stiffness_are_refused() {
     let told = |cards: &str| problem(&format!("{GRIDS}{cards}")).problem;
@@ -292,19 +323,18 @@ fn bushings_without_axes_or_stiffness_are_refused() {
             "PBUSH,7,K,1.\nCBUSH,1,7\n",
             "bushing 1 has no end at a grid point",
         ),
+        (
+            "PBUSH,7,K,1.\nCBUSH,1,7,1,2\n,,4,1.\n",
+            "bushing 1 uses coordinate system 4, which is missing",
+        ),
+        ("PBUSH,7,K,1.\nCBUSH,1,7,1,2\n,,0,x\n", "S1"),
     ];
     for (cards, expected) in cases {
         let found = told(cards);
         assert!(found.contains(expected), "{found}");
     }
-    let lost = mesh(&format!(
-        "{GRIDS}PBUSH,7,K,1.\n,,M,2.\nCBUSH,1,7,1,2\n,,4,1.\n"
-    ));
-    let expected = [
-        ("CBUSH with OCID", 1, Carries::Structure),
-        ("mass of PBUSH", 1, Carries::Structure),
-    ];
-    assert_eq!(unread(&lost), expected);
+    let lost = mesh(&format!("{GRIDS}PBUSH,7,K,1.\n,,M,2.\nCBUSH,1,7,1,2\n"));
+    assert_eq!(unread(&lost), [("mass of PBUSH", 1, Carries::Structure)]);
 }
 
 #[test]

@@ -337,6 +337,7 @@ impl System<'_> {
         mass: &mut Vec<(u32, u32, f64)>,
     ) -> Result<(), FlexibleError> {
         let mut faults = Vec::new();
+        let rotations = form::rotations(self.mesh, rules.stiffness);
         for &index in shells {
             let element = &self.mesh.elements[index as usize];
             let Some(Role::Shell(sheet)) = role(self.mesh, element) else {
@@ -346,7 +347,7 @@ impl System<'_> {
             let places = present.places(self.mesh);
             let plate = Plate::new(&sheet);
             let drilling = element.variant == Variant::Drilling;
-            let shell = Shell::new(element.kind, &present, &places, drilling, &plate);
+            let shell = Shell::new(element.kind, &present, &places, drilling, rotations, &plate);
             match shell.matrices(rules.mass) {
                 Ok(matrices) => self.add_shell(present.nodes(), &matrices, mass),
                 Err(area) => faults.push((element.id, area)),

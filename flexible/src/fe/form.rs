@@ -19,6 +19,7 @@ use super::bubbles;
 use super::check::{Role, role};
 use super::hexahedron::{self, EnhancedPoint};
 use super::rules::{MassRule, Rules, StiffnessRule, Table, shares_equally};
+use super::shell::Rotations;
 use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
 use crate::mesh::{Code, Element, Material, Mesh, Section, VARIANT_LETTERS, Variant};
@@ -292,12 +293,30 @@ const RULES: &[Rule] = {
         ),
         rule(&[Abaqus, CalculiX], &[Hexahedron20], Letters("R"), REDUCED),
         rule(
-            &[Abaqus, CalculiX],
+            &[CalculiX],
             &[Hexahedron8],
             Letters("R"),
             Refused(
-                "one integration point and an artificial stiffness against hourglasses, so that bending takes many elements across",
+                "one integration point, also for the mass, and a stiffness against hourglasses that resists the rigid rotation of distorted elements",
                 ADVICE,
+            ),
+        ),
+        rule(
+            &[Abaqus],
+            &[Hexahedron8],
+            Letters("R"),
+            Refused(
+                "one integration point and a stiffness against hourglasses that carries all of its bending and whose rule is not public in all details",
+                ADVICE,
+            ),
+        ),
+        rule(
+            &[Abaqus, CalculiX, Nastran],
+            &[Tetrahedron10],
+            Letters("M"),
+            Refused(
+                "Abaqus' modified functions with freedoms inside are not public",
+                "write C3D10 in the file",
             ),
         ),
         rule(
@@ -375,6 +394,16 @@ pub(crate) fn form(
         Verdict::Refused(..) => {
             check(mesh, rule)?;
             Ok(Form::Full)
+        }
+    }
+}
+
+/// How the directors of shells of four nodes turn between them: Nastran's have its residual bending flexibility.
+pub(super) fn rotations(mesh: &Mesh, rule: StiffnessRule) -> Rotations {
+    match Whose::of(mesh.code, rule) {
+        Whose::Nastran => Rotations::Parabolic,
+        Whose::InFull | Whose::Nobody | Whose::Abaqus | Whose::CalculiX | Whose::Ansys => {
+            Rotations::Bilinear
         }
     }
 }

@@ -394,6 +394,7 @@ pub fn nodal_stresses(
 pub fn surface_stresses(
     mesh: &Mesh,
     freedoms: &FreedomMap,
+    rules: &Rules,
     full: &[f64],
     wanted: &[bool],
 ) -> Result<BTreeMap<u32, Vec<Vec<f64>>>, FlexibleError> {
@@ -405,5 +406,5 @@ pub fn surface_stresses(
     {
         return Err(wrong("the displacements are another mesh's".into(), ""));
     }
-    shell_stresses(mesh, freedoms, full, wanted)
+    shell_stresses(mesh, freedoms, rules, full, wanted)
 }

@@ -14,6 +14,7 @@ pub mod matrix;
 pub mod nastran;
 mod number;
 mod source;
+mod tied;
 pub mod universal;
 mod unread;
 mod vector;

@@ -39,7 +39,7 @@ impl Recovery<'_> {
             ends: Vec::new(),
             values: Vec::new(),
         };
-        let shells = surface_stresses(self.mesh, self.freedoms, self.shapes, &wanted)?;
+        let shells = surface_stresses(self.mesh, self.freedoms, &self.rules, self.shapes, &wanted)?;
         let mut places = 0;
         for &node in nodes {
             let at = node as usize;

@@ -7,7 +7,7 @@ use eng_flexible::Mesh;
 use eng_flexible::element::{Shape, quadrature};
 use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
 use eng_flexible::mesh::{
-    ElementKind, Property, Section, ShellSection, ShellShape, Support, Variant,
+    Code, ElementKind, Property, Section, ShellSection, ShellShape, Support, Variant,
 };
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
 
@@ -17,6 +17,16 @@ pub const DRILLING: Form = (ElementKind::Triangle3, Variant::Drilling);
 pub const QUAD8: Form = (ElementKind::Quadrilateral8, Variant::Plain);
 pub const TRIANGLE6: Form = (ElementKind::Triangle6, Variant::Plain);
 pub const KINDS: [Form; 5] = [QUAD, TRIANGLE, DRILLING, QUAD8, TRIANGLE6];
+
+/// The forms with the code whose rules they follow. Nastran's quadrilaterals have its residual bending flexibility.
+pub const RULED: [(Form, Code); 6] = [
+    (QUAD, Code::None),
+    (TRIANGLE, Code::None),
+    (DRILLING, Code::None),
+    (QUAD8, Code::None),
+    (TRIANGLE6, Code::None),
+    (QUAD, Code::Nastran),
+];
 
 pub type Form = (ElementKind, Variant);
 

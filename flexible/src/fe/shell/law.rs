@@ -15,6 +15,26 @@ const RIGID: f64 = 1e-5 / 12.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::fe) struct Law(pub [[f64; STRAINS]; STRAINS]);
 
+impl Law {
+    /// Bending stiffness (N m) for a curvature along the unit direction in the surface.
+    pub fn bending_along(&self, [cosine, sine]: [f64; 2]) -> f64 {
+        let curvature = [cosine * cosine, sine * sine, 2.0 * cosine * sine];
+        let mut bending = 0.0;
+        for (a, first) in curvature.iter().enumerate() {
+            for (b, second) in curvature.iter().enumerate() {
+                bending += first * second * self.0[3 + a][3 + b];
+            }
+        }
+        bending
+    }
+
+    /// Stiffness (N/m) of shear across the shell along the unit direction in the surface.
+    pub fn shear_along(&self, [cosine, sine]: [f64; 2]) -> f64 {
+        let [c2, s2, cs] = [cosine * cosine, sine * sine, cosine * sine];
+        c2 * self.0[6][6] + s2 * self.0[7][7] + 2.0 * cs * self.0[6][7]
+    }
+}
+
 /// Stiffness in plane stress (Pa): 11, 22, 12 of stress for those of strain, with engineering shear.
 pub(in crate::fe) type Plane = [[f64; 3]; 3];
 

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Forces and moments per length are `[N; M; Q; k δ] = C [ε; κ; γ; δ]`. The forms are
-//! [`quadrilateral`]: MITC4 with an enhanced membrane, [`triangle`]: DKMT with a constant membrane or
+//! [`quadrilateral`]: MITC4 with an enhanced membrane, for Nastran with its residual bending flexibility, [`triangle`]: DKMT with a constant membrane or
 //! Felippa's optimal one, and [`quadratic`]: MITC9 and MITC6 for shells with mid-side nodes.
 //!
 //! **Drilling.** The rotation about the normal has no stiffness in a shell's theory. Here δ is held by
@@ -43,6 +43,7 @@ mod triangle;
 
 pub(super) use curved::too_curved;
 pub(super) use law::{Law, Plate};
+pub(super) use quadrilateral::Rotations;
 pub(super) use recovery::shell_stresses;
 
 use self::surface::Geometry;
@@ -126,18 +127,21 @@ pub(super) struct Shell<'a> {
     directors: [Vector; NODES],
     /// Whether rotations about the normal belong to the membrane.
     drilling: bool,
+    /// How the directors of a quadrilateral of four nodes turn between them.
+    rotations: Rotations,
     /// Its section and material.
     plate: &'a Plate,
 }
 
 impl<'a> Shell<'a> {
     /// A shell with its nodes at `places`. With `drilling` the rotations about the normal belong to the
-    /// membrane.
+    /// membrane. Only quadrilaterals of four nodes have `rotations`.
     pub fn new(
         kind: ElementKind,
         present: &'a Present,
         places: &Places,
         drilling: bool,
+        rotations: Rotations,
         plate: &'a Plate,
     ) -> Self {
         let mut all = [[0.0; 3]; MOST_NODES];
@@ -154,6 +158,7 @@ impl<'a> Shell<'a> {
             arms: [[0.0; 3]; NODES],
             directors: [[0.0; 3]; NODES],
             drilling: drilling && !plate.is_membrane(),
+            rotations,
             plate,
         };
         shell.directors = shell.normals();
@@ -202,7 +207,7 @@ impl<'a> Shell<'a> {
     pub fn points(&self) -> Result<Vec<ShellPoint>, f64> {
         let mut points = match self.count() {
             3 => triangle::points(&self.geometry.places, self.plate, self.drilling)?,
-            4 => quadrilateral::points(&self.geometry, self.plate)?,
+            4 => quadrilateral::points(&self.geometry, self.plate, self.rotations)?,
             _ => quadratic::points(self.kind, &self.geometry, self.plate)?,
         };
         let absent = absent(self.kind, self.present);

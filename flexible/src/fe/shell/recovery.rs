@@ -8,11 +8,13 @@
 
 use std::collections::BTreeMap;
 
-use super::{Plate, STRAINS, Shell, ShellPoint, WIDTH, folded, law::Face};
+use super::{Plate, Rotations, STRAINS, Shell, ShellPoint, WIDTH, folded, law::Face};
 use crate::element::Shape;
 use crate::error::FlexibleError;
 use crate::fe::check::{self, Role, role};
+use crate::fe::form;
 use crate::fe::freedoms::FreedomMap;
+use crate::fe::rules::Rules;
 use crate::fe::sheet::Sheet;
 use crate::fe::solid::Present;
 use crate::fe::stress::{Components, nodal_extrapolation};
@@ -39,11 +41,13 @@ struct Group {
 pub(in crate::fe) fn shell_stresses(
     mesh: &Mesh,
     freedoms: &FreedomMap,
+    rules: &Rules,
     full: &[f64],
     wanted: &[bool],
 ) -> Result<BTreeMap<u32, Vec<Vec<f64>>>, FlexibleError> {
     let size = freedoms.size();
     let vectors = full.len().checked_div(size).unwrap_or(0);
+    let rotations = form::rotations(mesh, rules.stiffness);
     let mut groups: BTreeMap<u32, Vec<Group>> = BTreeMap::new();
     for element in &mesh.elements {
         let mut own = mesh.nodes_of(element).iter();
@@ -54,7 +58,7 @@ pub(in crate::fe) fn shell_stresses(
         let Some(Role::Shell(sheet)) = role(mesh, element) else {
             continue;
         };
-        let recovery = Recovery::new(mesh, element, &sheet)?;
+        let recovery = Recovery::new(mesh, element, rotations, &sheet)?;
         let layered = matches!(sheet.section.layup, Layup::Layers(_));
         let stresses: Vec<_> = full
             .chunks_exact(size.max(1))
@@ -132,12 +136,17 @@ struct Recovery {
 }
 
 impl Recovery {
-    fn new(mesh: &Mesh, element: &Element, sheet: &Sheet<'_>) -> Result<Self, FlexibleError> {
+    fn new(
+        mesh: &Mesh,
+        element: &Element,
+        rotations: Rotations,
+        sheet: &Sheet<'_>,
+    ) -> Result<Self, FlexibleError> {
         let present = Present::new(element.kind, mesh.nodes_of(element));
         let places = present.places(mesh);
         let plate = Plate::new(sheet);
         let drilling = element.variant == Variant::Drilling;
-        let shell = Shell::new(element.kind, &present, &places, drilling, &plate);
+        let shell = Shell::new(element.kind, &present, &places, drilling, rotations, &plate);
         let points = shell
             .points()
             .map_err(|area| folded(&[(element.id, area)]))?;

@@ -18,7 +18,10 @@
 //! surface of radius R it locks where the square of its side is above R t: there the facets' normals differ
 //! too much for the rotations that they share.
 
-use super::{Places, Rows, STRAINS, ShellPoint, WIDTH, law::Plate};
+use super::{
+    Places, Rows, STRAINS, ShellPoint, WIDTH,
+    law::{Law, Plate},
+};
 use crate::element::{ElementKind, Shape};
 use crate::fe::vector::{Vector, cross, dot, norm, scale, subtract};
 
@@ -92,7 +95,7 @@ pub(super) fn points(
     let square = 2.0 * plane.area;
     let along = subtract(places[1], places[0]);
     let law = plate.law(&centre.values, &plane.axes, along, square);
-    let sides = Side::all(&plane, &law.0);
+    let sides = Side::all(&plane, &law);
     let membrane = Membrane::new(&plane, &law.0, drilling);
     let point = |side: usize| {
         let [a, b] = SIDES[side];
@@ -147,21 +150,13 @@ struct Side {
 }
 
 impl Side {
-    fn all(plane: &Plane, law: &[[f64; STRAINS]; STRAINS]) -> [Side; 3] {
+    fn all(plane: &Plane, law: &Law) -> [Side; 3] {
         SIDES.map(|[i, j]| {
             let (x, y) = (plane.x(j, i), plane.y(j, i));
             let length = libm::hypot(x, y);
             let (cosine, sine) = (x / length, y / length);
-            let (c2, s2, cs) = (cosine * cosine, sine * sine, cosine * sine);
-            // of a unit of curvature along the side
-            let curvature = [c2, s2, 2.0 * cs];
-            let mut bending = 0.0;
-            for (a, first) in curvature.iter().enumerate() {
-                for (b, second) in curvature.iter().enumerate() {
-                    bending += first * second * law[3 + a][3 + b];
-                }
-            }
-            let shear = c2 * law[6][6] + s2 * law[7][7] + 2.0 * cs * law[6][7];
+            let bending = law.bending_along([cosine, sine]);
+            let shear = law.shear_along([cosine, sine]);
             // a membrane has neither
             let phi = match shear {
                 0.0 => 0.0,

@@ -30,7 +30,6 @@ mod shapes;
 mod shells;
 mod supports;
 mod surfaces;
-mod tied;
 mod ties;
 mod unread;
 

@@ -6,11 +6,11 @@ use super::lines::{Row, key};
 use super::model::Model;
 use super::scope::Block;
 use super::shapes::Shape;
-use super::tied::Face;
 use crate::element::around;
 use crate::error::FileProblem;
 use crate::fe::vector::{cross, subtract};
 use crate::mesh::Carries;
+use crate::read::tied::Face;
 use crate::read::unread::UnreadCards;
 use crate::read::vector::norm;
 

@@ -8,10 +8,10 @@ use super::model::Model;
 use super::scope::{Block, label};
 use super::shapes::Shape;
 use super::surfaces::Surface;
-use super::tied::{Request, doubt, tied};
 use crate::error::FileProblem;
 use crate::fe::vector::subtract;
 use crate::mesh::{Carries, Frame, Mesh, Tie};
+use crate::read::tied::{Request, doubt, tied};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::norm;
 
@@ -331,16 +331,20 @@ impl Ties<'_, '_> {
                 tolerance: glue.tolerance,
                 adjust: glue.adjust,
                 turning: glue.turns.then_some(self.turning.as_slice()),
+                facing: false,
             };
-            let tied = tied(self.model, self.frames, &request, self.id());
+            let tied = tied(&self.model.nodes, self.frames, &request, self.id());
             if tied.far == nodes.len() {
                 return Err(keyword.problem(
                     &format!("no node of {follows} is near enough to {leads}"),
                     format!("check the surfaces and the units, or {}", glue.words),
                 ));
             }
+            let at = &keyword.at;
+            let place = format!("{}:{}", at.file, at.line);
+            let reach = "position tolerance";
             self.doubts
-                .extend(doubt(block, follows, &tied, nodes.len()));
+                .extend(doubt(&place, follows, &tied, nodes.len(), reach));
             self.made.extend(tied.ties);
             self.moved.extend(tied.moved);
         }

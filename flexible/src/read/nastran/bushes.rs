@@ -25,6 +25,15 @@ enum Given {
     Line,
 }
 
+/// Where a bushing acts.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// At a share of the way from A to B.
+    Share(f64),
+    /// At coordinates in a system.
+    Point(u64, [f64; 3]),
+}
+
 #[derive(Clone, Debug)]
 struct BushCard {
     order: u64,
@@ -32,8 +41,7 @@ struct BushCard {
     property: u64,
     ends: [Option<u64>; 2],
     given: Given,
-    /// Share of the way from A to B at which it acts.
-    share: f64,
+    place: Place,
     at: At,
 }
 
@@ -48,15 +56,16 @@ impl Bushes {
     /// Reads a card; `false` if it is none of these.
     pub fn read(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<bool, FileProblem> {
         match card.name.as_str() {
-            "CBUSH" => self.element(card, unread)?,
+            "CBUSH" => self.element(card)?,
             "PBUSH" => self.property(card, unread)?,
             _ => return Ok(false),
         }
         Ok(true)
     }
 
-    /// `CBUSH EID PID GA GB GO/X1 X2 X3 CID / S OCID S1 S2 S3`: a blank GB is the ground.
-    fn element(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+    /// `CBUSH EID PID GA GB GO/X1 X2 X3 CID / S OCID S1 S2 S3`: a blank GB is the ground. An OCID of 0 or more places
+    /// the bushing at S1 S2 S3 in this system, and S does not count.
+    fn element(&mut self, card: &Card) -> Result<(), FileProblem> {
         let id = card.id(0, "EID")?;
         let end = |i: usize, name: &str| {
             let id = card.optional_id(i, name)?;
@@ -68,9 +77,16 @@ impl Bushes {
             None if fields.iter().all(String::is_empty) => Given::Line,
             None => Given::Orientation(orientation(card, &fields)?),
         };
-        if !card.is_blank(9) && card.text(9) != "-1" {
-            unread.note("CBUSH with OCID", &card.at, Carries::Structure);
-        }
+        let place = match card.text(9) {
+            "" | "-1" => Place::Share(card.optional_real(8, "S")?.unwrap_or(0.5)),
+            _ => {
+                let mut point = [0.0; 3];
+                for (i, x) in point.iter_mut().enumerate() {
+                    *x = card.real_or_zero(10 + i, &format!("S{}", i + 1))?;
+                }
+                Place::Point(card.optional_id(9, "OCID")?.unwrap_or(0), point)
+            }
+        };
         self.cards.push(BushCard {
             order: card.order,
             id,
@@ -80,7 +96,7 @@ impl Bushes {
                 .unwrap_or(id),
             ends: [end(2, "GA")?, end(3, "GB")?],
             given,
-            share: card.optional_real(8, "S")?.unwrap_or(0.5),
+            place,
             at: card.at.clone(),
         });
         Ok(())
@@ -163,10 +179,10 @@ impl BushCard {
                 ends.push((around.lookup.require(grid, &user, &self.at)?, sign));
             }
         }
-        let (along, place) = match *ends.as_slice() {
+        let (along, start) = match *ends.as_slice() {
             [(a, _), (b, _)] => {
                 let along = subtract(around.position(b), around.position(a));
-                (along, add(around.position(a), scale(self.share, along)))
+                (along, around.position(a))
             }
             [(node, _)] => ([0.0; 3], around.position(node)),
             _ => {
@@ -174,6 +190,12 @@ impl BushCard {
                     format!("bushing {} has no end at a grid point", self.id),
                     "give GA, GB or both",
                 ));
+            }
+        };
+        let place = match self.place {
+            Place::Share(share) => add(start, scale(share, along)),
+            Place::Point(system, point) => {
+                (around.systems).place(system, point, &user, &self.at)?
             }
         };
         let Some(&(first, _)) = ends.first() else {

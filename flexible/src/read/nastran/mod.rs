@@ -2,8 +2,8 @@
 //! sets become a [`Mesh`].
 //!
 //! The reader accepts free, small and large field in any mixture, continuations next to their card or
-//! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =`, `MPC =`, `NSM =` and
-//! the temperatures of materials. Without `SPC =` or `MPC =` all sets apply. Sets of the mesh have the names
+//! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =`, `MPC =`, `NSM =`,
+//! `BGSET =` and the temperatures of materials. Without `SPC =` or `MPC =` all sets apply. Sets of the mesh have the names
 //! `set:3` (`SET1`, `SET3`) and `pid:3` (elements with property 3). `PARAM,WTMASS` multiplies densities and
 //! masses here. Without a positive `PARAM,COUPMASS` the mesh has lumped masses, and without
 //! `PARAM,AUTOSPC,NO` freedoms without stiffness are held.
@@ -21,6 +21,7 @@ mod card;
 mod continuation;
 mod elements;
 mod frames;
+mod glue;
 mod grids;
 mod lines;
 mod masses;
@@ -50,6 +51,7 @@ use bushes::Bushes;
 use card::{Card, IdRange};
 use elements::{ElementCard, Elements, Extra};
 use frames::{Shape, SystemCard, Systems};
+use glue::Glue;
 use grids::{GridCard, GridDefaults, Lookup};
 use lines::{At, whole};
 use masses::{Masses, distinct};
@@ -103,6 +105,7 @@ struct Deck {
     panels: Panels,
     non_structural: NonStructural,
     ties: Ties,
+    glue: Glue,
     supports: Supports,
     sets: Sets,
     mass_scale: f64,
@@ -183,6 +186,7 @@ impl Deck {
                     || self.non_structural.read(card)?
                     || self.supports.read(card)?
                     || self.ties.read(card)?
+                    || self.glue.read(card)?
                     || self.sets.read(card)?);
             }
         }
@@ -296,6 +300,9 @@ impl Deck {
             &mut mesh.scalar_points,
             &mut self.unread,
         )?;
+        let (glued, doubts) = self.glue.ties(&mesh, &properties, &lookup, &case.bgset)?;
+        mesh.ties.extend(glued);
+        self.doubts.extend(doubts);
         let mut cards = HoldingCards::default();
         mesh.supports = self.supports.supports(
             &grids,

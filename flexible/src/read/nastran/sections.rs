@@ -1,5 +1,5 @@
 //! The sections of a deck: executive and case control are skipped, except for the entries that select
-//! supports, equations, added mass and the temperature of the materials; a deck of cards alone has none of them. Of
+//! supports, equations, added mass, glue and the temperature of the materials; a deck of cards alone has none of them. Of
 //! several subcases those with a `METHOD` count, which are the ones of the modes, else all.
 
 use super::card::{Card, cut};
@@ -21,6 +21,8 @@ pub(super) struct CaseControl {
     /// Its sets of added mass. Unlike those of supports, they need an entry: a deck with case control and without one
     /// has `Nothing`.
     pub nsm: Selection,
+    /// Its sets of glue, which need an entry, too.
+    pub bgset: Selection,
     /// Whether the deck has case control at all.
     pub stated: bool,
     /// Whether it gives the materials a temperature.
@@ -51,6 +53,7 @@ struct Case {
     spc: Option<(u64, At)>,
     mpc: Option<(u64, At)>,
     nsm: Option<(u64, At)>,
+    bgset: Option<(u64, At)>,
     /// Whether it selects a method for modes.
     method: bool,
 }
@@ -64,6 +67,8 @@ impl Case {
             self.mpc = Some((number, at.clone()));
         } else if let Some(number) = selected(text, "NSM") {
             self.nsm = Some((number, at.clone()));
+        } else if let Some(number) = selected(text, "BGSET") {
+            self.bgset = Some((number, at.clone()));
         } else {
             self.method |= text.contains('=') && first_word(text) == "METHOD";
         }
@@ -98,7 +103,7 @@ impl Cases {
     /// The selection that holds for the modes.
     ///
     /// # Errors
-    /// Subcases of modes with different equations or different added mass.
+    /// Subcases of modes with different equations, added mass or glue.
     fn selection(mut self) -> Result<CaseControl, FileProblem> {
         if self.subcases.is_empty() {
             self.subcases.push(self.above);
@@ -126,6 +131,7 @@ impl Cases {
             for (title, name, here, before) in [
                 ("equations", "MPC", &case.mpc, &first.mpc),
                 ("sets of added mass", "NSM", &case.nsm, &first.nsm),
+                ("sets of glue", "BGSET", &case.bgset, &first.bgset),
             ] {
                 if number(here) != number(before)
                     && let Some((_, at)) = here.as_ref().or(before.as_ref())
@@ -153,10 +159,11 @@ impl Cases {
                 ));
             }
         }
-        let [spc, mpc, nsm] = [
+        let [spc, mpc, nsm, bgset] = [
             (&first.spc, some[0]),
             (&first.mpc, some[1]),
             (&first.nsm, self.controlled),
+            (&first.bgset, self.controlled),
         ]
         .map(|(set, some)| match set {
             Some((number, at)) => Selection::One(*number, at.clone()),
@@ -167,6 +174,7 @@ impl Cases {
             spc,
             mpc,
             nsm,
+            bgset,
             stated: self.controlled,
             temperature: self.temperature,
             modes,

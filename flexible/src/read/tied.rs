@@ -1,4 +1,4 @@
-//! `*TIE`: the nodes of one surface follow the faces of another.
+//! Tied and glued surfaces: the nodes of one surface follow the faces of another.
 //!
 //! A node follows the nearest place of a face: `u = Σ N_a u_a + ω × g`, with the face's shape functions there, the
 //! gap g from that place to the node, and the rotation ω of the face,
@@ -8,15 +8,16 @@
 //! ```
 //!
 //! with the dual tangents a^α and the normal n. So rigid motions cost nothing, and no other motion of a plane
-//! face is lost. With `ADJUST`, as both codes do unless told otherwise, the node moves onto the face first.
+//! face is lost. Where the deck adjusts the nodes, they move onto the faces first.
 
 use std::collections::HashMap;
 
-use super::model::Model;
-use super::scope::Block;
 use crate::element::{ElementKind, Shape};
 use crate::fe::vector::{Vector, add, cross, dot, norm, scale, subtract};
-use crate::mesh::{Frame, Tie, along_axes};
+use crate::mesh::{Frame, Node, Tie, along_axes};
+
+/// Share of the mean size of the faces that a node may be beside or above them, if the deck states none.
+const BESIDE: f64 = 0.05;
 
 /// A face: its corners, then its mid-side nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,10 +44,15 @@ impl Face {
         })
     }
 
-    fn places(&self, model: &Model) -> Vec<Vector> {
+    fn places(&self, nodes: &[Node]) -> Vec<Vector> {
         let own = self.nodes.iter();
-        own.map(|node| model.position(*node)).collect()
+        own.map(|node| position(nodes, *node)).collect()
     }
+}
+
+fn position(nodes: &[Node], node: u32) -> Vector {
+    let node = nodes.get(node as usize);
+    node.map_or([0.0; 3], |node| node.position)
 }
 
 /// The nearest place of a face.
@@ -82,19 +88,32 @@ pub(super) struct Request<'a> {
     pub adjust: bool,
     /// Nodes whose rotations an element uses; with `None` no rotation follows.
     pub turning: Option<&'a [bool]>,
+    /// Whether only nodes follow whose gap is along the normal of the face, up to 5 % of the mean size of the faces: a
+    /// node beside the surface stays free.
+    pub facing: bool,
+}
+
+impl Tied {
+    /// The nodes that follow.
+    pub fn followers(&self) -> impl Iterator<Item = u32> {
+        self.ties.iter().filter_map(|tie| match tie {
+            Tie::Equation { terms, .. } => terms.first().map(|(node, ..)| *node),
+            _ => None,
+        })
+    }
 }
 
 /// Ties nodes to the faces that are near enough. The first tie has the number `first`.
-pub(super) fn tied(model: &Model, frames: &[Frame], request: &Request, first: u64) -> Tied {
-    let grid = Grid::new(model, request.faces);
+pub(super) fn tied(nodes: &[Node], frames: &[Frame], request: &Request, first: u64) -> Tied {
+    let grid = Grid::new(nodes, request.faces);
     let mut out = Tied {
         size: grid.size,
         ..Tied::default()
     };
     // rounding of places on the boundary of the tolerance is no gap
-    let tolerance = request.tolerance.unwrap_or(0.05 * grid.size) + 1e-9 * grid.size;
+    let tolerance = request.tolerance.unwrap_or(BESIDE * grid.size) + 1e-9 * grid.size;
     for node in request.nodes {
-        let found = grid.nearest(model.position(*node), tolerance);
+        let found = grid.nearest(position(nodes, *node), tolerance);
         let Some(found) = found.filter(|found| found.distance <= tolerance) else {
             out.far += 1;
             continue;
@@ -105,19 +124,29 @@ pub(super) fn tied(model: &Model, frames: &[Frame], request: &Request, first: u6
         if face.nodes.contains(node) {
             continue;
         }
+        let shape = Shape::at(face.kind, [found.at[0], found.at[1], 0.0]);
+        let mut gap = subtract(position(nodes, *node), found.place);
+        if request.facing {
+            let [r, s] = tangents(&shape, &face.places(nodes));
+            let normal = cross(r, s);
+            let along = dot(gap, normal) / dot(normal, normal);
+            if norm(subtract(gap, scale(along, normal))) > BESIDE * grid.size {
+                out.far += 1;
+                continue;
+            }
+        }
         out.gap = out.gap.max(found.distance);
-        let mut gap = subtract(model.position(*node), found.place);
         if request.adjust && found.distance > 0.0 {
             out.moved.push((*node, found.place));
             gap = [0.0; 3];
         }
         let follower = Follower {
-            model,
+            nodes,
             frames,
             node: *node,
             face,
             gap,
-            shape: Shape::at(face.kind, [found.at[0], found.at[1], 0.0]),
+            shape,
         };
         let turns = request.turning.is_some_and(|turning| {
             let turns = |node: &u32| turning.get(*node as usize) == Some(&true);
@@ -130,7 +159,7 @@ pub(super) fn tied(model: &Model, frames: &[Frame], request: &Request, first: u6
 
 /// A node at a place of a face.
 struct Follower<'a> {
-    model: &'a Model,
+    nodes: &'a [Node],
     frames: &'a [Frame],
     node: u32,
     face: &'a Face,
@@ -140,8 +169,8 @@ struct Follower<'a> {
 
 impl Follower<'_> {
     fn follow(&self, turns: bool, first: u64, ties: &mut Vec<Tie>) {
-        let nodes = &self.model.nodes;
-        let places = self.face.places(self.model);
+        let nodes = self.nodes;
+        let places = self.face.places(nodes);
         let [r, s] = tangents(&self.shape, &places);
         let normal = cross(r, s);
         let square = dot(normal, normal);
@@ -289,10 +318,10 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(model: &Model, faces: &[Face]) -> Self {
+    fn new(nodes: &[Node], faces: &[Face]) -> Self {
         let faces: Vec<_> = faces
             .iter()
-            .map(|face| (face.kind, face.places(model)))
+            .map(|face| (face.kind, face.places(nodes)))
             .collect();
         let extent = |places: &[Vector]| {
             let ends = |pick: fn(f64, f64) -> f64, start: f64| -> Vector {
@@ -438,13 +467,18 @@ impl Grid {
     }
 }
 
-/// The sentence about a tie, or none if its surfaces meet everywhere.
-pub(super) fn doubt(block: &Block, name: &str, tied: &Tied, count: usize) -> Option<String> {
-    let at = &block.keyword.at;
-    let place = format!("{}:{}", at.file, at.line);
+/// The sentence about a tie, or none if its surfaces meet everywhere. `place` is that of the card, and `reach` names the
+/// largest distance.
+pub(super) fn doubt(
+    place: &str,
+    name: &str,
+    tied: &Tied,
+    count: usize,
+    reach: &str,
+) -> Option<String> {
     if tied.far > 0 {
         return Some(format!(
-            "{place}: {} of {count} nodes of the surface {name} are farther from the other surface than the position tolerance, and stay free",
+            "{place}: {} of {count} nodes of the surface {name} are farther from the other surface than the {reach}, and stay free",
             tied.far
         ));
     }

@@ -1,0 +1,203 @@
+//! Glued surfaces of NX Nastran.
+
+use crate::fe_meshes::{agrees, held, nodes_where, solve};
+use crate::nastran_deck::*;
+use eng_flexible::fe::{Reduction, Rules, assemble};
+use eng_flexible::mesh::{Carries, Mesh, Tie};
+
+/// A box of one hexahedron from x = 0 to 1, and beyond a gap of 0.01 a box of four from x = 1.01 to 2.01. The second
+/// has a face of four parts towards the first.
+fn boxes() -> String {
+    let mut deck = String::from("MAT1,1,2.+5,,.3,7.8-9\nPSOLID,1,1\nPSOLID,2,1\n");
+    for (first, start, cells) in [(1, 0.0, 1), (11, 1.01, 2)] {
+        let side = cells + 1;
+        for k in 0..side {
+            for j in 0..side {
+                for i in 0..2 {
+                    let id = first + i + 2 * (j + side * k);
+                    let [y, z] = [j, k].map(|j| f64::from(j) / f64::from(cells));
+                    deck += &format!("GRID,{id},,{},{y:.3},{z:.3}\n", start + f64::from(i));
+                }
+            }
+        }
+        for k in 0..cells {
+            for j in 0..cells {
+                let node = |i, j, k| first + i + 2 * (j + side * k);
+                let nodes = [
+                    node(0, j, k),
+                    node(1, j, k),
+                    node(1, j + 1, k),
+                    node(0, j + 1, k),
+                    node(0, j, k + 1),
+                    node(1, j, k + 1),
+                    node(1, j + 1, k + 1),
+                    node(0, j + 1, k + 1),
+                ];
+                let [a, b, c, d, e, f, g, h] = nodes;
+                let (id, property) = (first + j + cells * k, 1 + i32::from(first > 1));
+                deck += &format!("CHEXA,{id},{property},{a},{b},{c},{d},{e},{f}\n,{g},{h}\n");
+            }
+        }
+    }
+    deck
+}
+
+/// The source region of the faces of elements 11 to 14 towards the first box, and the target on it.
+const REGIONS: &str =
+    "BSURFS,1,,,,11,11,13,19\n,12,13,15,21,13,17,19,25\n,14,19,21,27\nBSURFS,2,,,,1,2,4,6\n";
+
+fn glued(control: &str, cards: &str) -> String {
+    format!("SOL 103\nCEND\n{control}\nBEGIN BULK\n{}{cards}", boxes())
+}
+
+/// The far end of the second box moves by F L/(E A) under a tension that is spread over it.
+fn stretch(mesh: &Mesh) -> f64 {
+    let structure = assemble(mesh, &Rules::default()).unwrap();
+    let mut supports = held(&nodes_where(mesh, |x| x[0] < 1e-9), 0b1);
+    supports.extend(held(&nodes_where(mesh, |x| x[1] < 1e-9), 0b10));
+    supports.extend(held(&nodes_where(mesh, |x| x[2] < 1e-9), 0b100));
+    // followers are not held
+    supports.retain(|support| {
+        let x = mesh.nodes[support.node as usize].position[0];
+        !(1.005..1.015).contains(&x)
+    });
+    let reduction = Reduction::new(mesh, &structure, &supports).unwrap();
+    let end = nodes_where(mesh, |x| x[0] > 2.0);
+    let mut force = vec![0.0; structure.freedoms.size()];
+    let share = |x: f64| if (0.1..0.9).contains(&x) { 0.5 } else { 0.25 };
+    for node in &end {
+        let [_, y, z] = mesh.nodes[*node as usize].position;
+        force[structure.freedoms.freedom(*node, 0).unwrap()] = share(y) * share(z);
+    }
+    let found = solve(&structure, &reduction, &force);
+    let moved = end
+        .iter()
+        .map(|node| found[structure.freedoms.freedom(*node, 0).unwrap()]);
+    let moved: Vec<f64> = moved.collect();
+    assert!(
+        moved.iter().all(|x| agrees(*x, moved[0], 1e-9)),
+        "{moved:?}"
+    );
+    moved[0]
+}
+
+#[test]
+fn glued_boxes_stretch_as_one() {
+    let deck = glued(
+        "BGSET = 5",
+        &format!("{REGIONS}BGADD,5,6\nBGSET,6,1,2,.1\n"),
+    );
+    let mesh = mesh(&deck);
+    assert_eq!(unread(&mesh), []);
+    // nine nodes follow in three directions
+    assert_eq!(mesh.ties.len(), 27);
+    let [doubt] = &mesh.doubts[..] else {
+        panic!("{:?}", mesh.doubts);
+    };
+    assert!(
+        doubt.contains("the tie of the surface 1 of BGSET 6 bridges a gap of up to 1.000e-2"),
+        "{doubt}"
+    );
+    assert!(agrees(stretch(&mesh), 2.0 / 2e5, 1e-9));
+}
+
+/// The outer faces of a property are a region, too. Only those that face the other region follow.
+#[test]
+fn outer_faces_of_solids_are_regions() {
+    let cards = "BCPROPS,1,2\nBCPROPS,2,1\nBGSET,6,1,2,.1\n";
+    let found = mesh(&glued("BGSET = 6", cards));
+    assert_eq!(found.ties.len(), 27);
+    assert!(
+        found.doubts[0].contains("9 of 18 nodes of the surface 1 of BGSET 6 are farther"),
+        "{:?}",
+        found.doubts
+    );
+    assert!(agrees(stretch(&found), 2.0 / 2e5, 1e-9));
+}
+
+/// A plate of two shells beyond the faces of a box: only the nodes above the box follow, and not those beside it.
+#[test]
+fn nodes_beside_the_target_stay_free() {
+    let plate = "MAT1,9,2.+5,,.3,7.8-9\nPSHELL,9,9,.1,9,,9\nGRID,51,,0.,0.,1.1\nGRID,52,,1.,0.,1.1
+GRID,53,,1.,1.,1.1\nGRID,54,,0.,1.,1.1\nGRID,55,,1.3,0.,1.1\nGRID,56,,1.3,1.,1.1
+CQUAD4,51,9,51,52,53,54\nCQUAD4,52,9,52,55,56,53\n";
+    for region in ["BSURF,1,51,THRU,52\n", "BCPROP,1,9\n"] {
+        let cards = format!("{plate}{region}BSURFS,2,,,,1,5,6,8\nBGSET,6,1,2\n");
+        let found = mesh(&glued("BGSET = 6", &cards));
+        let mut followers = std::collections::BTreeSet::new();
+        for tie in &found.ties {
+            if let Tie::Equation { terms, .. } = tie {
+                followers.insert(found.nodes[terms[0].0 as usize].id);
+            }
+        }
+        assert_eq!(followers.into_iter().collect::<Vec<_>>(), [51, 52, 53, 54]);
+        assert!(
+            found.doubts[0].contains("2 of 6 nodes of the surface 1 of BGSET 6 are farther from the other surface than the search distance of 10 along its normals, and stay free"),
+            "{:?}",
+            found.doubts
+        );
+    }
+}
+
+#[test]
+fn glue_without_a_selection_is_not_used() {
+    let found = mesh(&glued("METHOD = 1", &format!("{REGIONS}BGSET,6,1,2,.1\n")));
+    assert!(found.ties.is_empty());
+    assert!(
+        found.doubts[0].contains("no BGSET = in case control selects the glue"),
+        "{:?}",
+        found.doubts
+    );
+    // contact is no glue
+    let contact = mesh(&glued(
+        "BGSET = 6",
+        &format!("{REGIONS}BGSET,6,1,2,.1\nBCTSET,7,1,2\n"),
+    ));
+    assert_eq!(unread(&contact), [("BCTSET", 1, Carries::Structure)]);
+}
+
+#[test]
+fn wrong_glue_has_messages() {
+    let pair = "BGSET,6,1,2,.1\n";
+    for (control, cards, message) in [
+        (
+            "BGSET = 6",
+            "BGSET,6,1,3\n".to_string() + REGIONS,
+            "BGSET 6 glues region 3, which is missing or no surface",
+        ),
+        (
+            "BGSET = 7",
+            format!("{REGIONS}{pair}"),
+            "BGSET = 7 selects a set that is missing",
+        ),
+        (
+            "BGSET = 6",
+            format!("{REGIONS}BGSET,6,1,2,-1.\n"),
+            "the search distance is -1",
+        ),
+        (
+            "BGSET = 6",
+            format!("{REGIONS}BGSET,6,1,2,.001\n"),
+            "no node of region 1 faces region 2 within the search distance of 0.001",
+        ),
+        (
+            "BGSET = 6",
+            format!("BSURFS,1,,,,11,11,13,20\nBSURFS,2,,,,1,2,4,6\n{pair}"),
+            "the mesh has no solid 11 with a face at three grid points",
+        ),
+        (
+            "BGSET = 6",
+            format!("BSURF,1,11,THRU,14\nBSURFS,2,,,,1,2,4,6\n{pair}"),
+            "region 1 has no face",
+        ),
+        (
+            "SUBCASE 1\nBGSET = 6\nMETHOD = 1\nSUBCASE 2\nMETHOD = 1",
+            format!("{REGIONS}{pair}"),
+            "the sets of glue differ: subcase 1 selects BGSET = 6",
+        ),
+    ] {
+        let found = problem(&glued(control, &cards));
+        assert!(found.problem.contains(message), "{found}");
+        assert!(!found.advice.is_empty());
+    }
+}
