@@ -245,10 +245,12 @@ pub struct Kink {
     pub table: Option<TableKink>,
     /// Whether constraints depend on it.
     pub constrains: bool,
-    /// Whether it jumps by a whole period where a `wrapped` angle begins anew.
+    /// Whether it jumps where an angle begins anew: one of `wrapped`, or one of `atan2` at its cut.
     pub wraps: bool,
     /// What it depends on.
     pub course: Course,
+    /// Whether it is zero where such an angle begins anew.
+    pub cut: bool,
     /// Place of the expression.
     pub defined_at: Option<Location>,
 }

@@ -54,6 +54,7 @@ fn kinks_of(functions: &ClassFunctions, meta: &ClassMeta) -> Vec<Kink> {
             constrains: kind.constrains,
             wraps: kind.wraps,
             course: kind.course,
+            cut: kind.cut,
             ..kink
         })
         .collect()
