@@ -434,6 +434,41 @@ fn an_open_loop_names_its_lengths_and_guesses() {
     );
 }
 
+/// A loop of hinges with one length that all others together do not reach: the remedy says which, and by how much. With lengths that
+/// reach, the message does not say it.
+#[test]
+fn a_loop_that_no_position_closes_names_the_lengths_that_do_not_meet() {
+    let text = |coupler: &str, more: &str| {
+        format!(
+            "use std.joints.{{PointOnLine, Revolute}}
+             model FourBar {{
+                gravity = [0, -9.81, 0] m/s^2
+                marker left = [0, 0, 0] mm
+                marker right = [300, 0, 0] mm
+                body crank {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker main = origin; marker pin = [40, 0, 0] mm }}
+                body coupler {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker near = origin; marker far = [{coupler}, 0, 0] mm }}
+                body rocker {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin; marker pin = [0, 90, 0] mm }}
+                joint main = Revolute(crank.main, left)
+                joint big = Revolute(coupler.near, crank.pin)
+                joint small = {more}(coupler.far, rocker.pin)
+                joint pivot = Revolute(rocker.eye, right)
+             }}
+             analysis run = transient(FourBar(), duration: 1 ms, sample: 1 ms)"
+        )
+    };
+    let open = told(&text("120", "PointOnLine"));
+    assert!(open.contains("E0703"), "{open}");
+    assert!(!open.contains("no position closes"), "{open}");
+    let open = told(&text("120", "Revolute"));
+    let remedy = "no position closes this loop: the joints of the ground are 300 mm apart, and coupler, rocker and crank together reach 250 mm. Change lengths by 50 mm or more";
+    assert!(open.contains("E0703") && open.contains(remedy), "{open}");
+    let open = told(&text("900", "Revolute"));
+    assert!(
+        open.contains("the joints of coupler are 900 mm apart"),
+        "{open}"
+    );
+}
+
 /// A body between two stops on plungers that both retreat: the stops that decide its motion at the start open, and the machine still
 /// turns. Its check told a lock of the crank.
 #[test]

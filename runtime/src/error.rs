@@ -82,6 +82,10 @@ pub struct Chain {
     pub joints: Vec<(Origin, Option<[f64; 3]>)>,
     /// Its bodies without the ground.
     pub bodies: Vec<ChainBody>,
+    /// Distance of its two joints on the ground, measured like the length of a body (m).
+    pub ground: Option<f64>,
+    /// Whether each joint holds a point, so that bodies meet in points alone.
+    pub of_points: bool,
 }
 
 /// A body of a chain.
