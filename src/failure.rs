@@ -2,7 +2,7 @@
 
 use crate::codes;
 use crate::counted::counted;
-use crate::places::{place, related, span};
+use crate::places::{place, related, span, with_part};
 use eng_grammar::Diagnostic;
 use eng_runtime::{
     Damped, FAILS, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary,
@@ -147,7 +147,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("a force accelerates it: check the signs of the forces on this body and the units of their arguments"),
         // conditions on several dimensions have no common unit
         R::Require { origin, value, dimension, .. } => {
-            condition(d(codes::REQUIRED), origin, "this must hold at every step").note_if(
+            let message = condition(d(codes::REQUIRED), origin, "this must hold at every step");
+            with_part(message, system.part_of(origin)).note_if(
                 dimension.map(|one| format!("it is missed by {}", eng_runtime::error::gap(-value, Some(one)))),
             )
         }
@@ -469,6 +470,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                     parameter.origin.path,
                     parameter.display.text(*value)
                 );
+            let message = with_part(message, system.part_of(&origin));
                 Some((parameter.origin.used_at?, value))
             });
             // the numbers of one place, such as those of a record, share a label

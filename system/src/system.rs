@@ -10,7 +10,7 @@ pub use crate::analysis::{
 };
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::layout::InputLayout;
-pub use crate::place::{Location, Origin};
+pub use crate::place::{Location, Origin, Part};
 use crate::table::Table;
 
 pub mod summary;
@@ -518,6 +518,8 @@ pub struct System {
     pub stated: std::collections::BTreeMap<String, Location>,
     /// Indices of the items that the text repeats, by path without index, also of items whose condition does not hold.
     pub repeated: std::collections::BTreeMap<String, Vec<Vec<usize>>>,
+    /// Parts that the user's text makes of components of the library, in the order of their elaboration.
+    pub parts: Vec<Part>,
     /// Quantities that lints follow through a turn without forces, in the order of their inputs of the bind graph.
     pub followed: Vec<crate::lint::Followed>,
     /// Lints that the text accepts.
@@ -527,6 +529,19 @@ pub struct System {
 impl System {
     /// Paths of the inputs, channels or parameters, in their order.
     pub fn paths_of(&self, names: Names) -> Vec<&str> {
+    /// The part of a component of the library in which an object is, if the user's text makes one around it.
+    pub fn part_of(&self, object: &Origin) -> Option<&Part> {
+        let holds = |part: &&Part| {
+            let inside = object.path.strip_prefix(part.path.as_str());
+            let inside = inside.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+            inside && object.used_at != Some(part.made_at)
+        };
+        self.parts
+            .iter()
+            .filter(holds)
+            .max_by_key(|part| part.path.len())
+    }
+
         match names {
             Names::Inputs => {
                 let parameter = |k: u32| self.parameters.get(k as usize);

@@ -449,3 +449,4 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         role == Role::Dynamic
     }
 }
+            parts: std::mem::take(&mut self.draft.parts),
