@@ -194,6 +194,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             });
             message.with_help("give an inertia to every body that can turn, and a mass to every body that can move")
         }
+        R::StopsAtStart { origin, .. } => stops_at_start(d(codes::OPTIONS), origin),
         R::Options { .. } => d(codes::OPTIONS),
         R::Checkpoint { .. } => d(codes::CHECKPOINT),
         // the checker refuses an angle without a cycle earlier, and the other errors are faults of the
@@ -201,6 +202,13 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
+}
+
+/// The message about a condition that ends a run before its first step.
+fn stops_at_start(message: Diagnostic, origin: &Origin) -> Diagnostic {
+    message
+        .at_if(origin.used_at.map(span), "true before the first step")
+        .with_help("compare the other way round, or with another limit; a motion that begins beyond the limit and comes back needs two parts, such as `speed > limit and time > 1 s`")
 }
 
 /// The message about a motion that does not come back after the period.
@@ -462,6 +470,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             };
             let message = Diagnostic::error(codes::PARAMETER_REQUIRED, error.to_string());
             let message = condition(message, &origin, "this must hold");
+            let message = with_part(message, system.part_of(&origin));
             // the parameters that decide it, if the text states them
             let stated = parameters.iter().rev().filter_map(|(index, value)| {
                 let parameter = system.parameters.get(*index as usize)?;
@@ -470,7 +479,6 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
                     parameter.origin.path,
                     parameter.display.text(*value)
                 );
-            let message = with_part(message, system.part_of(&origin));
                 Some((parameter.origin.used_at?, value))
             });
             // the numbers of one place, such as those of a record, share a label

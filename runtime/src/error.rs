@@ -422,6 +422,16 @@ pub enum RuntimeError {
         /// When.
         moment: Moment,
     },
+    /// The condition that should end the run holds before its first step.
+    #[error("the condition of `stop` holds at the start already, at {moment}: {condition}")]
+    StopsAtStart {
+        /// The condition's place.
+        origin: Box<Origin>,
+        /// The condition as written.
+        condition: String,
+        /// When.
+        moment: Moment,
+    },
     /// Newton's iteration fails even with the smallest step.
     #[error("the step of {} s at {moment} has no solution: the largest residual is {} {unit} in {} ({equation})", short(*step, 3), short(*size, 3), origin.path)]
     Newton {

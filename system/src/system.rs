@@ -149,6 +149,8 @@ pub enum ConditionKind {
     Require,
     /// Should hold at every accepted state; a warning, given once.
     Advise,
+    /// Ends the run where it begins to hold; depends on the motion.
+    Stop,
     /// No condition, but a value in the message of a `require` or `advise`.
     Shown,
 }
@@ -247,10 +249,10 @@ pub struct Kink {
     pub constrains: bool,
     /// Whether it jumps where an angle begins anew: one of `wrapped`, or one of `atan2` at its cut.
     pub wraps: bool,
-    /// What it depends on.
-    pub course: Course,
     /// Whether it is zero where such an angle begins anew.
     pub cut: bool,
+    /// What it depends on.
+    pub course: Course,
     /// Place of the expression.
     pub defined_at: Option<Location>,
 }
@@ -516,10 +518,10 @@ pub struct System {
     /// Places of stated attributes, by path: `gravity`, `crank.inertia`. If an argument of a class is the
     /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,
-    /// Indices of the items that the text repeats, by path without index, also of items whose condition does not hold.
-    pub repeated: std::collections::BTreeMap<String, Vec<Vec<usize>>>,
     /// Parts that the user's text makes of components of the library, in the order of their elaboration.
     pub parts: Vec<Part>,
+    /// Indices of the items that the text repeats, by path without index, also of items whose condition does not hold.
+    pub repeated: std::collections::BTreeMap<String, Vec<Vec<usize>>>,
     /// Quantities that lints follow through a turn without forces, in the order of their inputs of the bind graph.
     pub followed: Vec<crate::lint::Followed>,
     /// Lints that the text accepts.
@@ -527,8 +529,6 @@ pub struct System {
 }
 
 impl System {
-    /// Paths of the inputs, channels or parameters, in their order.
-    pub fn paths_of(&self, names: Names) -> Vec<&str> {
     /// The part of a component of the library in which an object is, if the user's text makes one around it.
     pub fn part_of(&self, object: &Origin) -> Option<&Part> {
         let holds = |part: &&Part| {
@@ -542,6 +542,8 @@ impl System {
             .max_by_key(|part| part.path.len())
     }
 
+    /// Paths of the inputs, channels or parameters, in their order.
+    pub fn paths_of(&self, names: Names) -> Vec<&str> {
         match names {
             Names::Inputs => {
                 let parameter = |k: u32| self.parameters.get(k as usize);

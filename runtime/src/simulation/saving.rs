@@ -111,6 +111,9 @@ impl Simulation {
         for vibration in &self.integrator.vibrations {
             w.numbers(&vibration.numbers());
         }
+        if let Some(numbers) = self.stop_numbers() {
+            w.numbers(&numbers);
+        }
         w.finish()
     }
 
@@ -207,6 +210,10 @@ impl Simulation {
             let mut numbers = [0.0; 8];
             r.numbers(&mut numbers)?;
             *vibration = Vibration::from_numbers(numbers);
+        }
+        if let Some(mut numbers) = simulation.stop_numbers() {
+            r.numbers(&mut numbers)?;
+            simulation.set_stop_numbers(numbers);
         }
         r.finish()?;
         Ok(simulation)
