@@ -2,7 +2,7 @@
 
 use crate::codes;
 use crate::counted::counted;
-use crate::places::{place, related, span};
+use crate::places::{place, related, span, with_part};
 use eng_grammar::Diagnostic;
 use eng_runtime::{
     Damped, FAILS, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary,
@@ -148,7 +148,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             .with_help("a force accelerates it: check the signs of the forces on this body and the units of their arguments"),
         // conditions on several dimensions have no common unit
         R::Require { origin, value, dimension, .. } => {
-            condition(d(codes::REQUIRED), origin, "this must hold at every step").note_if(
+            let message = condition(d(codes::REQUIRED), origin, "this must hold at every step");
+            with_part(message, system.part_of(origin)).note_if(
                 dimension.map(|one| format!("it is missed by {}", eng_runtime::error::gap(-value, Some(one)))),
             )
         }
@@ -194,6 +195,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             });
             message.with_help("give an inertia to every body that can turn, and a mass to every body that can move")
         }
+        R::StopsAtStart { origin, .. } => stops_at_start(d(codes::OPTIONS), origin),
         R::Options { .. } => d(codes::OPTIONS),
         R::Checkpoint { .. } => d(codes::CHECKPOINT),
         // the checker refuses an angle without a cycle earlier, and the other errors are faults of the
@@ -201,6 +203,13 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
+}
+
+/// The message about a condition that ends a run before its first step.
+fn stops_at_start(message: Diagnostic, origin: &Origin) -> Diagnostic {
+    message
+        .at_if(origin.used_at.map(span), "true before the first step")
+        .with_help("compare the other way round, or with another limit; a motion that begins beyond the limit and comes back needs two parts, such as `speed > limit and time > 1 s`")
 }
 
 /// The message about a motion that does not come back after the period.
@@ -453,6 +462,7 @@ fn bind_diagnostic(error: &BindError, system: &System) -> Diagnostic {
             };
             let message = Diagnostic::error(codes::PARAMETER_REQUIRED, error.to_string());
             let message = condition(message, &origin, "this must hold");
+            let message = with_part(message, system.part_of(&origin));
             // the parameters that decide it, if the text states them
             let stated = parameters.iter().rev().filter_map(|(index, value)| {
                 let parameter = system.parameters.get(*index as usize)?;

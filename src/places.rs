@@ -1,7 +1,7 @@
 //! Labels of messages at the places in a system's origins.
 
 use eng_grammar::{Diagnostic, SourceId, Span};
-use eng_system::system::{Location, Origin};
+use eng_system::system::{Location, Origin, Part};
 
 /// Most places of numbers that a message shows.
 pub(crate) const MOST_PLACES: usize = 3;
@@ -27,6 +27,16 @@ pub(crate) fn place(message: Diagnostic, origin: &Origin, label: &str) -> Diagno
 /// Adds the place of the origin's definition with a label.
 pub(crate) fn related(message: Diagnostic, origin: &Origin, label: &str) -> Diagnostic {
     message.also_if(origin.defined_at.map(span), label)
+}
+
+/// Puts the user's line that makes a part first, if the places of a message are in the text of the library around it.
+pub(crate) fn with_part(message: Diagnostic, part: Option<&Part>) -> Diagnostic {
+    match part {
+        Some(Part { path, made_at }) => {
+            message.moved_to(span(*made_at), format!("{path}: in this part"))
+        }
+        None => message,
+    }
 }
 
 /// A place as a span of the texts.

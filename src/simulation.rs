@@ -184,7 +184,8 @@ impl Simulation {
     }
 
     /// Steps up to a time (s), which no step crosses; returns the time reached. Fixed steps keep their grid, so
-    /// the time reached can differ from `to` by rounding.
+    /// the time reached can differ from `to` by rounding. The condition of an analysis with `stop` ends the steps earlier
+    /// ([`Simulation::stopped`]).
     ///
     /// # Errors
     /// A time that is not later than the present one; those of a step.
@@ -222,6 +223,12 @@ impl Simulation {
     /// Time (s).
     pub fn time(&self) -> f64 {
         self.inner.time()
+    }
+
+    /// The condition of the analysis that has ended the simulation, with the moment at which it begins to hold. The simulation
+    /// stands there, and refuses further steps.
+    pub fn stopped(&self) -> Option<eng_runtime::Stopped> {
+        self.inner.stopped()
     }
 
     /// Unwrapped cycle angle, if the model has a cycle.

@@ -434,6 +434,84 @@ fn an_open_loop_names_its_lengths_and_guesses() {
     );
 }
 
+/// A loop of hinges with one length that all others together do not reach: the remedy says which, and by how much. With lengths that
+/// reach, the message does not say it.
+#[test]
+fn a_loop_that_no_position_closes_names_the_lengths_that_do_not_meet() {
+    let text = |coupler: &str, more: &str| {
+        format!(
+            "use std.joints.{{PointOnLine, Revolute}}
+             model FourBar {{
+                gravity = [0, -9.81, 0] m/s^2
+                marker left = [0, 0, 0] mm
+                marker right = [300, 0, 0] mm
+                body crank {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker main = origin; marker pin = [40, 0, 0] mm }}
+                body coupler {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker near = origin; marker far = [{coupler}, 0, 0] mm }}
+                body rocker {{ mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker eye = origin; marker pin = [0, 90, 0] mm }}
+                joint main = Revolute(crank.main, left)
+                joint big = Revolute(coupler.near, crank.pin)
+                joint small = {more}(coupler.far, rocker.pin)
+                joint pivot = Revolute(rocker.eye, right)
+             }}
+             analysis run = transient(FourBar(), duration: 1 ms, sample: 1 ms)"
+        )
+    };
+    let open = told(&text("120", "PointOnLine"));
+    assert!(open.contains("E0703"), "{open}");
+    assert!(!open.contains("no position closes"), "{open}");
+    let open = told(&text("120", "Revolute"));
+    let remedy = "no position closes this loop: the joints of the ground are 300 mm apart, and coupler, rocker and crank together reach 250 mm. Change lengths by 50 mm or more";
+    assert!(open.contains("E0703") && open.contains(remedy), "{open}");
+    let open = told(&text("900", "Revolute"));
+    assert!(
+        open.contains("the joints of coupler are 900 mm apart"),
+        "{open}"
+    );
+}
+
+/// A body between two stops on plungers that both retreat: the stops that decide its motion at the start open, and the machine still
+/// turns. Its check told a lock of the crank.
+#[test]
+fn stops_that_open_lock_no_machine() {
+    let side = |name: &str, sign: &str| {
+        format!(
+            "body crank{name} {{ mass = 2 kg; inertia = [2, 2, 2] g*m^2; marker main = origin; marker pin = [{sign}20, 0, 0] mm }}
+             body rod{name} {{ mass = 0.4 kg; inertia = [0.1, 1, 1] g*m^2; center_of_mass = [{sign}40, 0, 0] mm; marker big = origin
+                marker small = [{sign}120, 0, 0] mm }}
+             body plunger{name} {{ mass = 0.5 kg; inertia = [1, 1, 1] g*m^2; marker pin = origin
+                marker crown = at(origin, z: [{sign}1, 0, 0]); marker face = at([{sign}50.1, 0, 0] mm, z: [{sign}1, 0, 0]) }}
+             marker axis{name} = [-({sign}200), 0, 0] mm
+             marker bore{name} = at([-({sign}200), 0, 0] mm, z: [{sign}1, 0, 0])
+             joint main{name} = Revolute(crank{name}.main, axis{name})
+             drive turn{name} = PrescribedRotation(crank{name}.main, axis{name}, speed: 1500 rpm)
+             joint big_end{name} = Revolute(rod{name}.big, crank{name}.pin)
+             joint wrist{name} = PointOnLine(rod{name}.small, plunger{name}.pin)
+             joint liner{name} = Translational(plunger{name}.crown, bore{name}) {{ branch travel > 0 mm }}
+             force stop{name} = EndStop(loose.of{name}, plunger{name}.face, stiffness: 100 N/mm, damping: 100 N*s/m)"
+        )
+    };
+    let text = format!(
+        "use std.joints.{{Revolute, PointOnLine, Translational}}
+         use std.drives.PrescribedRotation
+         use std.contacts.EndStop
+         model Pair {{
+            gravity = [0, 0, 0] m/s^2
+            marker middle = at([0, 0, 0] mm, z: [1, 0, 0])
+            body loose {{ mass = 0.2 kg; inertia = [1, 1, 1] g*m^2; marker way = at(origin, z: [1, 0, 0])
+                marker of_a = [-10, 0, 0] mm; marker of_b = [10, 0, 0] mm; guess position = [0, 0, 0] mm }}
+            joint guide = Translational(loose.way, middle)
+            {}
+            {}
+            cycle angle = rotation(crank_a.main, axis_a) {{ period = 360 deg }}
+         }}
+         analysis run = transient(Pair(), duration: 1 ms, sample: 1 ms)",
+        side("_a", ""),
+        side("_b", "-")
+    );
+    let said = told(&text);
+    assert!(!said.contains("W0761"), "{said}");
+}
+
 /// Lengths whose squares are no numbers are refused before anything is computed with them.
 #[test]
 fn a_number_without_a_square_is_refused() {

@@ -523,3 +523,26 @@ fn an_acceptance_is_kept_if_the_machine_does_not_assemble() {
     let (closed, _) = Text::new("closed", &model("0")).check();
     assert!(closed.contains("W0750"), "{closed}");
 }
+
+/// A condition inside of a part of the library fails by a number of the user's text: the user's line of the part comes first, and the
+/// text of the library after it.
+#[test]
+fn a_condition_inside_of_a_part_shows_the_line_that_makes_the_part() {
+    let text = "use std.valvetrain.Valve
+        model Bench {
+            gravity = [0, 0, 0] m/s^2
+            marker seat = at([0, 0, 0] mm, z: [0, 1, 0])
+            part valve = Valve(seat, valve_mass: 80 g, installed: 35 mm, stem_height: 38 mm, stiffness: -5 N/mm, free_length: 45 mm,
+                seat_stiffness: 50 N/um, seat_damping: 2 kN*s/m)
+        }
+        analysis run = transient(Bench(), duration: 1 ms, sample: 1 ms)";
+    let (said, _) = Text::new("part", text).check();
+    // the lint of the part itself, and that of its spring
+    for title in ["valve: the spring presses", "valve.spring: a stiffness of"] {
+        let message = said.split("\n\n").find(|part| part.contains(title));
+        let message = message.unwrap_or_else(|| panic!("{title}: {said}"));
+        let part = message.find("valve: in this part").expect("the part");
+        let library = message.find("std/").expect("the library");
+        assert!(part < library, "{message}");
+    }
+}

@@ -79,6 +79,7 @@ mod stacks;
 mod starts_and_cycles;
 mod states;
 mod step_jacobian;
+mod stops;
 mod studies;
 mod thermal_films;
 mod turning_shafts;

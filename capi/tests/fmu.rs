@@ -244,6 +244,33 @@ fn wrong_calls_are_refused_with_the_reason() {
     );
 }
 
+/// A wheel of 90 g m² falls from 100 rad/s to 900 rpm under 20 N m in `J Δω/T`: the step ends there.
+#[test]
+fn the_condition_of_an_analysis_ends_the_simulation() {
+    let text = ROTOR.replace("step: 1 ms)", "stop: speed < 900 rpm)");
+    let fmu = Fmu::of("fmu_stop", &text, &["--analysis", "braked"]);
+    let one = Three::new(&fmu);
+    one.enter();
+    one.done(one.set(fmu.reference("brake"), 20.0));
+    one.exit();
+    one.done(one.step(0.0, 0.01));
+    assert_eq!(one.step(0.01, 0.1), 2);
+    let due = 0.09 * (100.0 - 900.0 * std::f64::consts::PI / 30.0) / 20.0;
+    let time = one.get(0);
+    assert!((time - due).abs() < 1e-9, "{time} {due}");
+    let told = one.messages().join("");
+    assert!(
+        told.contains("ended by its condition speed < 900 rpm at t = 0.0258"),
+        "{told}"
+    );
+    // a state of it stands there, too
+    let other = Three::new(&fmu);
+    other.done(other.resume(&one.bytes()));
+    assert_eq!(other.get(0).to_bits(), time.to_bits());
+    let message = one.refused(one.step(time, 0.1));
+    assert!(message.contains("has ended the simulation"), "{message}");
+}
+
 #[test]
 fn a_failed_condition_ends_the_step() {
     let text = ROTOR.replace(

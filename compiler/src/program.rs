@@ -24,6 +24,11 @@ pub const JOURNAL_LAW: (&str, &str) = ("std.journals", "JournalLaw");
 /// cylinder.
 pub const GAS_LAW: (&str, &str) = ("std.forces", "GasLaw");
 
+/// Whether a module belongs to the library.
+pub(crate) fn is_library(path: &str) -> bool {
+    path == "std" || path.starts_with("std.")
+}
+
 /// An item of a module at its top level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct DefinitionId {
@@ -104,6 +109,12 @@ pub struct Offered {
 }
 
 impl Program {
+    /// Whether a text belongs to the library.
+    pub fn is_library(&self, source: SourceId) -> bool {
+        let module = self.modules.iter().find(|module| module.source == source);
+        module.is_some_and(|module| is_library(&module.path))
+    }
+
     /// The item behind an id of this program.
     pub fn item(&self, id: DefinitionId) -> Option<&ast::Item> {
         self.modules

@@ -83,6 +83,10 @@ pub struct Chain {
     pub joints: Vec<(Origin, Option<[f64; 3]>)>,
     /// Its bodies without the ground.
     pub bodies: Vec<ChainBody>,
+    /// Distance of its two joints on the ground, measured like the length of a body (m).
+    pub ground: Option<f64>,
+    /// Whether each joint holds a point, so that bodies meet in points alone.
+    pub of_points: bool,
 }
 
 /// A body of a chain.
@@ -413,6 +417,16 @@ pub enum RuntimeError {
         origin: Box<Origin>,
         /// The reason, if it is known.
         because: Option<Box<Undefined>>,
+        /// When.
+        moment: Moment,
+    },
+    /// The condition that should end the run holds before its first step.
+    #[error("the condition of `stop` holds at the start already, at {moment}: {condition}")]
+    StopsAtStart {
+        /// The condition's place.
+        origin: Box<Origin>,
+        /// The condition as written.
+        condition: String,
         /// When.
         moment: Moment,
     },

@@ -20,7 +20,7 @@
 //! A factor on the tolerances multiplies all but times. A factor above 1 does not multiply a stated length.
 //!
 //! A function counts in a step that uses it at the beginning or at the end: it does not count while an `if`
-//! selects a branch without it. A function of a `wrapped` angle jumps by a whole period with this angle, and such
+//! selects a branch without it. A function of an angle that begins anew, by `wrapped` or `atan2`, jumps with this angle, and such
 //! a jump is no change of sign.
 //!
 //! The changes of sign of a function of time alone are searched ahead of the steps, and its kink functions are
@@ -81,8 +81,12 @@ struct Item {
     limit: Limit,
     /// Whether constraints depend on it.
     constrains: bool,
-    /// Whether it jumps where a `wrapped` angle begins anew.
+    /// Whether it jumps where an angle begins anew.
     wraps: bool,
+    /// Whether it is zero where such an angle begins anew.
+    cut: bool,
+    /// Whether it is the argument of a table less one of its points.
+    of_table: bool,
     /// Whether a jump of a load may hold the motion at the kink. It cannot at a kink of time, nor at one of
     /// places, whose rates do not jump.
     holds: bool,
@@ -232,6 +236,8 @@ impl Kinks {
                         limit,
                         constrains: kink.constrains,
                         wraps: kink.wraps,
+                        cut: kink.cut,
+                        of_table: kink.table.is_some(),
                         holds: course == Course::Motion && limit != Limit::Time,
                     };
                     let first = kinks.items.len();

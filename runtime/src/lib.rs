@@ -89,7 +89,7 @@ pub use linearised::{FrequencyResponse, LinearModes, run_linear, run_response};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};
 pub use simulation::{
     Energy, FAILS, Jump, Jumping, Options, Pace, Reading, SampleGradient, Simulation, Slow,
-    StepReport, Warning,
+    StepReport, Stopped, Warning,
 };
 pub use start::{StartReport, Turning, Unstable};
 pub use topology::TopologyReport;

@@ -185,6 +185,7 @@ pub fn run_periodic(
         sample: Extent::Angle(period / samples),
         integration: periodic.integration,
         gradients: Vec::new(),
+        stop: None,
     };
     let run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
     cycles.give();
@@ -197,6 +198,7 @@ pub fn run_periodic(
     let erratic = cycles.erratic();
     Ok(PeriodicSummary {
         run: RunSummary {
+            stopped: None,
             interrupted: false,
             ..run
         },

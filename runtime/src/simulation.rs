@@ -12,6 +12,7 @@ mod resting;
 mod sampling;
 mod saving;
 mod stepping;
+mod stopping;
 
 use crate::acceleration::AccelerationSystem;
 use crate::assembled::Assembled;
@@ -37,6 +38,8 @@ pub use gradients::{Gradients, SampleGradient};
 use pace::Limit;
 pub use reading::Reading;
 use std::sync::OnceLock;
+pub use stopping::Stopped;
+use stopping::Stopping;
 
 /// Options of the integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,6 +156,8 @@ pub struct Simulation {
     outputs: Outputs,
     cycle: Option<Outputs>,
     watch: Watch,
+    /// The condition that ends the run.
+    stopping: Option<Stopping>,
     kinks: Kinks,
     /// The kink at which the last step ended.
     at_kink: Option<usize>,
@@ -305,6 +310,7 @@ impl Simulation {
             system: AccelerationSystem::new(&model)?,
             outputs: Outputs::all(&model)?,
             cycle,
+            stopping: Stopping::new(&model),
             watch: Watch::new(&model, |e| matches!(roles[e], Role::Dynamic | Role::Output)),
             work: vec![0.0; model.velocities],
             rest: vec![0.0; model.velocities],

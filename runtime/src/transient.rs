@@ -6,7 +6,9 @@ use crate::decay::CycleReport;
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::{Damped, Statistics};
 use crate::kinks::Overlooked;
-use crate::simulation::{Energy, Gradients, Options, SampleGradient, Simulation, Slow, Warning};
+use crate::simulation::{
+    Energy, Gradients, Options, SampleGradient, Simulation, Slow, Stopped, Warning,
+};
 use crate::start::StartReport;
 use eng_system::analysis::{Kind, Names};
 use eng_system::code::Compiled;
@@ -128,6 +130,8 @@ pub struct RunSummary {
     pub damped: Option<Damped>,
     /// The kink that a fixed step overlooked most.
     pub overlooked: Option<Overlooked>,
+    /// The condition that ended the run early.
+    pub stopped: Option<Stopped>,
     /// Whether the observer ended the run.
     pub interrupted: bool,
 }
@@ -404,6 +408,7 @@ fn run(
         next: 1,
         samples: 0,
         last: f64::NAN,
+        stopped: None,
     };
     run.observer.started(simulation.start());
     if resume.is_none() {
@@ -450,6 +455,9 @@ fn run(
         run.observer.stepped();
         run.give_warnings(&mut simulation);
         let (end, fraction) = way.end(&mut simulation)?;
+        let stop = simulation.stop_time()?;
+        let stop = stop.filter(|stop| end.is_none_or(|end| *stop < end));
+        let end = stop.or(end);
         if run.give_passed(&mut simulation, end)?.is_break() {
             return Ok((run.summary(&simulation, true), simulation));
         }
@@ -457,6 +465,11 @@ fn run(
         follow(&simulation, run.observer, &advance, end.is_some())?;
         if let Some(end) = end {
             let (end, cycle, angle) = match transient.duration {
+                _ if stop.is_some() => {
+                    let cycle = simulation.sample_at(end, &mut run.values)?;
+                    run.stopped = simulation.stopped_within(end)?;
+                    (end, cycle, None)
+                }
                 Extent::Time(_) => (end, simulation.sample_at(end, &mut run.values)?, None),
                 Extent::Angle(duration) => {
                     let angle = start + sense * duration;
@@ -500,6 +513,7 @@ struct Run<'a> {
     next: u64,
     samples: u64,
     last: f64,
+    stopped: Option<Stopped>,
 }
 
 impl Run<'_> {
@@ -593,6 +607,7 @@ impl Run<'_> {
             energy: simulation.energy(),
             damped: simulation.damped(),
             overlooked: simulation.overlooked().cloned(),
+            stopped: self.stopped.clone(),
             interrupted,
         }
     }

@@ -6,7 +6,9 @@ use super::{Analysis, Failed, Outcome, Progress, Watch};
 use crate::error::Error;
 use crate::model::hexadecimal;
 use crate::repetition::Repetition;
-use crate::results::{Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, Table};
+use crate::results::{
+    Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, STOPPED, Table,
+};
 use crate::timings::{Clock, Timings};
 use eng_runtime::linearised::FrequencyResponse;
 use eng_runtime::{
@@ -14,8 +16,9 @@ use eng_runtime::{
     Sample, SampleGradient, Slow, StartReport, Verdict, Warning, run_assemble, run_linear,
     run_periodic, run_response, run_static, run_transient,
 };
+use eng_system::analysis::STOP;
 use eng_system::recorded::recorded;
-use eng_system::system::{AnalysisKind, Location, Origin, Response, Rows};
+use eng_system::system::{AnalysisKind, Location, Origin, Response, Rows, Transient};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -158,6 +161,10 @@ impl Analysis {
                 stated.map_err(Error::from)?;
             }
         }
+        if let Some(stopped) = solved.summary.as_ref().and_then(|s| s.stopped.as_ref()) {
+            let stated = recorder.table.set_metadata(STOPPED, stopped.to_string());
+            stated.map_err(Error::from)?;
+        }
         let failure = cause.as_ref().map(ToString::to_string);
         // after this, a run killed between its results and its motion has the whole motion on disk
         let saved = recorder.motion.save();
@@ -228,6 +235,13 @@ impl Analysis {
         results.set_metadata("version", env!("CARGO_PKG_VERSION"));
         results.set_metadata("file", self.program.file());
         results.set_metadata("source_hash", self.program.source_hash());
+        if let AnalysisKind::Transient(Transient {
+            stop: Some(condition),
+            ..
+        }) = &self.plan.kind
+        {
+            results.set_metadata(STOP, condition);
+        }
         if let Some((name, value)) = &self.stepped_here {
             results.set_metadata(format!("override.{name}"), value);
         }

@@ -69,11 +69,50 @@ pub(super) fn open_loop(
     let message = others.take(MOST_STARTS).fold(message, |message, (of, at)| {
         message.also(span(*at), format!("{}: it must hold exactly", of.path))
     });
-    let message = with_angle(message, chain, system).with_help(PLACING);
+    let message = with_angle(message, chain, system);
+    if let Some(short) = chain.and_then(too_short) {
+        return message.with_help(short);
+    }
+    let message = message.with_help(PLACING);
     message.with_help(match starts.is_empty() {
         true => GUESSING,
         false => "each `start` must hold exactly: remove one that the loop decides, or replace it by a `guess`, where the search only begins",
     })
+}
+
+/// Share of the longest length of a loop by which the others may miss it by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The remedy if a loop has one length that all others together do not reach. A polygon closes if its longest side is at most the
+/// sum of the others, whatever its angles are.
+fn too_short(chain: &Chain) -> Option<String> {
+    if !chain.of_points {
+        return None;
+    }
+    let bodies = chain.bodies.iter();
+    let sides = bodies.map(|body| (body.origin.path.as_str(), body.length));
+    let ground = chain.ground.map(|length| ("the ground", length));
+    let mut sides: Vec<(&str, f64)> = sides.chain(ground).collect();
+    sides.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let ((longest, length), others) = sides.split_first()?;
+    let sum: f64 = others.iter().map(|(_, length)| length).sum();
+    if length - sum <= ROUNDING * length {
+        return None;
+    }
+    let mm = |length: f64| short(1e3 * length, 4);
+    let named: Vec<&str> = others.iter().map(|(path, _)| *path).collect();
+    let reach = match named.as_slice() {
+        [rest @ .., last] if !rest.is_empty() => {
+            format!("{} and {last} together reach", rest.join(", "))
+        }
+        all => format!("{} reaches", all.concat()),
+    };
+    Some(format!(
+        "no position closes this loop: the joints of {longest} are {} mm apart, and {reach} {} mm. Change lengths by {} mm or more",
+        mm(*length),
+        mm(sum),
+        mm(length - sum)
+    ))
 }
 
 /// Starts and drives that state different positions.

@@ -115,6 +115,7 @@ impl Start<'_> {
             label: "of this".to_owned(),
             help: String::new(),
             decided_by: Vec::new(),
+            part: None,
         }
     }
 
@@ -410,7 +411,8 @@ impl Start<'_> {
             label: "moves freely".to_owned(),
             help: "hold it by a joint, a spring or a film; a shaft on films needs a thrust bearing: a joint that holds it along its axis".to_owned(),
             decided_by: Vec::new(),
-        }
+ part: None,
+}
     }
 
     /// Whether each body is connected with the ground. The compiler reports the others.

@@ -35,6 +35,7 @@ pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) ->
             short(1f64.to_radians() / speed, 2)
         ),
         decided_by: Vec::new(),
+        part: None,
     })
 }
 
@@ -49,6 +50,7 @@ pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin
         label: label.to_owned(),
         help: help.to_owned(),
         decided_by: Vec::new(),
+        part: None,
     };
     let Some((sample, duration)) = kind.sampling() else {
         return Vec::new();
@@ -121,7 +123,8 @@ impl Start<'_> {
             label: "this angle decreases".to_owned(),
             help: "measure the angle the way the crank turns, `rotation(crank.flange, ground)`, with the z axis of the second marker; or change the sign of the speed at start and drive".to_owned(),
             decided_by: Vec::new(),
-        };
+ part: None,
+};
         let spin = |marker: usize| self.model.markers[marker].body.map(|b| self.spin_of(b));
         let [end, other] = match spin(turning) >= spin(reference) {
             true => [turning, reference],

@@ -11,7 +11,7 @@ mod turned;
 pub(crate) use turned::turned as of_turn;
 
 use crate::codes;
-use crate::places::{MOST_PLACES, decided, related, span};
+use crate::places::{MOST_PLACES, decided, related, span, with_part};
 use eng_grammar::Diagnostic;
 use eng_runtime::model::Model;
 use eng_runtime::state::State;
@@ -20,7 +20,7 @@ use eng_system::code::{Advice, Bound, Compiled};
 use eng_system::lint::{Accepted, OF_MODEL};
 use eng_system::sentence;
 use eng_system::significant::short;
-use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Role, System};
+use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Part, Role, System};
 
 /// A lint's finding about one object.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +39,8 @@ pub(crate) struct Finding {
     pub help: String,
     /// The parameters and tables that decide it.
     pub decided_by: Vec<Origin>,
+    /// The part of a component of the library, if the object is inside of one.
+    pub part: Option<Part>,
 }
 
 impl Finding {
@@ -52,6 +54,7 @@ impl Finding {
             label: FAILS.to_owned(),
             help: String::new(),
             decided_by: advice.decided_by.clone(),
+            part: None,
         }
     }
 
@@ -65,6 +68,7 @@ impl Finding {
             label: warning.label.to_owned(),
             help: String::new(),
             decided_by: Vec::new(),
+            part: None,
         };
         let mut elements = system.elements.iter();
         let element = elements.find(|element| element.origin.path == warning.origin.path);
@@ -159,7 +163,8 @@ pub(crate) fn sift(findings: Vec<Finding>, system: &System) -> Sifted {
         reported: Vec::new(),
         accepted: Vec::new(),
     };
-    for finding in findings {
+    for mut finding in findings {
+        finding.part = system.part_of(&finding.origin).cloned();
         let covering = |a: &Accepted| a.covers(&finding.name, &finding.origin.path);
         match system.accepted.iter().position(covering) {
             Some(index) => sifted.accepted.push((index, finding)),
@@ -220,6 +225,7 @@ fn diagnostic(group: &[&Finding]) -> Diagnostic {
         (true, Some(at)) => message.at(span(at), law),
         _ => related(message, &first.origin, law),
     };
+    message = with_part(message, first.part.as_ref());
     message = decided(message, &first.decided_by);
     if !alike {
         message = likewise(message, group);

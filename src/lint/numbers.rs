@@ -124,6 +124,7 @@ fn about(
         label: format!("this {attribute}"),
         help: String::new(),
         decided_by: Vec::new(),
+        part: None,
     }
 }
 
@@ -418,6 +419,7 @@ fn without_gas(system: &System) -> Vec<Finding> {
             label: "of another cylinder".to_owned(),
             help: "give each cylinder its gas; `scale: 0` switches it off".to_owned(),
             decided_by: vec![body.origin.clone()],
+            part: None,
         });
     }
     found
@@ -450,6 +452,7 @@ fn wrong_period(cycle: &Cycle, message: String, decided_by: Vec<Origin>) -> Find
         help: "the cycle of a four-stroke engine has 720 deg, that of a two-stroke engine 360 deg"
             .to_owned(),
         decided_by,
+        part: None,
     }
 }
 
@@ -538,6 +541,7 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
         label: "of this cylinder".to_owned(),
         help,
         decided_by: Vec::new(),
+        part: None,
     };
     if most < all.len() {
         let stated = group.iter().filter_map(|firing| {

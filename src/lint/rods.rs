@@ -77,6 +77,7 @@ fn rod(system: &System, bound: &Bound, body: BodyRef) -> Option<Finding> {
         help: "the centre of mass of a rod is between its ends: check the signs of its markers"
             .to_owned(),
         decided_by: Vec::new(),
+        part: None,
     };
     let stated = format!("{path}.center_of_mass");
     let stated = system.stated.get(&stated).map(|at| Origin {

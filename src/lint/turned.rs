@@ -211,6 +211,7 @@ fn swings(system: &System, angle: f64) -> Option<Finding> {
         label: "an angle that swings".to_owned(),
         help: "the cycle is the angle of the crank: `rotation(crank.flange, ground)`".to_owned(),
         decided_by: Vec::new(),
+        part: None,
     })
 }
 
@@ -273,6 +274,7 @@ fn gravity(
         help: "for an engine that hangs or is upright write `accept gravity` in the model"
             .to_owned(),
         decided_by: Vec::new(),
+        part: None,
     })
 }
 
@@ -446,6 +448,7 @@ impl Watched<'_> {
             label: "of this cylinder".to_owned(),
             help: help.to_owned(),
             decided_by: Vec::new(),
+            part: None,
         }
     }
 

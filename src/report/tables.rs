@@ -36,9 +36,10 @@ pub(super) fn state(entry: &Entry) -> Table {
     }
 }
 
-/// Name, samples, time and speed of each analysis.
+/// Name, samples, time and speed of each analysis, and the condition that ended it.
 pub(super) fn analyses(entries: &[Entry]) -> Table {
-    Table {
+    let stopped = |entry: &Entry| entry.outcome.results.stopped().map(str::to_owned);
+    let mut table = Table {
         caption: "Analyses".to_owned(),
         columns: vec![
             Column::new("Analysis"),
@@ -85,7 +86,15 @@ pub(super) fn analyses(entries: &[Entry]) -> Table {
                 ]
             })
             .collect(),
+    };
+    // most analyses have no condition that ends them
+    if entries.iter().any(|entry| stopped(entry).is_some()) {
+        table.columns.push(Column::new("Ended by"));
+        for (row, entry) in table.rows.iter_mut().zip(entries) {
+            row.push(stopped(entry).map_or(Cell::Empty, Cell::from));
+        }
     }
+    table
 }
 
 /// The inputs of a model: unit, limits, default, and one value for each analysis if any value differs from

@@ -148,6 +148,8 @@ pub struct Results {
 
 /// Key of the metadata for the kind of rows. Samples of a motion have none.
 pub const ROWS: &str = "rows";
+/// Key of the condition that ended the run early, with the moment.
+pub const STOPPED: &str = "stopped";
 /// See [`ROWS`].
 pub const MODES: &str = "modes";
 /// See [`ROWS`].
@@ -230,6 +232,11 @@ impl Results {
     /// The metadata of the run.
     pub fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
+    }
+
+    /// The condition that ended the run early, and the moment: `speed > 6000 rpm at 1.5 s`.
+    pub fn stopped(&self) -> Option<&str> {
+        self.metadata.get(STOPPED).map(String::as_str)
     }
 
     /// All columns in order.

@@ -289,6 +289,9 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             diagnostics.push(warning);
         }
     }
+    if let Some(stopped) = outcome.results.stopped() {
+        facts.push(format!("ended by its condition {stopped}"));
+    }
     if let Some(periodic) = &outcome.periodic {
         let (lines, warnings) = crate::failure::periodic(periodic, system, &bound);
         facts.extend(lines);

@@ -1,8 +1,9 @@
 //! The points of a sweep side by side.
 
 use super::{SummaryTable, Table, last_cycle};
-use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+use crate::results::{CYCLE_ANGLE, Column, Results, STOPPED, TIME};
 use crate::run::RunOutcome;
+use eng_system::analysis::STOP;
 use eng_system::significant::short;
 use eng_system::{Dimension, DisplayUnit};
 
@@ -35,7 +36,8 @@ pub(crate) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
 }
 
 /// One row for each point. It has the variables of the sweep; for a periodic analysis the number of cycles,
-/// and 1 if the last cycle repeats (no numbers if the point was complete and was not run again); the summaries
+/// and 1 if the last cycle repeats (no numbers if the point was complete and was not run again); for a transient analysis with a
+/// `stop` the time at which it ended the point (no number if it did not); the summaries
 /// of the elements, such as `main[1].radial_load.largest`; for each output of the model the smallest and the
 /// largest value. The values cover the last whole cycle if there is one, otherwise the whole run.
 pub(crate) fn table(family: &[&RunOutcome]) -> Results {
@@ -77,6 +79,21 @@ pub(crate) fn table(family: &[&RunOutcome]) -> Results {
             Dimension::ONE,
             plain,
             family.iter().map(repeats).collect(),
+        );
+    }
+    let metadata = |o: &RunOutcome, key: &str| o.results.metadata().contains_key(key);
+    if family.iter().any(|o| metadata(o, STOP)) {
+        let time = first.results.column(TIME).map(|time| time.display.clone());
+        let moment = |o: &&RunOutcome| {
+            let time = o.results.column(TIME).filter(|_| metadata(o, STOPPED));
+            let last = time.and_then(|time| time.values.last());
+            last.copied().unwrap_or(f64::NAN)
+        };
+        push(
+            "stopped_at".to_owned(),
+            Dimension::TIME,
+            time.unwrap_or_else(|| DisplayUnit::si(Dimension::TIME)),
+            family.iter().map(moment).collect(),
         );
     }
     let outputs = || {

@@ -21,3 +21,12 @@ pub struct Origin {
     /// The line of the class that defines it, if there is one.
     pub defined_at: Option<Location>,
 }
+
+/// A part that the user's text makes of a component of the library.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// `engine`, `cylinder[2]`.
+    pub path: String,
+    /// The line of the user's text.
+    pub made_at: Location,
+}

@@ -10,7 +10,7 @@ pub use crate::analysis::{
 };
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::layout::InputLayout;
-pub use crate::place::{Location, Origin};
+pub use crate::place::{Location, Origin, Part};
 use crate::table::Table;
 
 pub mod summary;
@@ -149,6 +149,8 @@ pub enum ConditionKind {
     Require,
     /// Should hold at every accepted state; a warning, given once.
     Advise,
+    /// Ends the run where it begins to hold; depends on the motion.
+    Stop,
     /// No condition, but a value in the message of a `require` or `advise`.
     Shown,
 }
@@ -245,8 +247,10 @@ pub struct Kink {
     pub table: Option<TableKink>,
     /// Whether constraints depend on it.
     pub constrains: bool,
-    /// Whether it jumps by a whole period where a `wrapped` angle begins anew.
+    /// Whether it jumps where an angle begins anew: one of `wrapped`, or one of `atan2` at its cut.
     pub wraps: bool,
+    /// Whether it is zero where such an angle begins anew.
+    pub cut: bool,
     /// What it depends on.
     pub course: Course,
     /// Place of the expression.
@@ -514,6 +518,8 @@ pub struct System {
     /// Places of stated attributes, by path: `gravity`, `crank.inertia`. If an argument of a class is the
     /// name of a constant (`gas[2].firing`), it is the place of this constant.
     pub stated: std::collections::BTreeMap<String, Location>,
+    /// Parts that the user's text makes of components of the library, in the order of their elaboration.
+    pub parts: Vec<Part>,
     /// Indices of the items that the text repeats, by path without index, also of items whose condition does not hold.
     pub repeated: std::collections::BTreeMap<String, Vec<Vec<usize>>>,
     /// Quantities that lints follow through a turn without forces, in the order of their inputs of the bind graph.
@@ -523,6 +529,19 @@ pub struct System {
 }
 
 impl System {
+    /// The part of a component of the library in which an object is, if the user's text makes one around it.
+    pub fn part_of(&self, object: &Origin) -> Option<&Part> {
+        let holds = |part: &&Part| {
+            let inside = object.path.strip_prefix(part.path.as_str());
+            let inside = inside.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+            inside && object.used_at != Some(part.made_at)
+        };
+        self.parts
+            .iter()
+            .filter(holds)
+            .max_by_key(|part| part.path.len())
+    }
+
     /// Paths of the inputs, channels or parameters, in their order.
     pub fn paths_of(&self, names: Names) -> Vec<&str> {
         match names {

@@ -11,6 +11,8 @@ use std::path::Path;
 pub const OK: c_int = 0;
 /// A doubt is reported to the importer.
 pub const WARNING: c_int = 1;
+/// A step ended before its end, because the condition of the analysis ends the simulation.
+pub const DISCARD: c_int = 2;
 /// The call is refused.
 pub const ERROR: c_int = 3;
 
@@ -82,6 +84,32 @@ pub(super) unsafe fn call(
             ERROR
         }
     }
+}
+
+/// A step. `DISCARD` tells that the condition of the analysis has ended the simulation within it.
+///
+/// # Safety
+/// As [`call`].
+pub(super) unsafe fn step(
+    instance: *mut Instance,
+    work: impl FnOnce(&mut Slave) -> Result<(), Refused>,
+) -> c_int {
+    let mut stopped = None;
+    let stepped = |slave: &mut Slave| {
+        work(slave)?;
+        stopped = slave.stopped();
+        Ok(())
+    };
+    // SAFETY: by the promise of the caller
+    let status = unsafe { call(instance, stepped) };
+    let Some(reason) = stopped.filter(|_| status == OK) else {
+        return status;
+    };
+    // SAFETY: by the promise of the caller
+    if let Ok(instance) = unsafe { edge::shared(instance, "instance") } {
+        (instance.log)(DISCARD, &reason);
+    }
+    DISCARD
 }
 
 /// Reads variables.

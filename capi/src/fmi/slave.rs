@@ -380,6 +380,12 @@ impl Slave {
         Ok(())
     }
 
+    /// The condition of the analysis that has ended the simulation, with its moment. It stands there.
+    pub fn stopped(&self) -> Option<String> {
+        let stopped = self.running.as_ref()?.simulation.stopped()?;
+        Some(format!("ended by its condition {stopped}"))
+    }
+
     /// Time (s).
     pub fn time(&self) -> f64 {
         self.running

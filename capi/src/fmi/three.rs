@@ -276,10 +276,11 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> c_int {
     let work = |slave: &mut super::slave::Slave| {
         let done = slave.step(from, length);
-        for flag in [event_needed, terminate, early] {
+        let ended = slave.stopped().is_some();
+        for (flag, value) in [(event_needed, false), (terminate, ended), (early, false)] {
             // SAFETY: by the promise of the caller
             if let Some(flag) = unsafe { flag.as_mut() } {
-                *flag = false;
+                *flag = value;
             }
         }
         // SAFETY: by the promise of the caller
@@ -289,7 +290,7 @@ pub unsafe extern "C" fn fmi3DoStep(
         done
     };
     // SAFETY: by the promise of the caller
-    unsafe { instance::call(instance, work) }
+    unsafe { instance::step(instance, work) }
 }
 
 /// Gives the present state to the importer.

@@ -308,7 +308,7 @@ pub unsafe extern "C" fn fmi2DoStep(
     _no_set_before: c_int,
 ) -> c_int {
     // SAFETY: by the promise of the caller
-    unsafe { instance::call(instance, |slave| slave.step(from, length)) }
+    unsafe { instance::step(instance, |slave| slave.step(from, length)) }
 }
 
 /// Writes the time that the last step has reached.
@@ -332,7 +332,7 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     unsafe { instance::call(instance, work) }
 }
 
-/// Writes whether the simulation wants to end, which it never does.
+/// Writes whether the simulation wants to end: the condition of its analysis has ended it.
 ///
 /// # Safety
 /// As [`fmi2GetRealStatus`].
@@ -342,9 +342,12 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
     kind: c_int,
     value: *mut c_int,
 ) -> c_int {
-    let work = |_: &mut super::slave::Slave| match kind {
-        // SAFETY: by the promise of the caller
-        TERMINATED => unsafe { edge::written(value, 0, "status") },
+    let work = |slave: &mut super::slave::Slave| match kind {
+        TERMINATED => {
+            let ended = c_int::from(slave.stopped().is_some());
+            // SAFETY: by the promise of the caller
+            unsafe { edge::written(value, ended, "status") }
+        }
         _ => Err(Refused::new(
             "fmi2GetBooleanStatus tells alone whether the simulation wants to end",
         )),

@@ -6,6 +6,7 @@ use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{Quantity, Type};
 use crate::codes;
+use crate::program::DefinitionId;
 use crate::resolve::suggest::nearest;
 use crate::typed::lineage::has_cycle;
 use eng_grammar::ast::{Argument, Binder, Declaration, Expr, ExprKind, Form, Kind};
@@ -118,7 +119,8 @@ impl<'p> Checker<'p> {
             self.bad_analysis(span, &format!("`{name}` needs a model"), "of which model?");
             return;
         };
-        let with_cycle = self.model_of(scope, first);
+        let model = self.model_of(scope, first);
+        let with_cycle = model.map(|model| has_cycle(self.program, model));
         if let Some(why) = kind.needs_cycle
             && with_cycle == Some(false)
         {
@@ -131,7 +133,7 @@ impl<'p> Checker<'p> {
                 .with_help(STATE_A_CYCLE),
             );
         }
-        let (given, others) = self.own_forms(scope, kind, rest, with_cycle);
+        let (given, others) = self.own_forms(scope, kind, rest, model);
         // all of them, so that a misspelling finds them
         let slots: Vec<Slot> = kind
             .arguments
@@ -173,8 +175,9 @@ impl<'p> Checker<'p> {
         scope: &Scope<'p>,
         kind: &KindRow,
         arguments: &[Argument],
-        with_cycle: Option<bool>,
+        model: Option<DefinitionId>,
     ) -> (Vec<&'static str>, Vec<Argument>) {
+        let with_cycle = model.map(|model| has_cycle(self.program, model));
         let mut others: Vec<Argument> = Vec::new();
         let mut given: Vec<(&'static str, Span)> = Vec::new();
         for argument in arguments {
@@ -184,7 +187,10 @@ impl<'p> Checker<'p> {
                 others.push(argument.clone());
                 continue;
             };
-            if !matches!(form, Takes::Extent(_) | Takes::Start | Takes::Names(_)) {
+            if !matches!(
+                form,
+                Takes::Extent(_) | Takes::Start | Takes::Names(_) | Takes::Condition
+            ) {
                 others.push(argument.clone());
                 continue;
             }
@@ -209,14 +215,30 @@ impl<'p> Checker<'p> {
                     self.extent(scope, kind.name, row, value, None);
                 }
                 Takes::Names(_) => self.channel_names(scope, row.name, value),
+                Takes::Condition => {
+                    if let Some(model) = model {
+                        self.stop_condition(scope, model, row.name, value);
+                    }
+                }
                 _ => self.start_word(value),
             }
         }
         (given.into_iter().map(|(name, _)| name).collect(), others)
     }
 
-    /// `Model(arguments)`; whether the model has a cycle, if it is known.
-    fn model_of(&mut self, scope: &Scope<'p>, argument: &Argument) -> Option<bool> {
+    /// A condition on the motion of a model. Its names are those of the model, and the indices of the analysis.
+    fn stop_condition(&mut self, scope: &Scope<'p>, model: DefinitionId, name: &str, value: &Expr) {
+        let inside = Scope {
+            locals: scope.locals.clone(),
+            ..Scope::of(model)
+        };
+        self.condition(&inside, value, &format!("`{name}` of an analysis"));
+        // its level is checked together with those of the models
+        self.stops.push((inside, value.clone()));
+    }
+
+    /// `Model(arguments)`: the model, if it is known.
+    fn model_of(&mut self, scope: &Scope<'p>, argument: &Argument) -> Option<DefinitionId> {
         let value = &argument.value;
         let ExprKind::Call { callee, arguments } = &value.kind else {
             let ty = self.infer(scope, value);
@@ -243,7 +265,7 @@ impl<'p> Checker<'p> {
         match self.infer(scope, callee) {
             Type::Class(id) if self.declaration(id).is_some_and(|d| d.kind == Kind::Model) => {
                 self.arguments_of_class(scope, id, &[], arguments, value.span);
-                Some(has_cycle(self.program, id))
+                Some(id)
             }
             Type::Error => None,
             other => {
@@ -333,8 +355,8 @@ fn plain_type(takes: Takes) -> Type {
     let of = |dimension: Dimension| Type::Scalar(Quantity::hard(dimension));
     match takes {
         Takes::Number | Takes::Start => Type::one(),
-        // names have no type
-        Takes::Names(_) => Type::Error,
+        // names have no type, and a condition has the names of its model
+        Takes::Names(_) | Takes::Condition => Type::Error,
         Takes::Count => Type::Int,
         Takes::Time | Takes::Extent(_) => of(Dimension::TIME),
         Takes::Angle => of(Dimension::ANGLE),

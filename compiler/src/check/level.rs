@@ -197,9 +197,30 @@ pub(super) fn check(checker: &mut Checker<'_>) {
             }
         }
     }
+    for (scope, condition) in std::mem::take(&mut following.checker.stops) {
+        following.stop(scope, &condition);
+    }
 }
 
 impl<'p> Levels<'_, 'p> {
+    /// Checks the condition of an analysis that ends its run. Steps end where it changes, so it needs a motion before accelerations
+    /// are known.
+    fn stop(&mut self, scope: Scope<'p>, condition: &Expr) {
+        let level = self.level(&Place::of(scope), condition);
+        self.bear(level, 1, condition.span, "a condition that ends a run");
+        if level.order < 0 {
+            let message = Diagnostic::error(
+                codes::ANALYSIS_VALUE,
+                "the condition of `stop` does not depend on the motion",
+            );
+            self.checker.report(
+                message
+                    .at(condition.span, "parameters, inputs and time alone")
+                    .with_help("a time ends a run by `duration`; name a position, a speed, a state or an output that follows from them"),
+            );
+        }
+    }
+
     fn block_of_use(&mut self, place: &Place<'p>, declaration: &'p eng_grammar::ast::Declaration) {
         let Some(block) = declaration.block() else {
             return;

@@ -49,7 +49,7 @@ pub use report::reports;
 use crate::codes;
 use crate::program::{DefinitionId, Program};
 use crate::typed::{Findings, TypedProgram, types};
-use eng_grammar::ast::{BindingKind, Form, Item, ItemKind, Kind};
+use eng_grammar::ast::{BindingKind, Expr, Form, Item, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
 use eng_system::Dimension;
 use member::{ClassTable, Member};
@@ -106,6 +106,8 @@ struct Checker<'p> {
     lints: BTreeSet<&'p str>,
     /// Places of angles with a finished check for turns, so that each gets one message.
     turns_reported: BTreeSet<Span>,
+    /// Conditions of analyses that end their runs, with the scope of their names. Their levels are checked with those of models.
+    stops: Vec<(scope::Scope<'p>, Expr)>,
     /// The findings for later stages.
     findings: Findings,
 }
@@ -181,6 +183,7 @@ impl<'p> Checker<'p> {
             depth: 0,
             lints: program.lints(),
             turns_reported: BTreeSet::new(),
+            stops: Vec::new(),
             findings: Findings::default(),
         }
     }

@@ -39,7 +39,7 @@ pub fn analyses(
     };
     let mut elaborator = Elaborator::new(typed, sources, host, diagnostics);
     let scope = elaborator.module_scopes[root as usize];
-    for item in &module.file.items {
+    for (index, item) in module.file.items.iter().enumerate() {
         if let ItemKind::Declaration(d) = &item.kind
             && d.kind == Kind::Analysis
             && let Form::Instance { value, .. } = &d.form
@@ -48,6 +48,8 @@ pub fn analyses(
             let _ = elaborator.for_each(&d.index, scope, &mut |e, inner, position| {
                 let name = format!("{}{}", d.name.text, index_text(position));
                 let mut plan = e.plan(name, value, d.name.span, inner)?;
+                let stop = e.stop_of(index as u32, value, &d.index, inner)?;
+                plan.constants.extend(stop);
                 for (binder, place) in d.index.iter().zip(position) {
                     let point = e.point(binder, *place, inner)?;
                     plan.analysis.point.push(point);
@@ -121,6 +123,44 @@ impl<'a> Elaborator<'a, '_> {
             dimension,
             display,
         })
+    }
+
+    /// The condition that ends the runs of an analysis, for the elaboration of its model.
+    fn stop_of(
+        &mut self,
+        item: u32,
+        value: &'a ast::Expr,
+        index: &'a [ast::Binder],
+        scope: ScopeId,
+    ) -> Eval<Option<(String, Structural)>> {
+        let (_, arguments) = self.called(value)?;
+        if named(arguments, analysis::STOP).is_none() {
+            return Ok(None);
+        }
+        let mut indices = Vec::with_capacity(index.len());
+        for ast::Binder { name, .. } in index {
+            let value = self.lookup(&name.text, scope, name.span)?;
+            indices.push((name.text.clone(), self.structural_of(value, name.span)?));
+        }
+        let stop = Structural::Stop { item, indices };
+        Ok(Some((analysis::STOP.to_owned(), stop)))
+    }
+
+    /// The condition of an analysis of the root module that ends its runs.
+    pub fn stop_condition(&self, item: u32) -> Option<&'a ast::Expr> {
+        let module = self.program.modules.get(self.program.root() as usize)?;
+        match &module.file.items.get(item as usize)?.kind {
+            ItemKind::Declaration(declaration) => match &declaration.form {
+                Form::Instance { value, .. } => match &value.kind {
+                    ExprKind::Call { arguments, .. } => {
+                        named(arguments, analysis::STOP).map(|argument| &argument.value)
+                    }
+                    _ => None,
+                },
+                _ => None,
+            },
+            _ => None,
+        }
     }
 
     fn plan(
@@ -202,6 +242,9 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 self.checked(start, expr.span, "no start")
             }
+            Takes::Condition => Ok(analysis::Value::Condition(
+                self.sources.text(expr.span).to_owned(),
+            )),
             Takes::Names(_) => {
                 let mut names = Vec::new();
                 self.names_of_channels(expr, scope, &mut names)?;

@@ -14,7 +14,7 @@ use eng_system::lint::Accepted;
 use eng_system::system::summary::Summary;
 use eng_system::system::{
     Body, Channel, Condition, FiringInfo, JournalInfo, Kink, Location, Marker, Origin, OutputInfo,
-    Parameter, Resolution, Role, Row, StateInfo,
+    Parameter, Part, Resolution, Role, Row, StateInfo,
 };
 use eng_system::table::Table;
 use std::collections::{BTreeMap, HashMap};
@@ -55,6 +55,8 @@ pub(crate) struct Draft<'a> {
     /// Places of stated attributes, by path. If an argument of a class is the name of a constant, it is the
     /// place of this constant.
     pub stated: BTreeMap<String, Location>,
+    /// Parts that the user's text makes of components of the library.
+    pub parts: Vec<Part>,
     /// Places of the arguments of classes, by path.
     pub passed: HashMap<String, Span>,
     /// Arrays that interfaces require, each with its scope, by the scope and name of the output that gives

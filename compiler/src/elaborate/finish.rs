@@ -1,5 +1,6 @@
 //! The elaboration of one model from start to end, and the resulting flat system.
 
+use super::pending::Pending;
 use super::scalar::Workbench;
 use super::value::{ScopeId, Value};
 use super::{BindProgram, ClassMeta, Elaborator, Entry, Eval, Reported};
@@ -53,6 +54,7 @@ fn kinks_of(functions: &ClassFunctions, meta: &ClassMeta) -> Vec<Kink> {
             table: kind.table,
             constrains: kind.constrains,
             wraps: kind.wraps,
+            cut: kind.cut,
             course: kind.course,
             ..kink
         })
@@ -92,6 +94,13 @@ pub enum Structural {
     Signal(DefinitionId),
     /// A record with its fields.
     Record(DefinitionId, Vec<(String, Structural)>),
+    /// The condition that ends the runs of an analysis: its item in the root module, and the values of its indices.
+    Stop {
+        /// The item.
+        item: u32,
+        /// The indices by name.
+        indices: Vec<(String, Structural)>,
+    },
 }
 
 /// Elaborates a model. `None` after an error.
@@ -164,6 +173,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 _ => Value::Definition(*id),
             },
             Structural::Signal(id) => Value::Definition(*id),
+            // it has no name in the model
+            Structural::Stop { .. } => Value::Bool(false),
             Structural::Record(id, fields) => {
                 let own = self.record_scope(*id);
                 for (name, value) in fields {
@@ -245,15 +256,40 @@ impl<'a, 'd> Elaborator<'a, 'd> {
     ) {
         self.register(items, scope);
         for (name, value) in constants {
-            if let Structural::Signal(id) = value {
-                self.draft.signals.insert(name.clone(), *id);
-                continue;
+            match value {
+                Structural::Signal(id) => {
+                    self.draft.signals.insert(name.clone(), *id);
+                    continue;
+                }
+                Structural::Stop { item, indices } => {
+                    self.stop(*item, indices, scope);
+                    continue;
+                }
+                _ => {}
             }
             let value = self.structural_value(value);
             self.define(scope, name, Entry::Value(value));
         }
         // the error was reported
         let _ = self.block(items, scope);
+    }
+
+    /// Notes the condition of an analysis that ends its run. It is evaluated when all elements are known.
+    fn stop(&mut self, item: u32, indices: &[(String, Structural)], scope: ScopeId) {
+        let Some(condition) = self.stop_condition(item) else {
+            return;
+        };
+        let module = self.scope(scope).module;
+        let inner = self.new_scope(Some(scope), module, String::new());
+        self.lasting(inner);
+        for (name, value) in indices {
+            let value = self.structural_value(value);
+            self.define(inner, name, Entry::Value(value));
+        }
+        self.draft.pending.push(Pending::Stop {
+            condition,
+            scope: inner,
+        });
     }
 
     /// The elements with their shared classes. Two classes are equal if their graphs and messages are equal.
@@ -428,6 +464,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             accepted: std::mem::take(&mut self.draft.accepted),
             followed: Vec::new(),
             stated: std::mem::take(&mut self.draft.stated),
+            parts: std::mem::take(&mut self.draft.parts),
             repeated: std::mem::take(&mut self.draft.repeated),
         };
         self.lints_of_turn(&mut system, &mut program)?;

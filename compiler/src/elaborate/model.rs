@@ -10,7 +10,7 @@ use crate::typed::lineage::{has_cycle, used_class};
 use crate::typed::settable;
 use eng_grammar::ast::{self, BindingKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
-use eng_system::system::BodyRef;
+use eng_system::system::{BodyRef, Part};
 
 /// The `require`s of a block.
 fn requires(items: &[ast::Item]) -> impl Iterator<Item = &Statement> {
@@ -294,6 +294,7 @@ impl<'a> Elaborator<'a, '_> {
                 ));
             }
             let place = declaration.name.span;
+            e.note_part(&class, &path, place);
             let own = e.used_at(place, |e| {
                 e.part_of_class(&source, &class, value, block, &path)
             })?;
@@ -309,6 +310,18 @@ impl<'a> Elaborator<'a, '_> {
             }
             Ok(Value::Part(own))
         })
+    }
+
+    /// Notes a part that the user's text makes of a component of the library.
+    fn note_part(&mut self, class: &Class<'a>, path: &str, place: Span) {
+        let program = &self.program;
+        let of_library = program.is_library(class.declaration.name.span.source);
+        if of_library && !program.is_library(place.source) {
+            self.draft.parts.push(Part {
+                path: path.to_owned(),
+                made_at: super::location(place),
+            });
+        }
     }
 
     /// An instance of a component with its arguments.

@@ -294,6 +294,7 @@ impl<'a> Elaborator<'a, '_> {
             wraps: (element.wraps.iter())
                 .map(|(wrapped, zero)| (at(wrapped), at(zero)))
                 .collect(),
+            stops: element.stops.iter().map(at).collect(),
             changing,
             bound_kinks,
             graph,

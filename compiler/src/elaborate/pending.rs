@@ -1,17 +1,22 @@
 //! Starts and outputs of models and components, and the cycle. They wait until all elements are known.
 
 use super::body::index_text;
+use super::element::Draft;
+use super::expression::Truth;
 use super::output::Columns;
-use super::scalar::{ElementBuilder, Scalar, Stage};
+use super::requirement::Message;
+use super::scalar::{ElementBuilder, Flag, Scalar, Stage};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Eval};
 use crate::codes;
+use crate::ir::optimise::dependencies;
 use crate::ir::{Node, Op};
 use eng_grammar::Diagnostic;
 use eng_grammar::ast::{self, Form};
 use eng_system::Dimension;
+use eng_system::analysis::STOP;
 use eng_system::elementary::Elementary;
-use eng_system::system::Role;
+use eng_system::system::{ConditionKind, Origin, Role};
 
 /// The target of a start value.
 #[derive(Clone, Debug)]
@@ -66,6 +71,11 @@ pub(crate) enum Pending<'a> {
         scope: ScopeId,
         path: String,
     },
+    /// The condition of an analysis that ends its run.
+    Stop {
+        condition: &'a ast::Expr,
+        scope: ScopeId,
+    },
     /// The channel of an input.
     Input {
         binding: &'a ast::Binding,
@@ -116,6 +126,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 Pending::Output { binding, scope } => self.lower_output(binding, scope),
                 Pending::Input { binding, scope } => self.lower_input(binding, scope),
+                Pending::Stop { condition, scope } => self.lower_stop(condition, scope),
                 Pending::Advice {
                     statement,
                     scope,
@@ -130,6 +141,64 @@ impl<'a> Elaborator<'a, '_> {
             self.bench.element = None;
             self.context.in_output = false;
         }
+    }
+
+    /// An element without loads, whose condition ends the run. As one of the motion it has kinks, at which steps end.
+    fn lower_stop(&mut self, condition: &'a ast::Expr, scope: ScopeId) -> Eval<()> {
+        let refused = |label: &str, help: &str| {
+            let title = "this condition cannot end a run";
+            Diagnostic::error(codes::ANALYSIS_VALUE, title)
+                .at(condition.span, label)
+                .with_help(help)
+        };
+        let flag = match self.truth(condition, scope)? {
+            Truth::Later(flag) if flag.stage == Stage::Motion => flag,
+            _ => {
+                return Err(self.report(refused(
+                    "it does not change with the motion",
+                    "name a position, a speed, a state or an output that follows from them",
+                )));
+            }
+        };
+        if self.is_exact(flag) {
+            return Err(self.report(refused(
+                "steps pass an exact value",
+                "compare by `<` or `>`: the run ends where the comparison changes",
+            )));
+        }
+        let text = self.sources.text(condition.span).to_owned();
+        let message = Message {
+            text,
+            ..Message::default()
+        };
+        let mut draft = Draft::default();
+        self.asked(&mut draft);
+        self.condition(
+            flag,
+            ConditionKind::Stop,
+            "",
+            message,
+            condition.span,
+            &mut draft,
+        );
+        let origin = Origin {
+            path: STOP.to_owned(),
+            used_at: Some(super::location(condition.span)),
+            defined_at: None,
+        };
+        let class = STOP.to_owned();
+        self.finish_element(origin, condition.span, Role::Dynamic, class, None, draft)?;
+        Ok(())
+    }
+
+    /// Whether a condition of the present element compares by `==` or `!=`.
+    fn is_exact(&self, flag: Flag) -> bool {
+        let Some(element) = self.bench.element.as_ref() else {
+            return false;
+        };
+        let needed = dependencies(&element.graph, &[flag.node]);
+        let mut operations = element.graph.nodes().iter().zip(needed);
+        operations.any(|(op, needed)| needed && matches!(op, Op::Equal(..)))
     }
 
     fn lower_start(

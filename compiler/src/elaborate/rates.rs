@@ -105,7 +105,7 @@ impl Elaborator<'_, '_> {
             .collect()
     }
 
-    /// The constants that the present element's loads and rates depend on and that follow inputs, with the
+    /// The constants that the present element's loads, rates and conditions of a stop depend on and that follow inputs, with the
     /// constants of their rates: indices of constants. Then the kinks of these constants, with their texts.
     pub(super) fn changing_constants(&mut self) -> Changing {
         let Some(element) = &self.bench.element else {
@@ -115,6 +115,7 @@ impl Elaborator<'_, '_> {
         let drives = element.fields.iter().flat_map(|field| &field.drives);
         let nodes: Vec<Node> = (element.loads.iter().flatten())
             .chain(drives)
+            .chain(&element.stops)
             .copied()
             .chain(rates)
             .collect();

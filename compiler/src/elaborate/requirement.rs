@@ -108,11 +108,24 @@ impl<'a> Elaborator<'a, '_> {
                 }
                 let text = self.known_text(message);
                 let title = |paths: &[&str]| titled(&text, paths);
-                let places = |diagnostic: Diagnostic| match used_at.map(span_of) {
-                    Some(place) => diagnostic
-                        .at(place, "used here")
-                        .also(condition.span, "this does not hold"),
-                    None => diagnostic.at(condition.span, "this does not hold"),
+                // the line of the user's text, if the object is in the text of the library
+                let at = used_at.map_or(condition.span, span_of);
+                let program = &self.program;
+                let mut uses = self.context.uses.iter().rev().map(|(place, _)| *place);
+                let of_user = program
+                    .is_library(at.source)
+                    .then(|| uses.find(|place| !program.is_library(place.source)));
+                let places = |diagnostic: Diagnostic| {
+                    let diagnostic = match used_at.map(span_of) {
+                        Some(place) => diagnostic
+                            .at(place, "used here")
+                            .also(condition.span, "this does not hold"),
+                        None => diagnostic.at(condition.span, "this does not hold"),
+                    };
+                    match of_user.flatten() {
+                        Some(part) => diagnostic.moved_to(part, "in this part"),
+                        None => diagnostic,
+                    }
                 };
                 // the text of a component does not show which part is wrong
                 let part = self.context.uses.last().map(|(place, _)| *place);

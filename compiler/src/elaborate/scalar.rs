@@ -134,6 +134,8 @@ pub(crate) struct ElementBuilder {
     pub turns: Vec<Node>,
     /// `wrapped` angles, and functions that are zero where they begin anew.
     pub wraps: Vec<(Node, Node)>,
+    /// Conditions that end a run, as flags.
+    pub stops: Vec<Node>,
     /// Its fields.
     pub fields: Vec<FieldDraft>,
     /// Quantities that lints follow through a turn, with their indices in the model.

@@ -40,6 +40,8 @@ pub struct ClassBody {
     pub turns: Vec<Node>,
     /// `wrapped` angles, and functions that are zero where they begin anew.
     pub wraps: Vec<(Node, Node)>,
+    /// Conditions that end a run, as flags. Steps end where they change.
+    pub stops: Vec<Node>,
     /// Constants that change with inputs between two points of time, and the constants that are their rates.
     /// Constraints read none of them.
     pub changing: Vec<(u32, u32)>,
@@ -162,6 +164,7 @@ impl ClassBody {
         let conditions_read_fields = uses_fields(&graph, &self.conditions, &layout, false);
         let loads: Vec<Node> = (self.loads.iter().flatten())
             .chain(&self.drives)
+            .chain(&self.stops)
             .copied()
             .collect();
         let changing: BTreeMap<u32, Node> = (self.changing.iter())

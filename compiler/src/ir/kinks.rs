@@ -62,8 +62,10 @@ pub struct KinkKind {
     pub table: Option<TableKink>,
     /// Constraints depend on it.
     pub constrains: bool,
-    /// It jumps by a whole period where a `wrapped` angle begins anew.
+    /// It jumps where an angle begins anew: one of `wrapped`, or one of `atan2` at its cut.
     pub wraps: bool,
+    /// It is zero where such an angle begins anew.
+    pub cut: bool,
     /// What it depends on.
     pub course: Course,
 }
@@ -188,6 +190,7 @@ impl Found {
         self.active[known] = either(graph, Some(self.active[known]), used);
         let known = &mut self.kinds[known];
         known.constrains |= kind.constrains;
+        known.cut |= kind.cut;
         if let (Some(known), Some(table)) = (&mut known.table, kind.table) {
             known.smooth = known.smooth.max(table.smooth);
         }
@@ -219,7 +222,7 @@ pub(crate) fn find(
         let op = graph.op(node);
         for function in functions_of(graph, op) {
             let used = match function.below {
-                // steps that end at a cut of loads are not more exact there than those that the error control rejects
+                // that of a load, which counts if conditions on the angle change there, comes with the others
                 Some(_) if !constrains => continue,
                 Some(below) => {
                     let cut = graph.less(below, zero);
@@ -247,6 +250,7 @@ pub(crate) fn find(
             let kind = KinkKind {
                 table,
                 constrains,
+                cut: function.below.is_some(),
                 ..KinkKind::default()
             };
             let handle = function.table.map_or(nowhere, |(handle, _)| handle);
@@ -257,33 +261,72 @@ pub(crate) fn find(
             }
             let course = course(graph, layout, value, changing);
             let kind = KinkKind {
-                wraps: !course.is_of_time() && jumps_with_turns(graph, value, turns),
+                wraps: !course.is_of_time() && jumps_with_angles(graph, value, turns),
                 course,
                 ..kind
             };
             found.add((place, kind), [value, handle, used]);
         }
     }
-    // where a `wrapped` angle begins anew, a constraint must not jump, and a load jumps if a condition on this angle changes
-    for (node, value) in wraps {
-        let constrains = of_rows[node.0 as usize];
-        let compared = || compares(graph, &found, *node);
-        let Some(used) = used[node.0 as usize].filter(|_| constrains || compared()) else {
+    add_cuts(
+        graph,
+        layout,
+        &mut found,
+        (&used, &of_rows),
+        (wraps, changing),
+    );
+    with_rates(graph, layout, found, (rates, changing), bound)
+}
+
+/// Adds the functions that are zero where an angle begins anew. There a constraint must not jump, and a load jumps if a condition on
+/// this angle changes. At the cut of `atan2` those of constraints are known already.
+fn add_cuts(
+    graph: &mut Graph,
+    layout: &InputLayout,
+    found: &mut Found,
+    (used, of_rows): (&[Option<Node>], &[bool]),
+    (wraps, changing): (&[(Node, Node)], &BTreeMap<u32, Node>),
+) {
+    let (nowhere, zero) = (graph.constant(-1.0), graph.constant(0.0));
+    let of_atan2 = used.iter().enumerate().filter_map(|(index, used)| {
+        let node = Node(index as u32);
+        match graph.op(node) {
+            Op::Atan2(y, x) if used.is_some() && !of_rows[index] => Some((node, y, Some(x))),
+            _ => None,
+        }
+    });
+    let of_atan2: Vec<_> = of_atan2.collect();
+    let wrapped = wraps.iter().map(|(node, ends)| (*node, *ends, None));
+    for (node, value, below) in wrapped.chain(of_atan2) {
+        let index = node.0 as usize;
+        let constrains = of_rows[index];
+        let Some(mut used) = used[index] else {
             continue;
         };
-        let place = KinkPlace {
-            node: *node,
-            argument: 0,
-        };
+        if !(constrains || compares(graph, found, node)) {
+            continue;
+        }
+        if let Some(below) = below {
+            let cut = graph.less(below, zero);
+            used = graph.select(cut, used, zero);
+            if used == zero || !changes(graph, layout, value, changing) {
+                continue;
+            }
+        }
+        let place = KinkPlace { node, argument: 0 };
         let kind = KinkKind {
             constrains,
+            cut: true,
+            course: match below {
+                Some(_) => course(graph, layout, value, changing),
+                None => Course::default(),
+            },
             ..KinkKind::default()
         };
-        if !found.join(graph, (place, kind), [*value, nowhere, used]) {
-            found.add((place, kind), [*value, nowhere, used]);
+        if !found.join(graph, (place, kind), [value, nowhere, used]) {
+            found.add((place, kind), [value, nowhere, used]);
         }
     }
-    with_rates(graph, layout, found, (rates, changing), bound)
 }
 
 /// Whether a function changes with the motion, and its rate is known.
@@ -367,12 +410,14 @@ fn compares(graph: &Graph, found: &Found, node: Node) -> bool {
     of_motion.any(|value| dependencies(graph, &[value])[node.0 as usize])
 }
 
-/// Whether a function jumps where a `wrapped` angle begins anew: it depends on a count of turns, which is a
-/// sum of chosen constants.
-fn jumps_with_turns(graph: &Graph, value: Node, turns: &[Node]) -> bool {
+/// Whether a function jumps where an angle begins anew: it depends on a count of turns, which is a sum of chosen constants, or on
+/// an angle of `atan2`.
+fn jumps_with_angles(graph: &Graph, value: Node, turns: &[Node]) -> bool {
     let parts = dependencies(graph, &[value]);
     let mut turns = turns.iter();
+    let mut angles = graph.nodes().iter().zip(&parts);
     turns.any(|turn| parts[turn.0 as usize] && matches!(graph.op(*turn), Op::Select(..)))
+        || angles.any(|(op, part)| *part && matches!(op, Op::Atan2(..)))
 }
 
 /// The functions with their rates, and those of constants after them.

@@ -3,7 +3,7 @@
 use super::PRELUDE;
 use super::suggest::nearest;
 use crate::codes;
-use crate::program::{Module, Offered, Program};
+use crate::program::{Module, Offered, Program, is_library};
 use eng_grammar::ast::{Form, Item, ItemKind, Kind, Use, UseNames};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, UnitWords};
 use eng_system::host::{Host, HostError};
@@ -318,10 +318,6 @@ fn has_support(item: &Item) -> bool {
 fn is_journal(item: &Item) -> bool {
     matches!(&item.kind, ItemKind::Declaration(d)
         if d.kind == Kind::Journal && matches!(d.form, Form::Class { .. }))
-}
-
-fn is_library(path: &str) -> bool {
-    path == "std" || path.starts_with("std.")
 }
 
 fn file_of(path: &str) -> String {

@@ -108,6 +108,7 @@ impl Builder {
             changing: Vec::new(),
             bound_kinks: Vec::new(),
             wraps: Vec::new(),
+            stops: Vec::new(),
         }
     }
 }

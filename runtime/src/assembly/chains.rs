@@ -67,15 +67,19 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
     }
     spans.push([entered, (element, own.markers[1])]);
     let origins = &model.compiled.system;
+    let mut ground = None;
     let bodies = spans
         .into_iter()
         .filter_map(|ends| {
             let tilts = ends.iter().all(|(joint, _)| is_point(model, *joint));
             let axis = axis.filter(|_| !tilts);
             let markers = ends.map(|(_, marker)| marker);
-            let body = model.markers[markers[0]].body?;
             let along = place(markers[1]) - place(markers[0]);
             let across = axis.map_or(along, |n| along - n * along.dot(&n));
+            let Some(body) = model.markers[markers[0]].body else {
+                ground = Some(across.norm());
+                return None;
+            };
             // coordinates along the axis do not count for the length
             let rotation = model.bodies[body].frame(&state.pose).rotation;
             let axis = axis.map(|n| rotation.transpose() * n);
@@ -111,14 +115,25 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
             (origins.elements[e].origin.clone(), axis.map(Into::into))
         })
         .collect();
-    Some(Chain { joints, bodies })
+    let mut elements = path.iter().map(|edge| edge.element).chain([element]);
+    Some(Chain {
+        joints,
+        bodies,
+        ground,
+        of_points: elements.all(|element| held_lengths(model, element) == 3),
+    })
+}
+
+/// Number of equations of a joint that are lengths.
+fn held_lengths(model: &Model, element: usize) -> usize {
+    let rows = model.class(element).rows.iter();
+    rows.filter(|row| row.dimension == Dimension::LENGTH)
+        .count()
 }
 
 /// Whether a joint holds a point, or a point and one angle: a ball or cardan joint.
 fn is_point(model: &Model, element: usize) -> bool {
-    let rows = &model.class(element).rows;
-    let lengths = rows.iter().filter(|row| row.dimension == Dimension::LENGTH);
-    lengths.count() == 3 && rows.len() < 5
+    held_lengths(model, element) == 3 && model.class(element).rows.len() < 5
 }
 
 /// Joints with equations and films between two bodies, or a body and the ground.

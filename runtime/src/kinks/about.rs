@@ -3,7 +3,7 @@
 use super::beside::APART;
 use super::clocks::Change;
 use super::crossing::{BEGIN, crossing, roots, same_side, tip};
-use super::{Crossing, Kinks, Limit};
+use super::{Crossing, Item, Kinks, Limit};
 use crate::integrator::STATE_SHARE;
 
 /// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
@@ -20,7 +20,7 @@ const SIGN: f64 = 1e-6;
 /// Number of successive steps that pass one kink after which the motion counts as staying there: a valve
 /// whose pressures have become equal, a body that sticks. Ending every step there would gain nothing.
 const STAYS: f64 = 3.0;
-/// Share of the change of a function over a step that its rates do not explain. Above it, a `wrapped` angle has jumped by a period.
+/// Share of the change of a function over a step that its rates do not explain. Above it, the function has jumped with its angle.
 const WRAPPED: f64 = 0.5;
 
 impl Kinks {
@@ -112,7 +112,7 @@ impl Kinks {
 
     /// The crossing of a function in the last trial of h (s), see [`crossing`].
     ///
-    /// A function of a `wrapped` angle that jumps within the trial is continued by the jump, from its beginning and from its end:
+    /// A function of an angle that begins anew within the trial is continued by its jump, from its beginning and from its end:
     /// between them the rates at both ends say by how much it would change.
     pub(super) fn crossing(
         &self,
@@ -124,12 +124,31 @@ impl Kinks {
         let (from, to) = (self.now[item], self.next[item]);
         let change = to[0] - from[0];
         let jump = change - 0.5 * h * (from[1] + to[1]);
-        if !self.items[item].wraps || jump.abs() <= WRAPPED * change.abs() {
+        if jump.abs() <= WRAPPED * change.abs() || !self.begins_anew(item) {
             return crossing(from, to, h, limits, aim);
         }
         let before = crossing(from, [to[0] - jump, to[1]], h, limits, aim);
         let behind = || crossing([from[0] + jump, from[1]], to, h, limits, aim);
         before.or_else(behind)
+    }
+
+    /// Whether an angle on which a function depends may begin anew in the last trial. An angle that only tables read has no function
+    /// that is zero there, because no step needs to end there.
+    fn begins_anew(&self, item: usize) -> bool {
+        let Item {
+            element,
+            wraps,
+            of_table,
+            ..
+        } = self.items[item];
+        let passes = |cut: usize| (self.now[cut][0] < 0.0) != (self.next[cut][0] < 0.0);
+        let mut items = self.items.iter().enumerate();
+        let mut passed = || {
+            items.any(|(cut, other)| {
+                other.cut && other.element == element && self.counts(cut) && passes(cut)
+            })
+        };
+        wraps && (of_table || passed())
     }
 
     /// The time (s) after which a function is before its kink, if its rate keeps changing as in the last step;

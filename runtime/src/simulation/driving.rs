@@ -49,7 +49,8 @@ impl Simulation {
         signals.aim(&self.model, index, point, time)
     }
 
-    /// Steps up to a time (s), which no step crosses. Fixed steps keep their grid: a point on the grid is the
+    /// Steps up to a time (s), which no step crosses, or to the moment at which the condition of `stop` begins to hold
+    /// ([`Simulation::stopped`]). Fixed steps keep their grid: a point on the grid is the
     /// grid's own number, so it cuts no step, and the bits are those of steps without this point.
     ///
     /// # Errors
@@ -83,6 +84,10 @@ impl Simulation {
         };
         while self.time() < end {
             report = self.step_no_longer(most, f64::INFINITY)?;
+            if self.stand_at_stop()? {
+                report = self.report_of_stop(report);
+                break;
+            }
         }
         self.dynamics.signals_mut().arrive();
         Ok(report)

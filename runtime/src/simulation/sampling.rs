@@ -63,7 +63,7 @@ impl Simulation {
     }
 
     /// Projects and completes `self.completed` and evaluates the outputs there.
-    fn complete(&mut self) -> Result<(), RuntimeError> {
+    pub(super) fn complete(&mut self) -> Result<(), RuntimeError> {
         self.evaluated = None;
         let moment = Moment {
             time: self.completed.time,
@@ -218,7 +218,7 @@ impl Simulation {
         move_pose(&self.model, &self.pose, &self.rest, e, &mut state.pose);
     }
 
-    fn interpolate_at(&mut self, time: f64) -> Result<(), RuntimeError> {
+    pub(super) fn interpolate_at(&mut self, time: f64) -> Result<(), RuntimeError> {
         let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
         // a motion that starts again after a moment leaves a gap of some roundings of the time between
         // two steps

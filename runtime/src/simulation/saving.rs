@@ -52,6 +52,9 @@ impl Simulation {
         w.numbers(&self.kinks.numbers());
         w.numbers(&self.dynamics.memory().numbers());
         w.numbers(&self.dynamics.kept());
+        if let Some(numbers) = self.stop_numbers() {
+            w.numbers(&numbers);
+        }
         w.finish()
     }
 
@@ -84,6 +87,10 @@ impl Simulation {
         r.numbers(&mut advised)?;
         simulation.advised = advised.iter().map(|a| *a != 0.0).collect();
         simulation.resume_inputs_and_kinks(&mut r)?;
+        if let Some(mut numbers) = simulation.stop_numbers() {
+            r.numbers(&mut numbers)?;
+            simulation.set_stop_numbers(numbers);
+        }
         r.finish()?;
         Ok(simulation)
     }

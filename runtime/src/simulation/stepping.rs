@@ -77,6 +77,7 @@ impl Simulation {
         self.kinks.accept(&self.model, 0.0, None);
         self.at_kink = self.first_moment();
         self.observe_state()?;
+        self.refuse_stop_at_start()?;
         self.compute_energy();
         let e = &mut self.energy;
         e.start = e.kinetic + e.gravity + e.strain;
@@ -315,6 +316,7 @@ impl Simulation {
         if let Some(error) = touch {
             return Err(error);
         }
+        self.observe_stop()?;
         if self.options.energy {
             let (loads, constraints) = self
                 .dynamics
@@ -356,7 +358,11 @@ impl Simulation {
     /// last bit.
     pub fn step_within(&mut self, end: f64) -> Result<StepReport, RuntimeError> {
         self.ends_known()?;
-        self.step_no_longer(end, f64::INFINITY)
+        let report = self.step_no_longer(end, f64::INFINITY)?;
+        Ok(match self.stand_at_stop()? {
+            true => self.report_of_stop(report),
+            false => report,
+        })
     }
 
     /// Like [`Simulation::step_within`], but under error control the step is at most `longest` (s).
@@ -365,6 +371,7 @@ impl Simulation {
         end: f64,
         longest: f64,
     ) -> Result<StepReport, RuntimeError> {
+        self.refuse_after_stop()?;
         let begin = self.integrator.current.time;
         if end.is_nan() || end <= begin {
             return Err(RuntimeError::Options {

@@ -367,7 +367,18 @@ impl<'a> Turning<'a> {
     /// The velocities that lead on from a position; `None` if there are none.
     fn velocity(&mut self, state: &State) -> Result<Option<Vec<f64>>, RuntimeError> {
         if !self.still {
-            return Ok(self.motion.velocity(self.model, state).ok());
+            if let Ok(found) = self.motion.velocity(self.model, state) {
+                return Ok(Some(found));
+            }
+            // the loads that decided a freedom at the start may not act here, such as those of stops that have opened
+            let Ok(motion) = SteadyMotion::new(self.model, state) else {
+                return Ok(None);
+            };
+            let found = motion.velocity(self.model, state).ok();
+            if found.is_some() {
+                self.motion = motion;
+            }
+            return Ok(found);
         }
         // the least scaled velocities y with G y = 0 and a rate of the cycle of one
         let model = self.model;

@@ -69,6 +69,7 @@ fn transient(duration: Extent, sample: Extent, step: StepControl) -> Transient {
             start: Start::Assembled,
         },
         gradients: Vec::new(),
+        stop: None,
     }
 }
 

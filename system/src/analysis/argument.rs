@@ -41,6 +41,8 @@ pub enum Takes {
     Start,
     /// Names of inputs, channels or parameters.
     Names(Names),
+    /// A condition on the motion, with the names of the model.
+    Condition,
 }
 
 /// The motion that counts the angle of an extent.
@@ -89,6 +91,8 @@ pub enum Value {
     Start(Start),
     /// Names of inputs, channels or parameters.
     Names(Vec<Named>),
+    /// A condition, as written. It belongs to the model, which elaboration makes.
+    Condition(String),
 }
 
 /// The stated arguments of an analysis. Each is within its limits and has the type of its row.
@@ -161,6 +165,14 @@ impl Given {
     pub fn names(&self, name: &str) -> Option<Vec<Named>> {
         match self.find(name)? {
             Value::Names(names) => Some(names.clone()),
+            _ => None,
+        }
+    }
+
+    /// A condition as written, if the text states it.
+    pub fn condition(&self, name: &str) -> Option<String> {
+        match self.find(name)? {
+            Value::Condition(text) => Some(text.clone()),
             _ => None,
         }
     }

@@ -21,7 +21,7 @@ pub use linear::Linear;
 pub use named::{Misnamed, Named, Names};
 pub use periodic::Periodic;
 pub use response::Response;
-pub use transient::Transient;
+pub use transient::{STOP, Transient};
 
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::kinds::dereferences;

@@ -2,14 +2,17 @@
 
 use super::argument::{PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument};
 use super::{
-    AnalysisKind, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Named, Names, Rows,
-    Start, Takes, Unplanned,
+    AnalysisKind, Apart, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Named,
+    Names, Rows, Start, Takes, Unplanned,
 };
 
 /// Most samples of an analysis: it keeps all of them in memory until it ends.
 const MOST_SAMPLES: f64 = 1e7;
 /// Number of samples in a duration if the text states no `sample`.
 const PLAIN_SAMPLES: f64 = 1000.0;
+
+/// The argument with the condition that ends a run.
+pub const STOP: &str = "stop";
 
 /// A transient analysis.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +25,8 @@ pub struct Transient {
     pub integration: Integration,
     /// Parameters by which the channels are differentiated.
     pub gradients: Vec<Named>,
+    /// The condition that ends it early, as written.
+    pub stop: Option<String>,
 }
 
 pub(super) const ROW: KindRow = KindRow {
@@ -57,9 +62,21 @@ pub(super) const ROW: KindRow = KindRow {
             &[],
             "the parameters by which the channels are differentiated",
         ),
+        argument(
+            STOP,
+            Takes::Condition,
+            "",
+            &[],
+            "a condition on the motion that ends the run early, at the moment at which it begins to hold",
+        ),
         START,
     ],
-    apart: &[],
+    apart: &[Apart {
+        first: (STOP, "its moment depends on the parameters"),
+        second: ("gradients", "derivatives at fixed times"),
+        title: "a run with `gradients` has no `stop`",
+        help: "leave `stop` out, and state the `duration`",
+    }],
     plan,
 };
 
@@ -90,6 +107,7 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         sample,
         integration: given.integration(Start::Automatic),
         gradients: given.names("gradients").unwrap_or_default(),
+        stop: given.condition(STOP),
     }))
 }
 

@@ -290,7 +290,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    pub(super) fn condition(
+    pub(in crate::elaborate) fn condition(
         &mut self,
         flag: Flag,
         kind: ConditionKind,
@@ -303,6 +303,9 @@ impl<'a> Elaborator<'a, '_> {
         let Some(element) = self.bench.element.as_mut() else {
             return;
         };
+        if kind == ConditionKind::Stop {
+            element.stops.push(lifted);
+        }
         let node = element.graph.margin(lifted);
         // the values of the message come after the condition
         let mut next = draft.conditions.len() as u32 + 1;

@@ -362,6 +362,7 @@ impl Builder {
                 resolutions: vec![],
                 accepted: vec![],
                 stated: Default::default(),
+                parts: vec![],
                 repeated: Default::default(),
             },
             reduced: vec![],
