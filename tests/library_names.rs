@@ -63,7 +63,7 @@ const OF_OTHER_WORDS: [(&str, &str); 10] = [
 ];
 
 /// Words that a name of the library happens to have, too: file, words, and their meaning there.
-const HOMONYMS: [(&str, &[&str], &str); 7] = [
+const HOMONYMS: [(&str, &[&str], &str); 8] = [
     (
         "system/src/lint.rs",
         &["bore", "firing"],
@@ -76,6 +76,7 @@ const HOMONYMS: [(&str, &[&str], &str); 7] = [
         "argument of figures of spectra",
     ),
     ("flexible/src/", &["spring"], "elements of meshes"),
+    ("src/reduction/table.rs", &["spring"], "elements of meshes"),
     (
         "report/src/page/contents.rs",
         &["loss"],

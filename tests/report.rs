@@ -313,6 +313,13 @@ fn a_report_of_a_flexible_body_has_its_modes_stresses_and_files() {
     let page = std::fs::read_to_string(folder.join("results/bar/report.html")).expect("the page");
 
     let text = String::from_utf8(eng(&folder, &["reduce", "bar.eng"]).stdout).expect("text");
+    for line in [
+        "  read: 8 × CHEXA (20 nodes)\n",
+        "  shapes: longest side 1.25 × the shortest (element ",
+        "), 0 elements beyond 20 or below 0.2\n",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
     let (_, lines) = text.split_once("mode  frequency").expect("modes");
     let modes = table(&page, "Modes of bar");
     assert_eq!(modes.len(), 4);

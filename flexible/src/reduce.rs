@@ -149,6 +149,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         nodes: mesh.nodes.len(),
         elements: mesh.elements.len(),
         estimate: fe::volume::estimate(&mesh).map(BodyMass::from),
+        inventory: fe::Inventory::of(&mesh),
         ..Report::default()
     };
     // the rows belong to the mesh before markers add nodes

@@ -31,6 +31,7 @@ mod foreign_mutations;
 mod geometric;
 mod gmsh_files;
 mod mesh_formats;
+mod mesh_inventory;
 mod modes;
 mod nastran_deck;
 mod nastran_files;

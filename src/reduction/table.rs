@@ -2,6 +2,8 @@
 
 use super::Reduction;
 use crate::counted::counted;
+use eng_flexible::fe::quality::{LONG, SHARP};
+use eng_flexible::fe::{Inventory, Worst};
 use eng_flexible::reduce::BodyMass;
 use eng_system::significant::{fixed, short, significant};
 use std::fmt::{self, Write};
@@ -62,6 +64,7 @@ impl Reduction {
                 properties(estimate, size)
             )?;
         }
+        self.write_inventory(out, size)?;
         for dropped in &report.dropped {
             writeln!(
                 out,
@@ -91,6 +94,63 @@ impl Reduction {
         }
         if constants.modes > 0 {
             self.write_modes(out)?;
+        }
+        Ok(())
+    }
+
+    /// What the mesh holds, the worst shapes of its elements, and how well rigid motions of a free body cost nothing.
+    fn write_inventory(&self, out: &mut impl Write, size: f64) -> fmt::Result {
+        let report = &self.stored.report;
+        let Inventory {
+            elements,
+            lines,
+            springs,
+            masses,
+            ties,
+            poor,
+            longest,
+            sharpest,
+        } = &report.inventory;
+        let own = elements
+            .iter()
+            .map(|(name, count)| format!("{count} × {name}"));
+        let others = [
+            (*lines, "beam or rod", "beams and rods"),
+            (*springs, "spring", "springs"),
+            (*masses, "point mass", "point masses"),
+            (*ties, "tie", "ties"),
+        ];
+        let others = others.into_iter().filter(|(count, ..)| *count > 0);
+        let others = others.map(|(count, one, many)| counted(count, one, many));
+        let parts: Vec<String> = own.chain(others).collect();
+        if !parts.is_empty() {
+            writeln!(out, "  read: {}", parts.join(", "))?;
+        }
+        if let (Some(longest), Some(sharpest)) = (longest, sharpest) {
+            let unit = Unit::for_size(LENGTHS, size);
+            let at = |worst: &Worst| {
+                let [x, y, z] = worst.place.map(|x| significant(x / unit.size, 4));
+                format!(
+                    "element {} at ({x}, {y}, {z}) {}",
+                    worst.element, unit.symbol
+                )
+            };
+            writeln!(
+                out,
+                "  shapes: longest side {} × the shortest ({}), sharpest corner {} of the ideal ({}), {} beyond {LONG} or below {SHARP}",
+                short(longest.value, 3),
+                at(longest),
+                short(sharpest.value, 3),
+                at(sharpest),
+                counted(*poor, "element", "elements")
+            )?;
+        }
+        if !report.supported {
+            writeln!(
+                out,
+                "  the forces of rigid motions cancel within {} of their parts",
+                short(report.rigid_residual, 2)
+            )?;
         }
         Ok(())
     }

@@ -465,6 +465,11 @@ fn name(mesh: &Mesh, kind: ElementKind, variant: Variant) -> String {
     format!("{plain}{letters}")
 }
 
+/// The name of a kind of element in the file of a mesh, without its variant.
+pub(super) fn plain_name(mesh: &Mesh, kind: ElementKind) -> String {
+    name(mesh, kind, Variant::Plain)
+}
+
 /// For each type of solid: the count, and the number of the first.
 fn types(mesh: &Mesh) -> BTreeMap<(ElementKind, Variant), (usize, u64)> {
     let mut types = BTreeMap::new();

@@ -1,6 +1,6 @@
 //! The results of a reduction for tables and lints.
 
-use crate::fe::RigidMass;
+use crate::fe::{Inventory, RigidMass};
 use crate::modes::Dropped;
 use crate::solve::SturmCount;
 use serde::{Deserialize, Serialize};
@@ -36,6 +36,8 @@ pub struct Report {
     /// Mass properties from the volumes of elements between their corners, their densities and the point
     /// masses. `None` for a mesh without such elements.
     pub estimate: Option<BodyMass>,
+    /// What the mesh holds, and the shape of its elements.
+    pub inventory: Inventory,
     /// The interface motion of each static mode, in the order of the terms.
     pub served: Vec<Served>,
     /// Requested loads without a mode.
