@@ -276,7 +276,7 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> c_int {
     let work = |slave: &mut super::slave::Slave| {
         let done = slave.step(from, length);
-        let ended = slave.stopped().is_some();
+        let ended = done.is_ok() && slave.stopped().is_some();
         for (flag, value) in [(event_needed, false), (terminate, ended), (early, false)] {
             // SAFETY: by the promise of the caller
             if let Some(flag) = unsafe { flag.as_mut() } {
