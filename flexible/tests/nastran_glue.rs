@@ -139,6 +139,47 @@ CQUAD4,51,9,51,52,53,54\nCQUAD4,52,9,52,55,56,53\n";
     }
 }
 
+/// Two strips of shells, one above the other, bend as one of twice the thickness.
+#[test]
+fn glued_shells_bend_as_one_plate() {
+    let (cells, length, thickness) = (20, 1.0_f64, 0.02_f64);
+    let mut deck = String::from("MAT1,1,2.+5,,0.,7.8-9\nPSHELL,1,1,.02,1,,1\n");
+    for (first, height) in [(1, 0.0), (101, thickness)] {
+        for i in 0..=cells {
+            let x = length * f64::from(i) / f64::from(cells);
+            for (j, y) in [(0, 0.0), (1, 0.05)] {
+                deck += &format!("GRID,{},,{x:.4},{y},{height}\n", first + 2 * i + j);
+            }
+        }
+        for i in 0..cells {
+            let a = first + 2 * i;
+            let (b, c, d) = (a + 2, a + 3, a + 1);
+            deck += &format!("CQUAD4,{},1,{a},{b},{c},{d}\n", first + i);
+        }
+    }
+    deck += "BSURF,1,1,THRU,20\nBSURF,2,101,THRU,120\nBGSET,6,1,2,.05\n";
+    let mesh = mesh(&format!("CEND\nBGSET = 6\nBEGIN BULK\n{deck}"));
+    let structure = assemble(&mesh, &Rules::default()).unwrap();
+    // the leading strip is clamped; the other one follows it
+    let clamp = nodes_where(&mesh, |x| x[0] < 1e-9 && x[2] > 0.01);
+    let mut supports = held(&clamp, 0b11_1111);
+    supports.extend(held(
+        &nodes_where(&mesh, |x| x[0] < 1e-9 && x[2] < 0.01),
+        0b11_1000,
+    ));
+    let reduction = Reduction::new(&mesh, &structure, &supports).unwrap();
+    let mut force = vec![0.0; structure.freedoms.size()];
+    let tip = nodes_where(&mesh, |x| x[0] > length - 1e-9 && x[2] > 0.01);
+    for node in &tip {
+        force[structure.freedoms.freedom(*node, 2).unwrap()] = 0.5;
+    }
+    let found = solve(&structure, &reduction, &force);
+    let moved = found[structure.freedoms.freedom(tip[0], 2).unwrap()];
+    let inertia = 0.05 * (2.0 * thickness).powi(3) / 12.0;
+    let exact = length.powi(3) / (3.0 * 2e5 * inertia);
+    assert!(agrees(moved, exact, 5e-3), "{}", moved / exact);
+}
+
 #[test]
 fn glue_without_a_selection_is_not_used() {
     let found = mesh(&glued("METHOD = 1", &format!("{REGIONS}BGSET,6,1,2,.1\n")));

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! with the dual tangents a^α and the normal n. So rigid motions cost nothing, and no other motion of a plane
-//! face is lost. Where the deck adjusts the nodes, they move onto the faces first.
+//! face is lost. Where a face of shells turns the gap by its rotations, `ω = Σ N_a θ_a`. Where the deck adjusts the nodes, they move onto the faces first.
 
 use std::collections::HashMap;
 
@@ -88,6 +88,9 @@ pub(super) struct Request<'a> {
     pub adjust: bool,
     /// Nodes whose rotations an element uses; with `None` no rotation follows.
     pub turning: Option<&'a [bool]>,
+    /// Nodes whose rotations turn the gap, if all nodes of a face are among them: those of shells. Without them the face
+    /// turns it.
+    pub arms: Option<&'a [bool]>,
     /// Whether only nodes follow whose gap is along the normal of the face, up to 5 % of the mean size of the faces: a
     /// node beside the surface stays free.
     pub facing: bool,
@@ -140,8 +143,14 @@ pub(super) fn tied(nodes: &[Node], frames: &[Frame], request: &Request, first: u
             out.moved.push((*node, found.place));
             gap = [0.0; 3];
         }
+        let all = |list: &[bool]| {
+            let own = face.nodes.iter();
+            own.copied()
+                .all(|node| list.get(node as usize) == Some(&true))
+        };
         let follower = Follower {
             nodes,
+            arms: request.arms.is_some_and(all),
             frames,
             node: *node,
             face,
@@ -164,6 +173,8 @@ struct Follower<'a> {
     node: u32,
     face: &'a Face,
     gap: Vector,
+    /// Whether the rotations of the face's nodes turn the gap.
+    arms: bool,
     shape: Shape,
 }
 
@@ -188,19 +199,25 @@ impl Follower<'_> {
             };
             let mut terms = vec![(self.node, freedom, 1.0)];
             // (ω × g)·d = ω·m
-            let moment = cross(self.gap, axis);
-            let moment = subtract(moment, scale(0.5 * dot(moment, unit), unit));
+            let whole = cross(self.gap, axis);
+            let moment = subtract(whole, scale(0.5 * dot(whole, unit), unit));
             for (local, node) in self.face.nodes.iter().enumerate() {
                 let mut vector = scale(self.shape.values[local], axis);
-                if freedom < 3 {
+                if freedom < 3 && !self.arms {
                     for (dual, slope) in dual.iter().zip(self.shape.slopes[local]) {
                         vector = add(vector, scale(slope, cross(moment, *dual)));
                     }
                 }
-                let own = along_axes(nodes, self.frames, *node, vector);
-                for (k, factor) in (freedom / 3 * 3..).zip(own) {
-                    if factor.abs() > 1e-12 {
-                        terms.push((*node, k, -factor));
+                let arm = match freedom < 3 && self.arms {
+                    true => scale(self.shape.values[local], whole),
+                    false => [0.0; 3],
+                };
+                for (first, vector) in [(freedom / 3 * 3, vector), (3, arm)] {
+                    let own = along_axes(nodes, self.frames, *node, vector);
+                    for (k, factor) in (first..).zip(own) {
+                        if factor.abs() > 1e-12 {
+                            terms.push((*node, k, -factor));
+                        }
                     }
                 }
             }

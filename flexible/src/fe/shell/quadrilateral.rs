@@ -123,7 +123,8 @@ pub(super) fn points(
 /// of MacNeal's flexibility.
 fn soften(middle: &Surface, law: &Law, shear: &mut [[f64; WIDTH]; 4]) {
     let lengths = middle.tangent.map(|tangent| 2.0 * norm(tangent));
-    for (along, [first, second]) in [(0, [0, 1]), (1, [2, 3])] {
+    let [below, above, left, right] = shear;
+    for (along, [first, second]) in [(0, [below, above]), (1, [left, right])] {
         let [length, width] = [lengths[along], lengths[1 - along]];
         let direction =
             [0, 1].map(|i: usize| 2.0 * dot(middle.tangent[along], middle.axes[i]) / length);
@@ -135,11 +136,10 @@ fn soften(middle: &Surface, law: &Law, shear: &mut [[f64; WIDTH]; 4]) {
         let share = ACROSS / (ACROSS + (1.0 - ACROSS) * ratio);
         let flexibility = share * length * length / (36.0 * bending);
         let factor = 1.0 / (1.0 + flexibility * law.shear_along(direction)).sqrt();
-        for k in 0..WIDTH {
-            let [a, b] = [shear[first][k], shear[second][k]];
-            let (mean, half) = (0.5 * (a + b), 0.5 * factor * (b - a));
-            shear[first][k] = mean - half;
-            shear[second][k] = mean + half;
+        for (a, b) in first.iter_mut().zip(second) {
+            let (mean, half) = (0.5 * (*a + *b), 0.5 * factor * (*b - *a));
+            *a = mean - half;
+            *b = mean + half;
         }
     }
 }

@@ -331,6 +331,7 @@ impl Ties<'_, '_> {
                 tolerance: glue.tolerance,
                 adjust: glue.adjust,
                 turning: glue.turns.then_some(self.turning.as_slice()),
+                arms: None,
                 facing: false,
             };
             let tied = tied(&self.model.nodes, self.frames, &request, self.id());

@@ -2,7 +2,8 @@
 //! `BCPROPS` (NX Nastran, Quick Reference Guide).
 //!
 //! Nastran joins the surfaces by stiff springs. Here the nodes of the source region follow the faces of the target
-//! region, as in [`crate::read::tied`], and keep their distance.
+//! region, as in [`crate::read::tied`], and keep their distance. On shells the rotations of the target's nodes turn
+//! this distance.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +14,7 @@ use super::sections::Selection;
 use super::supports::{add_sum, chosen};
 use crate::element::around;
 use crate::error::FileProblem;
-use crate::mesh::{Element, Mesh, Tie};
+use crate::mesh::{Element, Mesh, Section, Tie};
 use crate::read::tied::{Face, Request, Tied, doubt, tied};
 
 /// Nastran's search distance (length of the deck) where the card states none.
@@ -145,6 +146,7 @@ impl Glue {
         // equations of cards have the numbers of their sets
         let mut next = mesh.ties.iter().map(Tie::id).max().unwrap_or(0) + 1;
         let mut following = BTreeSet::new();
+        let turning = turning(mesh);
         for pair in &self.pairs {
             if sets.as_ref().is_some_and(|sets| !sets.contains(&pair.set)) {
                 continue;
@@ -163,6 +165,7 @@ impl Glue {
                 tolerance: Some(pair.search),
                 adjust: false,
                 turning: None,
+                arms: Some(&turning),
                 facing: true,
             };
             let tied = tied(&mesh.nodes, &mesh.frames, &request, next);
@@ -278,6 +281,23 @@ impl Faces<'_> {
         }
         Ok(())
     }
+}
+
+/// For each node whether a shell that bends uses its rotations.
+fn turning(mesh: &Mesh) -> Vec<bool> {
+    let mut turning = vec![false; mesh.nodes.len()];
+    for element in mesh.elements.iter().filter(|element| is_shell(element)) {
+        let property = mesh.properties.get(element.property as usize);
+        let section = property.map(|property| property.section);
+        if matches!(section, Some(Section::Shell(section)) if !section.is_membrane()) {
+            for node in mesh.nodes_of(element) {
+                if let Some(turns) = turning.get_mut(*node as usize) {
+                    *turns = true;
+                }
+            }
+        }
+    }
+    turning
 }
 
 fn is_shell(element: &Element) -> bool {
