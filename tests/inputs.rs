@@ -720,7 +720,7 @@ fn wrong_uses_of_inputs_are_told() {
     done(simulation.aim_input(load, 1.0));
     told(
         refused(simulation.step()),
-        "`advance` gives the time of this point",
+        "call `advance` with this time in place of `step`",
     );
 
     let cubic = model("cubic");
