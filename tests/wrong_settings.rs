@@ -73,7 +73,7 @@ fn an_option_is_told_in_degrees_with_its_place() {
     let folder = folder("option");
     let (code, _, errors) = eng(&folder, &["run", "spin.eng", "--analysis", "fine"]);
     assert_eq!(code, Some(1), "{errors}");
-    assert!(errors.contains("samples of 1e-9°"), "{errors}");
+    assert!(errors.contains("samples 1e-9° apart"), "{errors}");
     assert!(errors.contains("a cycle of 360°"), "{errors}");
     assert!(errors.contains("spin.eng:15:10"), "{errors}");
     std::fs::remove_dir_all(&folder).expect("removed");
