@@ -10,6 +10,7 @@ const KEEP: f64 = 1.15;
 pub struct StepSize {
     /// Next step (s).
     pub step: f64,
+    /// Error over tolerance of the last accepted step.
     before: f64,
 }
 
@@ -39,6 +40,9 @@ impl StepSize {
     }
     /// Called after an accepted step h with its error over tolerance. A step that was cut short does not
     /// shrink the next one.
+    ///
+    /// The factor 0.9 aims below the tolerance, because a little more error would reject the next step. The
+    /// least errors, 1e-8 and 1e-4, bound the powers. The second power is 0.29 or more.
     pub fn accepted(&mut self, h: f64, error: f64) {
         let error = error.max(1e-8);
         let factor = 0.9 * libm::pow(error, -0.7 / 3.0) * libm::pow(self.before, 0.4 / 3.0);
@@ -78,9 +82,13 @@ const DEEPEST: u64 = 6;
 /// is halved, and whole steps return when the halves meet the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FixedGrid {
+    /// Time of the beginning (s).
     origin: f64,
+    /// Whole steps since then.
     whole: u64,
+    /// Parts of the present whole step, of which there are `2^level`.
     part: u64,
+    /// Number of halvings of a whole step.
     level: u64,
 }
 

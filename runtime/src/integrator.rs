@@ -9,6 +9,10 @@
 //! α_m = (2ρ − 1)/(ρ + 1)   α_f = ρ/(ρ + 1)   γ = ½ + α_f − α_m   β = ¼ (γ + ½)²   (Chung, Hulbert 1993)
 //! ```
 //!
+//! q is the pose, v the velocity, v̇ and λ the acceleration and the multipliers of the equations of motion, a
+//! the auxiliary acceleration of the scheme, and h the step. A prime marks the end of the step. ρ is the
+//! spectral radius at infinite frequency: at 1 the scheme has no numerical damping, at 0 the most.
+//!
 //! Element states follow the first-order scheme of Jansen, Whiting and Hulbert (2000) with the same α_f:
 //! `α_m = (3ρ − 1)/(2(ρ + 1))`, `γ = ½ + α_f − α_m`, so rates belong to the same instant.
 //!
@@ -18,17 +22,18 @@
 //! [`Integrator::set_defect`].
 //!
 //! **Unknowns and scaling** (Bottasso, Dopico, Trainelli 2008): u in units of the model's length L (angles:
-//! 1), states in units of their magnitude, `λ̂ = βh²λ/(m L²)`. Dynamic rows are multiplied by βh², and
-//! constraints that are lengths are divided by L. The condition of the matrix then does not grow as h
-//! decreases.
+//! 1), states in units of their magnitude, `λ̂ = βh²sλ/(m L²)` with the largest mass m and the scale s of the
+//! row (L for a length, 1 for an angle). Dynamic rows are multiplied by βh², and constraints are divided by
+//! s. The condition of the matrix then does not grow as h decreases.
 //!
 //! **Local error.** With `a = v̇ + Δ v̈`, `Δ = (α_m − α_f) h`, the difference of the Taylor series of update
 //! and motion is `u − u_exact = (β + ½(α_m − α_f) − 1/6) h³ v̈ + O(h⁴)`, and `h v̈ ≈ a' − a`. (For ρ = 1 this
 //! is Zienkiewicz and Xie's estimate for Newmark's method, 1991.) The estimate e is filtered by the step's
-//! matrix, `S [e_f; μ] = [(c M + γ/(βh) D) e; G e]`, `c = (1 − α_m)/((1 − α_f)βh²)`: without stiffness this
-//! gives e back. Modes which the step does not resolve come out damped, as in Hosea and Shampine (1996).
-//! Damping is also on the right side: a pin whose film's damping outweighs its inertia moves with its
-//! velocity, and no force corrects an error of its position.
+//! matrix, `S [e_f; μ] = [(c M + γ/(βh) D) e; G e]`, `c = (1 − α_m)/((1 − α_f)βh²)`, with the matrix S of the
+//! step, the mass M, the damping D and the gradients G of the constraints. e_f is the filtered estimate, and
+//! μ is not used. Without stiffness this gives e back. Modes which the step does not resolve come out damped,
+//! as in Hosea and Shampine (1996). Damping is also on the right side: a pin whose film's damping outweighs
+//! its inertia moves with its velocity, and no force corrects an error of its position.
 //!
 //! The norm contains no multipliers, no accelerations, and no modes of flexible bodies with ωh > 1
 //! ([`RESOLVED`]), because the series holds for none of these. The global error is of second order and
@@ -343,8 +348,9 @@ impl Integrator {
         }
     }
 
-    /// Continues with the accelerations, multipliers and rates of states of another state at the same place, with rates of change
-    /// that are zero. The velocity without its part normal to the constraints must be known: see [`Integrator::set_defect`].
+    /// Continues with the accelerations, multipliers and rates of another state at the same place. Their
+    /// rates of change are zero. The velocity without its part normal to the constraints must be known: see
+    /// [`Integrator::set_defect`].
     pub fn take_accelerations(&mut self, from: &State) {
         self.current
             .acceleration
@@ -367,11 +373,11 @@ impl Integrator {
 
     /// Sets the part of the current velocity that is normal to the constraints in the mass norm.
     ///
-    /// The position constraint holds at every step although the update differs from the motion by `C h³ v̈`.
-    /// The velocity compensates for this along the constraints' normals, by `−C h² v̈`. When h changes, this
-    /// part must change with h². Otherwise the multipliers take the difference and drop to first order. At
-    /// the start this part comes from v̈₀: it is the perturbed starting velocity of Arnold, Cardona and Brüls
-    /// (2016). The tangential part never changes.
+    /// The position constraint holds at every step although the update differs from the motion by `C h³ v̈`,
+    /// where C is [`Coefficients::error`]. The velocity compensates for this along the constraints' normals,
+    /// by `−C h² v̈`. When h changes, this part must change with h². Otherwise the multipliers take the
+    /// difference and drop to first order. At the start this part comes from v̈₀: it is the perturbed
+    /// starting velocity of Arnold, Cardona and Brüls (2016). The tangential part never changes.
     pub fn set_defect(&mut self, defect: &[f64]) {
         self.defect.copy_from_slice(defect);
         for (i, b) in self.base_velocity.iter_mut().enumerate() {

@@ -20,8 +20,8 @@
 //! A factor on the tolerances multiplies all but times. A factor above 1 does not multiply a stated length.
 //!
 //! A function counts in a step that uses it at the beginning or at the end: it does not count while an `if`
-//! selects a branch without it. A function of an angle that begins anew, by `wrapped` or `atan2`, jumps with this angle, and such
-//! a jump is no change of sign.
+//! selects a branch without it. An angle of `wrapped` or `atan2` begins anew after a turn, and its functions
+//! jump with it. Such a jump is no change of sign.
 //!
 //! The changes of sign of a function of time alone are searched ahead of the steps, and its kink functions are
 //! the times since them. So no step passes two of them unseen.
@@ -138,10 +138,12 @@ pub struct Kinks {
     bends: Vec<f64>,
     /// Largest magnitudes at accepted states.
     peaks: Vec<f64>,
-    /// Number of successive steps that passed each kink.
+    /// Number of successive steps that passed each kink; infinite for a kink at which no more steps end.
     stays: Vec<f64>,
-    /// Counts of passages that fall with each step without one.
+    /// Counts of passages: [`PASSED`] more for a step that passes the kink or ends close to it, 1 less for
+    /// another step.
     passages: Vec<f64>,
+    /// The kink whose count came to [`OFTEN`] with the last step.
     often: Option<usize>,
     /// A kink of the motion that the last step passed.
     passed: Option<usize>,

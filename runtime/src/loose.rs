@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Share of the largest singular value below which one counts as zero.
+/// Singular value, as a share of the largest one, below which it counts as zero.
 const NONE: f64 = 1e-7;
 /// Distances along a motion (in model lengths, or rad) at which loads are evaluated again.
 const WAYS: [f64; 6] = [0.01, -0.01, 0.05, -0.05, 0.3, -0.3];

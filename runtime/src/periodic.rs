@@ -252,6 +252,7 @@ fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>,
 /// Samples of a cycle, including both ends.
 #[derive(Clone, Debug, Default)]
 struct Record {
+    /// Time (s), cycle angle (rad) and its rate (rad/s), and energy of each sample.
     heads: Vec<(f64, Option<f64>, Option<f64>, Energy)>,
     values: Vec<f64>,
     orbits: Vec<Vec<[f64; 2]>>,

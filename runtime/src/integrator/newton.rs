@@ -52,7 +52,7 @@ struct Iteration {
     step: f64,
     /// Largest scaled residual before the last correction.
     before: f64,
-    /// Whether secants help.
+    /// Whether secants improve the corrections: only in steps with control of the error.
     learns: bool,
     /// Whether `plain` is the correction before the last move, with the same matrix.
     known: bool,

@@ -73,7 +73,9 @@ pub struct Motion {
     states: Vec<f64>,
     /// The last cycles, the newest first.
     cycles: VecDeque<Cycle>,
+    /// Velocities and states of the last cycle.
     before: Vec<f64>,
+    /// Differences of velocities and states from cycle to cycle, in their units, the newest first.
     differences: VecDeque<Vec<f64>>,
 }
 

@@ -8,12 +8,14 @@
 //! r = M v̇ − Q_v − Q_g − Σ JᵀW + Gᵀλ + Eᵀσ = (1 − s) r₀        Φ = 0        E: held directions
 //! ```
 //!
-//! with the velocities and accelerations of the steady motion. r₀ is the residual at the assembled position,
-//! so s = 0 is solved there. s grows to 1 in portions, which are halved if Newton's method fails. An iterate
-//! leaves at least a quarter of the remaining film, because beyond the shell the film laws have no meaning.
-//! Where the surface yields, a pin may leave this circle. It then moves by a quarter of the clearance at
-//! most. At rest the search does not end at a position without stiffness, and it recognises a balance that is
-//! upside down (`stability`).
+//! with the velocities and accelerations of the steady motion. M is the mass, Q_v the inertia of the
+//! velocities, Q_g gravity, W the wrench at a marker with the Jacobian J of its twist, G the gradients of the
+//! constraints Φ, and E the rows of the held directions. r₀ is the residual at the assembled position, which
+//! solves s = 0. s grows to 1 in portions, which are halved if Newton's method fails. An iterate leaves
+//! at least a quarter of the remaining film, because beyond the shell the film laws have no meaning. Where
+//! the surface yields, a pin may leave this circle. It then moves by a quarter of the clearance at most. At
+//! rest the search does not end at a position without stiffness, and it recognises a balance that is upside
+//! down (`stability`).
 
 mod describing;
 mod holding;
@@ -55,8 +57,9 @@ const GROWTH: f64 = 1.5;
 const SHORTER: f64 = 0.3;
 /// Least part of such a step.
 const LEAST_PART: f64 = 1e-3;
-/// Share of the row of a moving part that other rows leave free, up to which it holds nothing more. Beside a drive
-/// the row of a leaning shaft leaves its tilt, and would hold it by the torque over the angle of the tilt.
+/// The row of a moving part holds nothing of its own if other rows leave at most this share of it free.
+/// Beside a drive the row of a leaning shaft leaves a ten-thousandth: its tilt. Held, this tilt would carry
+/// the torque of the drive over the small angle, which is meganewton metres.
 const MOVES: f64 = 1e-3;
 /// Smallest portion of the load.
 const PORTION: f64 = 1e-3;
@@ -140,7 +143,7 @@ pub struct Balance<'a> {
     freedoms: usize,
     /// Pace of the motion (1/s), 1 at rest.
     pace: f64,
-    /// Force times length against which residuals are measured.
+    /// Force times length (J) against which residuals are measured.
     unit: f64,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
@@ -533,7 +536,8 @@ impl<'a> Balance<'a> {
         self.adopt(state, &place, found).map(Some)
     }
 
-    /// Largest scaled move of the last iteration.
+    /// Largest scaled move of the last iteration: a hundred-thousandth of the tolerance of positions, and at
+    /// least the rounding of a position.
     fn goal(&self) -> f64 {
         (1e-5 * self.model.tolerance / self.model.length).max(1e-14)
     }
@@ -668,6 +672,7 @@ impl<'a> Balance<'a> {
                 norm,
             });
             if factor == 1.0 {
+                // near the goal, moves that no longer shrink are rounding
                 if size <= goal || (size <= 1e3 * goal && size >= 0.5 * last) {
                     return Ok(None);
                 }

@@ -41,7 +41,8 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Length (in scaled velocities) below which a row counts as empty.
 const EMPTY: f64 = 1e-12;
-/// Share of a stated velocity that the tilting of shafts may have.
+/// Along a path, a row counts only if earlier rows leave more than this share of it. The tilts of driven
+/// shafts have less.
 const TILTS: f64 = 1e-2;
 /// Scaled increment of a position for differences of rates.
 const DIFFERENCE: f64 = 1e-5;

@@ -62,7 +62,8 @@ pub enum Turned {
 
 /// Angle of the cycle (rad) within which a place is reached.
 const REACHED: f64 = 1e-12;
-/// Share of a rate of the cycle that velocities which the joints allow may miss.
+/// Velocities that the joints allow turn the cycle if they miss its wanted rate by less than this share of
+/// it. Beside a drive that holds the cycle they miss it as a whole.
 const HELD: f64 = 1e-6;
 /// Rounds in which the time of a position follows its angle.
 const RETIMED: usize = 4;

@@ -28,6 +28,7 @@ pub(super) enum Wish {
     Pins(Vec<rows::Wish>),
     /// Pins whose axes rest in their shells.
     Axes(Vec<rows::Wish>),
+    /// Elements whose loads do not change: dampers or springs.
     Loads(Vec<usize>),
 }
 
