@@ -1,6 +1,7 @@
 //! Machine code for element classes, by Cranelift.
 //!
-//! Only this module uses Cranelift, and only this module has unsafe code.
+//! Only this module and the modules inside of it use Cranelift, and no other module of the crate has unsafe
+//! code.
 //!
 //! Every value is an `F64X2` with two instances, and a flag is a mask in an `I64X2`. A function is one block
 //! of straight-line code, planned in `plan`, with the addresses of `addresses`. An operation without an

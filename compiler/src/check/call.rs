@@ -47,6 +47,7 @@ const PLACED: [(&str, &str); 4] = [
 ];
 
 impl<'p> Checker<'p> {
+    /// Reports a form that the grammar reads and nothing evaluates.
     pub(super) fn not_built(&mut self, span: Span, what: &str) {
         self.report(
             Diagnostic::error(
@@ -781,6 +782,8 @@ pub(super) fn solve(parameter: &Type, found: &Type, solution: &mut Solution) {
     }
 }
 
+/// Finds the dimension of the one variable of a quantity that is not known yet. Exponents of dimensions count
+/// in sixtieths, so 60 is the first power.
 fn solve_quantity(parameter: &Quantity, found: &Quantity, solution: &mut Solution) {
     let alone = parameter.dim.base.is_one() && matches!(parameter.dim.variables(), [(_, 60)]);
     let unsolved: Vec<(u32, i32)> = parameter

@@ -19,7 +19,8 @@ use eng_grammar::{Diagnostic, Span};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// Most calls that are followed. Beyond this number a call has the highest level of its arguments.
+/// Most calls that are followed: each call follows its function again, so functions that call others several
+/// times would take a time without limit. Beyond this number a call has the highest level of its arguments.
 const MOST_CALLS: u32 = 100_000;
 
 /// The origin of a level.
@@ -279,7 +280,8 @@ impl<'p> Levels<'_, 'p> {
                 let level = self.level(&place, condition);
                 self.bear(level, 1, condition.span, "a requirement");
             }
-            // elaboration requires a length of parameters alone
+            // none of them reads the motion: elaboration requires parameters alone for the length of
+            // `resolve`
             Statement::Accept(_)
             | Statement::Resolve(_)
             | Statement::Place { .. }
@@ -291,7 +293,7 @@ impl<'p> Levels<'_, 'p> {
         }
     }
 
-    /// Reports a level above the highest permitted one.
+    /// Reports a level above the highest permitted one. `use_` is the label of the place that sets the limit.
     fn bear(&mut self, level: Level, most: i8, span: Span, use_: &str) {
         let Some((at, cause)) = level.cause.filter(|_| level.order > most) else {
             return;

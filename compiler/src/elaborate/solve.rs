@@ -261,7 +261,8 @@ impl<'a> Elaborator<'a, '_> {
         (written, place): (Span, Span),
         [held, residuals]: [Vec<Scalar>; 2],
     ) -> Eval<()> {
-        // a function that is differentiated has been asked at the argument itself
+        // inside of another `solve` or `slope`: the same call at the argument itself has this condition
+        // already
         if self.context.unknowns > 0 {
             return Ok(());
         }

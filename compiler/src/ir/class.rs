@@ -1,4 +1,5 @@
-//! From the equations of a class to the functions that the runtime calls.
+//! From the equations of a class to the functions that the runtime calls: the residual with the reactions of
+//! its constraints, its tape and tangent, rates, outputs, conditions, angles and kinks.
 
 use super::differentiate::{
     Accelerations, DifferentiateError, Place, gradient, guarded_multiply, inputs_of,

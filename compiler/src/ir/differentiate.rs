@@ -5,8 +5,8 @@
 //! * `abs`, `min`, `max`, `select`: the derivative of the active branch. At the kink `abs` takes +1, `min`
 //!   and `max` their first argument. A derivative of the other branch that is not finite does not spread:
 //!   branches are chosen by `select`, never by multiplying with zero.
-//! * `sqrt` at 0 has an infinite slope, `atan2` at (0, 0), `asin` and `acos` at ±1, and `log` at 0 have none:
-//!   the result is not finite. Laws keep away from there by a floor.
+//! * `sqrt` and `log` at 0, and `asin` and `acos` at ±1, have an infinite slope, and `atan2` at (0, 0) has
+//!   none. The result is not finite. Laws keep away from there by a floor.
 //! * `power(b, e)`: the slope over b is e·power(b, e − 1), finite at b = 0 for e ≥ 1; the slope over e is
 //!   power(b, e)·log b for b > 0 and taken as zero for b ≤ 0.
 //! * `held` has no derivative: `solve` takes it after the last steps of its iteration.
@@ -198,6 +198,8 @@ fn is_guarded(graph: &Graph, node: Node, depth: u32) -> bool {
     }
 }
 
+/// Most operations between a slope and the selection that may make it zero. The laws of the library have
+/// fewer.
 const GUARD_DEPTH: u32 = 12;
 
 /// Product of slopes in which the zero of an unselected branch has priority over infinity and NaN.
@@ -455,7 +457,8 @@ fn turned_entry(
     column: u32,
     first: u32,
 ) -> Node {
-    // column j of R p~ is R (p × e_j)ᵀ turned: column 0 is p₂ R₁ − p₁ R₂, and cyclically
+    // column j of R p~ is R (p × e_j): p₂ R₁ − p₁ R₂ for j = 0 with the columns R₁ and R₂ of R, and
+    // cyclically
     let (next, last) = ((column + 1) % 3, (column + 2) % 3);
     let orientation = layout.marker(marker) + 3 + 3 * row;
     let a = graph.input(orientation + next);
@@ -502,7 +505,7 @@ pub fn uses_fields(graph: &Graph, nodes: &[Node], layout: &InputLayout, readings
         })
 }
 
-/// Whether a node depends on one of the inputs that a question is true of.
+/// Whether a node depends on an input of a wanted kind.
 pub(crate) fn reads(
     graph: &Graph,
     node: Node,

@@ -66,7 +66,7 @@ pub struct KinkKind {
     pub wraps: bool,
     /// It is zero where such an angle begins anew.
     pub cut: bool,
-    /// What it depends on.
+    /// The quantities on which it depends.
     pub course: Course,
 }
 
@@ -222,7 +222,7 @@ pub(crate) fn find(
         let op = graph.op(node);
         for function in functions_of(graph, op) {
             let used = match function.below {
-                // that of a load, which counts if conditions on the angle change there, comes with the others
+                // `add_cuts` adds the cut of a load, which counts only where a condition on the angle changes
                 Some(_) if !constrains => continue,
                 Some(below) => {
                     let cut = graph.less(below, zero);

@@ -74,8 +74,8 @@ impl Constants {
     }
 }
 
-/// Registers for values at the same time. If an operation needs one more for itself, the register allocator
-/// provides it.
+/// Registers for values at the same time: as many vector registers as x86-64 has. If an operation needs one
+/// more for itself, the register allocator provides it.
 const REGISTERS: usize = 16;
 
 /// Least number of future uses for loading a value into a free register.
