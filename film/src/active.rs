@@ -299,7 +299,8 @@ fn change(grid: &Grid, state: &mut LevelWork, rule: Cavitation, round: usize) ->
             continue;
         }
         changed = Some(cell);
-        // the sets may repeat in a cycle from here on: each round changes another half of the cells
+        // the sets may repeat in a cycle from here on: each round changes another half of the cells, which
+        // multiplicative hashing by 2³² over the golden ratio chooses
         let hash = (cell.wrapping_add(round).wrapping_mul(0x9E37_79B9) >> 7) % 2;
         if round <= DAMPED || hash == 0 {
             state.full[cell] = !state.full[cell];

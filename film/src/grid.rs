@@ -76,7 +76,8 @@ pub(crate) struct Cell {
 pub(crate) struct Feeding {
     pub cell: usize,
     pub opening: usize,
-    /// Weight of the link, before the share of the cell.
+    /// Weight of the link, before the share of the cell: twice the sum of both aspect ratios of the cell. See
+    /// the module `turning`.
     pub weight: f64,
 }
 

@@ -362,6 +362,7 @@ fn moment(n: i32, u: f64) -> f64 {
     for k in 1..1000 {
         let t = STEP * f64::from(k);
         let s = u + t * t;
+        // here the exponential is below e^(−40) of its largest value
         if s > 0.0 && s * s > 80.0 + u * u {
             break;
         }

@@ -1,8 +1,9 @@
 //! A finite-element mesh in the form of its files: nodes, elements, masses, springs, ties, supports, sets.
 //!
 //! Positions are in the basic (global) frame of the file. [`Mesh::frames`] holds the nodes' analysis frames;
-//! foreign matrices, supports and tie components refer to them. Node and element *indices* (`u32`) count
-//! from 0 in the order of the file; *ids* are the file's own numbers.
+//! foreign matrices, supports and tie components refer to them. Node and element *indices* (`u32`) count from
+//! 0 in the order of the file; *ids* are the file's own numbers. Quantities are in the units of the file
+//! until [`Mesh::convert`] makes them SI.
 
 use eng_system::significant::short;
 use serde::{Deserialize, Serialize};
@@ -270,7 +271,7 @@ pub struct BeamSection {
     pub moment_z: f64,
     /// Second moment for bending in the x–z plane (about y).
     pub moment_y: f64,
-    /// Product of second moments.
+    /// Product of inertia of the area, ∫ y z dA.
     pub product: f64,
     /// Torsion constant.
     pub torsion: f64,

@@ -12,10 +12,11 @@
 //! ```
 //!
 //! (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, ch. 5 and 11, is the case without a
-//! product of moments). The ends lie at the shear centre; where the centroid is beside it, N and the moments are those
-//! about the centroid. Where a section changes along the beam, its constants are linear between stations, and the
-//! flexibilities are integrated over the intervals between them. With a shear factor of zero the section does not shear. A section without a second
-//! moment carries no bending in that plane, one without a torsion constant no torque: rods and cables.
+//! product of moments). The ends lie at the shear centre. Where the centroid is beside it, N and the moments
+//! are those about the centroid. Where a section changes along the beam, its constants are linear between
+//! stations, and the flexibilities are integrated over the intervals between them. With a shear factor of
+//! zero the section does not shear. A section without a second moment carries no bending in that plane, and
+//! one without a torsion constant carries no torque: rods and cables.
 
 use super::vector::{add, cross, norm, scale, subtract};
 use crate::element::quadrature::unit_interval;
@@ -505,7 +506,10 @@ struct Pair {
 
 /// Releases a freedom of an end: no force passes through it, so it follows the others, K ← K − k kᵀ/K_rr and
 /// M ← Tᵀ M T with the same T, also for the geometric matrix (static condensation, R. J. Guyan, AIAA J. 3,
-/// 1965).
+/// 1965). r is the freedom, k its column of K, and `whole` is K_rr before any release.
+///
+/// # Errors
+/// In words, if other releases have removed its stiffness: K_rr is rounding of `whole`.
 fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String> {
     let row = matrices.stiffness[freedom];
     let pivot = row[freedom];

@@ -261,8 +261,10 @@ impl Reduction {
 
     /// Tᵀ A T of a matrix over full freedoms.
     ///
-    /// With plain freedoms p (free as they are) and others d = G f: A_pp + H Gᵀ + G Hᵀ with H = A_pd + ½ Gᵀ
-    /// A_dd, both n × d, so that nothing but the result and two thin matrices is held.
+    /// Full freedoms are plain ones p, which are free as they are, and others d = G f, with the n free
+    /// freedoms f. The result is A_pp + H G + Gᵀ Hᵀ with H = A_pd + ½ Gᵀ A_dd (n × d). A_pp and A_pd have
+    /// rows of zeros for free freedoms that are not plain. So only the result and the two thin matrices G and
+    /// H are held.
     ///
     /// # Errors
     /// When the matrix has another size.

@@ -7,8 +7,10 @@
 //! c = Σ_α a^α × u,α     ω = c − ½ n (n·c)
 //! ```
 //!
-//! with the dual tangents a^α and the normal n. So rigid motions cost nothing, and no other motion of a plane
-//! face is lost. Where a face of shells turns the gap by its rotations, `ω = Σ N_a θ_a`. Where the deck adjusts the nodes, they move onto the faces first.
+//! with the dual tangents a^α, the slopes u,α of the face's motion along its coordinates, and the unit normal
+//! n. So rigid motions cost nothing, and no other motion of a plane face is lost. Where a face of shells
+//! turns the gap by its rotations, `ω = Σ N_a θ_a`. Where the deck adjusts the nodes, they move onto the
+//! faces first. Lengths are in units of the file.
 
 use std::collections::HashMap;
 
@@ -78,7 +80,7 @@ pub(super) struct Tied {
     pub far: usize,
 }
 
-/// What a tie asks for.
+/// The surfaces of a tie, and the options of its card.
 pub(super) struct Request<'a> {
     /// Nodes that follow.
     pub nodes: &'a [u32],

@@ -467,7 +467,7 @@ fn face_nodes(mesh: &Mesh, element: u32, face: usize) -> Option<(ElementKind, Ve
 pub(super) struct Answered {
     prepared: Prepared,
     rows: Vec<Load>,
-    /// Ψ_static, row by row (m/N).
+    /// Amplitude of each shape at rest under each load, row by row (m/N), by all modes of the mesh.
     compliance: Vec<f64>,
 }
 
@@ -583,6 +583,10 @@ pub(super) fn beside(
 
 impl Answered {
     /// The surface beside a set of modes, and a warning about faces that it lacks.
+    ///
+    /// A mode k of the set, with unit modal mass and the eigenvalue λ_k ((rad/s)²), moves the surface by the
+    /// amplitudes `c_k = Lᵀ φ_k` (m/√kg; [`ReducedSurface::content`]). So the modes alone have the compliance
+    /// `Σ c_k c_kᵀ/λ_k` (m/N). The compliance beside them is the static one less this sum.
     fn beside(
         &self,
         structure: &Structure,

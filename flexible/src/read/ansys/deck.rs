@@ -40,7 +40,8 @@ const BEYOND_ELASTIC: &[&str] = &[
     "DMGE", "FLIM", "CTE", "THER",
 ];
 
-/// Units that `/UNITS` names: metres, kilograms, seconds of each.
+/// Units that `/UNITS` names: metres, kilograms, seconds of each. The mass of `BFT` is the slug, that of
+/// `BIN` is lbf s²/in.
 const UNITS: &[(&str, [f64; 3])] = &[
     ("SI", [1.0, 1.0, 1.0]),
     ("MKS", [1.0, 1.0, 1.0]),
@@ -66,15 +67,19 @@ impl ElementType {
     }
 }
 
-/// An element.
+/// An element, by numbers of the archive.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     pub id: u64,
+    /// Number of its type (`ET`).
     pub kind: i64,
     pub material: i64,
+    /// Number of its set of constants (`R`).
     pub real: i64,
     pub section: i64,
+    /// Number of its coordinate system.
     pub system: i64,
+    /// Numbers of its nodes, in the order of ANSYS.
     pub nodes: Vec<u64>,
     pub at: At,
 }
