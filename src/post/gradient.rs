@@ -1,8 +1,9 @@
 //! Derivatives of numbers and signals by a parameter: a dual number at each sample.
 //!
-//! The gradients of a run hold the angle or the time of each sample, whichever of them states where it lies. So the least
-//! sample keeps its place, which is the envelope theorem, and a mean over time has the derivatives of the times as well.
-//! Which samples belong to a part, and which one is the least, does not change.
+//! The gradients of a run are those of samples at a fixed angle if the text states samples in degrees, and at
+//! a fixed time if it states them in seconds. So the least sample keeps its place, which is the envelope
+//! theorem. At fixed angles the times of the samples follow the parameter, and a mean over time has their
+//! derivatives as well. The parameter changes neither the samples of a part nor the choice of the least one.
 
 use super::PostError;
 use super::evaluate::{Evaluator, Value, computed, mapped, operated, zipped};
@@ -19,7 +20,8 @@ use eng_system::recorded::CYCLE_ANGLE;
 use std::f64::consts::LN_10;
 use std::rc::Rc;
 
-/// Largest share of the turn in the change of time by which a held angle may change.
+/// An angle counts as held if its derivative is at most this share of the turn within the derivative of the
+/// sample's time.
 const HELD: f64 = 1e-6;
 
 /// Largest difference of the derivatives of two equal samples, as a share of the largest derivative of the signal.

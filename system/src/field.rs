@@ -140,7 +140,7 @@ impl Kernel {
     }
 }
 
-/// `base^a · …` of length, mass, time and angle.
+/// The dimension with these powers of length, mass, time and angle.
 const fn of(length: i16, mass: i16, time: i16, angle: i16) -> Dimension {
     Dimension::of_mechanics(length, mass, time, angle)
 }
@@ -385,7 +385,7 @@ impl std::error::Error for FieldError {}
 
 /// Makes kernels.
 pub trait FieldMaker: Send + Sync + fmt::Debug {
-    /// A solver of its own memory for a field with these numbers.
+    /// The kernel of a field with these numbers.
     ///
     /// # Errors
     /// If a number is out of its range, or the numbers do not fit each other.

@@ -251,7 +251,7 @@ pub struct Kink {
     pub wraps: bool,
     /// Whether it is zero where such an angle begins anew.
     pub cut: bool,
-    /// What it depends on.
+    /// The quantities on which it depends.
     pub course: Course,
     /// Place of the expression.
     pub defined_at: Option<Location>,

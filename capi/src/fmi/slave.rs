@@ -21,11 +21,11 @@ pub enum Phase {
     Instantiated,
     /// As before; outputs have values.
     Initialization,
-    /// Steps.
+    /// The motion has begun, and steps follow.
     Stepping,
     /// A step has failed.
     Failed,
-    /// The end.
+    /// The importer has ended the simulation.
     Terminated,
 }
 
@@ -54,12 +54,15 @@ struct Start {
     place: usize,
 }
 
+/// A simulation that has begun.
 #[derive(Debug)]
 struct Running {
     simulation: Simulation,
+    /// The channels that are read.
     reading: Reading,
-    /// Values of the outputs at the present state.
+    /// Values of the outputs at the last reading.
     outputs: Vec<f64>,
+    /// Whether they belong to the present state and inputs.
     fresh: bool,
 }
 

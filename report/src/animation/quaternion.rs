@@ -1,4 +1,5 @@
-//! Rotations by unit quaternions (w, x, y, z).
+//! Rotations by unit quaternions (w, x, y, z), for pictures. Those of the motion are in the crate `runtime`,
+//! which this crate does not use.
 
 /// A quaternion scaled to unit length; one of length zero becomes the identity.
 pub(super) fn normalised(q: [f64; 4]) -> [f64; 4] {

@@ -1,4 +1,4 @@
-//! Interpolated tables of one to three arguments.
+//! Interpolated tables of one to three arguments, and the error of a read outside of their points.
 
 mod corners;
 mod curve;
