@@ -2,8 +2,10 @@
 //!
 //! Marker blocks of the elements are carried to body coordinates.
 //!
-//! Signs: an element's wrench is its loads minus `Gᵀλ`, so that `M v̇ − Q_v − Q_g − Σ JᵀW = 0` is
-//! `M v̇ + Φ_qᵀ λ = Q`.
+//! Signs: an element's wrench W is its loads minus `Gᵀλ`, with the gradients G of its constraints at its
+//! markers and their multipliers λ. So `M v̇ − Q_v − Q_g − Σ JᵀW = 0` is `M v̇ + Φ_qᵀ λ = Q`, with the mass
+//! M, the inertia Q_v of the velocities, gravity Q_g, the Jacobian J of each marker's twist, the gradients
+//! Φ_q of all constraints in the bodies' velocities, and all other loads Q.
 
 mod energy;
 mod levels;
@@ -253,8 +255,8 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Replaces numbers by those of the last solutions of all fields from which searches for solutions nearby
-    /// begin well.
+    /// Replaces `numbers` by those of the fields' last solutions that give a search for a solution nearby a
+    /// good beginning, such as the cavity of a film. [`Dynamics::kept`] has more of them.
     pub fn found(&self, numbers: &mut Vec<f64>) {
         numbers.clear();
         for batch in &self.batches {
@@ -269,7 +271,7 @@ impl Dynamics {
         }
     }
 
-    /// Numbers with which all fields continue.
+    /// All numbers on which the next searches of the fields depend: fields that take them give the same bits.
     pub fn kept(&self) -> Vec<f64> {
         let mut numbers = Vec::new();
         for batch in &self.batches {

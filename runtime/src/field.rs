@@ -58,7 +58,7 @@ pub(crate) struct LaneField {
     /// Derivatives of the answers by the drives, answer by answer, and whether they have ever been computed.
     pub slopes: Vec<f64>,
     pub has_slopes: bool,
-    /// First of the numbers that it remembers.
+    /// First of the numbers that the field remembers.
     pub memory: usize,
     /// These numbers at the beginning of the step, and the time since then (s); without a time it is in balance.
     pub before: Vec<f64>,

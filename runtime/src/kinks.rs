@@ -132,7 +132,7 @@ pub struct Kinks {
     /// Whether selected branches use each function at the last accepted state, and at the end of the last trial.
     used: Vec<bool>,
     used_next: Vec<bool>,
-    /// Those that constraints depend on.
+    /// Indices of the functions that constraints depend on.
     constraining: Vec<usize>,
     /// Changes of the rates over the last accepted step (1/s); zero where it passed the kink.
     bends: Vec<f64>,

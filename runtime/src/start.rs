@@ -77,8 +77,8 @@ pub struct Equilibrium {
 /// The bending of turning flexible bodies at the start.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Turning {
-    /// That of the repeating motion. It distinguishes loads that turn with the body from loads that are fixed
-    /// in space.
+    /// The bending of the repeating motion. It distinguishes loads that turn with the body from loads that
+    /// are fixed in space.
     Repeating {
         /// Number of equal parts of the period in the solution.
         angles: usize,
@@ -87,7 +87,8 @@ pub enum Turning {
         /// Change of the start from half as many angles, as a share of the largest bending.
         change: f64,
     },
-    /// That of the repeating motion, in films: the motion was integrated from a balance until it repeated.
+    /// The bending of the repeating motion, in films: the motion was integrated from a balance until it
+    /// repeated.
     Followed {
         /// Number of integrated periods.
         periods: usize,

@@ -25,7 +25,8 @@ pub struct State {
 }
 
 impl State {
-    /// The rate (1/s) at which the motion covers its own size, by its velocities and accelerations.
+    /// The rate (1/s) at which the motion covers the scale of a velocity, which is the model's length or a
+    /// radian: the largest scaled velocity, or the root of the largest scaled acceleration if that is larger.
     pub fn pace(&self, model: &Model) -> f64 {
         let acceleration = model.largest(&self.acceleration);
         model.largest(&self.velocity).max(libm::sqrt(acceleration))

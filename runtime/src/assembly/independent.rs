@@ -454,7 +454,7 @@ mod tests {
         let before = x.clone();
         factor.free(&mut x);
         assert!((&matrix * &x).amax() < 1e-13);
-        // what came off is normal to every free motion
+        // the removed part is normal to every free motion
         let mut other = DVector::from_fn(30, |_, _| numbers.draw());
         factor.free(&mut other);
         assert!((before - &x).dot(&other).abs() < 1e-13);

@@ -16,9 +16,9 @@ use nalgebra::{DMatrix, DVector};
 /// Relative to the model's speed, a row that is left by more contradicts others.
 const CONTRADICTION: f64 = 1e-8;
 
-/// Distance after the start at which a constraint is on the side to which the motion goes, as a share of the
-/// time in which the motion covers its own size; the share of it for a second look, and the least part of a
-/// rate that remains there if it jumps.
+/// Time after the start at which a constraint is on the side to which the motion goes, as a share of the time
+/// in which the motion covers the model's length or a radian; the share of it for a second look, and the
+/// least part of a rate that remains there if it jumps.
 const BEHIND: f64 = 1e-12;
 const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
@@ -40,7 +40,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
         state.copy_from(&behind);
         admissible(model, state)?;
     }
-    // no side is that of its own motion: the first step says what jumps
+    // no side is that of its own motion: the first step names the constraint that jumps
     state.copy_from(&start);
     Ok(())
 }

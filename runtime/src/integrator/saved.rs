@@ -90,7 +90,7 @@ impl Integrator {
         }
     }
 
-    /// Reads what [`Integrator::save`] wrote, into an integrator of the same model.
+    /// Reads the numbers that [`Integrator::save`] wrote, into an integrator of the same model.
     pub(crate) fn restore(
         &mut self,
         model: &Model,

@@ -33,7 +33,7 @@ use std::cell::OnceCell;
 use std::ops::Range;
 
 /// Angular velocity (rad/s) below which a body does not turn. A slower body settles, or its motion is
-/// rounding.
+/// rounding. The same number is the limit of speeds and accelerations over the model's length (1/s, 1/s²).
 const AT_REST: f64 = 1e-2;
 /// Angles (rad) of the fastest body. Both are below a quarter turn, because the angle between two bodies that
 /// turn against each other is followed only up to half a turn.

@@ -368,7 +368,7 @@ impl Model {
                     .max(m.position.norm());
             }
         }
-        // bodies that are all markers at nearly one place have their size from their inertia
+        // if all markers of the bodies lie at nearly one place, the size comes from the inertia
         let gyration = self
             .bodies
             .iter()
@@ -441,6 +441,7 @@ fn check_readers(system: &System, slots: &Slots) -> Result<(), RuntimeError> {
     Ok(())
 }
 
+/// Checks that the functions of a class take and return as many numbers as its layout says.
 fn check_shapes(
     class: &ElementClass,
     code: &dyn eng_system::code::ElementCode,

@@ -10,9 +10,10 @@ use crate::state::State;
 use eng_system::dense::largest;
 use eng_system::system::StepControl;
 
-/// Distance after a kink of the motion, as a share of the time in which the motion covers its own size.
+/// Time after a kink of the motion, as a share of the time in which the motion covers the model's length or a
+/// radian.
 const BEHIND: f64 = 1e-12;
-/// Longest way to a kink, in the same measure. A slow motion reaches a kink that is a rounding away after a
+/// Longest time to a kink, in the same measure. A slow motion reaches a kink that is a rounding away after a
 /// time in which its loads change by themselves, and its first state is no state of that time.
 const NEAR: f64 = 1e-9;
 /// Change of an acceleration or a rate at the kink that is a jump, as a share of the largest one.

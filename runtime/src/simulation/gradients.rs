@@ -71,11 +71,11 @@ pub struct Gradients {
 /// The derivatives of a sample by a parameter (SI).
 #[derive(Clone, Copy, Debug)]
 pub struct SampleGradient<'s> {
-    /// That of its time; zero if the sample does not lie at a cycle angle.
+    /// Derivative of its time; zero if the sample does not lie at a cycle angle.
     pub time: f64,
-    /// Those of the cycle angle and of its rate; zero without a cycle.
+    /// Derivatives of the cycle angle and of its rate; zero without a cycle.
     pub cycle: [f64; 2],
-    /// Those of all channels.
+    /// Derivatives of all channels.
     pub channels: &'s [f64],
 }
 
@@ -411,7 +411,7 @@ impl Gradients {
             sample_beside(&mut self.same, base, there, share, &mut rates)?;
             rest += share;
         }
-        // the shares would sum to zero without rounding: the value at the sample itself takes what is left
+        // the shares would sum to zero without rounding: the value at the sample itself takes the rest
         add_channels(base, -rest, &mut rates);
         Ok(rates)
     }

@@ -26,9 +26,10 @@ const RETREAT: (f64, f64, f64) = (1e-5, 8.0, 0.1);
 const AT_ONCE: f64 = 0.5;
 /// Distance after a kink, as a share of its limit, at which the motion starts again if forces jump there.
 const ACROSS: f64 = 1e-3;
-/// Distance of the states after a kink, as a share of the time in which the motion covers about its own size.
+/// Time from a kink to the states after it, as a share of the time in which the motion covers the model's
+/// length or a radian.
 const BEHIND: f64 = 1e-4;
-/// Largest distance of these states, as a share of the time to the next kink of the element.
+/// Largest such time, as a share of the time to the next kink of the element.
 const BESIDE: f64 = 0.1;
 /// Largest deviation of accelerations and rates after a kink from a straight line through the state at the
 /// kink. A jump deviates by all of its size.

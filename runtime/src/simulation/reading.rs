@@ -14,7 +14,7 @@ pub struct Reading {
     channels: Vec<usize>,
     depth: Depth,
     projected: bool,
-    /// That of the simulation.
+    /// The fingerprint of the simulation.
     fingerprint: u64,
 }
 

@@ -50,7 +50,7 @@ pub(super) struct FirstRates {
     pub state_jerk: Vec<f64>,
     /// Largest acceleration in units of the model's size (1/s²).
     pub acceleration: f64,
-    /// One over the time in which the motion covers about its own size (1/s).
+    /// One over the time in which the motion covers the model's length or a radian (1/s).
     pub pace: f64,
 }
 
@@ -96,7 +96,7 @@ impl Simulation {
         )?;
         let speed = self.model.largest(&self.integrator.current.velocity);
         let acceleration = self.model.largest(&self.integrator.current.acceleration);
-        // A ten-thousandth of the time in which the motion covers about its own size.
+        // a ten-thousandth of the time in which the motion covers the model's length or a radian
         let pace = speed.max(libm::sqrt(acceleration));
         let mut offset = if pace > 0.0 { 1e-4 / pace } else { 1e-5 };
         if let Some(h) = self.options.step.fixed() {

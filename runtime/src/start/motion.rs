@@ -47,7 +47,7 @@ const TILTS: f64 = 1e-2;
 /// Scaled increment of a position for differences of rates.
 const DIFFERENCE: f64 = 1e-5;
 /// Time between two velocities for a difference quotient, as a part of the time in which the motion covers
-/// about its own size.
+/// the model's length or a radian.
 const APART: f64 = 5e-4;
 
 #[derive(Clone, Debug)]
@@ -490,7 +490,7 @@ impl SteadyMotion {
         stage(&mean, 1.0)
     }
 
-    /// The rate (1/s) at which the motion covers its own size.
+    /// The rate (1/s) at which the motion covers the model's length or a radian: the largest scaled velocity.
     pub fn pace(&self, velocity: &[f64]) -> f64 {
         largest_scaled(velocity, &self.scales)
     }

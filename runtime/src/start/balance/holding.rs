@@ -33,7 +33,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Those of a quasi-static start.
+    /// The terms of a quasi-static start.
     pub const START: Terms = Terms {
         positions: true,
         cycle: true,
@@ -200,6 +200,7 @@ impl Balance<'_> {
         }
         let rows = matrix.view((n, 0), (count, n)).into_owned();
         let mut mass = self.motion.mass(model, &place.state);
+        // a part without mass or inertia would leave the mass without an inverse
         let floor = 1e-12 * mass.diagonal().amax();
         for i in 0..n {
             mass[(i, i)] += floor;
@@ -221,7 +222,7 @@ impl Balance<'_> {
     }
 
     /// Finds freedoms without stiffness at the present position: small singular values of the stiffness in
-    /// mass-normalised coordinates of the free space.
+    /// mass-normalised coordinates of the free space, over the square of the motion's `pace` (1/s).
     pub(super) fn find_neutral(
         &mut self,
         state: &State,

@@ -10,9 +10,11 @@
 //! steps of pseudo-time, each solved implicitly,
 //!
 //! ```text
-//! (M σ + K) δ = −r        σ = |M⁻¹r|/reach, and twice |κ| if K has a κ < 0
+//! (M σ + K) δ = −r        σ = |M⁻¹r|/reach + 2 |κ|
 //! ```
 //!
+//! with the mass M, the residual r and the least κ of K; the second term is left out if κ ≥ 0. The reach is
+//! the largest move of a step, in scaled velocities.
 //! This is steepest descent of the energy for a large σ, and Newton's method as r vanishes. A balance that
 //! the text states upside down is kept, with a warning. (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35
 //! (1998) 508.)
@@ -57,6 +59,7 @@ impl Balance<'_> {
         let n = model.velocities;
         let stiffness = free.transpose() * matrix.view((0, 0), (n, n)) * free * self.unit;
         let mass = free.transpose() * self.motion.mass(model, state) * free;
+        // a part without mass or inertia would have no root
         let floor = 1e-12 * mass.diagonal().amax();
         let count = mass.nrows();
         let root = (mass + DMatrix::identity(count, count) * floor)

@@ -13,8 +13,9 @@
 //! w_j are the rates along the positions themselves (`ṙ = D r`, `ω = 2 q̄ ∘ D q`, `ȧ = D a`, D the derivative
 //! of [`derivative`]), H and c the conditions on velocities: `Φ̇ = 0` and stated speeds
 //! (`SteadyMotion::along_path`). All velocities are scaled in this projection. Loads of each order have their
-//! own flexibility: `(k − Ω²n)⁻¹` if they turn with the body, `(k − Ω²n − Ω²m + iΩ(c + Ωg))⁻¹` if they are
-//! fixed in space. Orders from N/2 on are quasi-static.
+//! own flexibility: `(k − Ω²n)⁻¹` if they turn with the body, `(k − Ω²n − Ω²m + iΩ(d + Ωg))⁻¹` if they are
+//! fixed in space, with the body's stiffness k, centrifugal softening Ω²n, modal mass m, damping d and
+//! gyroscopic matrix Ωg at the speed Ω. Orders from N/2 on are quasi-static.
 //!
 //! Newton's method solves all angles together with [`krylov::gmres`]. The preconditioner is the matrix of the
 //! balance at each angle without the centrifugal softening, which would make it singular when the speed

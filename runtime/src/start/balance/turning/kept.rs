@@ -25,7 +25,7 @@ const DEPENDS: f64 = 0.1;
 pub(super) struct Kept {
     /// Indices of the moving rows.
     moving: Vec<usize>,
-    /// Their speeds.
+    /// Speeds of the moving rows.
     values: DVector<f64>,
     /// Inertia of each.
     inertia: Vec<f64>,
