@@ -264,7 +264,7 @@ fn vibrates(stated: &Diagnostic) -> Diagnostic {
 /// The lints of all analyses of a program.
 #[derive(Default)]
 struct Lints {
-    /// Those that no text accepts.
+    /// The lints that no text accepts.
     reported: Vec<Finding>,
     /// For each model with its constants: the system, and the used acceptances with their findings.
     models: Vec<(Arc<System>, Vec<Covered>)>,

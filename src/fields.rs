@@ -404,6 +404,7 @@ struct Oil {
 }
 
 impl Oil {
+    /// Numbers of an oil in the memory of a field.
     const COUNT: usize = 5;
 
     fn read(numbers: &[f64]) -> Option<Oil> {

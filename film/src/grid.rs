@@ -62,8 +62,8 @@ pub(crate) struct Cell {
     pub z: f64,
     /// cos θ and sin θ in its middle.
     pub normal: [f64; 2],
-    /// Their means over the cell. So a turning eccentricity squeezes a cell exactly as much as it carries oil
-    /// into it.
+    /// Means of cos θ and sin θ over the cell. So a turning eccentricity squeezes a cell exactly as much as
+    /// it carries oil into it.
     pub mean_normal: [f64; 2],
     /// Clearance and profile of the shell, m.
     pub base: f64,

@@ -19,11 +19,11 @@ pub struct Summary {
     /// Highest pressure over the cavitation pressure, of a parabola through the highest cell and its
     /// neighbours, Pa.
     pub maximum_pressure: f64,
-    /// Its place.
+    /// Place of the highest pressure.
     pub maximum_pressure_at: Place,
     /// Least gap, over cells, faces and ends, m.
     pub minimum_gap: f64,
-    /// Its place.
+    /// Place of the least gap.
     pub minimum_gap_at: Place,
     /// Net flow out of the ends at negative and at positive z, m³/s.
     pub end_flow: [f64; 2],
@@ -352,8 +352,8 @@ impl Film {
         }
     }
 
-    /// Highest pressure and its place: the highest cell, and parabolas through it and what is beside it in both
-    /// directions.
+    /// Highest pressure and its place, by parabolas in both directions through the highest cell and the cells
+    /// or edges beside it.
     fn highest(&self, level: &Level, state: &LevelWork, end_pressure: f64) -> (f64, Place) {
         let grid = &level.grid;
         let pressure = |cell: usize| state.pressure[cell][0];
@@ -513,8 +513,8 @@ impl Beside {
     }
 }
 
-/// The highest point of the parabola with a mean over a cell of this width and with what is on both sides of it: its place
-/// from the middle of the cell, and its height above the mean.
+/// The highest point of the parabola that has the mean of a cell of this width and the means of the sides:
+/// its place from the middle of the cell, and its height above the mean.
 fn vertex(mean: f64, width: f64, sides: [Beside; 2]) -> (f64, f64) {
     // slope and bend from `slope x + bend (x² + (w² - width²)/12) = mean beside - mean`
     let [before, behind] = sides.map(|side| {

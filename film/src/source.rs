@@ -193,10 +193,10 @@ pub enum Ends {
 /// The slope of the pressure at faces of cells and places with fixed pressure: ends, and edges of openings of the shell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EdgeSlope {
-    /// That of a straight line through the middle of one cell, of first order. The damping of the rule
+    /// The slope of a straight line through the middle of one cell, of first order. The damping of the rule
     /// [`Cavitation::Reynolds`] is symmetric to rounding, and openings of both parts have the same equations.
     OneCell,
-    /// That of a parabola through the means of two cells, of second order.
+    /// The slope of a parabola through the means of two cells, of second order.
     #[default]
     TwoCells,
 }

@@ -446,7 +446,7 @@ pub enum Tie {
         id: u64,
         /// Index of the dependent node.
         reference: u32,
-        /// Its dependent components.
+        /// Dependent components of the reference node.
         reference_components: u8,
         /// Nodes, weights, and the components that take part.
         independent: Vec<(u32, f64, u8)>,

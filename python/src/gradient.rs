@@ -25,7 +25,7 @@ impl Gradient {
         }
     }
 
-    /// Those of some channels.
+    /// The derivatives of some channels.
     pub fn select(&self, py: Python<'_>, selection: &Selection) -> PyResult<eng::Gradient> {
         let selected = selection.apply(&self.inner.results);
         Ok(eng::Gradient {

@@ -44,6 +44,7 @@ impl Bars {
     }
 }
 
+/// Length of a full bar: a run advances it in thousandths.
 const BAR: u64 = 1000;
 
 fn progress_bar(analysis: &str) -> ProgressBar {

@@ -44,7 +44,7 @@ struct Staged(PathBuf);
 
 impl Drop for Staged {
     fn drop(&mut self) {
-        // what is left is in the system's folder for temporary files
+        // files that remain are in the system's folder for temporary files
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

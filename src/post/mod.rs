@@ -115,7 +115,7 @@ pub enum PostError {
         analysis: String,
         /// The frequency.
         frequency: String,
-        /// Its frequencies.
+        /// The lowest and the highest frequency of the response.
         range: String,
     },
     /// A response that changes too much between two points.
@@ -138,7 +138,7 @@ pub enum PostError {
     Few {
         /// The analysis.
         analysis: String,
-        /// Their number.
+        /// Number of the samples.
         count: usize,
     },
     /// A shaft at rest, or no shaft.
@@ -193,7 +193,7 @@ pub enum PostError {
         first: String,
         /// Another one.
         second: String,
-        /// Their speed.
+        /// The speed of both.
         speed: String,
     },
     /// A block that does not fit the samples.
@@ -201,7 +201,7 @@ pub enum PostError {
     Block {
         /// The analysis.
         analysis: String,
-        /// Its length.
+        /// Length of the block.
         block: String,
         /// The reason.
         why: String,
@@ -225,9 +225,9 @@ pub enum PostError {
     NoMode {
         /// The analysis.
         analysis: String,
-        /// Its number.
+        /// The wanted number of a mode, from 1.
         number: u32,
-        /// Their number.
+        /// Number of the modes.
         count: usize,
     },
     /// A frequency without a mode nearby.

@@ -33,7 +33,7 @@ impl<'a> Recorded<'a> {
         self.sources
     }
 
-    /// Those that were opened and are there, with the hashes of their contents.
+    /// The files that were opened and are there, with the hashes of their contents.
     pub fn read_files(&self) -> Vec<(String, String)> {
         let mut names = self.opened.borrow().clone();
         names.sort();

@@ -53,7 +53,7 @@ pub(crate) struct PointRow {
     pub state: String,
     /// Code of the failure, such as `E0711`; empty without one.
     pub code: String,
-    /// The failure in words; of a complete point what its reports say about it.
+    /// The failure in words; of a complete point the remarks of its reports.
     pub message: String,
     /// Its place: `engine.eng:12`.
     pub place: String,

@@ -11,7 +11,9 @@ use sha2::{Digest, Sha256};
 use std::io::{self, Write};
 use std::path::Path;
 
+/// First bytes of the file: a name, and the version of the format.
 const MAGIC: &[u8; 7] = b"ENGRUN\x01";
+/// Bytes of the SHA-256 sum at the end of the file.
 const SUM: usize = 32;
 
 /// A warning from before the interruption.

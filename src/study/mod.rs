@@ -70,7 +70,7 @@ pub enum StudyError {
         "{missing} of {points} points are missing: {ranges}; run them, or take those that are there by --partial"
     )]
     Missing {
-        /// Their number.
+        /// Number of the missing points.
         missing: usize,
         /// All points.
         points: usize,

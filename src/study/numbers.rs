@@ -122,8 +122,8 @@ impl Study {
         Ok(found)
     }
 
-    /// The numbers of a point's outcome (SI), and what its reports say about it: values that are not made, requirements
-    /// that do not hold.
+    /// The numbers of a point's outcome (SI), and the remarks of its reports: values that are not made, and
+    /// requirements that do not hold.
     fn numbers(&self, outcome: &RunOutcome) -> (Results, String) {
         let results = &outcome.results;
         if results.are_modes() || results.are_responses() {

@@ -15,7 +15,7 @@ pub struct Saved {
     pub(super) phase: Phase,
     /// Values that the importer has set, by value reference.
     pub(super) stated: Vec<Option<f64>>,
-    /// Those at the start.
+    /// The set values with which the simulation began, by value reference.
     pub(super) begun: Vec<Option<f64>>,
     /// The state of the simulation, once it has started.
     pub(super) checkpoint: Option<Vec<u8>>,

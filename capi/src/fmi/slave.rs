@@ -77,7 +77,7 @@ pub struct Slave {
     phase: Phase,
     /// Values that the importer has set, by value reference.
     stated: Vec<Option<f64>>,
-    /// Those at the start.
+    /// The set values with which the simulation began, by value reference.
     begun: Vec<Option<f64>>,
     /// Rates of inputs in the next step, by value reference.
     rates: Vec<Option<f64>>,

@@ -127,7 +127,7 @@ impl<'p> Checker<'p> {
         self.changed = None;
     }
 
-    /// Whether a path leads into what a passed function, class or record brings along beyond its interface.
+    /// Whether a path leads to numbers that a passed function, class or record has beyond its interface.
     /// Elaboration knows these numbers and their dimensions.
     fn is_brought_along(&mut self, inside: &Scope<'p>, path: &Expr) -> bool {
         match &path.kind {

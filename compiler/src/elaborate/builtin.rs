@@ -412,6 +412,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The place of a number in a list, from 1. Numbers that differ by rounding alone are the same.
     fn index_of(&mut self, values: Vec<(Value<'a>, Span)>, span: Span) -> Eval<Value<'a>> {
+        // numbers of different units are converted with different rounding
         const ROUNDING: f64 = 1e-12;
         let [list, value] = self.exactly::<2>(values, span)?;
         let (place, value_place) = (list.1, value.1);

@@ -118,7 +118,8 @@ impl<'a> Elaborator<'a, '_> {
                     ),
             ));
         }
-        // the values of the input come from the definition, which does not know what is found here
+        // the values of the input come from the definition, which does not know the dimensions that are found
+        // here
         let here = self.solution_at(expr.span, scope);
         let generic = here.is_some_and(|solution| !solution.is_empty());
         match named.filter(|_| !generic) {

@@ -49,7 +49,7 @@ pub struct KinkPlace {
 pub struct BoundKink {
     /// The function that changes its sign.
     pub value: u32,
-    /// Its rate.
+    /// The function's rate.
     pub rate: u32,
     /// The constant with the handle of the table whose argument the function is.
     pub table: Option<(u32, TableKink)>,

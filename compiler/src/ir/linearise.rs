@@ -394,8 +394,11 @@ fn write_functions(
     (linearize, tangent)
 }
 
+/// The slope of an edge, as the tangent reads it.
 #[derive(Clone, Copy, Debug)]
 enum Slope {
+    /// A number.
     Constant(f64),
+    /// The value of a slot of the tape, and whether the slope is minus this value.
     Tape(u32, bool),
 }

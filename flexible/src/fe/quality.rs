@@ -53,7 +53,7 @@ pub struct Inventory {
 }
 
 impl Inventory {
-    /// That of a mesh.
+    /// The inventory of a mesh.
     pub fn of(mesh: &Mesh) -> Self {
         let mut counts: BTreeMap<String, usize> = BTreeMap::new();
         let mut own = Inventory {

@@ -153,7 +153,7 @@ impl ModeSet {
 #[derive(Default)]
 struct Basis {
     vectors: Vec<f64>,
-    /// Their products with K.
+    /// Products of the vectors with K.
     forces: Vec<f64>,
     /// Each source at unit energy, as amplitudes in the basis up to itself.
     triangle: Vec<Vec<f64>>,

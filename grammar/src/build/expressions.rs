@@ -46,6 +46,7 @@ enum Infix {
     Step,
 }
 
+/// Binding strengths that more than one rule needs: see [`infix`].
 const NOT: u8 = 3;
 const COMPARE: u8 = 4;
 const NEGATE: u8 = 8;

@@ -9,7 +9,7 @@ use super::{decimate, ticks};
 /// Heights of the two panels, and the gap between them.
 const HEIGHTS: [f64; 2] = [400.0, 240.0];
 const GAP: f64 = 28.0;
-/// Phases (°) at which the axis ends.
+/// The axis of the phase ends at multiples of this (°).
 const EIGHTH: f64 = 45.0;
 /// Most decades of the amplitudes.
 const DECADES: usize = 6;

@@ -64,6 +64,7 @@ pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
     Ok(frames)
 }
 
+/// The rotations among the components of a node, as bits from translation x on.
 const ROTATIONS: u8 = 0b11_1000;
 
 /// Supports named by a word.

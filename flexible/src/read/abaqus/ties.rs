@@ -15,6 +15,7 @@ use crate::read::tied::{Request, doubt, tied};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::norm;
 
+/// Components of a node as bits: the translations x, y, z from the lowest bit on, then the rotations.
 const ALL: u8 = 0b11_1111;
 const TRANSLATIONS: u8 = 0b00_0111;
 const ROTATIONS: u8 = 0b11_1000;

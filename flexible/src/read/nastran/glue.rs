@@ -50,7 +50,7 @@ pub(super) struct Glue {
     sums: BTreeMap<u64, Vec<u64>>,
 }
 
-/// Ties of all pairs, and what the reader says about them.
+/// Ties of all pairs, and the remarks of the reader about them.
 pub(super) type Glued = (Vec<Tie>, Vec<String>);
 
 impl Glue {

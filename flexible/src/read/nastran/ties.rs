@@ -10,6 +10,7 @@ use super::unread::UnreadCards;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, Frame, Node, Tie};
 
+/// All components of a node as bits: three translations, then three rotations.
 const ALL: u8 = 0b11_1111;
 
 #[derive(Clone, Debug)]
