@@ -160,8 +160,8 @@ impl Addresses {
     }
 }
 
-/// The stretch of a place. The start of an area is a base itself and reaches to one side only. The room has
-/// no stretches.
+/// The stretch of a place. The start of an area is a base itself, so its first stretch reaches to one side
+/// only. The start of the room is in no register, so all of its stretches are whole.
 fn stretch(place: Place) -> (Area, i64) {
     let offset = i64::from(place.index) * PAIR;
     let first = if place.area == Area::Room { 0 } else { REACH };

@@ -1,4 +1,6 @@
 //! Instances of joints, forces, journals and drives: each becomes a graph of its own.
+//!
+//! To *lower* a text means to write its values as nodes of such a graph.
 
 mod arguments;
 mod equations;

@@ -9,9 +9,11 @@
 //! γ₁ γ₂          between normal and surface (–)  δ = θ·n − ½ n·curl u   drilling (–)
 //! ```
 //!
-//! Forces and moments per length are `[N; M; Q; k δ] = C [ε; κ; γ; δ]`. The forms are
-//! [`quadrilateral`]: MITC4 with an enhanced membrane, for Nastran with its residual bending flexibility, [`triangle`]: DKMT with a constant membrane or
-//! Felippa's optimal one, and [`quadratic`]: MITC9 and MITC6 for shells with mid-side nodes.
+//! Forces and moments per length are `[N; M; Q; k δ] = C [ε; κ; γ; δ]`. There are three forms:
+//!
+//! * [`quadrilateral`]: MITC4 with an enhanced membrane; for Nastran, with its residual bending flexibility
+//! * [`triangle`]: DKMT with a constant membrane or Felippa's optimal one
+//! * [`quadratic`]: MITC9 and MITC6 for shells with mid-side nodes
 //!
 //! **Drilling.** The rotation about the normal has no stiffness in a shell's theory. Here δ is held by
 //! `k = G t min(1, t²/h²)` with the distance h of the nodes (the term of T. J. R. Hughes, F. Brezzi, Comput. Methods
@@ -87,7 +89,8 @@ pub(super) type Places = [Vector; MOST_NODES];
 pub(super) struct ShellPoint {
     /// Area that it represents (m²).
     pub area: f64,
-    /// Strains for a unit of each freedom (1/m and – of translations and rotations; κ 1/m², 1/m).
+    /// Strains for a unit of each freedom: 1/m for a translation and – for a rotation, and for κ 1/m² and
+    /// 1/m.
     pub rows: Rows,
     /// The law that belongs to the strains.
     pub law: Law,
@@ -247,8 +250,10 @@ impl<'a> Shell<'a> {
         }
     }
 
-    /// Stiffness `∫ Bᵀ C B dA` and mass `∫ N_a N_b (m v_a·v_b + f (v_a·β_b + β_a·v_b) + j β_a·β_b) dA` with the
-    /// motion `v = u + θ × r` of the middle surface and `β = θ × n` of the directors.
+    /// Stiffness `∫ Bᵀ C B dA` and mass `∫ N_a N_b (m v_a·v_b + f (v_a·β_b + β_a·v_b) + j β_a·β_b) dA` with
+    /// the motion `v = u + θ × r` of the middle surface and `β = θ × n` of the directors. m, f and j are the
+    /// mass per area (kg/m²), its first moment (kg/m) and the rotary inertia per area (kg) about the middle
+    /// surface.
     ///
     /// # Errors
     /// As [`Shell::points`].
