@@ -199,8 +199,8 @@ pub(super) fn window_of(window: plan::Window) -> Window {
 
 /// A number of a signal. Extremes are those of the samples, their places those of the parabola through the
 /// extreme sample and its neighbours. Mean and root mean square are over time by the trapezoidal rule: (∫y
-/// dt/T), √(∫y² dt/T); of a smooth signal over whole cycles, evenly sampled, its error vanishes faster than
-/// any power of the step.
+/// dt/T), √(∫y² dt/T). For a smooth signal over whole cycles, evenly sampled, the error of this rule vanishes
+/// faster than any power of the step.
 pub(super) fn reduced(reduction: Reduction, track: &Track) -> Result<f64, PostError> {
     let values = &track.values;
     let analysis = || track.samples.analysis.clone();

@@ -229,8 +229,8 @@ fn slowdown(times: &[f64]) -> f64 {
     }
 }
 
-/// Factor on displacements that shows the largest one as a share of the scene; never below 1. `length`: the
-/// scene's reach (m).
+/// Factor on displacements that shows the largest one as a share of the scene; never below 1. `length` is the
+/// scene's reach (m), half of its size.
 fn magnification(flexible: &[FlexibleBody], length: f64) -> f64 {
     let largest = flexible
         .iter()
