@@ -112,7 +112,8 @@ impl Start<'_> {
                 ..self.origin(element).clone()
             },
             message,
-            label: "of this".to_owned(),
+            // the name of the element says enough
+            label: String::new(),
             help: String::new(),
             decided_by: Vec::new(),
             part: None,

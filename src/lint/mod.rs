@@ -33,7 +33,7 @@ pub(crate) struct Finding {
     pub origin: Origin,
     /// The message, with values.
     pub message: String,
-    /// The label at its place.
+    /// The label at its place, behind the path of the object; empty where the path alone says enough.
     pub label: String,
     /// The remedy.
     pub help: String,
@@ -207,9 +207,10 @@ fn diagnostic(group: &[&Finding]) -> Diagnostic {
             continue;
         };
         places.push(at);
-        let label = match finding.origin.path.as_str() {
-            "" => finding.label.clone(),
-            path => format!("{path}: {}", finding.label),
+        let label = match (finding.origin.path.as_str(), finding.label.as_str()) {
+            ("", label) => label.to_owned(),
+            (path, "") => path.to_owned(),
+            (path, label) => format!("{path}: {label}"),
         };
         message = if places.len() == 1 {
             message.at(span(at), label)

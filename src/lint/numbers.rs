@@ -416,7 +416,7 @@ fn without_gas(system: &System) -> Vec<Finding> {
                 ..element.origin.clone()
             },
             message,
-            label: "of another cylinder".to_owned(),
+            label: "the gas of another cylinder".to_owned(),
             help: "give each cylinder its gas; `scale: 0` switches it off".to_owned(),
             decided_by: vec![body.origin.clone()],
             part: None,
@@ -538,7 +538,7 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
             ..origin(first)?.clone()
         },
         message,
-        label: "of this cylinder".to_owned(),
+        label: "the gas of this cylinder".to_owned(),
         help,
         decided_by: Vec::new(),
         part: None,

@@ -445,7 +445,7 @@ impl Watched<'_> {
                 ..element.origin.clone()
             },
             message,
-            label: "of this cylinder".to_owned(),
+            label: "the gas of this cylinder".to_owned(),
             help: help.to_owned(),
             decided_by: Vec::new(),
             part: None,
