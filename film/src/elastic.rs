@@ -573,7 +573,7 @@ impl Elastic {
         let by_step = work.step.map_or(0.0, |step| 1.0 / step);
         match work.feedback.factor(by_step) {
             true => Ok(()),
-            false => Err(FilmError::NoSurface { rounds: ROUNDS }),
+            false => Err(FilmError::SurfaceUnstable),
         }
     }
 
@@ -651,7 +651,7 @@ impl Elastic {
         let feedback = &mut work.slow_feedback;
         feedback.make(&self.slow, &self.rows(slopes));
         if !feedback.factor(0.0) {
-            return Err(FilmError::NoSurface { rounds: ROUNDS });
+            return Err(FilmError::SurfaceUnstable);
         }
         let (amplitude, rate) = (self.plain_inputs(), self.plain_inputs() + count);
         let mut found = [0.0; 8];

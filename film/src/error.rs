@@ -83,6 +83,16 @@ pub enum SourceError {
         /// Least number.
         needed: usize,
     },
+    /// Fewer lines than the grid needs.
+    #[error("a film has {lines} lines as {name}, but it needs at least {needed}")]
+    TooFewLines {
+        /// Name of the lines.
+        name: &'static str,
+        /// Stated number.
+        lines: usize,
+        /// Least number.
+        needed: usize,
+    },
     /// An opening without reach.
     #[error(
         "opening {opening} of a film reaches from {} to {} {direction}: the second must lie above the first{}",
@@ -226,7 +236,18 @@ pub enum FilmError {
         /// Rounds of Newton's method.
         rounds: usize,
     },
+    /// A singular matrix of film and surface: the film yields as fast as the surface pushes.
+    #[error(
+        "the deflection of the elastic surface is not determined: there the film gives way as fast as the surface presses on it; \
+         make the surface stiffer, or take a shorter step"
+    )]
+    SurfaceUnstable,
+    /// Data of which no film can be made.
+    #[error(transparent)]
+    Source(#[from] SourceError),
     /// Numbers beyond the range of floating point.
-    #[error("the pressure of a film overflows")]
+    #[error(
+        "the pressure of a film is too large for a number: check its radial clearance and its viscosity"
+    )]
     Overflow,
 }

@@ -466,18 +466,24 @@ fn stated(
     least: usize,
 ) -> Result<Vec<f64>, SourceError> {
     let near = 1e-9 * (to - from);
-    let rise = lines.windows(2).all(|pair| pair[1] > pair[0]);
-    let ends = lines.first().zip(lines.last());
-    let meets = |edge: &f64| lines.iter().any(|line| (line - edge).abs() <= near);
-    if lines.len() <= least
-        || !rise
-        || !ends.is_some_and(|(a, b)| (a - from).abs() <= near && (b - to).abs() <= near)
-    {
-        return Err(SourceError::Range {
+    let at = |line: &f64, end: f64| (line - end).abs() <= near;
+    let meets = |edge: &f64| lines.iter().any(|line| at(line, *edge));
+    if lines.len() <= least {
+        return Err(SourceError::TooFewLines {
             name,
-            value: lines.len() as f64,
-            range: "lines that rise from end to end",
+            lines: lines.len(),
+            needed: least + 1,
         });
+    }
+    // a comparison with NaN is false
+    let refuse = |value: f64, range: &'static str| Err(SourceError::Range { name, value, range });
+    if let Some(pair) = lines.windows(2).find(|pair| !(pair[1] > pair[0])) {
+        return refuse(pair[1], "above the line before it");
+    }
+    for (line, end) in [(lines.first(), from), (lines.last(), to)] {
+        if let Some(line) = line.filter(|line| !at(line, end)) {
+            return refuse(*line, "at the end of the film, as its first and last lines are");
+        }
     }
     if let Some(edge) = edges.iter().find(|edge| !meets(edge)) {
         return Err(SourceError::Range {

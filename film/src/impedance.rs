@@ -76,7 +76,7 @@ fn solved(
     source.edges = EdgeSlope::OneCell;
     source.around = Lines::At(around);
     source.across = Lines::At(from_end.iter().rev().map(|line| end - line).collect());
-    let film = Film::new(source).map_err(|_| FilmError::Overflow)?;
+    let film = Film::new(source)?;
     let (mut work, mut outputs) = (film.work(), vec![0.0; film.outputs()]);
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     // e along −x; u at −α from it

@@ -53,7 +53,10 @@ impl Roughness {
         ] {
             let least = if zero { value >= 0.0 } else { value > 0.0 };
             if !(least && value.is_finite()) {
-                let range = "a positive number";
+                let range = match zero {
+                    true => "zero or a positive number",
+                    false => "a positive number",
+                };
                 return Err(SourceError::Range { name, value, range });
             }
         }

@@ -465,13 +465,7 @@ fn matrices(
         let full = assemble(mesh, &request.rules)?;
         let differences = fe::form::warnings(mesh, &request.rules);
         report.warnings.extend(differences);
-        let shells = match full.without_stiffness.len() {
-            0 => None,
-            1 => Some("1 shell element has".to_owned()),
-            count => Some(format!("{count} shell elements have")),
-        };
-        let warned = shells.map(|shells| format!("{shells} mass but no stiffness here"));
-        report.warnings.extend(warned);
+        report.warnings.extend(coats(mesh, &full.without_stiffness));
         return Ok((full, Vec::new()));
     };
     let found = match from_matrices(mesh, &stiffness, &mass) {
@@ -597,6 +591,17 @@ fn turns(mesh: &Mesh, freedoms: &FreedomMap) -> bool {
         || used
             .into_iter()
             .any(|(node, _)| freedoms.has_rotation(node))
+}
+
+/// The warning about shells that are mass on the mesh and nothing else: their property has no material.
+fn coats(mesh: &Mesh, shells: &[u32]) -> Option<String> {
+    let first = mesh.elements.get(*shells.first()? as usize)?.id;
+    Some(match shells.len() {
+        1 => format!("shell element {first} has mass but no stiffness, because its property has no material"),
+        count => format!(
+            "{count} shell elements have mass but no stiffness, because their properties have no material; the first is {first}"
+        ),
+    })
 }
 
 /// Whether the matrices are those of a structure that rigid motion does not stretch.

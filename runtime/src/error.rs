@@ -283,10 +283,10 @@ pub enum RuntimeError {
     /// The parameters cannot be used.
     #[error(transparent)]
     Bind(#[from] BindError),
-    /// System and code do not fit together: a fault of the compiler, not of the model.
-    #[error("the compiled model is inconsistent: {what}")]
+    /// System and code do not fit together, or code has failed: a fault of Eng, not of the model.
+    #[error("{what}: this is a fault of Eng; please report it together with the model")]
     Malformed {
-        /// The parts that do not fit.
+        /// The parts that do not fit, or the failure.
         what: String,
     },
     /// An option has no meaning.
@@ -529,7 +529,7 @@ pub enum RuntimeError {
     #[error("the run was stopped at {moment}; its {slow}", moment = .0.moment, slow = .0)]
     Stopped(Slow),
     /// A stated step turns a body further than angles can be followed.
-    #[error("a step of {step} s turns {} by {degrees:.0}°; the limit is 90° a step", origin.path)]
+    #[error("a step of {} s turns {} by {degrees:.0}°; the limit is 90° a step", short(*step, 3), origin.path)]
     TurnsTooFar {
         /// When.
         moment: Moment,
@@ -703,7 +703,11 @@ pub enum RuntimeError {
         message: String,
     },
     /// Nothing balances the loads.
-    #[error("there is no equilibrium{}: {}: {}", if *turning { "" } else { " at rest" }, origin.path, message)]
+    #[error(
+        "there is no equilibrium{}: {}{message}",
+        if *turning { "" } else { " at rest" },
+        if origin.path.is_empty() { String::new() } else { format!("{}: ", origin.path) }
+    )]
     NoEquilibrium {
         /// The journal, body or element that prevents the balance.
         origin: Box<Origin>,

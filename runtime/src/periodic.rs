@@ -136,13 +136,13 @@ pub fn run_periodic(
     }
     if !(periodic.change > 0.0 && periodic.change.is_finite()) {
         return refuse(format!(
-            "the change of a repeating cycle is {}; it must be positive",
+            "`change` is {}, and must be positive: it is the largest share by which two equal cycles differ, such as 1e-3",
             periodic.change
         ));
     }
     if periodic.cycles < 2 {
         return refuse(format!(
-            "{} cycles are too few to see one repeat; take at least 2",
+            "`cycles` is {}, and must be at least 2: a cycle repeats the one before",
             periodic.cycles
         ));
     }

@@ -63,7 +63,7 @@ impl<'p> Checker<'p> {
                     self.report(
                         Diagnostic::error(
                             codes::UNKNOWN_TYPE,
-                            format!("`{}` has one dimension", name.text),
+                            format!("`{}` takes one dimension, that of its components", name.text),
                         )
                         .at(ty.span, format!("{} are given", arguments.len())),
                     );

@@ -493,8 +493,11 @@ impl<'p> Checker<'p> {
             Some(dim) => Type::Scalar(Quantity::soft(dim)),
             None => {
                 self.report(
-                    Diagnostic::error(codes::POWER, "this power has no dimension")
-                        .at(sides.right.span, "not a ratio of small whole numbers")
+                    Diagnostic::error(
+                        codes::POWER,
+                        "the exponent of a quantity must be a ratio of small whole numbers, such as 3/2",
+                    )
+                        .at(sides.right.span, "not such a ratio")
                         .also(sides.left.span, self.describe(a)),
                 );
                 Type::Error

@@ -425,7 +425,7 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         Err(self.report(
-            Diagnostic::error(codes::NOT_IN_LIST, "the list does not hold this number")
+            Diagnostic::error(codes::NOT_IN_LIST, "no number of the list is equal to this one")
                 .at(value_place, "this number")
                 .also(place, "not in this list"),
         ))
@@ -615,7 +615,7 @@ impl<'a> Elaborator<'a, '_> {
             Ok(d) => d,
             Err(error) => {
                 return Err(self.report(
-                    Diagnostic::error(codes::NO_RATE, "this has no known time derivative")
+                    Diagnostic::error(codes::NO_RATE, "the argument of `der` has no known time derivative")
                         .at(span, error.to_string())
                         .with_help("positions, angles and velocities have a `der`; of a velocity, in outputs only"),
                 ));

@@ -240,9 +240,9 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             codes::CHANNEL_TWICE,
             format!("two columns of the results are called {path}"),
         );
-        message = message.at_if(second, "one of this");
+        message = message.at_if(second, "the second one is here");
         message = match first {
-            Some(span) => message.also(span, "one of this"),
+            Some(span) => message.also(span, "the first one is here"),
             None => message.with_note("it is a column of every run"),
         };
         Err(self.report(message.with_help("give the output or its element another name")))

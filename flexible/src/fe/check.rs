@@ -167,18 +167,21 @@ fn beam_fault(section: &BeamSection) -> Option<String> {
         shear,
         mass_per_length,
     } = *section;
-    let moments = [
-        moment_z,
-        moment_y,
-        torsion,
-        shear[0],
-        shear[1],
-        mass_per_length,
+    let numbers = [
+        ("a second moment of area", moment_z, " m⁴"),
+        ("a second moment of area", moment_y, " m⁴"),
+        ("a torsion constant", torsion, " m⁴"),
+        ("a shear factor", shear[0], ""),
+        ("a shear factor", shear[1], ""),
+        ("a mass per length", mass_per_length, " kg/m"),
     ];
+    let bad = numbers.iter().find(|(_, x, _)| !(*x >= 0.0 && x.is_finite()));
     if !(area > 0.0 && area.is_finite()) {
         Some(format!("an area of {area} m²; it must be above zero"))
-    } else if !moments.iter().all(|x| *x >= 0.0 && x.is_finite()) || !product.is_finite() {
-        Some("a moment, torsion constant, shear factor or mass a length that is negative or not a number".into())
+    } else if let Some((quantity, value, unit)) = bad {
+        Some(format!("{quantity} of {value}{unit}; it must be a number and not negative"))
+    } else if !product.is_finite() {
+        Some(format!("a product of area of {product} m⁴"))
     } else if product != 0.0 && product * product >= moment_y * moment_z {
         Some(format!(
             "a product of area of {product} m⁴, whose square must be below the product of its second moments {moment_z} and {moment_y} m⁴"
@@ -340,12 +343,42 @@ fn is_rotation(rotation: &[[f64; 3]; 3]) -> bool {
     })
 }
 
+/// The fault of a 6 × 6 mass matrix of a node (kg, kg m, kg m²; translations first), if it has one.
+fn mass_fault(matrix: &[[f64; 6]; 6]) -> Option<String> {
+    let largest = (0..6).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
+    if let Some(i) = (0..6).find(|i| !(matrix[*i][*i] >= 0.0)) {
+        let unit = if i < 3 { "kg" } else { "kg m²" };
+        return Some(format!(
+            "its mass in freedom {} is {} {unit}; it must be a number and not negative",
+            i + 1,
+            matrix[i][i]
+        ));
+    }
+    let pairs = (0..6).flat_map(|i| (0..i).map(move |j| (i, j)));
+    // rounding of the numbers of a card
+    let differs = |(i, j): &(usize, usize)| {
+        let difference = (matrix[*i][*j] - matrix[*j][*i]).abs();
+        !(difference <= 1e-9 * largest)
+    };
+    pairs.clone().find(differs).map(|(i, j)| {
+        format!(
+            "the entries ({}, {}) and ({}, {}) of its mass matrix are {} and {}; they must be equal numbers",
+            i + 1,
+            j + 1,
+            j + 1,
+            i + 1,
+            matrix[i][j],
+            matrix[j][i]
+        )
+    })
+}
+
 pub(crate) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), FlexibleError> {
     let first = element.first as usize;
     let count = element.kind.node_count();
     let Some(nodes) = mesh.connectivity.get(first..first + count) else {
         return Err(wrong(
-            format!("element {} has no nodes", element.id),
+            format!("element {} lacks some of its {count} nodes", element.id),
             BROKEN,
         ));
     };
@@ -409,39 +442,29 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
         if !known(point.node) {
             return Err(missing("point mass", point.id));
         }
-        let matrix = &point.matrix;
-        let largest = (0..6).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
-        let fits = (0..6).all(|i| {
-            matrix[i][i] >= 0.0
-                && (0..6).all(|j| {
-                    matrix[i][j].is_finite()
-                        && (matrix[i][j] - matrix[j][i]).abs() <= 1e-9 * largest
-                })
-        });
-        if !fits {
+        if let Some(fault) = mass_fault(&point.matrix) {
             return Err(wrong(
-                format!(
-                    "point mass {} is negative, not symmetric or not a number",
-                    point.id
-                ),
+                format!("point mass {}: {fault}", point.id),
                 "check the mass card",
             ));
         }
     }
-    for spring in mesh.springs.iter().chain(&mesh.inerters) {
+    let springs = mesh.springs.iter().map(|spring| (spring, ["spring", "stiffness"]));
+    let masses = mesh.inerters.iter().map(|mass| (mass, ["scalar mass", "mass"]));
+    for (spring, [name, quantity]) in springs.chain(masses) {
         let sound = |&(node, freedom, factor): &(u32, u8, f64)| {
             known(node) && freedom < freedoms_of(node) && factor.is_finite()
         };
         if !spring.terms.iter().all(sound) {
-            return Err(missing("spring", spring.id));
+            return Err(missing(name, spring.id));
         }
         if !(spring.stiffness >= 0.0 && spring.stiffness.is_finite()) {
             return Err(wrong(
                 format!(
-                    "spring or mass {} has a value of {}",
+                    "{name} {} has a {quantity} of {} in SI units; it must be a number and not negative",
                     spring.id, spring.stiffness
                 ),
-                "a stiffness or mass can't be negative",
+                "check its card",
             ));
         }
     }

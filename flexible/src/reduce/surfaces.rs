@@ -68,6 +68,8 @@ struct Bore {
 /// A surface on the mesh, before the computation of modes.
 pub(super) struct Prepared {
     request: SurfaceRequest,
+    /// Name of the marker.
+    name: String,
     bore: Bore,
     /// The share of the round surface that faces cover.
     covered: f64,
@@ -197,6 +199,7 @@ pub(super) fn prepare(
         enough_nodes(mesh, &nodes, &bore, &sums, *surface, name)?;
         Ok(Prepared {
             request: *surface,
+            name: name.clone(),
             bore,
             covered,
             loads: sums.loads(*surface, name)?,
@@ -618,9 +621,10 @@ impl Answered {
         }
         surface.compliance = self.positive(rest)?;
         if self.prepared.covered < WHOLE {
-            let marker = self.prepared.request.marker;
             warnings.push(format!(
-                "faces of the mesh cover {:.0} % of the elastic surface of marker {marker}",
+                "{}: faces of the mesh cover {:.0} % of the elastic surface, and the pressure of a film on the rest moves \
+                 no wall: check centre, radius and width of the ring, or widen its tolerance",
+                self.prepared.name,
                 100.0 * self.prepared.covered
             ));
         }

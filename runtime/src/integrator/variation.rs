@@ -253,8 +253,9 @@ impl StepDerivative {
         let factored = self.solver.factor(&self.matrix);
         factored.map_err(|_| RuntimeError::Options {
             message: format!(
-                "at {} s the equations of a step have no derivative by a parameter: their matrix is singular",
-                step.current.time
+                "the gradients end at {} s: the matrix of this step is singular, so the motion has no derivative by a parameter; \
+                 end the run before that, or leave out `gradients`",
+                short(step.current.time, 6)
             ),
         })
     }

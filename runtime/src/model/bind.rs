@@ -530,7 +530,10 @@ fn body_kind(
     let mass = slots.get(*mass)?;
     let center = slots.vector(center_of_mass)?;
     if !is_measurable(&center) {
-        return Err(refuse("the centre of mass is too far away"));
+        return Err(refuse(&format!(
+            "the centre of mass is {} m from the origin of the body, which is too far to compute with",
+            short(center.norm(), 3)
+        )));
     }
     let mut j = [0.0; 6];
     for (value, slot) in j.iter_mut().zip(inertia) {
@@ -545,13 +548,17 @@ fn body_kind(
     let moments = about_center.symmetric_eigenvalues();
     let largest = moments.amax();
     let trace: f64 = moments.iter().sum();
+    let shown: Vec<String> = moments.iter().map(|m| short(*m, 4)).collect();
+    let shown = format!("{} kg m²", shown.join(", "));
     if !largest.is_finite() || moments.iter().any(|m| *m < -1e-9 * largest) {
-        return Err(refuse("the inertia tensor has a negative principal moment"));
+        return Err(refuse(&format!(
+            "the inertia tensor has the principal moments {shown}; none may be negative: check signs and order of its numbers"
+        )));
     }
     if moments.iter().any(|m| 2.0 * m > trace * (1.0 + 1e-6)) {
-        return Err(refuse(
-            "a principal moment of inertia exceeds the sum of the other two, which is impossible for a body",
-        ));
+        return Err(refuse(&format!(
+            "the principal moments of inertia are {shown}: one exceeds the sum of the other two, which is impossible for a body"
+        )));
     }
     let c = skew(&center);
     Ok(BodyKind::Rigid(Rigid {

@@ -701,11 +701,14 @@ impl<'a> Balance<'a> {
             let element = model.compiled.system.journals[journal].element as usize;
             return Ok(Some((
                 model.compiled.system.elements[element].origin.clone(),
-                format!("the pin reaches {ratio:.4} of the clearance"),
+                format!("its pin moves by {:.2} % of the clearance, and the film carries no more", 100.0 * ratio),
             )));
         }
         Ok(Some(worst.unwrap_or_else(|| {
-            (Origin::default(), "nothing moves".to_owned())
+            (
+                Origin::default(),
+                "no part of the model can move to balance the loads".to_owned(),
+            )
         })))
     }
 

@@ -173,7 +173,7 @@ pub(crate) fn bring(
         Some(target) => unreached(now, target),
         None => RuntimeError::Options {
             message: format!(
-                "`at` is too late: the motion is followed for {MOST_STEPS} steps of 10°, and they end at {} s",
+                "`at` is too late: the motion is followed for {MOST_STEPS} steps of 10°, and they end at {} s; state an earlier `at`, or another `start`",
                 short(state.time, 4)
             ),
         },
