@@ -482,7 +482,10 @@ fn stated(
     }
     for (line, end) in [(lines.first(), from), (lines.last(), to)] {
         if let Some(line) = line.filter(|line| !at(line, end)) {
-            return refuse(*line, "at the end of the film, as its first and last lines are");
+            return refuse(
+                *line,
+                "at the end of the film, as its first and last lines are",
+            );
         }
     }
     if let Some(edge) = edges.iter().find(|edge| !meets(edge)) {

@@ -124,7 +124,7 @@ pub fn correction(slenderness: f64, u: f64, cosine: f64) -> Result<[f64; 2], Fil
         let [x_m, y_m] = childs_response(ratio * cosine, y, slenderness);
         let load = libm::hypot(along, across) / libm::hypot(x_m, y_m);
         let turned = libm::atan2(across * x_m - along * y_m, along * x_m + across * y_m);
-        Ok([load, turned / y])
+        Ok::<_, FilmError>([load, turned / y])
     };
     let limit = libm::cos(NEAR[0]);
     let near = (ratio.max(NEAR[1]), cosine.clamp(-limit, limit));

@@ -597,7 +597,9 @@ fn turns(mesh: &Mesh, freedoms: &FreedomMap) -> bool {
 fn coats(mesh: &Mesh, shells: &[u32]) -> Option<String> {
     let first = mesh.elements.get(*shells.first()? as usize)?.id;
     Some(match shells.len() {
-        1 => format!("shell element {first} has mass but no stiffness, because its property has no material"),
+        1 => format!(
+            "shell element {first} has mass but no stiffness, because its property has no material"
+        ),
         count => format!(
             "{count} shell elements have mass but no stiffness, because their properties have no material; the first is {first}"
         ),

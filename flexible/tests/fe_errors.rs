@@ -159,7 +159,10 @@ fn masses_need_something_that_holds_them() {
 fn indices_out_of_range_are_refused() {
     assert!(refused(|mesh| mesh.connectivity[0] = 4_000_000).contains("node 1 of element 1"));
     assert!(refused(|mesh| mesh.connectivity[3] = u32::MAX).contains("node 4 of element 1"));
-    assert!(refused(|mesh| mesh.connectivity.truncate(15)).contains("element 2 lacks some of its 10 nodes"));
+    assert!(
+        refused(|mesh| mesh.connectivity.truncate(15))
+            .contains("element 2 lacks some of its 10 nodes")
+    );
     assert!(
         refused(|mesh| mesh.springs.push(Spring::between(5, 1.0, (0, 6), None)))
             .contains("spring 5")

@@ -9,7 +9,7 @@ use crate::memory::Memory;
 use crate::model::Model;
 use eng_system::code::{ElementCode, Function, Pair};
 use eng_system::field::{KERNELS, drives};
-use eng_system::layout::{InputLayout, MARKER_WIDTH};
+use eng_system::layout::{ANGULAR_VELOCITY, InputLayout, MARKER_WIDTH, ROTATION, VELOCITY};
 use std::collections::BTreeMap;
 
 /// The sources of the inputs of all elements.
@@ -600,14 +600,16 @@ fn motion_of<'a>(model: &Model, field: &LaneField, surfaces: &'a [f64]) -> &'a [
 }
 
 /// Writes one marker's eighteen numbers into a lane.
-fn write_marker(inputs: &mut [Pair], at: usize, lane: usize, m: &MarkerKinematics) {
+pub(crate) fn write_marker(inputs: &mut [Pair], at: usize, lane: usize, m: &MarkerKinematics) {
+    let [rotation, velocity, spin] =
+        [ROTATION, VELOCITY, ANGULAR_VELOCITY].map(|first| at + first as usize);
     for i in 0..3 {
         inputs[at + i][lane] = m.position[i];
         for j in 0..3 {
-            inputs[at + 3 + 3 * i + j][lane] = m.rotation[(i, j)];
+            inputs[rotation + 3 * i + j][lane] = m.rotation[(i, j)];
         }
-        inputs[at + 12 + i][lane] = m.velocity[i];
-        inputs[at + 15 + i][lane] = m.angular_velocity[i];
+        inputs[velocity + i][lane] = m.velocity[i];
+        inputs[spin + i][lane] = m.angular_velocity[i];
     }
 }
 

@@ -149,10 +149,23 @@ impl By<'_> {
                 let (value, slope) = self.signals(of)?;
                 amplitude(*limit, *window, &value, &slope)?
             }
-            Expression::Mode(..) => return Err(unknown("mode", "by a parameter: take it out of `gradient(…)`")),
-            Expression::AtFrequency(..) => return Err(unknown("at_frequency", "by a parameter: take it out of `gradient(…)`")),
+            Expression::Mode(..) => {
+                return Err(unknown(
+                    "mode",
+                    "by a parameter: take it out of `gradient(…)`",
+                ));
+            }
+            Expression::AtFrequency(..) => {
+                return Err(unknown(
+                    "at_frequency",
+                    "by a parameter: take it out of `gradient(…)`",
+                ));
+            }
             Expression::Gradient { .. } | Expression::Parameter { .. } => {
-                return Err(unknown("gradient", "by a second parameter: take the inner one out"));
+                return Err(unknown(
+                    "gradient",
+                    "by a second parameter: take the inner one out",
+                ));
             }
             Expression::Not(of) => return Err(self.dual(of)?.value.instead_of("number")),
         })

@@ -3,6 +3,12 @@
 /// Numbers of a marker: x (3, inertial), R (9, row-major, marker → inertial), ẋ (3, inertial), ω (3, in the
 /// MARKER's axes).
 pub const MARKER_WIDTH: u32 = 18;
+/// First of a marker's numbers that is of R; before it, and so first, are those of x.
+pub const ROTATION: u32 = 3;
+/// First of a marker's numbers that is of ẋ.
+pub const VELOCITY: u32 = 12;
+/// First of a marker's numbers that is of ω.
+pub const ANGULAR_VELOCITY: u32 = 15;
 
 /// Order of a class's inputs: time, markers, states, multipliers, rotation references, answers and readings of
 /// fields ([`crate::field`]), constants; and for the

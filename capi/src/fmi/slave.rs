@@ -419,7 +419,9 @@ impl Slave {
     pub fn restore(&mut self, saved: &Saved) -> Result<(), Refused> {
         let count = self.variables.len();
         if saved.token != self.token || saved.stated.len() != count || saved.begun.len() != count {
-            return Err(Refused::new("the state was saved by another FMU: only the FMU that saved a state can restore it"));
+            return Err(Refused::new(
+                "the state was saved by another FMU: only the FMU that saved a state can restore it",
+            ));
         }
         let running = match &saved.checkpoint {
             Some(bytes) => {

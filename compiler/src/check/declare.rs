@@ -63,7 +63,10 @@ impl<'p> Checker<'p> {
                     self.report(
                         Diagnostic::error(
                             codes::UNKNOWN_TYPE,
-                            format!("`{}` takes one dimension, that of its components", name.text),
+                            format!(
+                                "`{}` takes one dimension, that of its components",
+                                name.text
+                            ),
                         )
                         .at(ty.span, format!("{} are given", arguments.len())),
                     );

@@ -425,9 +425,12 @@ impl<'a> Elaborator<'a, '_> {
             }
         }
         Err(self.report(
-            Diagnostic::error(codes::NOT_IN_LIST, "no number of the list is equal to this one")
-                .at(value_place, "this number")
-                .also(place, "not in this list"),
+            Diagnostic::error(
+                codes::NOT_IN_LIST,
+                "no number of the list is equal to this one",
+            )
+            .at(value_place, "this number")
+            .also(place, "not in this list"),
         ))
     }
 

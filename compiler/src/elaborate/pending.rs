@@ -16,6 +16,7 @@ use eng_grammar::ast::{self, Form};
 use eng_system::Dimension;
 use eng_system::analysis::STOP;
 use eng_system::elementary::Elementary;
+use eng_system::layout::{MARKER_WIDTH, VELOCITY};
 use eng_system::system::{ConditionKind, Origin, Role};
 
 /// The target of a start value.
@@ -383,7 +384,7 @@ impl<'a> Elaborator<'a, '_> {
             match element.graph.op(n) {
                 Op::Input(i) => {
                     let end = super::scalar::PROVISIONAL.state(0);
-                    if (1..end).contains(&i) && (i - 1) % eng_system::layout::MARKER_WIDTH >= 12 {
+                    if (1..end).contains(&i) && (i - 1) % MARKER_WIDTH >= VELOCITY {
                         return true;
                     }
                 }

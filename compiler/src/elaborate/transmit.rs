@@ -12,7 +12,7 @@ use eng_system::field::KERNELS;
 use eng_system::flexible::{
     ALL_FREEDOMS, FlexibleSource, Freedoms, Interface, ModeTerm, freedom_text,
 };
-use eng_system::layout::{InputLayout, MARKER_WIDTH};
+use eng_system::layout::{InputLayout, MARKER_WIDTH, ROTATION};
 use eng_system::system::{BodyInertia, BodyRef, Element, Role};
 
 /// Random states at which an element is tried.
@@ -110,7 +110,7 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
             continue;
         };
         tries += 1;
-        let rotation = &inputs[layout.marker(place) as usize + 3..][..9];
+        let rotation = &inputs[(layout.marker(place) + ROTATION) as usize..][..9];
         let wrench = wrench(&layout, &values, place, rotation);
         for (most, x) in greatest.iter_mut().zip(wrench) {
             *most = most.max(x.abs());
@@ -119,7 +119,7 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
         let mut turned = inputs.clone();
         let small = rotation_of([0.3 * TILT, -0.5 * TILT, 0.2]);
         let product = times(rotation, &small);
-        turned[layout.marker(place) as usize + 3..][..9].copy_from_slice(&product);
+        turned[(layout.marker(place) + ROTATION) as usize..][..9].copy_from_slice(&product);
         if let Some(other) = evaluate(&turned) {
             let rows = layout.rows as usize;
             let change = |range: std::ops::Range<usize>| {

@@ -9,7 +9,7 @@ use super::graph::{Function, Graph, Node};
 use super::kinks::{self, BoundKink, KinkKind, KinkPlace};
 use super::linearise::linearise;
 use super::optimise::optimise;
-use eng_system::layout::InputLayout;
+use eng_system::layout::{InputLayout, ROTATION, VELOCITY};
 use eng_system::system::ClassFacts;
 use std::collections::BTreeMap;
 
@@ -70,8 +70,8 @@ pub struct ClassFunctions {
     pub facts: ClassFacts,
 }
 
-/// Entries of a marker's inputs that hold its pose: x, then R.
-const POSE: u32 = 12;
+/// Entries of a marker's inputs that are its pose: x, then R. The velocity is the first number after them.
+const POSE: u32 = VELOCITY;
 
 impl ClassBody {
     /// Differentiates and optimises: all functions of the class.
@@ -254,7 +254,7 @@ fn turning_slope(
     for (k, sum) in turn.iter_mut().enumerate() {
         let (j, l) = ((k + 1) % 3, (k + 2) % 3);
         for row in 0..3 {
-            let entry = layout.marker(marker) + 3 + 3 * row as u32;
+            let entry = layout.marker(marker) + ROTATION + 3 * row as u32;
             // δR_ij = R_il δπ_k and δR_il = −R_ij δπ_k
             let (r_j, r_l) = (graph.input(entry + j as u32), graph.input(entry + l as u32));
             let plus = guarded_multiply(graph, slopes[3 * row + j], r_l);

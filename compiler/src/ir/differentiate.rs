@@ -15,7 +15,7 @@
 use super::graph::{Graph, Node, Op};
 use super::optimise::dependencies;
 use eng_system::elementary::Elementary;
-use eng_system::layout::InputLayout;
+use eng_system::layout::{ANGULAR_VELOCITY, InputLayout, MARKER_WIDTH, ROTATION, VELOCITY};
 use std::collections::BTreeMap;
 
 /// A rate that cannot be formed.
@@ -413,7 +413,7 @@ pub(crate) fn time_derivative_with(
         let seed = match Place::of(layout, input) {
             Place::Time => Some(graph.constant(1.0)),
             Place::Position { marker, axis } => {
-                Some(graph.input(layout.marker(marker) + 12 + axis))
+                Some(graph.input(layout.marker(marker) + VELOCITY + axis))
             }
             Place::Orientation {
                 marker,
@@ -425,7 +425,7 @@ pub(crate) fn time_derivative_with(
                 marker,
                 row,
                 column,
-                layout.marker(marker) + 15,
+                layout.marker(marker) + ANGULAR_VELOCITY,
             )),
             Place::Velocity { marker, axis } => match accelerations {
                 Accelerations::Inputs => Some(graph.input(layout.acceleration(marker) + axis)),
@@ -460,7 +460,7 @@ fn turned_entry(
     // column j of R p~ is R (p × e_j): p₂ R₁ − p₁ R₂ for j = 0 with the columns R₁ and R₂ of R, and
     // cyclically
     let (next, last) = ((column + 1) % 3, (column + 2) % 3);
-    let orientation = layout.marker(marker) + 3 + 3 * row;
+    let orientation = layout.marker(marker) + ROTATION + 3 * row;
     let a = graph.input(orientation + next);
     let b = graph.input(orientation + last);
     let p = graph.input(first + last);
@@ -560,25 +560,24 @@ pub(crate) enum Place {
 
 impl Place {
     pub(crate) fn of(layout: &InputLayout, input: u32) -> Place {
-        use eng_system::layout::MARKER_WIDTH;
         if input == InputLayout::TIME {
             return Place::Time;
         }
         if input < layout.state(0) {
             let (marker, component) = ((input - 1) / MARKER_WIDTH, (input - 1) % MARKER_WIDTH);
             return match component {
-                0..3 => Place::Position {
+                0..ROTATION => Place::Position {
                     marker,
                     axis: component,
                 },
-                3..12 => Place::Orientation {
+                ROTATION..VELOCITY => Place::Orientation {
                     marker,
-                    row: (component - 3) / 3,
-                    column: (component - 3) % 3,
+                    row: (component - ROTATION) / 3,
+                    column: (component - ROTATION) % 3,
                 },
                 _ => Place::Velocity {
                     marker,
-                    axis: component - 12,
+                    axis: component - VELOCITY,
                 },
             };
         }

@@ -9,7 +9,7 @@
 use super::differentiate::{Place, guarded_add, guarded_multiply, partials};
 use super::graph::{Function, Graph, Node, Op};
 use super::optimise::dependencies;
-use eng_system::layout::InputLayout;
+use eng_system::layout::{InputLayout, ROTATION};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Cost of an operation of the tangent, in operations of `linearize`. A tangent is called once for each
@@ -195,7 +195,7 @@ fn input_slopes(graph: &mut Graph, layout: &InputLayout, input: u32) -> Vec<(usi
             column,
         } => {
             let (next, last) = ((column + 1) % 3, (column + 2) % 3);
-            let entries = layout.marker(marker) + 3 + 3 * row;
+            let entries = layout.marker(marker) + ROTATION + 3 * row;
             let turn = layout.pose_direction(marker) + 3;
             let a = graph.input(entries + next);
             let b = graph.input(entries + last);

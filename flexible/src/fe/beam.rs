@@ -564,7 +564,10 @@ fn placed(
     let along = subtract(ends[1], ends[0]);
     let length = norm(along);
     if !(length > 0.0 && length.is_finite()) {
-        return Err(format!("both of its ends, with their offsets, are at {:?}", ends[0]));
+        return Err(format!(
+            "both of its ends, with their offsets, are at {:?}",
+            ends[0]
+        ));
     }
     let x = scale(1.0 / length, along);
     let normal = cross(x, axes.orientation);

@@ -175,11 +175,15 @@ fn beam_fault(section: &BeamSection) -> Option<String> {
         ("a shear factor", shear[1], ""),
         ("a mass per length", mass_per_length, " kg/m"),
     ];
-    let bad = numbers.iter().find(|(_, x, _)| !(*x >= 0.0 && x.is_finite()));
+    let bad = numbers
+        .iter()
+        .find(|(_, x, _)| !(*x >= 0.0 && x.is_finite()));
     if !(area > 0.0 && area.is_finite()) {
         Some(format!("an area of {area} m²; it must be above zero"))
     } else if let Some((quantity, value, unit)) = bad {
-        Some(format!("{quantity} of {value}{unit}; it must be a number and not negative"))
+        Some(format!(
+            "{quantity} of {value}{unit}; it must be a number and not negative"
+        ))
     } else if !product.is_finite() {
         Some(format!("a product of area of {product} m⁴"))
     } else if product != 0.0 && product * product >= moment_y * moment_z {
@@ -449,8 +453,14 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
             ));
         }
     }
-    let springs = mesh.springs.iter().map(|spring| (spring, ["spring", "stiffness"]));
-    let masses = mesh.inerters.iter().map(|mass| (mass, ["scalar mass", "mass"]));
+    let springs = mesh
+        .springs
+        .iter()
+        .map(|spring| (spring, ["spring", "stiffness"]));
+    let masses = mesh
+        .inerters
+        .iter()
+        .map(|mass| (mass, ["scalar mass", "mass"]));
     for (spring, [name, quantity]) in springs.chain(masses) {
         let sound = |&(node, freedom, factor): &(u32, u8, f64)| {
             known(node) && freedom < freedoms_of(node) && factor.is_finite()

@@ -318,7 +318,10 @@ impl TryFrom<Stored> for FreedomMap {
 }
 
 fn too_many() -> FlexibleError {
-    wrong("the mesh has more than 4 billion freedoms".into(), "make a coarser mesh")
+    wrong(
+        "the mesh has more than 4 billion freedoms".into(),
+        "make a coarser mesh",
+    )
 }
 
 /// Number of freedoms of a node with this component.

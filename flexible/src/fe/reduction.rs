@@ -75,7 +75,10 @@ impl Reduction {
         held: &[Support],
     ) -> Result<Self, FlexibleError> {
         if freedoms.node_count() != mesh.nodes.len() {
-            return Err(wrong("the freedoms are those of another mesh".into(), "take the freedoms of this mesh"));
+            return Err(wrong(
+                "the freedoms are those of another mesh".into(),
+                "take the freedoms of this mesh",
+            ));
         }
         let constraints = Constraints::new(mesh, freedoms, held)?;
         let mut index = vec![None; freedoms.size()];

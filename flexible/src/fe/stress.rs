@@ -325,7 +325,10 @@ pub fn nodal_stresses(
     let nodes = mesh.nodes.len();
     let vectors = full.len().checked_div(size).unwrap_or(0);
     if vectors * size != full.len() || freedoms.node_count() != nodes || wanted.len() != nodes {
-        return Err(wrong("the displacements are those of another mesh".into(), "take displacements of the freedoms of this mesh"));
+        return Err(wrong(
+            "the displacements are those of another mesh".into(),
+            "take displacements of the freedoms of this mesh",
+        ));
     }
     let mut sums = vec![0.0; 6 * vectors * nodes];
     let mut counts: Vec<Option<(Option<u32>, f64)>> = vec![None; nodes];
@@ -404,7 +407,10 @@ pub fn surface_stresses(
         || freedoms.node_count() != nodes
         || wanted.len() != nodes
     {
-        return Err(wrong("the displacements are those of another mesh".into(), "take displacements of the freedoms of this mesh"));
+        return Err(wrong(
+            "the displacements are those of another mesh".into(),
+            "take displacements of the freedoms of this mesh",
+        ));
     }
     shell_stresses(mesh, freedoms, rules, full, wanted)
 }

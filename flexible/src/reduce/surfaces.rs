@@ -328,7 +328,7 @@ impl Sums {
             3 => quadrature::triangle(POINTS),
             _ => quadrature::quadrilateral(POINTS),
         };
-        for point in points {
+        let seen = points.into_iter().map(|point| {
             let mut functions = Shape::at(kind, point.at);
             for (local, node) in nodes.iter().enumerate() {
                 if *node == ABSENT {
@@ -345,10 +345,14 @@ impl Sums {
             let normal = cross(r, s);
             let (angle, zeta, away) = bore.seen(place);
             let size = norm(normal);
-            if dot(normal, away).abs() < RADIAL * size {
-                return;
-            }
-            let area = point.weight * size;
+            let radial = dot(normal, away).abs() >= RADIAL * size;
+            radial.then_some((functions, point.weight * size, angle, zeta, away))
+        });
+        // a face counts as a whole or not at all
+        let Some(seen) = seen.collect::<Option<Vec<_>>>() else {
+            return;
+        };
+        for (functions, area, angle, zeta, away) in seen {
             self.area += area;
             if convex {
                 self.convex += area;

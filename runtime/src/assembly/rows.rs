@@ -487,13 +487,8 @@ pub fn inputs(model: &Model, index: usize, at: &At) -> Vec<Pair> {
     for (k, m) in element.markers.iter().enumerate() {
         let m = marker(model, *m, at.pose, at.velocity);
         let first = layout.marker(k as u32) as usize;
-        for i in 0..3 {
-            inputs[first + i] = [m.position[i]; 2];
-            for j in 0..3 {
-                inputs[first + 3 + 3 * i + j] = [m.rotation[(i, j)]; 2];
-            }
-            inputs[first + 12 + i] = [m.velocity[i]; 2];
-            inputs[first + 15 + i] = [m.angular_velocity[i]; 2];
+        for lane in 0..2 {
+            elements::write_marker(&mut inputs, first, lane, &m);
         }
     }
     for k in 0..layout.states {

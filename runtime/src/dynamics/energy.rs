@@ -6,6 +6,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use eng_system::code::Function;
 use eng_system::dense::dot;
+use eng_system::layout::VELOCITY;
 
 impl Dynamics {
     /// Kinetic energy, gravity's potential, strain energy (J), power lost in the bodies' own damping (W).
@@ -100,7 +101,7 @@ fn along_twists(
     )?;
     work[tape..].fill([0.0; 2]);
     for k in 0..layout.markers {
-        let from = layout.marker(k) as usize + 12;
+        let from = (layout.marker(k) + VELOCITY) as usize;
         let to = tape + layout.pose_direction(k) as usize;
         work[to..to + 6].copy_from_slice(&inputs[from..from + 6]);
     }

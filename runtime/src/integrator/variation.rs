@@ -22,6 +22,7 @@ use crate::model::Model;
 use crate::rotation::{V3, exponential, logarithm, matrix, product, tangent};
 use crate::state::{State, move_pose};
 use eng_system::dense::add_scaled;
+use eng_system::significant::short;
 
 /// Corrections of a derivative: the first is exact except for rounding, which the second removes.
 const CORRECTIONS: usize = 2;

@@ -11,10 +11,11 @@ use crate::elements;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use eng_system::code::{Function, Pair};
+use eng_system::layout::VELOCITY;
 use std::ops::Range;
 
 /// Index of a marker's twist among its inputs, and the number of its components along axes and about them.
-const TWIST: u32 = 12;
+const TWIST: u32 = VELOCITY;
 const COMPONENTS: u32 = 6;
 const ALONG: u32 = 3;
 

@@ -11,6 +11,7 @@ use crate::surface::SurfaceModel;
 use eng_system::code::{Compiled, Function};
 use eng_system::field::{FieldKernel, FieldNumbers};
 use eng_system::reduced::{ReducedBody, ReducedSurface};
+use eng_system::significant::short;
 use eng_system::system::{
     Body, BodyInertia, BodyRef, Element, ElementClass, Marker, Role, Slot, System,
 };

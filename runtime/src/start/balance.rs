@@ -701,7 +701,10 @@ impl<'a> Balance<'a> {
             let element = model.compiled.system.journals[journal].element as usize;
             return Ok(Some((
                 model.compiled.system.elements[element].origin.clone(),
-                format!("its pin moves by {:.2} % of the clearance, and the film carries no more", 100.0 * ratio),
+                format!(
+                    "its pin moves by {:.2} % of the clearance, and the film carries no more",
+                    100.0 * ratio
+                ),
             )));
         }
         Ok(Some(worst.unwrap_or_else(|| {

@@ -429,7 +429,10 @@ impl Properties {
                 (young, 0.0)
             }
             _ => {
-                return Err(card.problem("E is blank, and so is G or NU", "two of E, G and NU are needed: give E and NU"));
+                return Err(card.problem(
+                    "E is blank, and so is G or NU",
+                    "two of E, G and NU are needed: give E and NU",
+                ));
             }
         };
         self.material(card, Constants::Isotropic([young, poisson, density], own))

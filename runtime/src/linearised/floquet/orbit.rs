@@ -75,7 +75,9 @@ pub(super) fn period_of(
         Extent::Angle(angle) => {
             let fastest = constancy::fastest(simulation.model(), state);
             if fastest <= 0.0 {
-                return refuse("`over` is an angle, but no body turns: state a time, such as `over: 20 ms`");
+                return refuse(
+                    "`over` is an angle, but no body turns: state a time, such as `over: 20 ms`",
+                );
             }
             Ok(Period {
                 time: angle / fastest,
