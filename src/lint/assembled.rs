@@ -112,11 +112,7 @@ impl Start<'_> {
                 ..self.origin(element).clone()
             },
             message,
-            // the name of the element says enough
-            label: String::new(),
-            help: String::new(),
-            decided_by: Vec::new(),
-            part: None,
+            ..Finding::default()
         }
     }
 
@@ -410,9 +406,10 @@ impl Start<'_> {
             origin: first,
             message: format!("nothing holds it {directions}: no joint, spring or film{with}"),
             label: "moves freely".to_owned(),
-            help: "hold it by a joint, a spring or a film; a shaft on films needs a thrust bearing: a joint that holds it along its axis".to_owned(),
-            decided_by: Vec::new(),
- part: None,
+            help: "hold it by a joint, a spring or a film; a shaft on films needs a thrust bearing: a joint that \
+                   holds it along its axis"
+                .to_owned(),
+ ..Finding::default()
 }
     }
 

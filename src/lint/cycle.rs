@@ -34,8 +34,7 @@ pub(super) fn step(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin) ->
             "a degree takes {} s; without `step` error control chooses the steps",
             short(1f64.to_radians() / speed, 2)
         ),
-        decided_by: Vec::new(),
-        part: None,
+        ..Finding::default()
     })
 }
 
@@ -49,8 +48,7 @@ pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin
         message,
         label: label.to_owned(),
         help: help.to_owned(),
-        decided_by: Vec::new(),
-        part: None,
+        ..Finding::default()
     };
     let Some((sample, duration)) = kind.sampling() else {
         return Vec::new();
@@ -119,11 +117,13 @@ impl Start<'_> {
             code: codes::CYCLE,
             name: lint::CYCLE.to_owned(),
             origin: system.cycle.as_ref()?.origin.clone(),
-            message: "the cycle runs backwards: gas is read from the end of its cycle to the beginning".to_owned(),
+            message: "the cycle runs backwards: gas is read from the end of its cycle to the beginning"
+                .to_owned(),
             label: "this angle decreases".to_owned(),
-            help: "measure the angle the way the crank turns, `rotation(crank.flange, ground)`, with the z axis of the second marker; or change the sign of the speed at start and drive".to_owned(),
-            decided_by: Vec::new(),
- part: None,
+            help: "measure the angle the way the crank turns, `rotation(crank.flange, ground)`, with the z axis of the \
+                   second marker; or change the sign of the speed at start and drive"
+                .to_owned(),
+ ..Finding::default()
 };
         let spin = |marker: usize| self.model.markers[marker].body.map(|b| self.spin_of(b));
         let [end, other] = match spin(turning) >= spin(reference) {

@@ -23,7 +23,7 @@ use eng_system::significant::short;
 use eng_system::system::{AnalysisKind, ConditionKind, Location, Origin, Part, Role, System};
 
 /// A lint's finding about one object.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Finding {
     /// The message's code.
     pub code: &'static str,
@@ -52,9 +52,8 @@ impl Finding {
             origin: advice.origin.clone(),
             message: advice.message.clone(),
             label: FAILS.to_owned(),
-            help: String::new(),
             decided_by: advice.decided_by.clone(),
-            part: None,
+            ..Finding::default()
         }
     }
 
@@ -66,9 +65,7 @@ impl Finding {
             origin: warning.origin.clone(),
             message: format!("{} at {}", warning.message, warning.moment),
             label: warning.label.to_owned(),
-            help: String::new(),
-            decided_by: Vec::new(),
-            part: None,
+            ..Finding::default()
         };
         let mut elements = system.elements.iter();
         let element = elements.find(|element| element.origin.path == warning.origin.path);

@@ -122,9 +122,7 @@ fn about(
         },
         message,
         label: format!("this {attribute}"),
-        help: String::new(),
-        decided_by: Vec::new(),
-        part: None,
+        ..Finding::default()
     }
 }
 
@@ -419,7 +417,7 @@ fn without_gas(system: &System) -> Vec<Finding> {
             label: "the gas of another cylinder".to_owned(),
             help: "give each cylinder its gas; `scale: 0` switches it off".to_owned(),
             decided_by: vec![body.origin.clone()],
-            part: None,
+            ..Finding::default()
         });
     }
     found
@@ -452,7 +450,7 @@ fn wrong_period(cycle: &Cycle, message: String, decided_by: Vec<Origin>) -> Find
         help: "the cycle of a four-stroke engine has 720 deg, that of a two-stroke engine 360 deg"
             .to_owned(),
         decided_by,
-        part: None,
+        ..Finding::default()
     }
 }
 
@@ -540,8 +538,7 @@ fn one_firing(system: &System, bound: &Bound) -> Option<Finding> {
         message,
         label: "the gas of this cylinder".to_owned(),
         help,
-        decided_by: Vec::new(),
-        part: None,
+        ..Finding::default()
     };
     if most < all.len() {
         let stated = group.iter().filter_map(|firing| {

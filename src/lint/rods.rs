@@ -76,8 +76,7 @@ fn rod(system: &System, bound: &Bound, body: BodyRef) -> Option<Finding> {
         label: "this rod".to_owned(),
         help: "the centre of mass of a rod is between its ends: check the signs of its markers"
             .to_owned(),
-        decided_by: Vec::new(),
-        part: None,
+        ..Finding::default()
     };
     let stated = format!("{path}.center_of_mass");
     let stated = system.stated.get(&stated).map(|at| Origin {

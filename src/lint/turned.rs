@@ -210,8 +210,7 @@ fn swings(system: &System, angle: f64) -> Option<Finding> {
         ),
         label: "an angle that swings".to_owned(),
         help: "the cycle is the angle of the crank: `rotation(crank.flange, ground)`".to_owned(),
-        decided_by: Vec::new(),
-        part: None,
+        ..Finding::default()
     })
 }
 
@@ -273,8 +272,7 @@ fn gravity(
         label: "this gravity".to_owned(),
         help: "for an engine that hangs or is upright write `accept gravity` in the model"
             .to_owned(),
-        decided_by: Vec::new(),
-        part: None,
+        ..Finding::default()
     })
 }
 
@@ -447,8 +445,7 @@ impl Watched<'_> {
             message,
             label: "the gas of this cylinder".to_owned(),
             help: help.to_owned(),
-            decided_by: Vec::new(),
-            part: None,
+            ..Finding::default()
         }
     }
 
