@@ -1,5 +1,5 @@
 //! One program for all files of this folder: each further program would link the whole system again.
-//! `cargo test --test all NAME::` runs the tests of the file NAME.
+//! `cargo test --release --test all NAME::` runs the tests of the file NAME.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used)]
 
 mod accuracy;
