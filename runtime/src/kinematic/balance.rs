@@ -105,10 +105,8 @@ impl Balance {
         set_multipliers(mechanism, &reactions, state);
         state.rates.copy_from_slice(mechanism.dynamics.rates());
         self.conditions(mechanism, state, moment)?;
-        let torque = match mechanism.cycle(state)? {
-            Some([_, rate]) => Some(torque(mechanism, &reactions, rate)),
-            None => None,
-        };
+        let cycle = mechanism.cycle(state)?;
+        let torque = cycle.map(|[_, rate]| torque(mechanism, &reactions, rate));
         let channels = self.values(mechanism, &reactions, state)?;
         Ok(Balanced { torque, channels })
     }
