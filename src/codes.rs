@@ -102,6 +102,10 @@ eng_grammar::codes! {
         "At rest, joints, springs, contacts and drives must balance the loads; drives hold their positions. The message names the body or element that moves on: a body that nothing holds, a pin in a film (films carry only while pins turn: `turning: true`), a contact that is never reached, a state of an element that changes. A position that `start` states is only the first value of the search; `at: 30 deg` holds the cycle's angle.",
         "model Loose { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 } }\nanalysis rest = static(Loose())",
         "model Held { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\njoint hold = Fixed(stone.origin, ground) }\nanalysis rest = static(Held())";
+    NOT_KINEMATIC = "E0775", "a `kinematic` analysis does not determine the motion",
+        "A kinematic analysis has no forces that decide a motion: joints, drives, pins in the middle of their shells and the turning cycle must determine every body. The message names the motions that they leave free, an element whose load depends on the past, pins that cannot all be in the middle, or the moment at which the mechanism can continue in several ways or its speed jumps.",
+        "model Arm { gravity = [0, 0, 0] m/s^2\nbody arm { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\nstart arm.angular_velocity = [0, 0, 60] rpm }\nanalysis turn = kinematic(Arm(), over: 1 s)",
+        "model Arm { gravity = [0, 0, 0] m/s^2\nbody arm { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\ndrive turn = PrescribedRotation(arm.origin, ground, speed: 60 rpm) }\nanalysis turn = kinematic(Arm(), over: 1 s)";
     GROWS = "E0745", "no vibration about this state is steady",
         "A frequency response is the vibration to which the motion settles under a sinusoidal input. A mode of the motion grows by itself, so the motion settles nowhere. The message names the mode. Correct the instability, for instance whirl of a lightly loaded journal or a falling torque curve, or linearise about another state by `after:`. With coefficients held by `frozen: true` a growth is no property of the motion: it is told and not refused.",
         "analysis shaken = response(Rotor(speed: 9000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)",
@@ -228,6 +232,10 @@ eng_grammar::codes! {
         "A force bends where the argument of an `if`, `max`, `min` or `abs` changes its sign, or at the end of a table. Steps under error control end there. A stated step does not. It uses the force at its ends only, so a stop may act late, with a false depth, or not at all. The message names the element and the largest depth. It appears if the class states the depth that matters (`resolve`), or if the step passes a whole interval of the law, such as a thin stop.",
         "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms, step: 1 ms)",
         "analysis drop = transient(Bench(), duration: 60 ms, sample: 1 ms)";
+    SHARED = "W0772", "a kinematic analysis does not determine some reactions",
+        "Several joints or films hold the same motions, such as five main bearings that hold one shaft. How they share a load depends on stiffnesses and clearances, which a kinematic analysis does not have. The channels that contain such reactions are not in its results. All other channels are right. Replace joints by such with fewer equations, or compute these reactions by `transient` or `periodic` with films or flexible bodies.",
+        "joint left = Revolute(bar.left, block.left)\njoint right = Revolute(bar.right, block.right)",
+        "joint left = Revolute(bar.left, block.left)\njoint right = PointOnLine(bar.right, block.right)";
     INDEPENDENT = "W0719", "an output does not depend on the input of a response",
         "The response of the output is zero at every frequency: no load that the input changes reaches it. Causes are a wrong path, a load that the input does not enter, or another part of the model. A vector is named only if the input moves none of its components. Zero is the right answer if the output is meant to be unmoved.",
         "analysis shaken = response(Cart(), to: push, of: [other.travel], from: 1 Hz, up_to: 100 Hz)",

@@ -167,6 +167,10 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             let message = place(d(codes::NO_EQUILIBRIUM), origin, "the obstacle");
             no_equilibrium(message, *carried, *turning, *films)
         }
+        R::NotKinematic { origin, remedy, .. } => {
+            let message = d(codes::NOT_KINEMATIC).with_help(*remedy);
+            message.with_each(origin.as_deref(), |message, origin| place(message, origin, "the obstacle"))
+        }
         R::NoPeriod { .. } => d(codes::NO_PERIOD).with_help("give the period as a time, such as `over: 20 ms`"),
         R::Turning { bodies, .. } => turning(d(codes::TURNING), bodies),
         R::OverTime { elements, .. } => over_time(d(codes::TURNING), elements),
@@ -183,18 +187,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Grows { .. } => d(codes::GROWS)
             .with_help("`linear` about the same state shows the mode; remove its cause, or linearise about another state by `after:`"),
         R::Unsteady { body, .. } => unsteady(d(codes::UNSTEADY), body),
-        R::Singular { repeated, .. } if !repeated.is_empty() => {
-            let message = repeated.iter().take(3).fold(d(codes::SINGULAR), |message, group| {
-                place(message, &group.redundant.origin, "repeats others at this position")
-            });
-            message.with_help("at this position the mechanism is stretched, locks, or can continue in two ways: begin a few degrees away, or keep the motion away from it")
-        }
-        R::Singular { massless, .. } => {
-            let message = massless.iter().take(3).fold(d(codes::SINGULAR), |message, body| {
-                place(message, &body.origin, &format!("has no {}", body.lacks))
-            });
-            message.with_help("give an inertia to every body that can turn, and a mass to every body that can move")
-        }
+        R::Singular { massless, repeated, .. } => singular(d(codes::SINGULAR), massless, repeated),
         R::StopsAtStart { origin, .. } => stops_at_start(d(codes::OPTIONS), origin),
         R::Options { .. } => d(codes::OPTIONS),
         R::Checkpoint { .. } => d(codes::CHECKPOINT),
@@ -203,6 +196,30 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::NoCycle | R::Malformed { .. } | R::OutsideStep { .. } | R::Eigenvalues { .. } => d(codes::INTERNAL)
             .with_help("please report this together with the model"),
     }
+}
+
+/// The message about accelerations that masses and constraints do not determine.
+fn singular(
+    message: Diagnostic,
+    massless: &[eng_runtime::error::Massless],
+    repeated: &[eng_runtime::RedundantGroup],
+) -> Diagnostic {
+    if !repeated.is_empty() {
+        let message = repeated.iter().take(3).fold(message, |message, group| {
+            place(
+                message,
+                &group.redundant.origin,
+                "repeats others at this position",
+            )
+        });
+        return message.with_help("at this position the mechanism is stretched, locks, or can continue in two ways: begin a few degrees away, or keep the motion away from it");
+    }
+    let message = massless.iter().take(3).fold(message, |message, body| {
+        place(message, &body.origin, &format!("has no {}", body.lacks))
+    });
+    message.with_help(
+        "give an inertia to every body that can turn, and a mass to every body that can move",
+    )
 }
 
 /// The message about a condition that ends a run before its first step.

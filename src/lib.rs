@@ -63,6 +63,7 @@ mod fields;
 mod figures;
 pub mod fmu;
 mod grid_error;
+mod kinematic;
 mod lint;
 mod machine;
 mod matrices;
@@ -94,8 +95,8 @@ pub use eng_runtime::linearised::{
     Wanted,
 };
 pub use eng_runtime::{
-    Energy, Pace, PeriodicSummary, Reading, RuntimeError, Slow, StartReport, Statistics,
-    TopologyReport, Turning, Verdict, Warning,
+    Determined, Energy, Pace, PeriodicSummary, Reading, RuntimeError, Shared, Slow, StartReport,
+    Statistics, TopologyReport, Turning, Verdict, Warning,
 };
 pub use eng_system::host::HostError;
 pub use eng_system::input::Interpolation;

@@ -22,7 +22,7 @@ pub(crate) const WORDS: &[About] = &[
     ),
     (
         "analysis",
-        "`analysis run = transient(Model(), …)`: a model with a kind of computation: transient, periodic, linear, response, static or assemble; `docs/language.md#analyses` describes them",
+        "`analysis run = transient(Model(), …)`: a model with a kind of computation: transient, periodic, linear, response, static, kinematic or assemble; `docs/language.md#analyses` describes them",
     ),
     ("and", "`a and b`: both conditions hold"),
     (

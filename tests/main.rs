@@ -40,6 +40,7 @@ mod inputs;
 mod interfaces;
 mod interrupted_runs;
 mod journal_orbit;
+mod kinematic;
 mod kinked_states;
 mod kinks;
 mod language_server;

@@ -720,6 +720,16 @@ pub enum RuntimeError {
         /// Whether there are films.
         films: bool,
     },
+    /// A mechanism has no kinematic analysis.
+    #[error("{message}")]
+    NotKinematic {
+        /// The body, element or cycle that prevents it.
+        origin: Option<Box<Origin>>,
+        /// The reason, with its name.
+        message: String,
+        /// The remedy.
+        remedy: &'static str,
+    },
     /// The analysis needs an angle, but the model states no cycle.
     #[error("the analysis counts in angles of the cycle, but the model has no cycle")]
     NoCycle,

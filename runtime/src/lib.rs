@@ -19,6 +19,7 @@
 //! | `acceleration` | projection of outputs, accelerations and reactions |
 //! | [`integrator`], `control` | generalised-α on the Lie group; step sizes |
 //! | `equilibrium` | the state in which all loads balance; the assembled position as a result |
+//! | `kinematic` | the motion at a prescribed speed, with reactions by inverse dynamics |
 //! | [`linearised`] | eigenvalues and modes about a state |
 //! | `simulation`, `transient`, `periodic`, `checkpoint` | the types that a user works with |
 
@@ -58,6 +59,7 @@ mod frame;
 pub mod inputs;
 pub mod integrator;
 pub mod joint;
+mod kinematic;
 mod kinks;
 pub mod linear;
 pub mod linearised;
@@ -84,6 +86,7 @@ pub use error::{
     TimedElement, TurningBody, Undefined, Varies,
 };
 pub use integrator::{Damped, Statistics};
+pub use kinematic::{Determined, Shared, kinematic_columns, run_kinematic};
 pub use kinks::Overlooked;
 pub use linearised::{FrequencyResponse, LinearModes, run_linear, run_response};
 pub use periodic::{PeriodicSummary, Remedy, run_periodic};

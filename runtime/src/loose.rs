@@ -105,9 +105,7 @@ pub fn loose(model: &Model, state: &State) -> Result<Vec<Loose>, RuntimeError> {
         }
     }
     motions = motions.remove_columns_at(&answered);
-    Ok(groups(model, &rest, |body| {
-        &motions * motions.rows(6 * body, 6).transpose()
-    }))
+    Ok(of_motions(model, &rest, &motions))
 }
 
 /// Whether an element loads bodies.
@@ -589,6 +587,13 @@ fn cycle_row(model: &Model, rest: &State) -> Option<DVector<f64>> {
         }
     }
     Some(row)
+}
+
+/// Groups motions (columns, in scaled velocities of rigid bodies, orthonormal) by the bodies that they move together.
+pub(crate) fn of_motions(model: &Model, state: &State, motions: &DMatrix<f64>) -> Vec<Loose> {
+    groups(model, state, |body| {
+        motions * motions.rows(6 * body, 6).transpose()
+    })
 }
 
 /// Groups motions by the bodies that they move together. `projected` gives the six columns of a body in the

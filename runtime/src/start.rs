@@ -23,7 +23,7 @@ pub mod eccentricity;
 pub mod followed;
 pub mod hanging;
 pub mod motion;
-mod picking;
+pub(crate) mod picking;
 pub mod turn;
 mod wish;
 

@@ -114,6 +114,8 @@ pub struct Outcome {
     pub modes: Option<LinearModes>,
     /// The response over frequency, whose amplitudes and phases are the rows of `results`; absent after a failure.
     pub response: Option<FrequencyResponse>,
+    /// What a kinematic analysis determines; absent after a failure.
+    pub determined: Option<eng_runtime::Determined>,
     /// The derivatives of the channels by the parameters that the analysis names; empty after a failure.
     pub gradients: Vec<Gradient>,
     /// Whether all this comes from an earlier run, and nothing was computed.
@@ -417,7 +419,10 @@ impl Analysis {
     pub(crate) fn fields(&self) -> Result<Vec<RecordedField>, Error> {
         let compiled = self.model.compiled();
         let without = |element: &eng_system::system::Element| element.fields.is_empty();
-        if compiled.system.elements.iter().all(without) {
+        // a film has no pressure in a kinematic analysis
+        if matches!(self.plan.kind, AnalysisKind::Kinematic(_))
+            || compiled.system.elements.iter().all(without)
+        {
             return Ok(Vec::new());
         }
         let bound = eng_runtime::model::Model::bind(compiled, &self.overrides);
@@ -605,6 +610,12 @@ impl Analysis {
     /// Assembles the model at the start of the analysis, and counts its freedoms.
     pub fn topology(&self) -> Result<eng_runtime::TopologyReport, Error> {
         let assembled = self.assembled().map_err(|cause| self.error(cause))?;
+        if let AnalysisKind::Kinematic(kinematic) = &self.plan.kind {
+            let compiled = self.model.compiled();
+            return eng_runtime::kinematic_columns(compiled, &self.overrides, kinematic)
+                .and_then(|_| assembled.topology().cloned())
+                .map_err(|cause| self.error(cause));
+        }
         let begins = |start: Start| {
             let options = eng_runtime::Options {
                 start,

@@ -12,9 +12,9 @@ use crate::results::{
 use crate::timings::{Clock, Timings};
 use eng_runtime::linearised::FrequencyResponse;
 use eng_runtime::{
-    Advance, CycleReport, LinearModes, Moment, Observer, PeriodicSummary, RunSummary, RuntimeError,
-    Sample, SampleGradient, Slow, StartReport, Verdict, Warning, run_assemble, run_linear,
-    run_periodic, run_response, run_static, run_transient,
+    Advance, CycleReport, Determined, LinearModes, Moment, Observer, PeriodicSummary, RunSummary,
+    RuntimeError, Sample, SampleGradient, Slow, StartReport, Verdict, Warning, run_assemble,
+    run_kinematic, run_linear, run_periodic, run_response, run_static, run_transient,
 };
 use eng_system::analysis::STOP;
 use eng_system::recorded::recorded;
@@ -30,6 +30,7 @@ struct Solved {
     periodic: Option<PeriodicSummary>,
     modes: Option<LinearModes>,
     response: Option<FrequencyResponse>,
+    determined: Option<Determined>,
 }
 
 impl Analysis {
@@ -64,6 +65,7 @@ impl Analysis {
         };
         let mut recorder = Recorder {
             table,
+            audited: !matches!(self.plan.kind, AnalysisKind::Kinematic(_)),
             refused: None,
             resumed: point.is_some(),
             warnings: point.iter().flat_map(|p| &p.warnings).map(given).collect(),
@@ -112,6 +114,10 @@ impl Analysis {
                 solved.response = Some(found);
             }
             AnalysisKind::Static(wanted) => run_static(compiled, overrides, wanted, recorder)?,
+            AnalysisKind::Kinematic(wanted) => {
+                let found = run_kinematic(compiled, overrides, wanted, recorder)?;
+                solved.determined = Some(found);
+            }
             AnalysisKind::Assemble(_) => run_assemble(compiled, overrides, recorder)?,
         }
         Ok(solved)
@@ -130,6 +136,7 @@ impl Analysis {
             periodic: None,
             modes: None,
             response: None,
+            determined: None,
             gradients: Vec::new(),
             made_before: true,
             timings: None,
@@ -202,6 +209,7 @@ impl Analysis {
             periodic: solved.periodic,
             modes: solved.modes,
             response: solved.response,
+            determined: solved.determined,
             gradients,
             made_before: false,
             timings: recorder.clock.map(|(_, spent)| spent),
@@ -226,6 +234,11 @@ impl Analysis {
             let bound = eng_runtime::model::Model::bind(self.model.compiled(), &self.overrides)
                 .map_err(|cause| self.error(cause))?;
             crate::modes::push_columns(&mut results, &bound)?;
+        } else if let AnalysisKind::Kinematic(kinematic) = &self.plan.kind {
+            let compiled = self.model.compiled();
+            let determined = eng_runtime::kinematic_columns(compiled, &self.overrides, kinematic);
+            let determined = determined.map_err(|cause| self.error(cause))?;
+            crate::kinematic::push_columns(&mut results, system, &determined)?;
         } else {
             self.push_samples(&mut results)?;
         }
@@ -336,6 +349,8 @@ impl Analysis {
 /// The recorder between a run and its table.
 struct Recorder<'a> {
     table: Table,
+    /// Whether rows have the energy audit.
+    audited: bool,
     /// The reason for samples or checkpoints that could not be kept.
     refused: Option<ResultsError>,
     /// Whether an earlier run reported the start.
@@ -423,7 +438,7 @@ impl Recorder<'_> {
             .chain(sample.cycle_angle)
             .chain(sample.cycle_rate)
             .chain(sample.values.iter().copied())
-            .chain(audit);
+            .chain(audit.into_iter().filter(|_| self.audited));
         let kept = self.table.push(row);
         self.keep(kept)
     }

@@ -12,7 +12,7 @@ use crate::timings::{Clock, Timings};
 use crate::{Analysis, Error, Gradient, Progress, Results, Slow, Verdict, Watch};
 use eng_grammar::{Diagnostic, Diagnostics};
 use eng_system::significant::{short, significant};
-use eng_system::system::PointValue;
+use eng_system::system::{AnalysisKind, PointValue};
 pub(crate) use patience::in_words;
 use patience::{Look, Patience};
 use std::num::NonZeroUsize;
@@ -238,6 +238,18 @@ impl Watch for Watching<'_> {
     }
 }
 
+/// Leaves out of a machine what results do not have: modes and responses have no orbits and no peaks, and of a film
+/// a prescribed motion has the force alone.
+fn leave_out(machine: &mut Machine, results: &Results, analysis: &Analysis) {
+    let of_motion = !results.are_modes() && !results.are_responses();
+    if !of_motion {
+        machine.journals.clear();
+    }
+    if !of_motion || matches!(analysis.kind(), AnalysisKind::Kinematic(_)) {
+        machine.summaries.clear();
+    }
+}
+
 fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Error> {
     let system = &analysis.model().compiled().system;
     let bound = analysis.bound()?;
@@ -304,6 +316,10 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     if let Some(response) = &outcome.response {
         facts.extend(crate::response::facts(response));
     }
+    if let Some(determined) = &outcome.determined {
+        let places = (&**system, analysis.origin());
+        crate::kinematic::tell(determined, places, &mut facts, &mut diagnostics);
+    }
     let linearised = outcome
         .modes
         .iter()
@@ -341,11 +357,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     };
     let cells = clock.since();
     facts.extend(errors.iter().map(GridError::text));
-    if outcome.results.are_modes() || outcome.results.are_responses() {
-        // modes and responses have no orbits and no peaks
-        machine.journals.clear();
-        machine.summaries.clear();
-    }
+    leave_out(&mut machine, &outcome.results, analysis);
     Ok(RunOutcome {
         machine,
         diagnostics,

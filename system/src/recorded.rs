@@ -11,6 +11,8 @@ pub const TIME: &str = "time";
 pub const CYCLE_ANGLE: &str = "cycle.angle";
 /// Path of the column of the cycle angle's rate.
 pub const CYCLE_SPEED: &str = "cycle.speed";
+/// Path of the column of the torque that a prescribed motion needs.
+pub const CYCLE_TORQUE: &str = "cycle.torque";
 /// Paths of the energy audit's columns.
 pub const ENERGY: [&str; 7] = [
     "energy.kinetic",
@@ -91,6 +93,69 @@ pub fn recorded(system: &System) -> Vec<Recorded> {
     let speed = Dimension::LENGTH.over(Dimension::TIME);
     let energy = Dimension::MASS.times(speed).times(speed);
     columns.extend(ENERGY.map(|path| Recorded::scalar(path, energy, "J", 1.0)));
+    columns
+}
+
+/// The channels that a kinematic analysis can record, in the order of the text. Its pins are in the middle of
+/// their shells, where a film carries nothing. So of a film it records the force alone, which is the reaction of
+/// the pin, and no output that reads a film.
+pub fn channels_of_motion(system: &System) -> Vec<usize> {
+    let mut channels_of = vec![Vec::new(); system.elements.len()];
+    for (index, channel) in system.channels.iter().enumerate() {
+        if let Some(own) = channels_of.get_mut(channel.element as usize) {
+            own.push(index);
+        }
+    }
+    let is_film = |element: usize| {
+        let places = &system.elements[element].places;
+        places.iter().any(|place| place.height.is_none())
+    };
+    let mut left_out: Vec<bool> = (0..system.elements.len()).map(is_film).collect();
+    // outputs that read left-out ones, until no further one is found
+    loop {
+        let reads = |element: &usize| {
+            let mut signals = system.elements[*element].signals.iter();
+            signals.any(|signal| {
+                let source = system.channels.get(*signal as usize);
+                source.is_some_and(|source| left_out[source.element as usize])
+            })
+        };
+        let more: Vec<usize> = (0..left_out.len())
+            .filter(|element| !left_out[*element])
+            .filter(reads)
+            .collect();
+        if more.is_empty() {
+            break;
+        }
+        more.into_iter()
+            .for_each(|element| left_out[element] = true);
+    }
+    let force = |channel: usize| {
+        let channel = channel as u32;
+        let mut journals = system.journals.iter();
+        journals.any(|journal| channel == journal.force || channel == journal.force + 1)
+    };
+    let mut kept: Vec<usize> = (0..system.elements.len())
+        .flat_map(|element| channels_of[element].iter().copied())
+        .filter(|channel| !left_out[system.channels[*channel].element as usize] || force(*channel))
+        .collect();
+    kept.sort_unstable();
+    kept
+}
+
+/// The columns of a kinematic analysis: time, angle and speed of the cycle and the torque that turns it, if there
+/// is a cycle, and the channels of [`channels_of_motion`].
+pub fn of_motion(system: &System) -> Vec<Recorded> {
+    let all = recorded(system);
+    let first = all.len() - system.channels.len() - ENERGY.len();
+    let mut columns = all[..first].to_vec();
+    if system.cycle.is_some() {
+        let speed = Dimension::LENGTH.over(Dimension::TIME);
+        let torque = Dimension::MASS.times(speed).times(speed);
+        columns.push(Recorded::scalar(CYCLE_TORQUE, torque, "N*m", 1.0));
+    }
+    let channels = channels_of_motion(system).into_iter();
+    columns.extend(channels.map(|channel| all[first + channel].clone()));
     columns
 }
 

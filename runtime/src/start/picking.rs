@@ -23,7 +23,7 @@ pub(super) fn split(matrix: &DMatrix<f64>) -> Option<Picked> {
 
 /// An orthonormal basis of the directions that rows leave free (space × rest): [`Picked::free`] of [`split`].
 /// Many rows that are clearly independent need no singular values. `None` if numbers are not finite.
-pub(super) fn free_of(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(crate) fn free_of(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     match Independent::alone(&Gradients::of(matrix)) {
         Some(factor) => Some(factor.basis()),
         None => split(matrix).map(|picked| picked.free),
@@ -55,7 +55,7 @@ pub(super) fn split_above(matrix: &DMatrix<f64>, least: f64) -> Option<Picked> {
 
 /// Divides each row by its length and returns the factors. Rows that are only rounding compared with `least`
 /// become zero.
-pub(super) fn unit_rows(matrix: &mut DMatrix<f64>, least: f64) -> Vec<f64> {
+pub(crate) fn unit_rows(matrix: &mut DMatrix<f64>, least: f64) -> Vec<f64> {
     (0..matrix.nrows())
         .map(|i| {
             let size = matrix.row(i).norm();

@@ -8,6 +8,7 @@
 mod argument;
 mod assemble;
 mod equilibrium;
+mod kinematic;
 mod linear;
 mod named;
 mod periodic;
@@ -17,6 +18,7 @@ mod transient;
 pub use argument::{Apart, Argument, Counted, Given, Limit, Takes, Unplanned, Value};
 pub use assemble::Assemble;
 pub use equilibrium::Static;
+pub use kinematic::Kinematic;
 pub use linear::Linear;
 pub use named::{Misnamed, Named, Names};
 pub use periodic::Periodic;
@@ -34,6 +36,7 @@ pub const KINDS: &[KindRow] = &[
     linear::ROW,
     response::ROW,
     equilibrium::ROW,
+    kinematic::ROW,
     assemble::ROW,
 ];
 
@@ -129,9 +132,11 @@ pub enum AnalysisKind {
     Response(Response),
     /// The equilibrium.
     Static(Static),
+    /// The motion by joints and drives alone.
+    Kinematic(Kinematic),
 }
 
-dereferences!(AnalysisKind to Kind: Assemble Transient Periodic Linear Response Static);
+dereferences!(AnalysisKind to Kind: Assemble Transient Periodic Linear Response Static Kinematic);
 
 /// A time or an angle of the cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -50,8 +50,8 @@ pub(super) fn root_name(expr: &Expr) -> Option<&str> {
 pub(super) struct Found<'a> {
     pub plan: &'a AnalysisPlan,
     pub channels: Rc<Channels>,
-    /// The columns, if the analysis is a frequency response.
-    pub response: Rc<[Recorded]>,
+    /// The columns, if the kind of the analysis has columns of its own.
+    pub own: Option<Rc<[Recorded]>>,
     pub path: String,
 }
 
@@ -87,10 +87,10 @@ impl Found<'_> {
 
     /// The recorded channels of the analysis.
     pub fn columns(&self) -> &[Recorded] {
-        match self.plan.analysis.kind.rows() {
-            Rows::Modes => &self.channels.modes,
-            Rows::Frequencies => &self.response,
-            Rows::Samples | Rows::Cycle | Rows::State => &self.channels.samples,
+        match (&self.own, self.plan.analysis.kind.rows()) {
+            (Some(own), _) => own,
+            (None, Rows::Modes) => &self.channels.modes,
+            (None, _) => &self.channels.samples,
         }
     }
 
@@ -169,7 +169,7 @@ impl<'a> Reporter<'a, '_> {
             let channels = self.models.channels(plan)?;
             found.push(Found {
                 plan,
-                response: channels.response(plan),
+                own: channels.own(plan),
                 channels,
                 path: String::new(),
             });
@@ -213,7 +213,7 @@ impl<'a> Reporter<'a, '_> {
                         next.extend(chosen.into_iter().map(|path| Found {
                             plan: place.plan,
                             channels: Rc::clone(&place.channels),
-                            response: Rc::clone(&place.response),
+                            own: place.own.clone(),
                             path,
                         }));
                     }
