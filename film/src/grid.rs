@@ -475,9 +475,11 @@ fn stated(
             needed: least + 1,
         });
     }
-    // a comparison with NaN is false
     let refuse = |value: f64, range: &'static str| Err(SourceError::Range { name, value, range });
-    if let Some(pair) = lines.windows(2).find(|pair| !(pair[1] > pair[0])) {
+    if let Some(pair) = lines
+        .windows(2)
+        .find(|pair| pair[1].is_nan() || pair[1] <= pair[0])
+    {
         return refuse(pair[1], "above the line before it");
     }
     for (line, end) in [(lines.first(), from), (lines.last(), to)] {

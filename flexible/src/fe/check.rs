@@ -350,7 +350,7 @@ fn is_rotation(rotation: &[[f64; 3]; 3]) -> bool {
 /// The fault of a 6 × 6 mass matrix of a node (kg, kg m, kg m²; translations first), if it has one.
 fn mass_fault(matrix: &[[f64; 6]; 6]) -> Option<String> {
     let largest = (0..6).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
-    if let Some(i) = (0..6).find(|i| !(matrix[*i][*i] >= 0.0)) {
+    if let Some(i) = (0..6).find(|i| !matrix[*i][*i].is_finite() || matrix[*i][*i] < 0.0) {
         let unit = if i < 3 { "kg" } else { "kg m²" };
         return Some(format!(
             "its mass in freedom {} is {} {unit}; it must be a number and not negative",
@@ -362,7 +362,7 @@ fn mass_fault(matrix: &[[f64; 6]; 6]) -> Option<String> {
     // rounding of the numbers of a card
     let differs = |(i, j): &(usize, usize)| {
         let difference = (matrix[*i][*j] - matrix[*j][*i]).abs();
-        !(difference <= 1e-9 * largest)
+        difference.is_nan() || difference > 1e-9 * largest
     };
     pairs.clone().find(differs).map(|(i, j)| {
         format!(
