@@ -42,6 +42,7 @@ mod nastran_mesh;
 mod nastran_mutations;
 mod nastran_nonstructural;
 mod nastran_panels;
+mod nastran_splines;
 mod nastran_structure;
 mod nastran_tapers;
 mod recovery;
