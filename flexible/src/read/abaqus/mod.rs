@@ -65,6 +65,7 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
         ..Mesh::default()
     };
     surfaces::fill(&mut model, unread)?;
+    mesh.doubts.extend(deck.materials.heat(&model, unread)?);
     elements::make(&mut model, &mut mesh, &deck.materials, unread)?;
     points::make(&model, &mut mesh, unread)?;
     ties::make(&mut model, &mut mesh, unread)?;
