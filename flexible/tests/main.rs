@@ -60,5 +60,6 @@ mod solve_ordering;
 mod stacks;
 mod store;
 mod store_crank;
+mod superelement_files;
 mod systems;
 mod universal_files;
