@@ -6,9 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::lines::{Row, key};
-use super::model::Model;
 use super::scope::Block;
-use super::shapes::Shape;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, Material, SheetElasticity};
 use crate::read::source::At;
@@ -23,6 +21,15 @@ struct Entry {
     sheet: Option<SheetElasticity>,
     density: Table<1>,
     at: At,
+}
+
+impl Entry {
+    /// The keywords whose constants depend on the temperature, with their places.
+    fn changing(&self) -> impl Iterator<Item = &(String, At)> {
+        let elastic = (!self.elastic.is_constant()).then_some(&self.elastic.from);
+        let density = (!self.density.is_constant()).then_some(&self.density.from);
+        [elastic, density].into_iter().flatten().flatten()
+    }
 }
 
 /// Constants by temperature, in ascending order. One line has any temperature.
@@ -242,36 +249,24 @@ impl Materials {
         self.heated |= HEAT.contains(&keyword);
     }
 
-    /// Finds the temperature of the constants, and says which one counts. Constants that depend on a temperature
-    /// which differs between nodes, or which a step changes, are noted as unread.
-    ///
-    /// # Errors
-    /// A missing node, or text in the place of a temperature.
-    pub fn heat(
-        &mut self,
-        model: &Model,
-        unread: &mut UnreadCards,
-    ) -> Result<Vec<String>, FileProblem> {
-        let changing = |entry: &Entry| -> Vec<(String, At)> {
-            let elastic = (!entry.elastic.is_constant()).then_some(&entry.elastic.from);
-            let density = (!entry.density.is_constant()).then_some(&entry.density.from);
-            [elastic, density]
-                .into_iter()
-                .flatten()
-                .flatten()
-                .cloned()
-                .collect()
-        };
-        let found: Vec<(String, At)> = self.entries.values().flat_map(changing).collect();
-        if found.is_empty() {
-            return Ok(Vec::new());
-        }
-        let temperature = initial(model)?;
+    /// Whether constants depend on the temperature.
+    pub fn depend_on_temperature(&self) -> bool {
+        self.entries
+            .values()
+            .any(|entry| entry.changing().next().is_some())
+    }
+
+    /// Takes the constants at a temperature, which all nodes have at the start, and says so. Without one, or if a step
+    /// changes it, constants that depend on it are noted as unread.
+    pub fn heat(&mut self, temperature: Option<f64>, unread: &mut UnreadCards) -> Vec<String> {
+        let found: Vec<(String, At)> = (self.entries.values())
+            .flat_map(|entry| entry.changing().cloned())
+            .collect();
         let Some(temperature) = temperature.filter(|_| !self.heated) else {
             for (name, at) in &found {
                 several(name.trim_start_matches('*'), at, unread);
             }
-            return Ok(Vec::new());
+            return Vec::new();
         };
         self.temperature = temperature;
         let said = found.iter().map(|(name, at)| {
@@ -280,7 +275,7 @@ impl Materials {
                 at.file, at.line
             )
         });
-        Ok(said.collect())
+        said.collect()
     }
 
     /// The material of a section, which may be a lamina for a shell.
@@ -315,36 +310,4 @@ impl Materials {
 fn several(name: &str, at: &At, unread: &mut UnreadCards) {
     let name = format!("*{name} at several temperatures");
     unread.note(&name, at, Carries::Unknown);
-}
-
-/// The temperature at the start of the nodes of all elements: 0 unless stated; `None` if it differs between nodes.
-fn initial(model: &Model) -> Result<Option<f64>, FileProblem> {
-    let mut of_node = vec![0.0; model.nodes.len()];
-    for (place, block) in model.blocks() {
-        let keyword = &block.keyword;
-        if keyword.key != "INITIALCONDITIONS" || keyword.choice("TYPE") != "TEMPERATURE" {
-            continue;
-        }
-        if keyword.has("FILE") || keyword.has("USER") {
-            return Ok(None);
-        }
-        for row in block.rows.iter().filter(|row| !row.is_blank()) {
-            let temperature = row.real(1, "the temperature")?;
-            for node in model.nodes_of(place, row.text(0), &row.at)? {
-                if let Some(own) = of_node.get_mut(node as usize) {
-                    *own = temperature;
-                }
-            }
-        }
-    }
-    // nodes without a section, such as the ends of springs and masses, need no temperature
-    let solid = |row: &&super::model::Row| {
-        !matches!(row.shape, Shape::Mass | Shape::Rotary | Shape::Spring(_))
-    };
-    let rows = model.rows.iter().filter(solid);
-    let mut used = rows
-        .flat_map(|row| model.row_nodes(row))
-        .filter_map(|node| of_node.get(*node as usize).copied());
-    let first = used.next().unwrap_or(0.0);
-    Ok(used.all(|own| own == first).then_some(first))
 }

@@ -154,7 +154,7 @@ impl Segment {
         let along = subtract(second, first);
         let length = norm(along);
         let axis = unit(along).unwrap_or([0.0; 3]);
-        let across = length.powi(3) / 12.0;
+        let across = length * length * length / 12.0;
         let stretch = length * diameter * diameter / 8.0;
         let mut flexibility = [[0.0; 6]; 6];
         for (i, a) in axis.into_iter().enumerate() {
