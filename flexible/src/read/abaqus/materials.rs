@@ -1,7 +1,8 @@
 //! `*MATERIAL` with `*ELASTIC` of an isotropic material or a lamina, and `*DENSITY`.
 //!
-//! Constants of several temperatures are linear between their lines and constant beyond them, at the temperature
-//! that `*INITIAL CONDITIONS, TYPE=TEMPERATURE` states for all nodes, else at 0 (CalculiX and Abaqus, both manuals).
+//! Constants of several temperatures are linear between their lines and constant beyond them, at the
+//! temperature that `*INITIAL CONDITIONS, TYPE=TEMPERATURE` states for all nodes, else at 0 (manuals of CalculiX
+//! and Abaqus).
 
 use std::collections::BTreeMap;
 
@@ -256,8 +257,8 @@ impl Materials {
             .any(|entry| entry.changing().next().is_some())
     }
 
-    /// Takes the constants at a temperature, which all nodes have at the start, and says so. Without one, or if a step
-    /// changes it, constants that depend on it are noted as unread.
+    /// Takes the constants at a temperature, which all nodes have at the start, and says so. Without one, or if
+    /// a step changes it, constants that depend on it are noted as unread.
     pub fn heat(&mut self, temperature: Option<f64>, unread: &mut UnreadCards) -> Vec<String> {
         let found: Vec<(String, At)> = (self.entries.values())
             .flat_map(|entry| entry.changing().cloned())

@@ -48,7 +48,8 @@ const REGIONS: [&str; 4] = ["BSURF", "BSURFS", "BCPROP", "BCPROPS"];
 #[derive(Debug, Default)]
 pub(super) struct Glue {
     regions: BTreeMap<u64, Vec<(Part, At)>>,
-    /// Cards of regions that are wrong, by their numbers; `None` if even the number is. They matter for glue alone.
+    /// Cards of regions that are wrong, by their numbers; `None` if even the number is. They matter for glue
+    /// alone.
     wrong: BTreeMap<Option<u64>, FileProblem>,
     pairs: Vec<Pair>,
     sets: BTreeSet<u64>,

@@ -1,4 +1,4 @@
-//! The curve of `RSPLINE`: points between two independent ones follow a thin elastic tube through all of them.
+//! The curve of `RSPLINE`: points between two independent ones follow a thin elastic tube through all.
 //!
 //! The tube is straight from point to point. It bends by Euler and Bernoulli's theory, without shear, and
 //! has equal stiffness in bending and torsion, `E I = G J`, and `E A = 8 E I/D²` along itself. No force acts
@@ -11,8 +11,8 @@
 //! ```
 //!
 //! `Z_s` is the relative motion of the ends of a segment of length l along t, by a wrench at its middle:
-//! rotation `l/EI`, translation `l³/(12 EI)` across and `l D²/(8 EI)` along t. The source is the routine `CRSPLS`
-//! of NASTRAN-95 (COSMIC), which NASA has published; MSC's description says no more than "an elastic tube".
+//! rotation `l/EI`, translation `l³/(12 EI)` across and `l D²/(8 EI)` along t. The source is the routine
+//! `CRSPLS` of NASTRAN-95 (COSMIC), which NASA has published; MSC's description says no more than "an elastic tube".
 
 use super::rigid::{Freedom, direction, solve};
 use super::vector::{norm, unit};

@@ -1,4 +1,5 @@
-//! Rules between freedoms: `RBE2`, `RBE3`, `RBAR`, `RBAR1`, `RBE1`, `RTRPLT`, `RTRPLT1`, `RROD`, `RSPLINE`, `MPC`.
+//! Rules between freedoms: `RBE2`, `RBE3`, `RBAR`, `RBAR1`, `RBE1`, `RTRPLT`, `RTRPLT1`, `RROD`, `RSPLINE`,
+//! `MPC`.
 
 use super::card::{Card, Ids};
 use super::grids::Lookup;
@@ -387,8 +388,8 @@ fn spline(card: &Card) -> Result<Kind, FileProblem> {
     }
 }
 
-/// The equations of the splines of a card, one from each independent point to the next. `points` has the numbers of
-/// the grid points, `found` their nodes.
+/// The equations of the splines of a card, one from each independent point to the next. `points` has the
+/// numbers of the grid points, `found` their nodes.
 fn splines(
     card: &TieCard,
     points: &[(u64, u8)],
