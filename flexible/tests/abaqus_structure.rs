@@ -779,6 +779,118 @@ fn included_files_and_files_of_nodes() {
     assert_eq!(set(&mesh, "E").elements(), [0]);
 }
 
+/// Constants of several temperatures count at the temperature of all nodes at the start, linear between their lines.
+#[test]
+fn materials_at_several_temperatures() {
+    let law = "*MATERIAL, NAME=M\n*ELASTIC\n200., .3, 20.\n100., .4, 120.\n*DENSITY\n8., 20.\n6., 220.\n\
+               *SOLID SECTION, ELSET=LOW, MATERIAL=M\n";
+    let constants = |mesh: &Mesh| {
+        let material = &mesh.materials[0];
+        [material.young, material.poisson, material.density]
+    };
+    let hot = |t: &str| format!("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nAll Nodes, {t}\n");
+    for (given, temperature, expected) in [
+        // 0 unless stated, below the first line; constant beyond the last one
+        (String::new(), "0", [200.0, 0.3, 8.0]),
+        (hot("20."), "20", [200.0, 0.3, 8.0]),
+        (hot("95."), "95", [125.0, 0.375, 7.25]),
+        (hot("220."), "220", [100.0, 0.4, 6.0]),
+        (hot("1000."), "1000", [100.0, 0.4, 6.0]),
+        // a later line counts
+        (hot("1.") + &hot("95."), "95", [125.0, 0.375, 7.25]),
+    ] {
+        let found = mesh(&format!("{CUBES}{law}{given}"));
+        for (own, expected) in constants(&found).into_iter().zip(expected) {
+            close(own, expected, 4.0);
+        }
+        let doubts: Vec<&String> = (found.doubts.iter())
+            .filter(|doubt| doubt.contains("depends on the temperature"))
+            .collect();
+        assert_eq!(doubts.len(), 2, "{:?}", found.doubts);
+        let said = format!("its constants at {temperature} count");
+        assert!(
+            doubts.iter().all(|doubt| doubt.contains(&said)),
+            "{doubts:?}"
+        );
+        assert!(
+            unread(&found)
+                .iter()
+                .all(|(name, ..)| !name.contains("several"))
+        );
+    }
+    // temperatures that differ, or change, or come from another file
+    for given in [
+        "*INITIAL CONDITIONS, TYPE=TEMPERATURE\n1, 95.\n",
+        "*INITIAL CONDITIONS, TYPE=TEMPERATURE, FILE=hot.fil\n",
+        "*STEP\n*STATIC\n*TEMPERATURE\nAll Nodes, 95.\n*END STEP\n",
+        "*STEP\n*HEAT TRANSFER\n*END STEP\n",
+        "*STEP\n*INCLUDE, INPUT=loads.inp\n*END STEP\n",
+    ] {
+        let found = mesh(&format!("{CUBES}{law}{given}"));
+        let several: Vec<_> = (unread(&found).into_iter())
+            .filter(|(name, ..)| name.contains("several"))
+            .collect();
+        assert_eq!(
+            several,
+            [
+                ("*DENSITY at several temperatures", 1, Carries::Unknown),
+                ("*ELASTIC at several temperatures", 1, Carries::Unknown),
+            ],
+            "{given}"
+        );
+    }
+    // the same constants at all temperatures, and other initial conditions, change nothing
+    let plain = "*MATERIAL, NAME=M\n*ELASTIC\n200., .3, 20.\n200., .3, 120.\n*SOLID SECTION, ELSET=LOW, MATERIAL=M\n";
+    let heated = "*STEP\n*TEMPERATURE\nAll Nodes, 95.\n*END STEP\n";
+    let found = mesh(&format!(
+        "{CUBES}{plain}*INITIAL CONDITIONS, TYPE=STRESS\nLOW, 1.\n{heated}"
+    ));
+    assert_eq!(constants(&found), [200.0, 0.3, 0.0]);
+    assert!(
+        found
+            .doubts
+            .iter()
+            .all(|doubt| !doubt.contains("temperature"))
+    );
+    for (deck, message) in [
+        (
+            "*MATERIAL, NAME=M\n*ELASTIC\n200., .3, 20.\n100., .3, 20.\n",
+            "the temperature 20 does not follow a lower one",
+        ),
+        (
+            "*MATERIAL, NAME=M\n*DENSITY\n200., 20.\n100.\n",
+            "the temperature is missing",
+        ),
+        (
+            &format!("{law}*INITIAL CONDITIONS, TYPE=TEMPERATURE\nNOWHERE, 1.\n"),
+            "NOWHERE",
+        ),
+        (
+            &format!("{law}*INITIAL CONDITIONS, TYPE=TEMPERATURE\nAll Nodes, hot\n"),
+            "the temperature is \"hot\", not a number",
+        ),
+    ] {
+        let found = problem(&format!("{CUBES}{deck}"));
+        assert!(found.problem.contains(message), "{found}");
+    }
+}
+
+/// A reduction takes no damper: the damping of the body counts.
+#[test]
+fn dampers_are_left_out() {
+    let found = mesh(&format!(
+        "{CUBES}*ELEMENT, TYPE=DASHPOTA, ELSET=D\n7, 1, 9\n*DASHPOT, ELSET=D\n\n1.E-5\n*ELEMENT, TYPE=DASHPOT9\n8, 1, 9\n"
+    ));
+    assert_eq!(
+        unread(&found),
+        [
+            ("*DASHPOT", 1, Carries::Nothing),
+            ("*ELEMENT, TYPE=DASHPOT9", 1, Carries::Structure),
+            ("*ELEMENT, TYPE=DASHPOTA", 1, Carries::Nothing),
+        ]
+    );
+}
+
 #[test]
 fn problems_tell_their_place() {
     let lines = CUBES.lines().count() as u64;

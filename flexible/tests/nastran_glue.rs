@@ -159,6 +159,11 @@ fn glued_shells_bend_as_one_plate() {
     }
     deck += "BSURF,1,1,THRU,20\nBSURF,2,101,THRU,120\nBGSET,6,1,2,.05\n";
     let mesh = mesh(&format!("CEND\nBGSET = 6\nBEGIN BULK\n{deck}"));
+    assert!(
+        mesh.doubts[1].contains("BGSET 6 ties the translations of region 1 alone: the rotations of the 42 nodes of its shells do not follow region 2"),
+        "{:?}",
+        mesh.doubts
+    );
     let structure = assemble(&mesh, &Rules::default()).unwrap();
     // the leading strip is clamped; the other one follows it
     let clamp = nodes_where(&mesh, |x| x[0] < 1e-9 && x[2] > 0.01);
@@ -195,6 +200,40 @@ fn glue_without_a_selection_is_not_used() {
         &format!("{REGIONS}BGSET,6,1,2,.1\nBCTSET,7,1,2\n"),
     ));
     assert_eq!(unread(&contact), [("BCTSET", 1, Carries::Structure)]);
+}
+
+/// Regions are data of contact, too: a wrong one stops a deck only if glue uses it.
+#[test]
+fn wrong_regions_without_glue_are_no_error() {
+    let wrong = "BSURF,1,a\nBSURFS,2,,,,1,2,4\nBCPROP,3,.5\nBCPROPS,x,1\nBSURF,5,11,+LOST\nBSURF,4,11,,,,,,,+LOST\n";
+    for (control, cards) in [
+        ("METHOD = 1", ""),
+        ("METHOD = 1", "BGSET,6,1,2,.1\n"),
+        // this glue uses other regions
+        (
+            "BGSET = 6",
+            "BSURFS,11,,,,11,11,13,19\nBSURFS,12,,,,1,2,4,6\nBGSET,6,11,12,.1\nBGSET,7,1,2\n",
+        ),
+    ] {
+        let found = mesh(&glued(control, &format!("{wrong}{cards}")));
+        assert_eq!(unread(&found), []);
+        assert_eq!(found.ties.is_empty(), control != "BGSET = 6");
+    }
+    let used = |region: u32| {
+        let cards = format!("{wrong}BSURFS,12,,,,1,2,4,6\nBGSET,6,{region},12,.1\n");
+        problem(&glued("BGSET = 6", &cards)).problem
+    };
+    for (region, message) in [
+        (1, "field EID is \"A\""),
+        (2, "ends before its field G3"),
+        (3, "field IP is \".5\""),
+        (4, "its continuation \"+LOST\" is missing"),
+        // the number of this region may be the one that cannot be read
+        (9, "field ID is \"X\""),
+    ] {
+        let found = used(region);
+        assert!(found.contains(message), "{region}: {found}");
+    }
 }
 
 #[test]

@@ -521,7 +521,11 @@ fn one_of_three_elastic_constants_may_be_blank() {
         );
         assert!(found.problem.contains(message), "{found}");
     }
-    let odd = mesh(&format!("{}MAT1,2,2.6\n", grids(4)));
+    let odd = mesh(
+        &grids(4)
+            .replace("MAT1,8,2.1+11,,.3,7850.", "MAT1,8,2.6")
+            .replace("PSOLID", "CTETRA,1,3,1,2,3,4\nPSOLID"),
+    );
     assert_eq!(odd.unread.len(), 1);
     assert!(odd.unread.iter().all(|u| u.carries == Carries::Structure));
 }

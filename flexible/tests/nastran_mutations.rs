@@ -60,6 +60,8 @@ RBE2,16,1,123,5,6,7,1.-5
 RTRPLT,20,1,2,3,,123456,,12,+\n+,,3
 RTRPLT1,21,1,2,3
 RROD,22,1,2,1
+RSPLINE,23,.2,1,2,123,3,,4,+
++,12,5
 RBE3,17,,8,123,1.,123,1,2\n,2.5,12,3,THRU,5,UM,1,123
 RBAR,18,1,2,123456
 RBE1,19,1,123456\n,UM,8,123
@@ -108,7 +110,7 @@ fn the_deck_itself_is_read() {
     assert_eq!(mesh.elements.len(), 11);
     assert_eq!(
         (mesh.point_masses.len(), mesh.springs.len(), mesh.ties.len()),
-        (3, 2, 8)
+        (3, 2, 13)
     );
 }
 

@@ -948,3 +948,135 @@ PBEAM,6,8,.01,2.-5,3.-5,,4.-5
         );
     }
 }
+
+/// A channel of ten CBEAM with its nodes beside both the shear centre and the centroid: MSC Nastran's displacements of its
+/// end (`models/msc/cantilever_2014.1` of pyNastran, BSD licence, in single precision). Its CW has no effect without SA
+/// and SB: the twist is that of a free torsion.
+#[test]
+fn a_channel_moves_as_in_msc_nastran() {
+    let mut deck = String::from(
+        "PBEAM*   1               1              1.84375         27.7245\n\
+         *       .488696          0.             .00960286\n        \
+         5.5     2.43802 -5.5    2.43802 -5.5    .438021 5.5     .438021\n        \
+         .728814 .254237                                 10.9761 10.9761\n        \
+         \x20                                0.     .754758  0.     .754758\n\
+         MAT1,1,2.+6,,.3,7.8-4\n",
+    );
+    for i in 1..=11 {
+        deck += &format!("GRID,{i},,{}.,0.,0.\n", i - 1);
+    }
+    for i in 1..=10 {
+        deck += &format!(
+            "CBEAM,{i},1,{i},{},0.,0.,1.,,+\n+,,,0.,.438,0.,0.,.438,0.\n",
+            i + 1
+        );
+    }
+    let mesh = mesh(&deck);
+    assert_eq!(unread(&mesh), []);
+    let structure = assemble(&mesh, &Rules::default()).unwrap();
+    let reduction = Reduction::new(&mesh, &structure, &[support(0, 63)]).unwrap();
+    let mut force = vec![0.0; structure.freedoms.size()];
+    let at = |component: u8| structure.freedoms.freedom(10, component).unwrap();
+    force[at(2)] = -1000.0;
+    let found = solve(&structure, &reduction, &force);
+    for (component, msc) in [(2, -2.7539733e-1), (3, 5.9294838e-1), (4, 9.0172951e-4)] {
+        let moved = found[at(component)];
+        assert!(agrees(moved, msc, 2e-7), "{component}: {moved} {msc}");
+    }
+}
+
+/// Fields of `PBEAM` that change nothing, and those that would.
+#[test]
+fn places_of_added_mass_matter_only_with_it() {
+    let lost = |nsm: &str, second: &str, last: &str| {
+        let mesh = mesh(&format!(
+            "{GRIDS}MAT1,8,2.1+11,,.3\nPBEAM,6,8,.01,2.-5,3.-5,,4.-5,{nsm}\n,,,,,,,,\n{second},,,{last}\n,.1,.2\n"
+        ));
+        unread(&mesh).len()
+    };
+    // S1 and S2 of a uniform beam, CW without scalar points, M1 and M2 without mass
+    assert_eq!(lost("", "", ".1,.2,,,.3,.4"), 0);
+    assert_eq!(lost("2.", "", ""), 1, "M1 and M2 of a mass");
+    assert_eq!(lost("", "", ",,.5"), 1, "NSI");
+    let taper = ",YES,1.,.02,4.-5,6.-5,,8.-5\n,,,,,,,,\n";
+    assert_eq!(lost("", taper, ".1"), 1, "S1 of a taper");
+    // the mass of a card NSM has no place
+    let added = |place: &str| -> Vec<String> {
+        let mesh = mesh(&format!(
+            "CEND\nNSM = 3\nBEGIN BULK\n{GRIDS}MAT1,8,2.1+11,,.3\nPBEAM,6,8,.01,2.-5,3.-5,,4.-5\n,,,,,,,,\n,\n,{place}\n\
+             CBEAM,1,6,1,2,0.,1.,0.\nNSM,3,PBEAM,6,2.\n"
+        ));
+        unread(&mesh)
+            .iter()
+            .map(|(name, ..)| name.to_string())
+            .collect()
+    };
+    assert_eq!(added(".1"), ["added mass of a CBEAM with N1, N2, M1 or M2"]);
+    assert!(added("").is_empty());
+}
+
+/// A material of E alone has G = 0 and NU = 0: lines stretch and bend without a stiffness in torsion.
+#[test]
+fn a_material_without_shear() {
+    let with = |material: &str| {
+        mesh(&format!(
+            "{GRIDS}MAT1,8,2.1+11{material}\nCROD,1,5,1,2\nPROD,5,8,.01,.02\nCBAR,2,6,2,3,0.,1.,0.\n\
+             PBAR,6,8,.01,2.-5,3.-5,4.-5\nCONROD,3,3,4,8,.01\nCTUBE,4,7,4,5\nPTUBE,7,8,.1\n"
+        ))
+    };
+    let (bare, whole) = (with(",,,7850."), with(",,.3,7850."));
+    assert_eq!(unread(&bare), []);
+    let sections = |mesh: &Mesh| -> Vec<eng_flexible::mesh::Section> {
+        mesh.properties
+            .iter()
+            .map(|property| property.section)
+            .collect()
+    };
+    let torsion = |section| match section {
+        eng_flexible::mesh::Section::Beam(beam) => beam.torsion,
+        other => panic!("{other:?}"),
+    };
+    for (bare, whole) in sections(&bare).into_iter().zip(sections(&whole)) {
+        assert_eq!(torsion(bare), 0.0);
+        let eng_flexible::mesh::Section::Beam(whole) = whole else {
+            panic!("{whole:?}")
+        };
+        let expected = eng_flexible::mesh::BeamSection {
+            torsion: 0.0,
+            ..whole
+        };
+        assert_eq!(bare, eng_flexible::mesh::Section::Beam(expected));
+    }
+    assert!(
+        sections(&whole)
+            .into_iter()
+            .any(|section| torsion(section) > 0.0)
+    );
+    let material = &bare.materials[0];
+    assert_eq!((material.young, material.density), (2.1e11, 7850.0));
+    // solids, shells and beams with shear need G
+    let lost = [(
+        "MAT1 without G and NU of solids, shells or beams with shear",
+        1,
+        Carries::Structure,
+    )];
+    for cards in [
+        "CTRIA3,1,7,1,2,6\nPSHELL,7,8,.1,8",
+        "GRID,7,,1.,1.,1.\nCTETRA,1,7,1,2,6,7\nPSOLID,7,8",
+        "CBAR,1,7,1,2,0.,1.,0.\nPBAR,7,8,.01,2.-5,3.-5,4.-5\n,,,,,,,,\n,.8,.8",
+        "CBEAM,1,7,1,2,0.,1.,0.\nPBEAM,7,8,.01,2.-5,3.-5,,4.-5",
+        "CBEAM,1,7,1,2,0.,1.,0.\nPBEAM,7,8,.01,2.-5,3.-5,,4.-5\n,,,,,,,,\n,YES,1.,.02,4.-5,6.-5,,8.-5",
+    ] {
+        let found = mesh(&format!("{GRIDS}MAT1,8,2.1+11\n{cards}\n"));
+        assert_eq!(unread(&found), lost, "{cards}");
+    }
+    let panel = problem(&format!(
+        "{GRIDS}GRID,7,,1.,1.,0.\nGRID,8,,2.,1.,0.\nMAT1,8,2.1+11\nCSHEAR,1,7,1,2,8,7\nPSHEAR,7,8,.1\n"
+    ));
+    assert!(
+        panel
+            .problem
+            .contains("material 8 has no positive shear modulus"),
+        "{panel}"
+    );
+}

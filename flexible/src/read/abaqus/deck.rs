@@ -75,8 +75,8 @@ enum Open {
         pending: Vec<String>,
         at: Option<At>,
     },
-    /// Elements of an unknown type.
-    Lost(String),
+    /// Elements of an unknown type, and what is lost with them.
+    Lost(String, Carries),
     Set(SetBlock, bool),
     Block(Block),
     Skipped,
@@ -93,6 +93,7 @@ pub(super) fn read(files: &dyn Files, name: &str) -> Result<Deck, FileProblem> {
                 // the included file may continue the block before it
                 let file = keyword.require("INPUT", "INPUT")?;
                 if deck.in_step {
+                    deck.materials.step("INCLUDE");
                     let name = "*INCLUDE in a *STEP";
                     deck.unread.note(name, &keyword.at, Carries::Nothing);
                 } else {
@@ -192,6 +193,7 @@ impl Deck {
                 });
             }
             name => {
+                self.materials.step(name);
                 let lost = match name {
                     "MODELCHANGE" => Carries::Structure,
                     _ => Carries::Nothing,
@@ -263,7 +265,11 @@ impl Deck {
             None => {
                 // the set exists even if it stays empty
                 self.scope().sets.extend(set);
-                Open::Lost(format!("*ELEMENT, TYPE={name}"))
+                let lost = match name.as_str() {
+                    "DASHPOT1" | "DASHPOT2" | "DASHPOTA" => Carries::Nothing,
+                    _ => Carries::Structure,
+                };
+                Open::Lost(format!("*ELEMENT, TYPE={name}"), lost)
             }
         })
     }
@@ -339,9 +345,9 @@ impl Deck {
                     }
                 }
             }
-            Open::Lost(name) => {
+            Open::Lost(name, lost) => {
                 if !row.is_blank() {
-                    self.unread.note(name, &row.at, Carries::Structure);
+                    self.unread.note(name, &row.at, *lost);
                 }
             }
             Open::Set(set, generate) => set.row(&row, *generate)?,
@@ -412,7 +418,7 @@ impl Deck {
             }
             Open::Set(set, _) => self.scope().sets.push(set),
             Open::Block(block) => self.block(block)?,
-            Open::Lost(_) | Open::Skipped => {}
+            Open::Lost(..) | Open::Skipped => {}
         }
         Ok(())
     }
@@ -431,6 +437,12 @@ impl Deck {
             }
             "SYSTEM" => self.system = Some(system(&block.rows, &keyword.at)?),
             "ASSEMBLY" | "ENDASSEMBLY" | "HEADING" => {}
+            "INITIALCONDITIONS" => {
+                // they give the temperature of the materials
+                let name = format!("*{}", keyword.name);
+                self.unread.note(&name, &keyword.at, Carries::Nothing);
+                self.scope().blocks.push(block);
+            }
             name if KEPT.contains(&name) => self.scope().blocks.push(block),
             name => {
                 let lost = carries(name);

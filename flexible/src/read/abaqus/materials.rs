@@ -1,8 +1,12 @@
 //! `*MATERIAL` with `*ELASTIC` of an isotropic material or a lamina, and `*DENSITY`.
+//!
+//! Constants of several temperatures are linear between their lines and constant beyond them, at the
+//! temperature that `*INITIAL CONDITIONS, TYPE=TEMPERATURE` states for all nodes, else at 0 (manuals of CalculiX
+//! and Abaqus).
 
 use std::collections::BTreeMap;
 
-use super::lines::key;
+use super::lines::{Row, key};
 use super::scope::Block;
 use crate::error::FileProblem;
 use crate::mesh::{Carries, Material, SheetElasticity};
@@ -13,11 +17,92 @@ use crate::read::unread::UnreadCards;
 struct Entry {
     name: String,
     /// Young's modulus and Poisson's ratio.
-    elastic: Option<(f64, f64)>,
+    elastic: Table<2>,
     /// Of `TYPE=LAMINA`.
     sheet: Option<SheetElasticity>,
-    density: Option<f64>,
+    density: Table<1>,
     at: At,
+}
+
+impl Entry {
+    /// The keywords whose constants depend on the temperature, with their places.
+    fn changing(&self) -> impl Iterator<Item = &(String, At)> {
+        let elastic = (!self.elastic.is_constant()).then_some(&self.elastic.from);
+        let density = (!self.density.is_constant()).then_some(&self.density.from);
+        [elastic, density].into_iter().flatten().flatten()
+    }
+}
+
+/// Constants by temperature, in ascending order. One line has any temperature.
+#[derive(Clone, Debug)]
+struct Table<const N: usize> {
+    lines: Vec<(f64, [f64; N])>,
+    /// The name and the place of its keyword.
+    from: Option<(String, At)>,
+}
+
+impl<const N: usize> Default for Table<N> {
+    fn default() -> Self {
+        Table {
+            lines: Vec::new(),
+            from: None,
+        }
+    }
+}
+
+impl<const N: usize> Table<N> {
+    /// Reads the lines of a keyword, whose temperature is behind the constants.
+    fn read(
+        block: &Block,
+        rows: &[&Row],
+        constants: impl Fn(&Row) -> Result<[f64; N], FileProblem>,
+    ) -> Result<Self, FileProblem> {
+        let keyword = &block.keyword;
+        let mut lines: Vec<(f64, [f64; N])> = Vec::with_capacity(rows.len());
+        for row in rows {
+            let temperature = match rows.len() {
+                1 => 0.0, // it does not matter
+                _ => row.real(N, "the temperature")?,
+            };
+            if lines
+                .last()
+                .is_some_and(|(before, _)| *before >= temperature)
+            {
+                return Err(row.at.problem(
+                    format!("the temperature {temperature} does not follow a lower one"),
+                    "write the lines by ascending temperature",
+                ));
+            }
+            lines.push((temperature, constants(row)?));
+        }
+        let from = Some((format!("*{}", keyword.name), keyword.at.clone()));
+        Ok(Table { lines, from })
+    }
+
+    /// Whether the constants are the same at all temperatures.
+    fn is_constant(&self) -> bool {
+        let first = self.lines.first().map(|(_, values)| values);
+        self.lines.iter().all(|(_, values)| Some(values) == first)
+    }
+
+    /// The constants at a temperature.
+    fn at(&self, temperature: f64) -> Option<[f64; N]> {
+        let after = self.lines.partition_point(|(at, _)| *at <= temperature);
+        match (
+            after.checked_sub(1).and_then(|i| self.lines.get(i)),
+            self.lines.get(after),
+        ) {
+            (Some((low, a)), Some((high, b))) => {
+                let share = (temperature - low) / (high - low);
+                let between = a.iter().zip(b).map(|(a, b)| a + share * (b - a));
+                let mut values = *a;
+                values.iter_mut().zip(between).for_each(|(v, x)| *v = x);
+                Some(values)
+            }
+            (Some((_, values)), None) | (None, Some((_, values))) => Some(*values),
+            (None, None) => None,
+        }
+    }
 }
 
 /// The materials of a file.
@@ -25,7 +110,20 @@ struct Entry {
 pub(super) struct Materials {
     entries: BTreeMap<String, Entry>,
     open: Option<String>,
+    /// Temperature at the start of the first step.
+    temperature: f64,
+    /// Whether a step changes the temperature.
+    heated: bool,
 }
+
+/// Keywords of steps that change the temperature, or may do so by a file that is not read.
+const HEAT: &[&str] = &[
+    "INCLUDE",
+    "TEMPERATURE",
+    "HEATTRANSFER",
+    "COUPLEDTEMPERATURE-DISPLACEMENT",
+    "UNCOUPLEDTEMPERATURE-DISPLACEMENT",
+];
 
 /// Keywords of a material that do not change the linear structure.
 const HARMLESS: &[&str] = &[
@@ -56,9 +154,9 @@ impl Materials {
             let name = keyword.require("NAME", "NAME")?;
             let entry = Entry {
                 name: name.to_string(),
-                elastic: None,
+                elastic: Table::default(),
                 sheet: None,
-                density: None,
+                density: Table::default(),
                 at: keyword.at.clone(),
             };
             if let Some(first) = self.entries.insert(key(name), entry) {
@@ -87,30 +185,36 @@ impl Materials {
                         "put it after the *MATERIAL that it describes",
                     ));
                 };
-                if rows.len() > 1 {
-                    unread.note(
-                        &format!("*{} at several temperatures", keyword.name),
-                        &keyword.at,
-                        Carries::Unknown,
-                    );
-                }
                 let Some(row) = rows.first() else {
                     return Err(keyword.problem(
                         "its data line is missing",
                         "write its values on the next line",
                     ));
                 };
+                let lamina = keyword.choice("TYPE") == "LAMINA";
+                let rows = match lamina || keyword.has("DEPENDENCIES") {
+                    true => {
+                        if rows.len() > 1 {
+                            several(&keyword.name, &keyword.at, unread);
+                        }
+                        &rows[..1]
+                    }
+                    false => &rows[..],
+                };
                 if keyword.key == "DENSITY" {
-                    entry.density = Some(row.real(0, "the density")?);
+                    entry.density =
+                        Table::read(block, rows, |row| Ok([row.real(0, "the density")?]))?;
                 } else if matches!(keyword.choice("TYPE").as_str(), "" | "ISO" | "ISOTROPIC") {
-                    let young = row.real(0, "Young's modulus")?;
-                    let poisson = row.optional_real(1, "Poisson's ratio")?;
-                    if poisson.is_none() {
+                    let blank = |row: &&Row| row.text(1).is_empty();
+                    if rows.iter().any(blank) {
                         // the codes take zero; of a metal shear and torsion then come out 30 % too stiff
                         let name = "*ELASTIC without Poisson's ratio";
                         unread.note(name, &keyword.at, Carries::Structure);
                     }
-                    entry.elastic = Some((young, poisson.unwrap_or(0.0)));
+                    entry.elastic = Table::read(block, rows, |row| {
+                        let young = row.real(0, "Young's modulus")?;
+                        Ok([young, row.real_or_zero(1, "Poisson's ratio")?])
+                    })?;
                 } else if keyword.choice("TYPE") == "LAMINA" {
                     let names = ["E1", "E2", "Nu12", "G12", "G13", "G23"];
                     let mut constants = [0.0; 6];
@@ -126,7 +230,10 @@ impl Materials {
                         ));
                     }
                     entry.sheet = sheet;
-                    entry.elastic = Some((e1, poisson));
+                    entry.elastic = Table {
+                        lines: vec![(0.0, [e1, poisson])],
+                        from: None,
+                    };
                 }
             }
             known if entry.is_some() && HARMLESS.contains(&known) => {
@@ -138,6 +245,40 @@ impl Materials {
         Ok(true)
     }
 
+    /// Notes a keyword of a step.
+    pub fn step(&mut self, keyword: &str) {
+        self.heated |= HEAT.contains(&keyword);
+    }
+
+    /// Whether constants depend on the temperature.
+    pub fn depend_on_temperature(&self) -> bool {
+        self.entries
+            .values()
+            .any(|entry| entry.changing().next().is_some())
+    }
+
+    /// Takes the constants at a temperature, which all nodes have at the start, and says so. Without one, or if
+    /// a step changes it, constants that depend on it are noted as unread.
+    pub fn heat(&mut self, temperature: Option<f64>, unread: &mut UnreadCards) -> Vec<String> {
+        let found: Vec<(String, At)> = (self.entries.values())
+            .flat_map(|entry| entry.changing().cloned())
+            .collect();
+        let Some(temperature) = temperature.filter(|_| !self.heated) else {
+            for (name, at) in &found {
+                several(name.trim_start_matches('*'), at, unread);
+            }
+            return Vec::new();
+        };
+        self.temperature = temperature;
+        let said = found.iter().map(|(name, at)| {
+            format!(
+                "{}:{}: {name} depends on the temperature: its constants at {temperature} count, the temperature at the start",
+                at.file, at.line
+            )
+        });
+        said.collect()
+    }
+
     /// The material of a section, which may be a lamina for a shell.
     pub fn find(&self, name: &str, user: &Block, shell: bool) -> Result<Material, FileProblem> {
         let Some(entry) = self.entries.get(&key(name)) else {
@@ -146,8 +287,8 @@ impl Materials {
                 "add its *MATERIAL, or *INCLUDE the file that holds it",
             ));
         };
-        let known = entry.elastic.filter(|_| shell || entry.sheet.is_none());
-        let Some((young, poisson)) = known else {
+        let known = entry.elastic.at(self.temperature);
+        let Some([young, poisson]) = known.filter(|_| shell || entry.sheet.is_none()) else {
             return Err(entry.at.problem(
                 format!("a section uses the material {name}, which has no isotropic *ELASTIC"),
                 "give it *ELASTIC with Young's modulus and Poisson's ratio; only shells can have TYPE=LAMINA",
@@ -157,8 +298,17 @@ impl Materials {
             name: entry.name.clone(),
             young,
             poisson,
-            density: entry.density.unwrap_or(0.0),
+            density: entry
+                .density
+                .at(self.temperature)
+                .map_or(0.0, |[density]| density),
             sheet: entry.sheet,
         })
     }
+}
+
+/// Notes constants of several temperatures that Eng does not read.
+fn several(name: &str, at: &At, unread: &mut UnreadCards) {
+    let name = format!("*{name} at several temperatures");
+    unread.note(&name, at, Carries::Unknown);
 }

@@ -30,6 +30,7 @@ mod shapes;
 mod shells;
 mod supports;
 mod surfaces;
+mod temperature;
 mod ties;
 mod unread;
 
@@ -65,6 +66,11 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
         ..Mesh::default()
     };
     surfaces::fill(&mut model, unread)?;
+    if deck.materials.depend_on_temperature() {
+        let temperature = temperature::initial(&model)?;
+        let told = deck.materials.heat(temperature, unread);
+        mesh.doubts.extend(told);
+    }
     elements::make(&mut model, &mut mesh, &deck.materials, unread)?;
     points::make(&model, &mut mesh, unread)?;
     ties::make(&mut model, &mut mesh, unread)?;

@@ -13,6 +13,7 @@ pub(super) const KEPT: &[&str] = &[
     "DISTRIBUTING",
     "ELASTIC",
     "EQUATION",
+    "INITIALCONDITIONS",
     "INSTANCE",
     "KINEMATIC",
     "KINEMATICCOUPLING",
@@ -43,7 +44,6 @@ const STRUCTURE: &[&str] = &[
     "CONTACT",
     "CONTACTINCLUSIONS",
     "CYCLICSYMMETRYMODEL",
-    "DASHPOT",
     "DISTRIBUTINGCOUPLING",
     "ELCOPY",
     "ELGEN",
@@ -75,7 +75,7 @@ const STRUCTURE: &[&str] = &[
     "USERELEMENT",
 ];
 
-/// Keywords of loads, requests, contact laws and drawing.
+/// Keywords of loads, dampers, requests, contact laws and drawing.
 const NOTHING: &[&str] = &[
     "AMPLITUDE",
     "BULKVISCOSITY",
@@ -90,6 +90,7 @@ const NOTHING: &[&str] = &[
     "CONTACTPRINT",
     "CONTACTPROPERTYASSIGNMENT",
     "CONTROLS",
+    "DASHPOT",
     "DISPLAYBODY",
     "DISTRIBUTION",
     "DISTRIBUTIONTABLE",
@@ -102,7 +103,6 @@ const NOTHING: &[&str] = &[
     "GAPCONDUCTANCE",
     "GAPHEATGENERATION",
     "HOURGLASSSTIFFNESS",
-    "INITIALCONDITIONS",
     "INTEGRATEDOUTPUTSECTION",
     "MONITOR",
     "NODEFILE",

@@ -41,10 +41,16 @@ struct Pair {
     at: At,
 }
 
+/// The cards of regions. Contact uses them, too.
+const REGIONS: [&str; 4] = ["BSURF", "BSURFS", "BCPROP", "BCPROPS"];
+
 /// Cards of glue.
 #[derive(Debug, Default)]
 pub(super) struct Glue {
     regions: BTreeMap<u64, Vec<(Part, At)>>,
+    /// Cards of regions that are wrong, by their numbers; `None` if even the number is. They matter for glue
+    /// alone.
+    wrong: BTreeMap<Option<u64>, FileProblem>,
     pairs: Vec<Pair>,
     sets: BTreeSet<u64>,
     sums: BTreeMap<u64, Vec<u64>>,
@@ -59,12 +65,26 @@ impl Glue {
         match card.name.as_str() {
             "BGADD" => add_sum(&mut self.sums, card)?,
             "BGSET" => self.pairs(card)?,
-            "BSURF" => self.region(card, Part::Shells(card.ids(1, card.len(), "EID")?))?,
-            "BCPROP" | "BCPROPS" => {
-                let ids = card.ids(1, card.len(), "IP")?;
-                let solid = card.name == "BCPROPS";
-                self.region(card, Part::Properties { ids, solid })?;
+            name if Self::is_region(name) => {
+                let lost = card.lost_problem().map_or(Ok(()), Err);
+                if let Err(problem) = lost.and_then(|()| self.regions_of(card)) {
+                    let id = card.id(0, "ID").ok();
+                    self.wrong.entry(id).or_insert(problem);
+                }
             }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// Whether a card states a region. A wrong one is no error of the deck, unless glue uses it.
+    pub fn is_region(name: &str) -> bool {
+        REGIONS.contains(&name)
+    }
+
+    fn regions_of(&mut self, card: &Card) -> Result<(), FileProblem> {
+        match card.name.as_str() {
+            "BSURF" => self.region(card, Part::Shells(card.ids(1, card.len(), "EID")?)),
             "BSURFS" => {
                 for first in (4..card.len()).step_by(4) {
                     if (first..first + 4).all(|i| card.is_blank(i)) {
@@ -76,10 +96,14 @@ impl Glue {
                     }
                     self.region(card, Part::Face(card.id(first, "EID")?, corners))?;
                 }
+                Ok(())
             }
-            _ => return Ok(false),
+            name => {
+                let ids = card.ids(1, card.len(), "IP")?;
+                let solid = name == "BCPROPS";
+                self.region(card, Part::Properties { ids, solid })
+            }
         }
-        Ok(true)
     }
 
     fn region(&mut self, card: &Card, part: Part) -> Result<(), FileProblem> {
@@ -170,6 +194,9 @@ impl Glue {
             };
             let tied = tied(&mesh.nodes, &mesh.frames, &request, next);
             pair.told(&tied, nodes.len(), &mut doubts)?;
+            // a node has an equation for each direction
+            let turned = tied.followers().filter(|node| turns(&turning, *node));
+            pair.turned(turned.collect::<BTreeSet<_>>().len(), &mut doubts);
             next += tied.ties.len() as u64;
             following.extend(tied.followers());
             ties.extend(tied.ties);
@@ -179,7 +206,10 @@ impl Glue {
 
     /// The faces of a region.
     fn faces(&self, id: u64, pair: &Pair, faces: &mut Faces) -> Result<Vec<Face>, FileProblem> {
+        let wrong = |id: Option<u64>| self.wrong.get(&id).map_or(Ok(()), |p| Err(p.clone()));
+        wrong(Some(id))?;
         let Some(parts) = self.regions.get(&id) else {
+            wrong(None)?;
             return Err(pair.at.problem(
                 format!(
                     "BGSET {} glues region {id}, which is missing or no surface",
@@ -221,6 +251,16 @@ impl Pair {
         let name = format!("{source} of BGSET {}", self.set);
         doubts.extend(doubt(&place, &name, tied, count, &reach));
         Ok(())
+    }
+
+    /// Says that shells of the source region turn without the target, if `count` of its nodes have rotations.
+    fn turned(&self, count: usize, doubts: &mut Vec<String>) {
+        if count > 0 {
+            doubts.push(format!(
+                "{}:{}: BGSET {} ties the translations of region {} alone: the rotations of the {count} nodes of its shells do not follow region {}",
+                self.at.file, self.at.line, self.set, self.source, self.target
+            ));
+        }
     }
 }
 
@@ -281,6 +321,10 @@ impl Faces<'_> {
         }
         Ok(())
     }
+}
+
+fn turns(turning: &[bool], node: u32) -> bool {
+    turning.get(node as usize).is_some_and(|turns| *turns)
 }
 
 /// For each node whether a shell that bends uses its rotations.

@@ -35,6 +35,7 @@ mod rigid;
 mod sections;
 mod sets;
 pub(super) mod shapes;
+mod spline;
 mod supports;
 mod ties;
 mod unread;
@@ -126,6 +127,7 @@ impl Deck {
         match (self.read(card), card.lost_problem()) {
             (Err(problem), None) => Err(problem),
             (Err(_), Some(problem)) => Err(problem),
+            (Ok(true), Some(_)) if Glue::is_region(&card.name) => Ok(()),
             (Ok(true), Some(problem)) if !CONTINUATION_WITH_VALUES.contains(&&*card.name) => {
                 Err(problem)
             }
@@ -446,8 +448,11 @@ impl Deck {
                     };
                     let mut axes = beams::axes(beam, card.id, [a, b], &around, &card.at)?;
                     axes.centroid = self.properties.neutral(card.family, card.property);
-                    if axes.centroid != [0.0; 2] && added != 0.0 {
-                        let name = "added mass of a CBEAM with N1 and N2";
+                    let placed = self
+                        .properties
+                        .has_place_of_mass(card.family, card.property);
+                    if placed && added != 0.0 {
+                        let name = "added mass of a CBEAM with N1, N2, M1 or M2";
                         self.unread.note(name, &card.at, Carries::Structure);
                     }
                     Some(axes)
@@ -467,8 +472,7 @@ impl Deck {
             add_element(mesh, new, &nodes, axes).map_err(|e| e.at(&card.at))?;
             numbers.push(card.property);
         }
-        for at in &made.odd_shear {
-            let name = "MAT1 of solids with G other than E/(2 (1+NU))";
+        for (name, at) in &made.odd_shear {
             self.unread.note(name, at, Carries::Structure);
         }
         mesh.properties = made.properties.all;

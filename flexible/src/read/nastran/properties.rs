@@ -1,7 +1,7 @@
 //! Properties and materials: `PSOLID`, `PSHELL`, `PBAR`, `PBARL`, `PBEAM`, `PBEAML`, `PROD`, `PTUBE`, `PCOMP`,
 //! `PCOMPG`, `MAT1`, `MAT2`, `MAT8`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 use super::card::Card;
@@ -66,6 +66,8 @@ impl PropertyCard {
 enum Constants {
     /// Young's modulus, Poisson's ratio, density, and the shear modulus if the card states all three.
     Isotropic([f64; 3], Option<f64>),
+    /// Young's modulus and density of a card without G and NU: both are zero.
+    Stretch([f64; 2]),
     /// The constants of a sheet.
     Sheet(Box<SheetConstants>),
     /// A material that can't be expressed.
@@ -113,6 +115,8 @@ pub(super) struct Properties {
     materials: BTreeMap<u64, MaterialCard>,
     /// N1 and N2 of `PBEAM`: from the shear centre to the neutral axis.
     neutral: BTreeMap<u64, [f64; 2]>,
+    /// `PBEAM` whose added mass is beside its nodes (M1, M2).
+    beside: BTreeSet<u64>,
 }
 
 impl Properties {
@@ -150,6 +154,11 @@ impl Properties {
         }
     }
 
+    /// Whether a beam has a place for added mass that Eng does not know: beside the shear centre.
+    pub fn has_place_of_mass(&self, family: Family, id: u64) -> bool {
+        family == Family::Beam && (self.neutral.contains_key(&id) || self.beside.contains(&id))
+    }
+
     /// The name of the card of a property, without the letters of its form: `PBARL` is `PBAR`, laminates are `PSHELL`.
     pub fn group(&self, family: Family, id: u64) -> Option<&'static str> {
         let name = self.properties.get(&(family, id))?.name.as_str();
@@ -177,17 +186,21 @@ impl Properties {
 
     /// Young's modulus, Poisson's ratio, shear modulus and density of the material of a shear panel.
     pub fn shear_of(&self, id: u64, user: &At) -> Result<[f64; 4], FileProblem> {
+        let no_shear = || {
+            user.problem(
+                format!("the shear panel's material {id} has no positive shear modulus, or a negative density"),
+                "give E and NU, or G, above zero in its MAT1",
+            )
+        };
         match self.materials.get(&id).map(|card| &card.constants) {
             Some(Constants::Isotropic([young, poisson, density], own)) => {
                 let shear = own.unwrap_or(young / (2.0 * (1.0 + poisson)));
                 if shear > 0.0 && *poisson > -1.0 && *density >= 0.0 {
                     return Ok([*young, *poisson, shear, *density]);
                 }
-                Err(user.problem(
-                    format!("the shear panel's material {id} has no positive shear modulus, or a negative density"),
-                    "give E and NU, or G, above zero in its MAT1",
-                ))
+                Err(no_shear())
             }
+            Some(Constants::Stretch(_)) => Err(no_shear()),
             Some(_) => Err(user.problem(
                 format!("the shear panel's material {id} is not isotropic"),
                 "use MAT1",
@@ -221,7 +234,7 @@ impl Properties {
                 self.insert(card, Family::Rod, Some(material), Kind::Line(section))?;
             }
             "PTUBE" => self.tube(card)?,
-            "MAT1" => self.isotropic(card, unread)?,
+            "MAT1" => self.isotropic(card)?,
             // an unread property is an error only if an element uses it
             "PLSOLID" | "PCOMPS" => {
                 self.insert(card, Family::Solid, None, Kind::Unreadable)?;
@@ -356,7 +369,8 @@ impl Properties {
     /// `PBEAM PID MID A I1 I2 I12 J NSM / C1…F2 / [SO X/XB A I1 I2 I12 J NSM / C1…F2]… / K1 K2 S1 S2 NSI(A)
     /// NSI(B) CW(A) CW(B) / M1(A) M2(A) M1(B) M2(B) N1(A) N2(A) N1(B) N2(B)`. Blank shear factors are 1. N1 and
     /// N2 lead from the shear centre, where the ends are, to the neutral axis (y, z). Added mass has a place of
-    /// its own, M1 and M2.
+    /// its own, M1 and M2. S1 and S2 relieve the shear of tapers alone. CW acts between the scalar points SA and
+    /// SB of `CBEAM`; without these a beam twists freely.
     fn beam(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
         let material = card.id(1, "MID")?;
         card.real(2, "A")?;
@@ -372,20 +386,39 @@ impl Properties {
         for (i, value) in last.iter_mut().enumerate() {
             *value = card.real_or_zero(line + 2 + i, "S1…N2(B)")?;
         }
-        let [others @ .., n1, n2, n1_b, n2_b] = last;
+        let [
+            s1,
+            s2,
+            inertia,
+            inertia_b,
+            _,
+            _,
+            places @ ..,
+            n1,
+            n2,
+            n1_b,
+            n2_b,
+        ] = last;
         let alike =
             (n1 == n1_b || card.is_blank(line + 14)) && (n2 == n2_b || card.is_blank(line + 15));
         let beside = [n1, n2] != [0.0; 2];
+        let massive = places.iter().any(|x| *x != 0.0);
         let heavy = stations
             .iter()
             .any(|station| station.section.mass_per_length != 0.0);
-        if others.iter().any(|x| *x != 0.0) || !alike || (beside && heavy) {
-            unread.note("PBEAM axes and warping", &card.at, Carries::Structure);
+        let kind = self.tapered(card, stations)?;
+        let relieved = [s1, s2] != [0.0; 2] && matches!(kind, Kind::Tapered(_));
+        if relieved || [inertia, inertia_b] != [0.0; 2] || !alike || ((beside || massive) && heavy)
+        {
+            let name = "PBEAM with S1, S2, NSI, or an axis or added mass beside its nodes";
+            unread.note(name, &card.at, Carries::Structure);
+        }
+        if massive {
+            self.beside.insert(card.id(0, "PID")?);
         }
         if beside {
             self.neutral.insert(card.id(0, "PID")?, [n1, n2]);
         }
-        let kind = self.tapered(card, stations)?;
         self.insert(card, Family::Beam, Some(material), kind)
     }
 
@@ -411,8 +444,9 @@ impl Properties {
     }
 
     /// `MAT1 MID E G NU RHO`. Of E, G and ν one may be blank: E = 2 (1 + ν) G. If all are stated, G resists the
-    /// shear of lines and shells, whatever E and ν (MSC Nastran, Quick Reference Guide, MAT1).
-    fn isotropic(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+    /// shear of lines and shells, whatever E and ν. If G and ν are blank, both are zero: lines have no stiffness in
+    /// torsion (MSC Nastran, Quick Reference Guide, MAT1).
+    fn isotropic(&mut self, card: &Card) -> Result<(), FileProblem> {
         let young = card.optional_real(1, "E")?;
         let shear = card.optional_real(2, "G")?;
         let poisson = card.optional_real(3, "NU")?;
@@ -425,8 +459,7 @@ impl Properties {
                 (young, young / (2.0 * shear) - 1.0)
             }
             (Some(young), _, None) => {
-                unread.note("MAT1 without G and NU", &card.at, Carries::Structure);
-                (young, 0.0)
+                return self.material(card, Constants::Stretch([young, density]));
             }
             _ => {
                 return Err(card.problem(
@@ -553,6 +586,12 @@ fn shaped(card: &Card, from: usize, count: usize) -> Result<BeamSection, FilePro
     }
 }
 
+/// The name of a material whose G is not that of an isotropic solid.
+const ODD_SHEAR: &str = "MAT1 of solids with G other than E/(2 (1+NU))";
+
+/// The name of a material without G and NU of anything but a line that only stretches and bends.
+const NO_SHEAR: &str = "MAT1 without G and NU of solids, shells or beams with shear";
+
 /// Properties and materials of a mesh, each made when an element first uses it.
 pub(super) struct Made<'d> {
     cards: &'d Properties,
@@ -562,8 +601,8 @@ pub(super) struct Made<'d> {
     pub properties: Once<(Family, u64, Option<u64>, u64), Property>,
     /// Materials in the order of their first use, by number and form.
     pub materials: Once<(u64, Form), Material>,
-    /// The cards of materials of solids with a G of its own.
-    pub odd_shear: Vec<At>,
+    /// Uses of materials whose shear Eng does not know: the name of the content, and the card.
+    pub odd_shear: Vec<(&'static str, At)>,
     /// Layers, by the order of the deck's laminates.
     pub laminates: Once<usize, Vec<Layer>>,
     /// Sections of tapered beams, by the order of the deck's.
@@ -659,11 +698,23 @@ impl<'d> Made<'d> {
                 })
             }
             Kind::Laminate(index) => self.laminate(index, card, added)?,
-            Kind::Line(line) => Section::Beam(BeamSection {
-                mass_per_length: (line.mass_per_length + added) * scale,
-                ..line
-            }),
-            Kind::Tapered(index) => Section::Tapered(self.taper(index, added)),
+            Kind::Line(line) => {
+                let soft = self.is_without_shear(card);
+                if soft && line.shear != [0.0; 2] {
+                    self.note_shear(NO_SHEAR, card);
+                }
+                Section::Beam(BeamSection {
+                    mass_per_length: (line.mass_per_length + added) * scale,
+                    torsion: if soft { 0.0 } else { line.torsion },
+                    ..line
+                })
+            }
+            Kind::Tapered(index) => {
+                if self.is_without_shear(card) {
+                    self.note_shear(NO_SHEAR, card);
+                }
+                Section::Tapered(self.taper(index, added))
+            }
             Kind::Unreadable => {
                 return Err(card.at.problem(
                     format!(
@@ -687,6 +738,25 @@ impl<'d> Made<'d> {
             material,
             section,
         })
+    }
+
+    /// Whether the material of a property has E alone.
+    fn is_without_shear(&self, card: &PropertyCard) -> bool {
+        let material = card.material.and_then(|id| self.cards.materials.get(&id));
+        material.is_some_and(|card| matches!(card.constants, Constants::Stretch(_)))
+    }
+
+    /// Notes that a material's shear is not known for a property that uses it.
+    fn note_shear(&mut self, name: &'static str, user: &PropertyCard) {
+        let material = user.material.and_then(|id| self.cards.materials.get(&id));
+        let at = material.map_or(&user.at, |card| &card.at);
+        if !self
+            .odd_shear
+            .iter()
+            .any(|known| known.0 == name && known.1 == *at)
+        {
+            self.odd_shear.push((name, at.clone()));
+        }
     }
 
     /// Index of the stations of a tapered beam of the deck.
@@ -787,12 +857,18 @@ impl<'d> Made<'d> {
                         (young, stated, density, sheet, Form::Sheet)
                     }
                     _ => {
-                        if odd.is_some() && !self.odd_shear.contains(&card.at) {
-                            self.odd_shear.push(card.at.clone());
+                        if odd.is_some() {
+                            self.note_shear(ODD_SHEAR, user);
                         }
                         (young, stated, density, None, Form::Stated)
                     }
                 }
+            }
+            (Constants::Stretch([young, density]), _) => {
+                if !line {
+                    self.note_shear(NO_SHEAR, user);
+                }
+                (*young, 0.0, *density, None, Form::Stated)
             }
             (Constants::Sheet(own), Use::Sheet) => {
                 let sheet = Some(own.plane);

@@ -64,7 +64,7 @@ pub(super) fn dependence(
 }
 
 /// The axis of a freedom 0…5 of a node, in basic axes.
-fn direction(node: &Node, freedom: u8, frames: &[Frame]) -> [f64; 3] {
+pub(super) fn direction(node: &Node, freedom: u8, frames: &[Frame]) -> [f64; 3] {
     let rotation = (node.frame)
         .and_then(|frame| frames.get(frame as usize))
         .map_or(IDENTITY, |frame| frame.rotation);
@@ -112,7 +112,7 @@ pub(super) fn rod(
 
 /// Solves `matrix · x = right` by elimination with row exchange; `None` if it is singular (entries are of
 /// order 1).
-fn solve(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
+pub(super) fn solve(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
     for k in 0..6 {
         let pivot = (k..6).max_by(|i, j| matrix[*i][k].abs().total_cmp(&matrix[*j][k].abs()))?;
         if matrix[pivot][k].abs() < 1e-10 {

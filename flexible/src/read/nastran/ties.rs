@@ -1,4 +1,5 @@
-//! Rules between freedoms: `RBE2`, `RBE3`, `RBAR`, `RBAR1`, `RBE1`, `RTRPLT`, `RTRPLT1`, `RROD`, `MPC`.
+//! Rules between freedoms: `RBE2`, `RBE3`, `RBAR`, `RBAR1`, `RBE1`, `RTRPLT`, `RTRPLT1`, `RROD`, `RSPLINE`,
+//! `MPC`.
 
 use super::card::{Card, Ids};
 use super::grids::Lookup;
@@ -6,8 +7,11 @@ use super::lines::At;
 use super::masses::distinct;
 use super::number;
 use super::rigid::{Freedom, dependence, rod};
+use super::spline::{Problem, equations};
 use super::unread::UnreadCards;
+use super::vector::norm;
 use crate::error::FileProblem;
+use crate::fe::vector::subtract;
 use crate::mesh::{Carries, Frame, Node, Tie};
 
 /// All components of a node as bits: three translations, then three rotations.
@@ -34,6 +38,9 @@ enum Kind {
         ends: [u64; 2],
         dependent: (usize, u8),
     },
+    /// Grid points along a curve with the freedoms that follow it (none: the point is independent), and the
+    /// diameter of its tube as a share of its length.
+    Spline { points: Vec<(u64, u8)>, ratio: f64 },
     /// Grid point, freedom, coefficient.
     Equation(Vec<(u64, Option<u8>, f64)>),
 }
@@ -65,6 +72,7 @@ impl Ties {
             "RBAR1" => hanging(card, &[(2, 3, "B")])?,
             "RTRPLT1" => hanging(card, &[(2, 4, "B"), (3, 5, "C")])?,
             "RROD" => pinned(card)?,
+            "RSPLINE" => spline(card)?,
             "RBE1" => general(card)?,
             "MPC" => equation(card)?,
             _ => return Ok(false),
@@ -174,6 +182,13 @@ fn tie(
                 ));
             };
             Tie::Equation { id, terms }
+        }
+        Kind::Spline { points, ratio } => {
+            let mut found = Vec::with_capacity(points.len());
+            for (grid, freedoms) in points {
+                found.push((lookup.require(*grid, &user, &card.at)?, *freedoms));
+            }
+            return splines(card, points, &found, *ratio, (nodes, frames), ties);
         }
         Kind::Shared {
             independent,
@@ -337,6 +352,88 @@ fn pinned(card: &Card) -> Result<Kind, FileProblem> {
             "give 1, 2 or 3 as CMA or as CMB, and leave the other one blank",
         )),
     }
+}
+
+/// `RSPLINE EID D/L G1 G2 C2 G3 C3 … Gn`: a blank C means an independent point.
+fn spline(card: &Card) -> Result<Kind, FileProblem> {
+    let ratio = card.optional_real(1, "D/L")?.unwrap_or(0.1);
+    if ratio.is_nan() || ratio <= 0.0 {
+        return Err(card.problem(
+            &format!("the ratio D/L is {ratio}"),
+            "give the diameter of the tube as a share of its length, or leave D/L blank for 0.1",
+        ));
+    }
+    let mut end = card.len();
+    while end > 3 && card.is_blank(end - 1) {
+        end -= 1;
+    }
+    let mut points = vec![(card.id(2, "G1")?, 0)];
+    for i in (3..end).step_by(2) {
+        let number = points.len() + 1;
+        let grid = card.id(i, &format!("G{number}"))?;
+        let freedoms = card.optional_components(i + 1, &format!("C{number}"))?;
+        points.push((grid, freedoms.unwrap_or(0)));
+    }
+    match points.last() {
+        Some((_, 0)) if points.iter().any(|(_, freedoms)| *freedoms != 0) => {
+            Ok(Kind::Spline { points, ratio })
+        }
+        Some((grid, 1..)) => Err(card.problem(
+            &format!("its last grid point {grid} depends on the spline"),
+            "leave C of the last grid point blank: both ends of a spline are independent",
+        )),
+        _ => Err(card.problem(
+            "no grid point between its ends has dependent freedoms",
+            "give C of the grid points that follow the curve",
+        )),
+    }
+}
+
+/// The equations of the splines of a card, one from each independent point to the next. `points` has the
+/// numbers of the grid points, `found` their nodes.
+fn splines(
+    card: &TieCard,
+    points: &[(u64, u8)],
+    found: &[(u32, u8)],
+    ratio: f64,
+    (nodes, frames): (&[Node], &[Frame]),
+    ties: &mut Vec<Tie>,
+) -> Result<(), FileProblem> {
+    let place = |node: u32| (nodes.get(node as usize)).map_or([0.0; 3], |node| node.position);
+    let length: f64 = (found.windows(2))
+        .map(|pair| norm(subtract(place(pair[1].0), place(pair[0].0))))
+        .sum();
+    let mut first = 0;
+    for last in 1..found.len() {
+        let Some(part) = found.get(first..=last) else {
+            continue;
+        };
+        if !matches!(part.last(), Some((_, 0))) {
+            continue;
+        }
+        let rows = equations(part, ratio * length, nodes, frames).map_err(|problem| {
+            let id = card.id;
+            let grid = |i: usize| points.get(first + i).map_or(0, |(grid, _)| *grid);
+            match problem {
+                Problem::Together(i) => card.at.problem(
+                    format!(
+                        "grid points {} and {} of RSPLINE {id} are at one place",
+                        grid(i - 1),
+                        grid(i)
+                    ),
+                    "name each place of the curve once",
+                ),
+                Problem::Thin => card.at.problem(
+                    format!("the tube of RSPLINE {id} is too thin: D/L is {ratio}"),
+                    "state a larger ratio D/L: it hardly changes the curve (0.1 unless stated)",
+                ),
+            }
+        })?;
+        let id = card.id;
+        ties.extend(rows.into_iter().map(|terms| Tie::Equation { id, terms }));
+        first = last;
+    }
+    Ok(())
 }
 
 /// `RBE1 EID GN1 CN1 GN2 CN2 GN3 CN3 / … / UM GM1 CM1 …`: six independent freedoms before `UM`, dependent

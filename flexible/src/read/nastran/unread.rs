@@ -19,9 +19,8 @@ const STRUCTURE: &[&str] = &[
     "CPLSTN4", "CPLSTN6", "CPLSTN8", "CPLSTS3", "CPLSTS4", "CPLSTS6", "CPLSTS8", "CQUAD", "CQUADX",
     "CRAC2D", "CRAC3D", "CSEAM", "CSUPEXT", "CTRAX3", "CTRAX6", "CTRIAX", "CTRIAX6", "CQUADX4",
     "CQUADX8", "CWELD", "DMIG", "DMIAX", "EBDADD", "EBDSET", "GENEL", "GMBC", "GMSPC", "PBUSH1D",
-    "PGAP", "RJOINT", "RSPLINE", "RSSCON", "SEBNDRY", "SEBULK", "SECONCT", "SEELT", "SEEXCLD",
-    "SELABEL", "SELOC", "SEMPLN", "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN",
-    "CYSYM", "TF",
+    "PGAP", "RJOINT", "RSSCON", "SEBNDRY", "SEBULK", "SECONCT", "SEELT", "SEEXCLD", "SELABEL",
+    "SELOC", "SEMPLN", "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
 ];
 
 /// Cards of loads, requests and solution methods, for [`carries`].
