@@ -888,7 +888,7 @@ fn what_cannot_be_made_is_said_in_its_place() {
     );
     let report = ran.report();
     let error = |name: &str| report.values(name).expect_err("an error").to_string();
-    assert_eq!(error("absent"), "no results of coarse");
+    assert_eq!(error("absent"), "there are no results of coarse; run it first");
     assert_eq!(
         error("differing"),
         "timed and turned have different samples (2001 samples against 2881); `resample(a, like: b)` gives the signal a at the samples of the signal b"
@@ -1016,7 +1016,7 @@ report bounds { require maximum(timed.wave[2]) < limit else \"too much\" }
         "{first}"
     );
     assert!(
-        first.contains("  turn is not made: no results of turned\n"),
+        first.contains("  turn is not made: there are no results of turned; run it first\n"),
         "{first}"
     );
     assert!(!first.contains("waves-both.svg"), "{first}");

@@ -150,7 +150,7 @@ fn states_continue_with_the_same_bits() {
     let foreign = Rotor::new("fmu_states_foreign", &["--outputs", "speed,hinge.angle"]);
     let foreign = Three::new(&foreign.fmu).bytes();
     let other = third.refused(third.resume(&foreign));
-    assert!(other.contains("of another FMU"), "{other}");
+    assert!(other.contains("by another FMU"), "{other}");
 }
 
 #[test]

@@ -55,7 +55,7 @@ use evaluate::Evaluator;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PostError {
     /// Analyses without results.
-    #[error("there are no results of {}: run it first", .0.join(", "))]
+    #[error("there are no results of {}; run it first", .0.join(", "))]
     NotRun(Vec<String>),
     /// A channel that was not kept.
     #[error("the results of {analysis} have no {path}; perhaps `--channels` left it out")]

@@ -243,7 +243,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         message = message.at_if(second, "the second one is here");
         message = match first {
             Some(span) => message.also(span, "the first one is here"),
-            None => message.with_note("it is a column of every run"),
+            None => message.with_note("the first one is a column of every run"),
         };
         Err(self.report(message.with_help("give the output or its element another name")))
     }

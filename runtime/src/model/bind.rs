@@ -549,8 +549,9 @@ fn body_kind(
     let moments = about_center.symmetric_eigenvalues();
     let largest = moments.amax();
     let trace: f64 = moments.iter().sum();
-    let shown: Vec<String> = moments.iter().map(|m| short(*m, 4)).collect();
-    let shown = format!("{} kg m²", shown.join(", "));
+    let mut rising = [moments[0], moments[1], moments[2]];
+    rising.sort_by(f64::total_cmp);
+    let shown = format!("{} kg m²", rising.map(|m| short(m, 4)).join(", "));
     if !largest.is_finite() || moments.iter().any(|m| *m < -1e-9 * largest) {
         return Err(refuse(&format!(
             "the inertia tensor has the principal moments {shown}; none may be negative: check signs and order of its numbers"
