@@ -888,7 +888,10 @@ fn what_cannot_be_made_is_said_in_its_place() {
     );
     let report = ran.report();
     let error = |name: &str| report.values(name).expect_err("an error").to_string();
-    assert_eq!(error("absent"), "there are no results of coarse; run it first");
+    assert_eq!(
+        error("absent"),
+        "there are no results of coarse; run it first"
+    );
     assert_eq!(
         error("differing"),
         "timed and turned have different samples (2001 samples against 2881); `resample(a, like: b)` gives the signal a at the samples of the signal b"

@@ -84,14 +84,32 @@ pub enum SourceError {
         needed: usize,
     },
     /// Fewer lines than the grid needs.
-    #[error("a film has {lines} lines as {name}, but it needs at least {needed}")]
+    #[error("a film has {lines} lines {direction}, but needs at least {needed}")]
     TooFewLines {
-        /// Name of the lines.
-        name: &'static str,
+        /// `around` or `across`.
+        direction: &'static str,
         /// Stated number.
         lines: usize,
         /// Least number.
         needed: usize,
+    },
+    /// A line at a wrong place.
+    #[error("a line {direction} of a film is at {}: it must be {range}", shown(direction, *at))]
+    Line {
+        /// `around` or `across`.
+        direction: &'static str,
+        /// Its place, rad or m.
+        at: f64,
+        /// The allowed place.
+        range: &'static str,
+    },
+    /// An opening between the lines.
+    #[error("an opening of a film has an edge at {} {direction}, where the film has no line", shown(direction, *edge))]
+    NoLineAtEdge {
+        /// `around` or `across`.
+        direction: &'static str,
+        /// The edge, rad or m.
+        edge: f64,
     },
     /// An opening without reach.
     #[error(

@@ -458,7 +458,7 @@ fn between(edges: &[f64], cells: usize, open: impl Fn(f64) -> bool) -> Vec<f64> 
 
 /// Stated lines that rise from one number to another and meet all edges.
 fn stated(
-    name: &'static str,
+    direction: &'static str,
     lines: &[f64],
     from: f64,
     to: f64,
@@ -470,31 +470,36 @@ fn stated(
     let meets = |edge: &f64| lines.iter().any(|line| at(line, *edge));
     if lines.len() <= least {
         return Err(SourceError::TooFewLines {
-            name,
+            direction,
             lines: lines.len(),
             needed: least + 1,
         });
     }
-    let refuse = |value: f64, range: &'static str| Err(SourceError::Range { name, value, range });
+    let refuse = |at: f64, range: &'static str| {
+        Err(SourceError::Line {
+            direction,
+            at,
+            range,
+        })
+    };
     if let Some(pair) = lines
         .windows(2)
         .find(|pair| pair[1].is_nan() || pair[1] <= pair[0])
     {
-        return refuse(pair[1], "above the line before it");
+        return refuse(pair[1], "above the one before it");
     }
     for (line, end) in [(lines.first(), from), (lines.last(), to)] {
         if let Some(line) = line.filter(|line| !at(line, end)) {
             return refuse(
                 *line,
-                "at the end of the film, as its first and last lines are",
+                "at the end of the film, because it is the first or the last line",
             );
         }
     }
     if let Some(edge) = edges.iter().find(|edge| !meets(edge)) {
-        return Err(SourceError::Range {
-            name,
-            value: *edge,
-            range: "a set of lines that holds the edges of all openings",
+        return Err(SourceError::NoLineAtEdge {
+            direction,
+            edge: *edge,
         });
     }
     Ok(lines.to_vec())
@@ -517,7 +522,7 @@ fn lines_around(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceEr
     edges.sort_by(f64::total_cmp);
     edges.dedup_by(|next, edge| *next - *edge < SAME_ANGLE);
     match lines {
-        Lines::At(lines) => stated("lines around", lines, 0.0, turn, &edges, LEAST_AROUND),
+        Lines::At(lines) => stated("around", lines, 0.0, turn, &edges, LEAST_AROUND),
         Lines::Equal(cells) => {
             let needed = edges.len().max(LEAST_AROUND);
             if *cells < needed {
@@ -551,7 +556,7 @@ fn lines_across(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceEr
     edges.sort_by(f64::total_cmp);
     edges.dedup_by(|next, edge| *next - *edge < near);
     match lines {
-        Lines::At(lines) => stated("lines across", lines, low, high, &edges, 1),
+        Lines::At(lines) => stated("across", lines, low, high, &edges, 1),
         Lines::Equal(cells) => {
             let needed = edges.len() - 1;
             if *cells < needed {

@@ -474,9 +474,20 @@ fn data_out_of_range_are_refused() {
         message(&|source| source.around = Lines::Equal(2))
             .contains("2 cells around, but its openings need at least 4")
     );
-    assert!(
-        message(&|source| source.around = Lines::At(vec![0.0, 1.0, 0.5, 2.0]))
-            .contains("lines that rise")
+    let turn = std::f64::consts::TAU;
+    let lines =
+        |places: Vec<f64>| message(&move |source| source.around = Lines::At(places.clone()));
+    assert_eq!(
+        lines(vec![0.0, 2.0, turn]),
+        "a film has 3 lines around, but needs at least 5"
+    );
+    assert_eq!(
+        lines(vec![0.0, 1.0, 0.25 * turn, 0.125 * turn, 3.0, turn]),
+        "a line around of a film is at 45 deg: it must be above the one before it"
+    );
+    assert_eq!(
+        lines(vec![0.0, 1.0, 2.0, 3.0, 0.5 * turn]),
+        "a line around of a film is at 180 deg: it must be at the end of the film, because it is the first or the last line"
     );
     let half = message(&|source| {
         source.half_width = true;
