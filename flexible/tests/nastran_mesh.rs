@@ -504,7 +504,7 @@ fn one_of_three_elastic_constants_may_be_blank() {
         assert_eq!(mesh.unread, []);
     }
     for (card, message) in [
-        ("MAT1,8,,,.3,5.", "E is missing, and one of G and NU"),
+        ("MAT1,8,,,.3,5.", "E is blank, and so is G or NU"),
         ("MAT1,8,2.6,,.5,5.", "no elastic material has"),
         ("MAT1,8,2.6,.8,,5.", "no elastic material has"),
         ("MAT1,8,2.6,,.3,-5.", "no elastic material has"),
