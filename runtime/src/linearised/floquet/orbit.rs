@@ -76,7 +76,7 @@ pub(super) fn period_of(
             let fastest = constancy::fastest(simulation.model(), state);
             if fastest <= 0.0 {
                 return refuse(
-                    "`over` is an angle, but no body turns: state a time, such as `over: 20 ms`",
+                    "`over` is an angle, but no body turns",
                 );
             }
             Ok(Period {
