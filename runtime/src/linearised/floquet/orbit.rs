@@ -75,9 +75,7 @@ pub(super) fn period_of(
         Extent::Angle(angle) => {
             let fastest = constancy::fastest(simulation.model(), state);
             if fastest <= 0.0 {
-                return refuse(
-                    "`over` is an angle, but no body turns",
-                );
+                return refuse("`over` is an angle, but no body turns");
             }
             Ok(Period {
                 time: angle / fastest,
