@@ -1,7 +1,7 @@
 //! `kinematic` analyses: motion, reactions and torque against closed forms, own kinematics of a four-bar, transients with
 //! an ideal drive and the quick engine; and reactions that it does not determine.
 
-use crate::library_run::{column, integral, outcome, run};
+use crate::library_run::{column, integral, outcome, refusal, run};
 use eng::results::Results;
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -432,6 +432,84 @@ analysis turn = kinematic(Arm(), over: 4 s, sample: 50 ms)
     let torque = due(&|t| -0.03 * 0.5 * 9.0 * (3.0 * t).sin());
     assert!(apart(column(&results, "hinge.angle"), &angle) < 1e-12);
     assert!(apart(column(&results, "torque"), &torque) < 1e-12);
+}
+
+/// A rotor that a drive starts from rest, with an acceleration that jumps exactly at a sample; and one that `step` brings to
+/// rest at a sample. The torque is the inertia's, also where the cycle is at rest. A fan with a motor of its own has no part.
+#[test]
+fn drives_start_and_stop_at_samples() {
+    let text = |law: &str| {
+        format!(
+            "use std.joints.Revolute
+use std.drives.PrescribedAngle
+use std.math.step
+fn law(t: Time) -> Angle = {law}
+fn blow(t: Time) -> Angle = 400 rad/s^2*t*t
+model Rotor {{
+    gravity = [0, 0, 0] m/s^2
+    marker seat = origin
+    marker stand = [0, 500, 0] mm
+    body rotor {{ mass = 1 kg; inertia = [1, 1, 11] g*m^2; marker hub = origin }}
+    body fan {{ mass = 1 kg; inertia = [1, 1, 5] g*m^2; marker hub = origin }}
+    joint hinge = Revolute(rotor.hub, seat)
+    joint axle = Revolute(fan.hub, stand)
+    drive turn = PrescribedAngle(rotor.hub, seat, angle_at: law)
+    drive motor = PrescribedAngle(fan.hub, stand, angle_at: blow)
+    cycle angle = rotation(rotor.hub, seat) {{ period = 360 deg }}
+}}
+analysis run = kinematic(Rotor(), over: 40 ms, sample: 1 ms)
+"
+        )
+    };
+    let results = run(&text("1000 rad/s^2*max(t - 20 ms, 0 s)^2"), "run");
+    let time = column(&results, "time");
+    assert_eq!(time.len(), 41);
+    for (time, torque) in time.iter().zip(column(&results, "cycle.torque")) {
+        // either side counts at the jump
+        let due = if *time > 0.0205 { 22.0 } else { 0.0 };
+        if (time - 0.020).abs() > 1e-9 {
+            assert!((torque - due).abs() < 1e-9, "{torque} at {time}");
+        }
+    }
+    // s = x³ (10 − 15 x + 6 x²), x = t/(20 ms)
+    let results = run(&text("0.8 rad*step(t/(20 ms))"), "run");
+    for (time, torque) in time.iter().zip(column(&results, "cycle.torque")) {
+        let x = (time / 0.02).min(1.0);
+        let due = 0.011 * 0.8 * (60.0 * x - 180.0 * x * x + 120.0 * x * x * x) / 4e-4;
+        assert!(
+            (torque - due).abs() < 1e-9 * 127.0,
+            "{torque} for {due} at {time}"
+        );
+    }
+}
+
+/// Refused: an output that reads a shared reaction behind a condition that no examined moment fulfils, and a state whose slow
+/// changes have not ended.
+#[test]
+fn a_hidden_share_and_a_slow_state_are_refused() {
+    let hinges = "joint left = Revolute(rotor.pin[1], shell[1])
+    joint right = Revolute(rotor.pin[3], shell[3])
+    output late = if sin(left.angle) > 0.9995 then left.force.x else 0 N";
+    let message = refusal(&shaft(hinges), "turn");
+    assert!(
+        message.contains("late contains a shared reaction at t ="),
+        "{message}"
+    );
+    let slow = FILMS.to_owned() + "\n    force warm = Slow(rotor.pin[3], shell[1])";
+    let text = shaft(&slow).replace(
+        "model Shaft",
+        "force Slow(a: Marker, b: Marker) {
+    state s: Length = 1 mm
+    der(s) = (a.x.x*(3 mm) + 5 mm - s)/(1000 s)
+    apply force 0 N/m*s*b.z on a against b
+}
+model Shaft",
+    );
+    let message = refusal(&text, "turn");
+    assert!(
+        message.contains("does not repeat in 40 cycles"),
+        "{message}"
+    );
 }
 
 /// The pressure of a closed cycle follows the motion until it repeats: against a periodic motion with an ideal drive.

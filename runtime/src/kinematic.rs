@@ -112,6 +112,11 @@ pub fn run_kinematic(
         if index > 0 {
             run.follow(&mut state, index)?;
         }
+        if !run.determined.shared.is_empty() {
+            let recorded = &run.determined.channels;
+            run.balance
+                .refuse_shared(&mut run.mechanism, &mut state, recorded)?;
+        }
         let balanced = run.balance.balance(&mut run.mechanism, &mut state)?;
         for warning in run.balance.take_warnings() {
             observer.warning(&warning);

@@ -18,6 +18,8 @@ const IDLE: f64 = 1e-6;
 const ANSWERS: f64 = 1e-6;
 /// Rounding of a channel, as a share of its value and of the answers beside it.
 const ROUNDING: f64 = 1e-10;
+/// Share of the largest effect of an equation on the rate of the cycle below which a drive does not turn it.
+const TURNS: f64 = 1e-9;
 /// Seed of the reactions with which channels are tried.
 const SEED: u64 = 23;
 
@@ -106,7 +108,10 @@ impl Balance {
         state.rates.copy_from_slice(mechanism.dynamics.rates());
         self.conditions(mechanism, state, moment)?;
         let cycle = mechanism.cycle(state)?;
-        let torque = cycle.map(|[_, rate]| torque(mechanism, &reactions, rate));
+        let torque = match cycle {
+            Some([_, rate]) => Some(torque(mechanism, &reactions, state, rate)?),
+            None => None,
+        };
         let channels = self.values(mechanism, &reactions, state)?;
         Ok(Balanced { torque, channels })
     }
@@ -215,6 +220,48 @@ impl Balance {
             examined.idle[*i] = true;
         }
         pair(mechanism, &projector, &idle, &mut examined.pairs);
+        for channel in self.dependent(mechanism, &found, state)? {
+            examined.unknown[channel] = true;
+        }
+        Ok(())
+    }
+
+    /// Refuses a sample at which a recorded channel contains a shared reaction, though it did not at the
+    /// examined moments: an output behind a condition.
+    pub fn refuse_shared(
+        &mut self,
+        mechanism: &mut Mechanism,
+        state: &mut State,
+        recorded: &[usize],
+    ) -> Result<(), RuntimeError> {
+        let moment = mechanism.moment(state)?;
+        let found = reactions(mechanism, state)?;
+        let dependent = self.dependent(mechanism, &found, state)?;
+        set_multipliers(mechanism, &found, state);
+        let Some(channel) = dependent.iter().find(|channel| recorded.contains(channel)) else {
+            return Ok(());
+        };
+        let channel = &mechanism.model.compiled.system.channels[*channel];
+        Err(mechanism.refused(
+            Some(super::origin_of(&mechanism.model, channel.element as usize)),
+            format!(
+                "{} contains a shared reaction at {moment}, though not at other moments",
+                channel.path
+            ),
+            "leave this output out: a kinematic analysis does not divide a load between joints that hold the same motion",
+        ))
+    }
+
+    /// Channels that change with reactions that load nothing, at a state with the reactions `found`.
+    fn dependent(
+        &mut self,
+        mechanism: &mut Mechanism,
+        found: &DVector<f64>,
+        state: &mut State,
+    ) -> Result<Vec<usize>, RuntimeError> {
+        let Some(equations) = &mechanism.equations else {
+            return Ok(Vec::new());
+        };
         let mut numbers = Numbers::new(SEED);
         let size = found
             .amax()
@@ -225,9 +272,9 @@ impl Balance {
             set_multipliers(mechanism, reactions, state);
             balance.values(mechanism, reactions, state)
         };
-        let plain = try_with(&found, self)?;
-        let changed = try_with(&(&found + unloading), self)?;
-        let moved = try_with(&(&found + any), self)?;
+        let plain = try_with(found, self)?;
+        let changed = try_with(&(found + unloading), self)?;
+        let moved = try_with(&(found + any), self)?;
         let system = &mechanism.model.compiled.system;
         let answer = |c: usize| (moved[c] - plain[c]).abs();
         // the largest answer of the same element and dimension: a component beside others is zero to their
@@ -240,13 +287,11 @@ impl Balance {
             });
             channels.fold(0.0_f64, |most, other| most.max(answer(*other)))
         };
-        for c in self.channels.iter().copied() {
-            let idle = (changed[c] - plain[c]).abs();
-            if idle > ANSWERS * answer(c) + ROUNDING * beside(c).max(plain[c].abs()) {
-                examined.unknown[c] = true;
-            }
-        }
-        Ok(())
+        let depends = |c: &usize| {
+            let idle = (changed[*c] - plain[*c]).abs();
+            idle > ANSWERS * answer(*c) + ROUNDING * beside(*c).max(plain[*c].abs())
+        };
+        Ok(self.channels.iter().copied().filter(depends).collect())
     }
 
     /// The channels with a value, and those without.
@@ -329,22 +374,44 @@ fn set_multipliers(mechanism: &Mechanism, reactions: &DVector<f64>, state: &mut 
     }
 }
 
-/// The torque (N m) on the cycle that moves the mechanism: the effort of the equation of its angle, and the
-/// power of all drives over its rate. An equation `Φ(q, t)` with the multiplier λ has the power `λ ∂Φ/∂t`.
-fn torque(mechanism: &Mechanism, reactions: &DVector<f64>, rate: f64) -> f64 {
+/// The torque (N m) on the cycle that moves the mechanism. If the analysis turns the cycle, it is the effort
+/// of the equation of its angle.
+///
+/// Otherwise drives turn it. A demanded rate d of the equation `Φ(q, t)` of a drive changes the rate of the
+/// cycle by `-s d`, with s from `Bᵀ s = ∂α̇/∂v`. Its multiplier λ has the power `λ d`. So one drive with `s ≠ 0`
+/// has the torque `-λ/s`, also at rest. Several such drives have their power over the rate of the cycle; at
+/// rest it is zero. Drives that do not turn the cycle take no part.
+fn torque(
+    mechanism: &mut Mechanism,
+    reactions: &DVector<f64>,
+    state: &State,
+    rate: f64,
+) -> Result<f64, RuntimeError> {
     let count = mechanism.chosen.len();
-    // both are scaled inversely
-    let power: f64 = (0..count)
-        .map(|i| reactions[i] * mechanism.demanded[i])
-        .sum();
-    let own = match mechanism.is_turned() {
-        true => -reactions[count],
-        false => 0.0,
-    };
-    match power == 0.0 {
-        true => own,
-        false => own + power / rate,
+    if mechanism.is_turned() {
+        return Ok(-reactions[count]);
     }
+    let row = mechanism.cycle_row(state)?;
+    let (Some(row), Some(equations)) = (row, &mechanism.equations) else {
+        return Ok(0.0);
+    };
+    let turns = equations.reactions(&row);
+    let least = TURNS * turns.amax();
+    let drives: Vec<usize> = (0..count)
+        .filter(|i| mechanism.driven[*i] && turns[*i].abs() > least)
+        .collect();
+    // multipliers and demanded rates are scaled inversely
+    Ok(match drives.as_slice() {
+        [drive] => -reactions[*drive] / turns[*drive],
+        _ if rate == 0.0 => 0.0,
+        several => {
+            let powers = several.iter();
+            powers
+                .map(|i| reactions[*i] * mechanism.demanded[*i])
+                .sum::<f64>()
+                / rate
+        }
+    })
 }
 
 impl Mechanism {

@@ -12,54 +12,74 @@ const TURN: f64 = 0.15;
 const HALVINGS: u32 = 12;
 /// Share of the motion's pace by which velocities may differ from those that the accelerations predict.
 const SMOOTH: f64 = 0.1;
+/// The same as a share of the fastest motion so far: rounding of velocities near rest.
+const ROUNDING: f64 = 1e-9;
+/// Share of the change of the accelerations over a shortest step by which velocities may differ. Half of the
+/// change is due where accelerations jump inside of the step; a velocity that jumps differs by more.
+const JUMPS: f64 = 0.6;
 
 impl Mechanism {
     /// Follows the motion to a time (s).
     pub fn advance(&mut self, state: &mut State, time: f64) -> Result<(), RuntimeError> {
         let mut halved: u32 = 0;
+        let pace = self.fastest(state).max(f64::MIN_POSITIVE);
+        let shortest =
+            (time - state.time).abs().min(TURN / pace) * libm::exp2(-f64::from(HALVINGS));
         while state.time != time {
             let left = time - state.time;
             let pace = self.fastest(state);
             let longest = TURN / pace.max(f64::MIN_POSITIVE);
-            let whole = left.clamp(-longest, longest) * libm::exp2(-f64::from(halved));
+            let halves = left.clamp(-longest, longest) * libm::exp2(-f64::from(halved));
+            let whole = halves.abs().max(shortest).min(left.abs()).copysign(left);
             let mut next = state.clone();
-            next.time = match whole == left {
-                true => time,
-                false => state.time + whole,
+            next.time = match state.time + whole {
+                // below the rounding of the time
+                at if whole == left || at == state.time => time,
+                at => at,
             };
-            if self.step(state, &mut next)? {
+            let last = whole.abs() <= shortest;
+            if self.step(state, &mut next, last)? {
                 *state = next;
                 halved = halved.saturating_sub(1);
                 continue;
             }
-            halved += 1;
-            if halved > HALVINGS || state.time + whole == state.time {
+            if last {
                 return Err(self.stuck(state)?);
             }
+            halved += 1;
         }
         Ok(())
     }
 
-    /// The state at the time of `next`. Returns whether it continues the motion.
-    fn step(&mut self, from: &State, next: &mut State) -> Result<bool, RuntimeError> {
+    /// The state at the time of `next`. Returns whether it continues the motion. `last` is a shortest step,
+    /// in which accelerations and rates of states may jump.
+    fn step(&mut self, from: &State, next: &mut State, last: bool) -> Result<bool, RuntimeError> {
         if !self.follows_states {
-            return self.move_to(from, next);
+            return self.move_to(from, next, last);
         }
         let h = next.time - from.time;
         let mut quarters = [from.clone(), from.clone(), from.clone()];
-        let mut last = from.clone();
+        let mut before = from.clone();
         for (quarter, part) in quarters.iter_mut().zip([0.25, 0.5, 0.75]) {
             quarter.time = from.time + part * h;
-            if !self.move_to(&last, quarter)? {
+            if !self.move_to(&before, quarter, last)? {
                 return Ok(false);
             }
-            last.clone_from(quarter);
+            before.clone_from(quarter);
         }
-        Ok(self.move_to(&last, next)? && self.follow_states(&quarters, from, next)?)
+        Ok(
+            self.move_to(&before, next, last)?
+                && self.follow_states(&quarters, from, next, last)?,
+        )
     }
 
     /// [`Mechanism::step`] without states.
-    fn move_to(&mut self, from: &State, next: &mut State) -> Result<bool, RuntimeError> {
+    fn move_to(
+        &mut self,
+        from: &State,
+        next: &mut State,
+        last: bool,
+    ) -> Result<bool, RuntimeError> {
         let h = next.time - from.time;
         let increment: Vec<f64> = (from.velocity.iter().zip(&from.acceleration))
             .map(|(v, a)| v * h + 0.5 * a * h * h)
@@ -73,13 +93,20 @@ impl Mechanism {
         self.complete(next)?;
         let pace = largest_scaled(&from.velocity, &self.scales)
             .max(largest_scaled(&next.velocity, &self.scales));
+        self.quickest = self.quickest.max(pace);
         let jump: Vec<f64> = (0..next.velocity.len())
             .map(|i| {
                 let mean = 0.5 * (from.acceleration[i] + next.acceleration[i]);
                 next.velocity[i] - from.velocity[i] - mean * h
             })
             .collect();
-        Ok(largest_scaled(&jump, &self.scales) <= SMOOTH * pace)
+        let mut allowed = SMOOTH * pace + ROUNDING * self.quickest;
+        if last {
+            let changes = next.acceleration.iter().zip(&from.acceleration);
+            let changes: Vec<f64> = changes.map(|(b, a)| (b - a) * h).collect();
+            allowed += JUMPS * largest_scaled(&changes, &self.scales);
+        }
+        Ok(largest_scaled(&jump, &self.scales) <= allowed)
     }
 
     /// The error for a motion that does not go on from a state.

@@ -122,6 +122,10 @@ pub(super) struct Mechanism {
     pub equations: Option<Equations>,
     /// The rates that the constraints demand while nothing moves, scaled, at that state.
     pub demanded: DVector<f64>,
+    /// For each equation, whether it has demanded a rate at any state so far: the equation of a drive.
+    pub driven: Vec<bool>,
+    /// The fastest motion so far, scaled.
+    pub quickest: f64,
 }
 
 impl Mechanism {
@@ -169,6 +173,8 @@ impl Mechanism {
             watch: Watch::new(&model, |_| true),
             equations: None,
             demanded: DVector::zeros(0),
+            driven: Vec::new(),
+            quickest: 0.0,
             model,
         };
         mechanism.refuse_fields()?;
@@ -292,7 +298,7 @@ impl Mechanism {
     }
 
     /// The derivative of the cycle's rate by the velocities that move, scaled.
-    fn cycle_row(&mut self, state: &State) -> Result<Option<DVector<f64>>, RuntimeError> {
+    pub fn cycle_row(&mut self, state: &State) -> Result<Option<DVector<f64>>, RuntimeError> {
         let Some(cycle) = &mut self.cycle else {
             return Ok(None);
         };
@@ -500,6 +506,10 @@ impl Mechanism {
         if let Some([_, _, speed]) = self.turned {
             let still = self.cycle(&rest)?.map_or(0.0, |cycle| cycle[1]);
             wanted = wanted.push(speed - still);
+        }
+        self.driven.resize(count, false);
+        for (driven, rate) in self.driven.iter_mut().zip(own.iter()) {
+            *driven |= *rate != 0.0;
         }
         self.demanded = own;
         let y = equations.least(&wanted);

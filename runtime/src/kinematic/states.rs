@@ -12,8 +12,12 @@ use eng_system::dense::largest_difference;
 
 /// Error of a step as a share of a state's scale.
 const ERROR: f64 = 1e-8;
-/// Change of a state over a cycle, as a share of its scale, at which it repeats.
+/// The same for a shortest step, in which the rate of a state may jump: the opening of a valve.
+const JUMP_ERROR: f64 = 1e-5;
+/// Change of a state until the cycles repeat, as a share of its scale, at which it repeats.
 const REPEATS: f64 = 1e-6;
+/// Change over a cycle, as a share of the scale, that is rounding.
+const ROUNDING: f64 = 1e-12;
 /// Most cycles until states repeat.
 const CYCLES: usize = 40;
 
@@ -59,12 +63,13 @@ impl Mechanism {
     }
 
     /// Takes the states over a step through five positions a quarter apart, and writes them to the last.
-    /// Returns whether the error is small enough.
+    /// Returns whether the error is small enough; `last` is a shortest step.
     pub(super) fn follow_states(
         &mut self,
         quarters: &[State; 3],
         from: &State,
         to: &mut State,
+        last: bool,
     ) -> Result<bool, RuntimeError> {
         let [a, b, c] = quarters;
         let whole = self.runge_kutta([from, b, to], &from.states)?;
@@ -77,7 +82,7 @@ impl Mechanism {
             error = error.max((off / self.model.state_scales[i]).abs());
         }
         // a step with no number is no good step
-        Ok(error <= ERROR)
+        Ok(error <= if last { JUMP_ERROR } else { ERROR })
     }
 
     /// Refuses states that do not repeat.
@@ -113,14 +118,20 @@ impl super::Prepared {
             (super::Grid::Angle(_), Some(period)) => period,
             _ => return Ok(()),
         };
+        let mut before: Option<f64> = None;
         for _ in 0..CYCLES {
             let mut state = self.begin()?;
             self.follow_to(&mut state, period)?;
             let changed = self.mechanism.changed(&state.states, &self.start.states);
             self.start.states = state.states;
-            if changed <= REPEATS {
+            // changes that fall by a factor a cycle still sum to changed/(1 - factor), which is large for a
+            // slow state
+            let factor = before.map(|before| changed / before);
+            let rest = factor.map(|factor| changed / (1.0 - factor));
+            if changed <= ROUNDING || rest.is_some_and(|rest| (0.0..=REPEATS).contains(&rest)) {
                 return Ok(());
             }
+            before = Some(changed);
         }
         Err(self.mechanism.not_repeating())
     }
