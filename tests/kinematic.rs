@@ -449,8 +449,8 @@ model Rotor {{
     gravity = [0, 0, 0] m/s^2
     marker seat = origin
     marker stand = [0, 500, 0] mm
-    body rotor {{ mass = 1 kg; inertia = [1, 1, 11] g*m^2; marker hub = origin }}
-    body fan {{ mass = 1 kg; inertia = [1, 1, 5] g*m^2; marker hub = origin }}
+    body rotor {{ mass = 1 kg; inertia = [6, 6, 11] g*m^2; marker hub = origin }}
+    body fan {{ mass = 1 kg; inertia = [3, 3, 5] g*m^2; marker hub = origin }}
     joint hinge = Revolute(rotor.hub, seat)
     joint axle = Revolute(fan.hub, stand)
     drive turn = PrescribedAngle(rotor.hub, seat, angle_at: law)
@@ -499,9 +499,9 @@ fn a_hidden_share_and_a_slow_state_are_refused() {
     let text = shaft(&slow).replace(
         "model Shaft",
         "force Slow(a: Marker, b: Marker) {
-    state s: Length = 1 mm
-    der(s) = (a.x.x*(3 mm) + 5 mm - s)/(1000 s)
-    apply force 0 N/m*s*b.z on a against b
+    state shift: Length = 1 mm
+    der(shift) = (dot(a.x, b.x)*(3 mm) + 5 mm - shift)/(1000 s)
+    apply force (0 N/m)*shift*b.z on a against b
 }
 model Shaft",
     );
