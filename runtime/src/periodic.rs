@@ -5,11 +5,15 @@
 //! estimates the distance to the limit. The analysis ends when the largest change and this distance are below
 //! the requested change.
 //!
+//! Where one slow motion decays over many cycles, the analysis leaps towards its limit ([`leap`]) and compares the
+//! cycles after it.
+//!
 //! The reported factor of decay is that of the motion itself ([`motion`]). If the motion repeats within the
 //! tolerance of the steps while an output still changes irregularly, this change is noise of the steps, and
 //! the summary reports it. The orbits of the journals show half-speed whirl ([`whirl`]), which does not
 //! repeat with the cycle.
 
+pub mod leap;
 pub mod motion;
 pub mod repetition;
 pub mod whirl;
@@ -19,12 +23,14 @@ use crate::decay::{CycleReport, Decay, Mode};
 use crate::error::RuntimeError;
 use crate::linearised::Wanted;
 use crate::model::Model;
-use crate::simulation::{Energy, Simulation, Slow, Warning};
+use crate::simulation::{Energy, Options, Simulation, Slow, Warning, check};
 use crate::start::{StartReport, Unstable};
-use crate::transient::{Advance, Observer, RunSummary, Sample, Verdict, run_by_cycles};
+use crate::transient::{Advance, Observer, Renewed, RunSummary, Sample, Verdict, run_by_cycles};
+use eng_system::analysis::Integration;
 use eng_system::code::Compiled;
 use eng_system::significant::short;
 use eng_system::system::{Extent, Periodic, StepControl, Transient};
+use leap::{Leaps, Section};
 use motion::{Motion, Moved};
 use repetition::{Comparison, Growth};
 use std::collections::VecDeque;
@@ -56,6 +62,14 @@ const ERRATIC_CYCLES: usize = 8;
 const ALIKE: f64 = 2.0;
 /// Ratio beyond which a factor contradicts such equality.
 const UNLIKE: f64 = 5.0;
+/// Factor on the tolerance of the first cycles. Their steps are three times as long, and their errors ten times as
+/// large.
+const WIDE: f64 = 30.0;
+/// Multiple of the requested change at which cycles of such steps end, and their largest number; and the least
+/// largest number of all cycles for which there are any.
+const WIDELY: f64 = 5.0;
+const WIDE_CYCLES: u32 = 5;
+const LEAST_CYCLES: u32 = 12;
 /// Most samples of a cycle.
 const MOST_SAMPLES: f64 = 1e6;
 
@@ -146,48 +160,40 @@ pub fn run_periodic(
             periodic.cycles
         ));
     }
-    let channels = system.channels.len();
-    let mut cycles = Cycles {
-        samples: samples as usize,
-        channels,
-        limit: *periodic,
-        comparison: Comparison::new(
-            system,
-            TOLERANCES * model.tolerance,
-            [model.mass, model.length, 0.0],
-        ),
-        motion: Motion::new(
-            &model,
-            // the tolerance of a fixed step limits Newton's iteration and not the error of the step
-            match periodic.integration.step {
-                StepControl::Tolerance(factor) => factor,
-                StepControl::Fixed(_) | StepControl::FixedTo { .. } => 1.0,
-            },
-        ),
-        moved: Moved::default(),
-        changes: Vec::new(),
-        differences: Vec::new(),
-        velocities: model.velocities,
-        noise: None,
-        now: Record::default(),
-        last: Record::default(),
-        orbits: VecDeque::new(),
-        done: 0,
-        repeats: false,
-        slowest: None,
-        decay: None,
-        growing: Vec::new(),
-        progress: Progress::default(),
-        observer,
+    let stated = periodic.integration.step;
+    check(&Options::from(periodic.integration), &model)?;
+    let wide = match stated {
+        // without channels the first two cycles repeat
+        StepControl::Tolerance(factor)
+            if periodic.cycles >= LEAST_CYCLES && !system.channels.is_empty() =>
+        {
+            Some(WIDE * factor)
+        }
+        _ => None,
     };
-    let transient = Transient {
+    let mut cycles = Cycles::new(&model, periodic, samples as usize, observer);
+    cycles.wide = wide.is_some();
+    let transient = |step: StepControl| Transient {
         duration: Extent::Angle(period * f64::from(periodic.cycles)),
         sample: Extent::Angle(period / samples),
-        integration: periodic.integration,
+        integration: Integration {
+            step,
+            ..periodic.integration
+        },
         gradients: Vec::new(),
         stop: None,
     };
-    let run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
+    let first = transient(wide.map_or(stated, StepControl::Tolerance));
+    let mut run = run_by_cycles(compiled, overrides, &first, &mut cycles, period);
+    let failed = matches!(&run, Err(error) if !matches!(error, RuntimeError::Stopped(_)));
+    if failed && cycles.wide && cycles.begun {
+        // the error may be that of the wide steps
+        let (warned, observer) = (cycles.warned, cycles.observer);
+        cycles = Cycles::new(&model, periodic, samples as usize, observer);
+        cycles.warned = warned;
+        cycles.begun = true;
+        run = run_by_cycles(compiled, overrides, &transient(stated), &mut cycles, period);
+    }
     cycles.give();
     let (run, mut simulation) = run?;
     let unstable = if cycles.repeats && cycles.comparison.stands() {
@@ -206,7 +212,7 @@ pub fn run_periodic(
         repeats: cycles.repeats,
         slowest: cycles.slowest,
         decay: cycles.decay,
-        motion: cycles.moved.mode,
+        motion: cycles.moved.mode.or(cycles.left.map(|(mode, _)| mode)),
         noise: cycles.noise,
         erratic,
         growing: cycles.growing,
@@ -278,6 +284,14 @@ impl Record {
     }
 }
 
+fn section(sample: &Sample<'_>) -> Section {
+    Section {
+        pose: sample.pose.to_vec(),
+        velocity: sample.velocity.to_vec(),
+        states: sample.states.to_vec(),
+    }
+}
+
 fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -307,6 +321,19 @@ struct Cycles<'a> {
     slowest: Option<Decay>,
     decay: Option<Decay>,
     growing: Vec<Growth>,
+    leaps: Leaps,
+    /// Whether leaps are of use: none came farther from repetition than the cycle before it.
+    leaping: bool,
+    /// After a leap: the mode of the motion that it left out, and the change of the cycle before it.
+    left: Option<(Mode, f64)>,
+    /// Whether a cycle has just ended.
+    ended: bool,
+    /// Whether steps have a wider tolerance than the stated one.
+    wide: bool,
+    /// Whether the observer knows the start, and the warnings that it knows. A run that failed with wide steps starts
+    /// again.
+    begun: bool,
+    warned: Vec<Warning>,
     progress: Progress,
     observer: &'a mut dyn Observer,
 }
@@ -335,7 +362,9 @@ impl Progress {
 
 impl Observer for Cycles<'_> {
     fn started(&mut self, report: &StartReport) {
-        self.observer.started(report);
+        if !std::mem::replace(&mut self.begun, true) {
+            self.observer.started(report);
+        }
     }
 
     fn stepped(&mut self) {
@@ -349,6 +378,8 @@ impl Observer for Cycles<'_> {
             return ControlFlow::Continue(());
         }
         self.done += 1;
+        self.ended = true;
+        self.leaps.push(section(sample));
         self.compare();
         self.observer.cycle(&CycleReport {
             cycles: self.done,
@@ -362,6 +393,40 @@ impl Observer for Cycles<'_> {
         } else {
             ControlFlow::Continue(())
         }
+    }
+
+    fn between_cycles(&mut self, simulation: &mut Simulation) -> Result<Renewed, RuntimeError> {
+        if !std::mem::take(&mut self.ended) {
+            return Ok(Renewed::Nothing);
+        }
+        let Some(slowest) = self.slowest.clone() else {
+            return Ok(Renewed::Nothing);
+        };
+        let far = slowest.change / self.limit.change;
+        let combination = self.comparison.combination();
+        // two differences show no turn, and so no factor
+        let mode = self.moved.mode.filter(|_| combination.is_some());
+        let saves = |mode: Option<Mode>| mode.is_some_and(|mode| leap::saves(mode, far));
+        if let (Some(mode), Some(combination)) = (mode, &combination)
+            && self.leaping
+            && leap::saves(mode, far)
+            && saves(slowest.mode)
+            && let Some(next) = self.leaps.next(simulation.model(), combination)
+            && simulation.leap(&next.pose, &next.velocity, &next.states)?
+        {
+            self.left = Some((mode, slowest.change));
+            self.forget();
+            self.now = Record::default();
+            return Ok(Renewed::Motion(self.narrowed(simulation)));
+        }
+        if self.wide && (far <= WIDELY || self.done >= WIDE_CYCLES) {
+            self.left = mode
+                .filter(|mode| leap::is_known(*mode))
+                .map(|mode| (mode, f64::INFINITY));
+            self.forget();
+            return Ok(Renewed::Steps(self.narrowed(simulation)));
+        }
+        Ok(Renewed::Nothing)
     }
 
     fn progress(&mut self, advance: &Advance) -> Verdict {
@@ -389,7 +454,64 @@ impl Observer for Cycles<'_> {
     }
 
     fn warning(&mut self, warning: &Warning) {
-        self.observer.warning(warning);
+        let same = |known: &Warning| {
+            (&known.name, &known.origin, &known.message)
+                == (&warning.name, &warning.origin, &warning.message)
+        };
+        if !self.warned.iter().any(same) {
+            self.warned.push(warning.clone());
+            self.observer.warning(warning);
+        }
+    }
+}
+
+impl<'a> Cycles<'a> {
+    fn new(
+        model: &Model,
+        periodic: &Periodic,
+        samples: usize,
+        observer: &'a mut dyn Observer,
+    ) -> Cycles<'a> {
+        Cycles {
+            samples,
+            channels: model.compiled.system.channels.len(),
+            limit: *periodic,
+            comparison: Comparison::new(
+                &model.compiled.system,
+                TOLERANCES * model.tolerance,
+                [model.mass, model.length, 0.0],
+            ),
+            motion: Motion::new(
+                model,
+                // the tolerance of a fixed step limits Newton's iteration and not the error of the step
+                match periodic.integration.step {
+                    StepControl::Tolerance(factor) => factor,
+                    StepControl::Fixed(_) | StepControl::FixedTo { .. } => 1.0,
+                },
+            ),
+            moved: Moved::default(),
+            changes: Vec::new(),
+            differences: Vec::new(),
+            velocities: model.velocities,
+            noise: None,
+            now: Record::default(),
+            last: Record::default(),
+            orbits: VecDeque::new(),
+            done: 0,
+            repeats: false,
+            slowest: None,
+            decay: None,
+            growing: Vec::new(),
+            leaps: Leaps::default(),
+            leaping: true,
+            left: None,
+            ended: false,
+            wide: false,
+            begun: false,
+            warned: Vec::new(),
+            progress: Progress::default(),
+            observer,
+        }
     }
 }
 
@@ -402,6 +524,10 @@ impl Cycles<'_> {
         let verdict = self.comparison.next(now);
         self.slowest = verdict.slowest;
         self.growing = verdict.growing;
+        if let (Some(slowest), Some((mode, before))) = (&mut self.slowest, self.left) {
+            self.leaping &= slowest.change < before;
+            slowest.mode = slowest.mode.or(Some(mode));
+        }
         let width = self.now.motion.len() / self.now.heads.len().max(1);
         let pose_width = self.now.poses.len() / self.now.heads.len().max(1);
         self.moved = self
@@ -419,15 +545,16 @@ impl Cycles<'_> {
                 ..now.clone()
             });
         }
-        self.repeats = match &self.slowest {
+        self.repeats = match self.slowest.as_ref().filter(|_| !self.wide) {
             Some(decay) => {
                 (decay.change <= PLAIN * self.limit.change && !decay.grows())
-                    || (decay.change <= self.limit.change && decay.distance() <= self.limit.change)
+                    || (decay.change <= self.limit.change
+                        && self.distance(decay) <= self.limit.change)
             }
             // a model without channels has nothing to compare
-            None => self.channels == 0 && self.done > 1,
+            None => !self.wide && self.channels == 0 && self.done > 1,
         };
-        if !self.repeats && self.only_noise() {
+        if !self.wide && !self.repeats && self.only_noise() {
             self.repeats = true;
             let change = self.slowest.as_ref().map_or(0.0, |s| s.change);
             self.noise = Some(Remedy::of(
@@ -447,6 +574,38 @@ impl Cycles<'_> {
         });
         if self.orbits.len() > ORBITS {
             self.orbits.pop_front();
+        }
+    }
+
+    /// Estimated distance to the limit. After a leap, until three differences show a mode, the motion that the leap left
+    /// out may decay as slowly as before, at worst without a turn: then its future differences sum up to `f/(1 − f)`.
+    fn distance(&self, decay: &Decay) -> f64 {
+        let known = self.comparison.combination().is_some();
+        let left = self.left.filter(|_| !known).map_or(0.0, |(mode, _)| {
+            decay.change * mode.factor / (1.0 - mode.factor)
+        });
+        decay.distance().max(left)
+    }
+
+    /// Forgets the cycles before a leap.
+    fn forget(&mut self) {
+        self.comparison.forget();
+        self.motion.forget();
+        self.moved = Moved::default();
+        self.changes.clear();
+        self.differences.clear();
+        self.orbits.clear();
+    }
+
+    /// Ends the wide steps. Returns the factor on the first step of a cycle: the error of a step is of third order.
+    fn narrowed(&mut self, simulation: &mut Simulation) -> f64 {
+        match self.limit.integration.step {
+            StepControl::Tolerance(factor) if self.wide => {
+                self.wide = false;
+                simulation.set_tolerance(factor);
+                1.0 / libm::cbrt(WIDE)
+            }
+            _ => 1.0,
         }
     }
 

@@ -6,6 +6,7 @@ mod demanded;
 mod driving;
 mod gradients;
 mod kinked;
+mod leaping;
 mod pace;
 mod reading;
 mod resting;
@@ -569,7 +570,7 @@ fn least_tolerance(model: &Model, step: StepControl) -> f64 {
     }
 }
 
-fn check(options: &Options, model: &Model) -> Result<(), RuntimeError> {
+pub(crate) fn check(options: &Options, model: &Model) -> Result<(), RuntimeError> {
     let refuse = |message: String| Err(RuntimeError::Options { message });
     if !(0.0..=1.0).contains(&options.rho_infinity) {
         return refuse(format!(

@@ -81,6 +81,17 @@ pub enum Verdict {
     Stop,
 }
 
+/// The changes at the end of a cycle, with a factor on the first step of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Renewed {
+    /// None.
+    Nothing,
+    /// The tolerance of the steps.
+    Steps(f64),
+    /// The state. The observer gets a sample there.
+    Motion(f64),
+}
+
 /// Receives the samples and the progress of a run.
 pub trait Observer {
     /// Takes the report on the start, once, before the first sample.
@@ -103,6 +114,10 @@ pub trait Observer {
     fn paced(&mut self, _slow: &Slow) {}
     /// Takes a failed `advise`, each once.
     fn warning(&mut self, _warning: &Warning) {}
+    /// Called after every step of a run by cycles. It may change the steps of the simulation or its state.
+    fn between_cycles(&mut self, _simulation: &mut Simulation) -> Result<Renewed, RuntimeError> {
+        Ok(Renewed::Nothing)
+    }
     /// Called after every whole cycle of a periodic analysis.
     fn cycle(&mut self, _cycle: &CycleReport) {}
     /// Whether the observer wants a checkpoint after this step.
@@ -460,6 +475,18 @@ fn run(
         let end = stop.or(end);
         if run.give_passed(&mut simulation, end)?.is_break() {
             return Ok((run.summary(&simulation, true), simulation));
+        }
+        if let Some(renewal) = renewal.as_mut().filter(|_| end.is_none()) {
+            let renewed = run.observer.between_cycles(&mut simulation)?;
+            if let Renewed::Steps(factor) | Renewed::Motion(factor) = renewed {
+                renewal.again(&mut simulation, factor);
+            }
+            if matches!(renewed, Renewed::Motion(_)) {
+                simulation.evaluate_channels(&mut run.values)?;
+                let cycle = simulation.cycle_angle().zip(simulation.cycle_rate());
+                let time = simulation.time();
+                let _ = run.give(&mut simulation, time, cycle, None)?;
+            }
         }
         let advance = Advance::new(&simulation, fraction);
         follow(&simulation, run.observer, &advance, end.is_some())?;

@@ -106,6 +106,13 @@ impl Motion {
         }
     }
 
+    /// Forgets all cycles: the next one does not continue them.
+    pub fn forget(&mut self) {
+        self.cycles.clear();
+        self.before.clear();
+        self.differences.clear();
+    }
+
     /// Compares the next cycle: poses of its samples one after the other, and for each sample velocities
     /// followed by states.
     pub fn next(&mut self, poses: &[f64], motion: &[f64]) -> Moved {

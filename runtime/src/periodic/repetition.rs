@@ -4,6 +4,7 @@ use crate::decay::{Decay, Mode};
 use eng_system::dense::largest;
 use eng_system::dimension::{BASES, Dimension};
 use eng_system::system::System;
+use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
@@ -22,6 +23,21 @@ const STANDING: f64 = 1e-3;
 const PARALLEL: f64 = 1e-3;
 /// Number of samples below which a difference says nothing about its prediction.
 const FEW_SAMPLES: f64 = 4.0;
+
+/// Number of differences that are kept, and the least number in a combination.
+const KEPT: usize = 4;
+const FEWEST: usize = 3;
+/// Share of the largest singular value below which a value is ignored in a combination.
+const SAME: f64 = 1e-10;
+
+/// Weights of the last cycles, whose sum is 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Combination {
+    /// Of the newest cycle first.
+    pub weights: Vec<f64>,
+    /// The length of the combination of the differences, as a share of the last one.
+    pub rest: f64,
+}
 
 /// A channel that grows by the same amount every cycle.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +95,50 @@ impl Comparison {
         }
     }
 
+    /// Forgets all cycles: the next one does not continue them.
+    pub fn forget(&mut self) {
+        self.before.clear();
+        self.differences.clear();
+    }
+
+    /// The combination of the last cycles whose differences cancel best. Every channel that must repeat counts by its
+    /// swing. `None` if fewer than three differences are known.
+    pub fn combination(&self) -> Option<Combination> {
+        let (channels, count) = (self.dimensions.len(), self.differences.len());
+        if count < FEWEST {
+            return None;
+        }
+        let swings = self.swings(&self.before);
+        let weights: Vec<f64> = (swings.iter().enumerate())
+            .map(|(channel, swing)| match self.continuous[channel] {
+                true if self.growth(channel).is_none() => 1.0 / (swing * swing),
+                _ => 0.0,
+            })
+            .collect();
+        let products = DMatrix::from_fn(count, count, |a, b| {
+            let pairs = self.differences[a].iter().zip(&self.differences[b]);
+            pairs
+                .enumerate()
+                .map(|(i, (x, y))| weights[i % channels] * x * y)
+                .sum::<f64>()
+        });
+        // least |d₀ + Σ c_j (d_j − d₀)|²
+        let own = products[(0, 0)];
+        let other = |j: usize| products[(j + 1, 0)];
+        let matrix = DMatrix::from_fn(count - 1, count - 1, |j, k| {
+            products[(j + 1, k + 1)] - other(j) - other(k) + own
+        });
+        let wanted = DVector::from_fn(count - 1, |j, _| own - other(j));
+        let svd = crate::singular::decompose(matrix)?;
+        let parts = svd.solve(&wanted, SAME * svd.singular_values.amax()).ok()?;
+        let left = (own - parts.dot(&wanted)).max(0.0);
+        let mut weights = vec![1.0 - parts.sum()];
+        weights.extend(parts.iter());
+        let rest = libm::sqrt(left / own);
+        (rest.is_finite() && weights.iter().all(|x| x.is_finite()))
+            .then_some(Combination { weights, rest })
+    }
+
     /// Sets the rate of the cycle (rad/s).
     pub fn goes_at(&mut self, pace: f64) {
         self.scale[2] = pace;
@@ -106,7 +166,7 @@ impl Comparison {
             })
             .collect();
         self.differences.push_front(difference);
-        self.differences.truncate(3);
+        self.differences.truncate(KEPT);
         let swings = self.swings(values);
         let mut verdict = Verdict::default();
         let mut worst = None;
@@ -392,6 +452,46 @@ mod tests {
             (last.mode.unwrap().turn - 2.0 * PI * 0.07).abs() < 1e-6,
             "{last:?}"
         );
+    }
+
+    /// Two turning pairs have four deviations: the combination of four differences removes three of them at most.
+    #[test]
+    fn a_combination_of_cycles_cancels_their_deviations() {
+        let rest_of = |second: f64| {
+            let mut comparison = Comparison::of(vec![Dimension::ONE], 1e-3);
+            let mut weights = Vec::new();
+            for k in 0..5 {
+                let values: Vec<f64> = (0..SAMPLES)
+                    .map(|i| {
+                        let t = (i as f64 + 1.0) / SAMPLES as f64;
+                        let x = k as f64 + t;
+                        libm::cos(2.0 * PI * t)
+                            + 0.1 * libm::pow(0.6, x) * libm::cos(2.0 * x)
+                            + second * libm::pow(0.7, x) * libm::cos(1.0 * x)
+                    })
+                    .collect();
+                comparison.next(&values);
+                weights = comparison.combination().map_or(weights, |c| c.weights);
+            }
+            // the deviation that is left at the end of the combined cycles
+            let left: f64 = (weights.iter().enumerate())
+                .map(|(age, weight)| {
+                    weight * libm::pow(0.6, 5.0 - age as f64) * libm::cos(2.0 * (5.0 - age as f64))
+                })
+                .sum();
+            (comparison.combination().map(|c| c.rest), left, weights)
+        };
+        let (rest, left, weights) = rest_of(0.0);
+        assert!(
+            (weights.iter().sum::<f64>() - 1.0).abs() < 1e-12,
+            "{weights:?}"
+        );
+        assert!(
+            rest.unwrap() < 1e-6 && left.abs() < 1e-6,
+            "{rest:?} {left} {weights:?}"
+        );
+        let (rest, _, _) = rest_of(0.1);
+        assert!(rest.unwrap() > 1e-3, "{rest:?}");
     }
 
     #[test]
