@@ -382,7 +382,9 @@ pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Di
 fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
     match pace {
         Pace::Stated => message.with_help("take a longer `step`, or none: then error control chooses the steps"),
-        Pace::Longest => message.with_help("no step is longer than the distance of samples: take a longer `sample`"),
+        Pace::Samples => message.with_help("no step is longer than the distance of samples: take a longer `sample`"),
+        Pace::Turn => message.with_help("a body may turn by a quarter radian in a step: take a shorter `duration`, and look whether a body turns faster than intended"),
+        Pace::Sines => message.with_help("take a shorter `duration`, and look whether a frequency in an `if`, `min`, `max` or `abs` is higher than intended"),
         Pace::Jump(jump) => jumps(message, jump),
         Pace::Error { origin, .. } => place(message, origin, "its motion needs these steps")
             .with_help("something is very stiff or fast, or grows without bound: look at stiffness, damping (its sign, too), mass and clearance around this body"),

@@ -736,6 +736,50 @@ analysis run = transient(Crank(), duration: 0.6 s, sample: 5 ms)
     }
 }
 
+/// Asks after every step for the cause of its length, and stops after some.
+struct Asked {
+    steps: u64,
+    causes: Vec<eng::Pace>,
+}
+
+impl eng::Watch for Asked {
+    fn progress(&mut self, now: eng::Progress) -> eng::Verdict {
+        if now.steps < self.steps {
+            eng::Verdict::Explain
+        } else {
+            eng::Verdict::Stop
+        }
+    }
+
+    fn paced(&mut self, slow: &eng::Slow) {
+        assert!(slow.step > 0.0, "{slow}");
+        self.causes.push((*slow.pace).clone());
+    }
+}
+
+/// The cause of short steps does not depend on the step after which it is asked for: a computer of another speed asks
+/// after another one.
+#[test]
+fn every_step_at_a_jump_names_it() {
+    let text = RUBBED.replace("{way}", "way > 0 mm");
+    let sources = eng::Sources::from_texts([("model.eng".to_owned(), text)]);
+    let program = eng::check(&sources, "model.eng").into_program().unwrap();
+    let analysis = program.analysis("a").unwrap();
+    let mut asked = Asked {
+        steps: 20_000,
+        causes: Vec::new(),
+    };
+    let _ = analysis.run_watched(&mut asked);
+    // before the body meets the jump for the first time, errors limit the steps
+    let met = |cause: &eng::Pace| matches!(cause, eng::Pace::Jump(_));
+    let first = asked.causes.iter().position(met).unwrap();
+    assert!(first < 100, "{first}");
+    assert!(asked.causes.len() > 20_000);
+    for (step, cause) in asked.causes.iter().enumerate().skip(first) {
+        assert!(met(cause), "step {step}: {cause}");
+    }
+}
+
 #[test]
 fn a_run_that_nobody_waits_for_is_stopped_with_its_reason() {
     let folder = Folder::with("chatter", &RUBBED.replace("{way}", "way > 0 mm"));

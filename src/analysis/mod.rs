@@ -567,7 +567,7 @@ impl Analysis {
         };
         let of_analysis = match &cause {
             RuntimeError::Options { .. } => true,
-            RuntimeError::Stopped(slow) => matches!(*slow.pace, Pace::Stated | Pace::Longest),
+            RuntimeError::Stopped(slow) => matches!(*slow.pace, Pace::Stated | Pace::Samples),
             _ => false,
         };
         let argument = match &cause {

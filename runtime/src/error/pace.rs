@@ -10,8 +10,12 @@ use eng_system::system::Origin;
 pub enum Pace {
     /// The text states the step.
     Stated,
-    /// Only the distance of samples, or the angle by which a body turns in a step.
-    Longest,
+    /// The distance of samples.
+    Samples,
+    /// The angle by which a body turns in a step.
+    Turn,
+    /// The phase by which a sine in a condition changes in a step.
+    Sines,
     /// A load or a rate that jumps.
     Jump(Jump),
     /// The error of a body's motion, or of an element's state.
@@ -97,7 +101,9 @@ impl std::fmt::Display for Pace {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Pace::Stated => f.write_str("the text states this step"),
-            Pace::Longest => f.write_str("this is the distance of the samples"),
+            Pace::Samples => f.write_str("this is the distance of the samples"),
+            Pace::Turn => f.write_str("in a longer step a body turns too far"),
+            Pace::Sines => f.write_str("a condition has a sine that changes fast, and a longer step may miss its change of sign"),
             Pace::Jump(jump) => write!(f, "{jump}"),
             Pace::Error { origin, state } => {
                 let of = state

@@ -10,9 +10,13 @@ use eng_system::Dimension;
 /// The reason for the length of the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) enum Limit {
-    /// The longest permitted step.
+    /// The distance of samples.
     #[default]
-    Longest,
+    Samples,
+    /// The turn of a body.
+    Turn,
+    /// The phase of a sine in a condition.
+    Sines,
     /// The estimated error.
     Error,
     /// A trial without solution.
@@ -87,10 +91,13 @@ impl Simulation {
         if self.options.step.fixed().is_some() {
             return Pace::Stated;
         }
-        if self.limit == Limit::Longest {
-            return Pace::Longest;
+        match self.limit {
+            Limit::Samples => return Pace::Samples,
+            Limit::Turn => return Pace::Turn,
+            Limit::Sines => return Pace::Sines,
+            Limit::Error | Limit::Unsolved(_) => {}
         }
-        if let Some(jump) = self.jump(self.earlier_step) {
+        if let Some(jump) = self.jump(self.step_here()) {
             return Pace::Jump(jump);
         }
         match &self.limit {
@@ -123,8 +130,18 @@ impl Simulation {
     pub(crate) fn slow(&self) -> Slow {
         Slow {
             moment: self.moment(),
-            step: self.earlier_step,
+            step: self.step_here(),
             pace: Box::new(self.pace()),
+        }
+    }
+
+    /// Length of the last step (s), or of the next one where the motion began anew behind a kink and no step is
+    /// before.
+    fn step_here(&self) -> f64 {
+        if self.earlier_step > 0.0 {
+            self.earlier_step
+        } else {
+            self.size.step
         }
     }
 
@@ -201,12 +218,7 @@ impl Simulation {
 
     fn jump_on_the_way(&self) -> Option<Jump> {
         let kink = self.kinks.last_passed()?;
-        // a motion that began anew behind the kink has no step before
-        let step = match self.earlier_step > 0.0 {
-            true => self.earlier_step,
-            false => self.size.step,
-        };
-        let jump = self.jump(step / MOMENTS[MOMENTS.len() - 1])?;
+        let jump = self.jump(self.step_here() / MOMENTS[MOMENTS.len() - 1])?;
         let element = &self.model.compiled.system.elements[self.kinks.element(kink)];
         (jump.origin.path == element.origin.path).then_some(jump)
     }

@@ -610,11 +610,16 @@ impl Simulation {
         let mut first_rejected = None;
         let turning = self.fastest().0;
         let mut allowed = longest.min(self.options.max_step);
-        if turning > 0.0 {
-            allowed = allowed.min(TURN / turning);
+        let mut limit = Limit::Samples;
+        if turning > 0.0 && TURN / turning < allowed {
+            (allowed, limit) = (TURN / turning, Limit::Turn);
         }
-        allowed = allowed.min(self.kinks.longest_step());
-        let limited = self.size.step >= allowed;
+        if self.kinks.longest_step() < allowed {
+            (allowed, limit) = (self.kinks.longest_step(), Limit::Sines);
+        }
+        if self.size.step < allowed {
+            limit = Limit::Error;
+        }
         self.size.limit(allowed);
         let wish = self.size.step;
         if let Some(time) = self.kinks.at_once(wish, begin, factor) {
@@ -658,11 +663,7 @@ impl Simulation {
                 Trial::Solved { error } if error <= 1.0 => {
                     if failures == 0 {
                         self.undefined = None;
-                        self.limit = if limited {
-                            Limit::Longest
-                        } else {
-                            Limit::Error
-                        };
+                        self.limit = limit;
                     }
                     let near = |kink: &usize| {
                         !self.kinks.is_way(*kink) || self.kinks.is_near(*kink, begin + h, factor)
