@@ -1,7 +1,7 @@
-//! The one form of a text: blanks, indents and line ends.
+//! The one form of a text: spaces, indents and line ends.
 //!
 //! Tokens, comments and numbers stay as written, and so does each line end that an author chose inside of an item. The
-//! tree decides which gaps are blanks: `2*x` and `2 N * x` differ, because a blank ends a unit.
+//! tree decides which gaps are spaces: `2*x` and `2 N * x` differ, because a space ends a unit.
 
 mod layout;
 mod marks;
