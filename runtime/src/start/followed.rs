@@ -7,7 +7,8 @@ use crate::model::Model;
 use crate::outputs::Outputs;
 use eng_system::lint::Extreme;
 
-/// Share of the swing within which two values count as equally large: the first of them is the largest.
+/// Share of the swing within which two values count as equally large: the first of them is the largest. It is
+/// far above the rounding of an output and far below a difference that a lint could mean.
 const ALIKE: f64 = 1e-9;
 
 /// The quantities at the positions of a turn.

@@ -16,9 +16,11 @@ use crate::singular::decompose;
 use eng_system::system::Origin;
 use nalgebra::DMatrix;
 
-/// Singular value of unit rows below which a combination holds nothing.
+/// Singular value of unit rows below which a combination holds nothing. A choice above the rounding of the
+/// decomposition, about 1e-15 for each row. A larger limit would report a body that a short lever holds.
 const HOLDS: f64 = 1e-8;
-/// Part of a free motion below which a body counts as still.
+/// Part of a free motion below which a body counts as still. A choice: in the directions left free, the parts
+/// of bodies that are held are rounding, about 1e-15 over [`HOLDS`].
 const MOVES: f64 = 1e-6;
 
 /// Bodies that are joined to each other and to nothing else.

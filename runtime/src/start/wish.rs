@@ -14,7 +14,9 @@ use eng_system::code::Function;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
 
-/// Share of an element's largest stiffness below which a direction does not count as held.
+/// Share of an element's largest stiffness below which a direction does not count as held. A choice: a load
+/// has such slopes by rounding, or through the small tilt of its frame. If they counted, a velocity would be
+/// decided by them instead of by the weaker kinds of conditions.
 const SOFT: f64 = 1e-6;
 
 /// A source of velocities. [`super::motion`] has their order.

@@ -14,7 +14,9 @@ use eng_system::system::{Origin, Role};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
-/// Singular value, as a share of the largest, below which rows depend on each other.
+/// Singular value, as a share of the largest, below which rows depend on each other. A choice above rounding:
+/// the inverse mass spreads the values of independent rows by the ratio of heavy to light bodies, so a larger
+/// limit could drop a row of a heavy one.
 const LEAST_ROW: f64 = 1e-12;
 
 /// Rows of moving parts (scaled velocities). Each has the origin of its statement, and whether it is a
