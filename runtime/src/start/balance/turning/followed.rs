@@ -46,31 +46,48 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Steps per turn.
+/// Steps per turn, so 2° each. A choice: the eighth-order differences of the velocities then resolve all
+/// orders of a load that matter, and the time of a start grows with this number.
 const STEPS: f64 = 180.0;
-/// ρ∞ of the scheme.
+/// ρ∞ of the scheme. A choice: shapes above the frequency of the steps decay in few periods, so that the
+/// motion soon repeats. Towards one they keep ringing; towards zero the scheme damps slow shapes, too.
 const RADIUS: f64 = 0.5;
-/// Most periods.
+/// Most periods. A choice: if even the accelerated motion changes after as many, it has another period or
+/// none, and the start says so.
 const PERIODS: usize = 40;
-/// Number of periods after which the remaining deviation counts as linear.
+/// Number of periods after which the remaining deviation counts as linear. A choice: stiff shapes and films
+/// lose their first deviation within a period or two, and combinations of such periods lead astray.
 const PLAIN: usize = 2;
-/// Most periods in one combination.
+/// Most periods in one combination. A choice: each may remove one slow decay, and periods before these belong
+/// to another deviation.
 const TOGETHER: usize = 8;
-/// Change over a period, of a clearance or of the largest bending, below which the motion repeats.
+/// Change over a period, of a clearance or of the largest bending, below which the motion repeats. A choice:
+/// it is twice the error that one step of a run may have at the usual tolerance, 1e-4 of a clearance, so a
+/// nearer start would hardly show.
 const REPEATS: f64 = 2e-4;
-/// This change after [`PERIODS`] periods.
+/// This change after [`PERIODS`] periods. A choice: a start whose bending is right within half a per cent
+/// rings far less than one with bending from a balance. A larger change gives a warning.
 const NEARLY: f64 = 5e-3;
-/// Most iterations of a step.
+/// Most iterations of a step. A choice: with a new matrix in nearly each, a step that needs more has no
+/// solution.
 const ITERATIONS: usize = 20;
-/// Iterations with the first matrix.
+/// Iterations with the first matrix, after which each has a new one. A choice: a matrix costs as much as
+/// several evaluations.
 const MATRIX: usize = 4;
-/// Scaled correction at which a step is solved, as a share of the position tolerance.
+/// Scaled correction at which a step is solved, as a share of the position tolerance. A choice: two decades
+/// below the share that the error of a step of the run may have, so that errors of the iterations do not add
+/// up over the steps of a period to a change of it.
 const GOAL: f64 = 1e-3;
-/// Weight of eccentricities and shapes relative to all others, in the projection to stated values.
+/// Weight of eccentricities and shapes relative to all others, in the projection to stated values. A choice:
+/// its square, 1e8, leaves eight digits to the others in the matrix; then films and bending change by 1e-8 of
+/// the way that frames may take instead.
 const STIFF: f64 = 1e4;
-/// Most rounds of this projection.
+/// Most rounds of this projection. A choice: they are Newton's method for small changes, whose error squares
+/// from round to round.
 const ROUNDS: usize = 5;
 /// Share of the largest singular value of the changes over the last periods, below which a value is ignored.
+/// A choice: changes of periods are as exact as the corrections of their steps, and a direction below this
+/// share is their error, which the combination would enlarge.
 const SAME: f64 = 1e-8;
 
 /// The start of the found motion.
@@ -191,6 +208,7 @@ impl Follower {
             }
             let correction = self.correction(model, step);
             let (factor, size) = self.correct(balance, step, &correction, trial)?;
+            // up to the position tolerance, corrections that are not even halved are rounding
             if factor == 1.0 && (size <= goal || (size <= 1e3 * goal && size >= 0.5 * last)) {
                 return Ok(());
             }
@@ -299,6 +317,7 @@ impl Follower {
         unwrap(model, &mut self.watch, &mut self.dynamics, now)?;
         self.kept.follow(balance, now, h)?;
         self.behind.push_front(now.pose.clone());
+        // the present position and four before it, for differences of eighth order
         self.behind.truncate(5);
         Ok(())
     }
@@ -377,7 +396,8 @@ impl Follower {
     }
 }
 
-/// Largest eccentricity ratio of an accelerated state that is accepted.
+/// Largest eccentricity ratio of an accelerated state that is accepted. A choice: beyond it a combination has
+/// left the range of the films, and the next period has to begin where the last one ended.
 const WITHIN: f64 = 0.98;
 
 fn unscaled(unknowns: &[f64], scales: &[f64]) -> Vec<f64> {
@@ -477,6 +497,9 @@ impl Balance<'_> {
             if followed <= PLAIN || off <= REPEATS {
                 continue;
             }
+            // a period that changes this much more than the one before shows that the combination led away:
+            // its periods no longer count. A choice above the growth that single periods of a decaying
+            // vibration have
             if off > 4.0 * before {
                 begins.clear();
                 ends.clear();
@@ -526,6 +549,7 @@ impl Balance<'_> {
             let shapes = &state.pose[body.pose + 7..body.pose + 7 + body.modes()];
             let size = largest(shapes);
             let v = body.velocity;
+            // the position tolerance is a thousandth of the smallest clearance, or less
             weights[v..v + 3].fill(1e-3 / model.tolerance);
             weights[v + 3..v + 6].fill(1e-3 * model.length / model.tolerance);
             weights[v + 6..v + body.width()].fill(if size > 0.0 { 1.0 / size } else { 0.0 });

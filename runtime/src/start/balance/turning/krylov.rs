@@ -74,6 +74,7 @@ pub(super) fn gmres<E>(
         let open = right[k];
         right[k] = c * open;
         right.push(-s * open);
+        // a smaller rest is rounding: the basis then contains the solution, and the loop ends below
         if rest > f64::EPSILON * before {
             basis.push(next.iter().map(|x| x / rest).collect());
         }
