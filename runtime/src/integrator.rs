@@ -65,7 +65,9 @@ use eng_system::secants::Secants;
 /// removes its ringing.
 pub const RESOLVED: f64 = 1.0;
 
-/// Multiple of its magnitude in the scaled system above which a state needs a new magnitude.
+/// Multiple of its magnitude in the scaled system above which a state needs a new magnitude. A choice: each
+/// change costs a new matrix, and a state that is ten times its scale still has the digits that the others
+/// have, but for one.
 const OUTGROWN: f64 = 10.0;
 
 /// Coefficients of the scheme.
