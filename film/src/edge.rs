@@ -45,7 +45,8 @@ pub(crate) struct Edge {
 }
 
 impl Edge {
-    /// w over `2 l/a` of a cell whose neighbour is its mirror image.
+    /// w over `2 l/a` of a cell whose neighbour is its mirror image. For equal widths `(2a + b)/(a + b)` is
+    /// 3/2.
     pub(crate) const MIRRORED: f64 = 1.5;
 
     /// The edge of a link from `sides[0]` to `sides[1]`, of which one is the fixed place, with the widths of both

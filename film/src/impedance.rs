@@ -93,7 +93,8 @@ fn solved(
 }
 
 /// Cells of the coarser of two solutions that are extrapolated: half of those around, and those of half the
-/// width.
+/// width. A choice: the cells are dense where the gap is thin, and the extrapolation takes most of their
+/// error away.
 const CELLS: [usize; 2] = [48, 10];
 
 /// Response (W cos β, W sin β) by the solved film, extrapolated from two grids with second order. ε = `ratio`
@@ -108,7 +109,8 @@ pub fn solved_response(slenderness: f64, ratio: f64, cosine: f64) -> Result<[f64
 }
 
 /// Least distance of α from 0 and 180° (rad), and least ε, at which `side` is computed. The quotient has a
-/// limit beyond them and approaches it with second order.
+/// limit beyond them and approaches it with second order. A choice: the error of the limit is about the
+/// square, 4e-4, and nearer to the limit both numbers of the quotient lose their digits.
 const NEAR: [f64; 2] = [0.02, 0.02];
 
 /// `load` and `side` of the table at B/D, `u = −ln(1 − ε)` and cos α.
@@ -139,6 +141,8 @@ pub fn correction(slenderness: f64, u: f64, cosine: f64) -> Result<[f64; 2], Fil
 #[must_use]
 pub fn points() -> [Vec<f64>; 3] {
     let slenderness = [
+        // a choice: lines about 25 % apart, because the correction changes smoothly between short and long
+        // bearings
         0.08, 0.1, 0.125, 0.16, 0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.2, 1.5,
     ];
     let u = (0..24).map(|at| f64::from(3 * at) / 10.0).collect();

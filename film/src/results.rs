@@ -9,7 +9,8 @@ use crate::inputs::{
 };
 use crate::source::{Cavitation, Ends, Feed};
 
-/// Viscosity of Barus' oil over that at rest, beyond which it rises no more: α q = 0.98.
+/// Viscosity of Barus' oil over that at rest, beyond which it rises no more: α q = 1 − 1/50 = 0.98. A choice:
+/// the law itself is no good at such pressures, and without a limit q would end at a pole at α q = 1.
 pub(crate) const THICKEST: f64 = 50.0;
 
 /// Results of a solution beside its outputs. Flows of the rule [`Cavitation::Half`] are those of its cut pressure
@@ -62,7 +63,8 @@ pub struct Summary {
 }
 
 /// Share of a pressure, or of the clearance, below which two extremes are equal, so that rounding does not
-/// choose their place.
+/// choose their place. It is far above the rounding of a solution and far below the height of any extreme
+/// that matters.
 const TIE: f64 = 1e-9;
 
 /// A field over the cells.

@@ -8,7 +8,8 @@ use crate::block::add_lanes as add;
 use eng_system::surface::SurfaceShape;
 use std::ops::Range;
 
-/// Most degrees across.
+/// Most degrees across. A choice: sums keep this many numbers on the stack, and a film has fewer cells across
+/// than polynomials of higher degrees need.
 pub(crate) const DEGREES: usize = 16;
 
 /// The shapes at places of a grid that come angle by angle.
