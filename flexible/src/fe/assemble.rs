@@ -21,7 +21,8 @@ use crate::mesh::{
 };
 use crate::sparse::SymmetricMatrix;
 
-/// Number of elements computed at a time.
+/// Number of elements computed at a time. A choice: enough for all threads, and their matrices fit in the
+/// cache.
 const BLOCK: usize = 1024;
 
 /// Stiffness and mass of a mesh.

@@ -123,6 +123,7 @@ fn intervals(a: &BeamSection, b: &BeamSection) -> Vec<f64> {
     // halves of the way to the end with the smaller constant
     let halves = |ratio: f64| {
         let (mut shares, mut left) = (Vec::new(), ratio);
+        // a choice: 60 halves are a ratio of 1e18, a beam that ends in a point
         while left > 1.0 && shares.len() < 60 {
             shares.push(shares.last().map_or(0.5, |share| 0.5 * share));
             left *= 0.5;
@@ -513,6 +514,7 @@ struct Pair {
 fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String> {
     let row = matrices.stiffness[freedom];
     let pivot = row[freedom];
+    // a choice above the rounding of the differences by other releases
     if pivot <= 1e-12 * whole {
         // the freedom had no stiffness, or the other releases removed it
         return if whole == 0.0 {
@@ -572,6 +574,7 @@ fn placed(
     let x = scale(1.0 / length, along);
     let normal = cross(x, axes.orientation);
     let across = norm(normal);
+    // a choice: files with six or seven digits that mean a vector along the beam have less
     if across <= 1e-6 * norm(axes.orientation) {
         return Err("its orientation vector is zero or along the beam".into());
     }

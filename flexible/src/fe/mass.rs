@@ -172,7 +172,7 @@ impl Mass {
 }
 
 /// Difference of the masses along x, y and z of a pair of nodes, by the largest mass, above which the mass
-/// does not act alike. Files with few digits have less.
+/// does not act alike. Files with few digits have less. A choice.
 const ALIKE: f64 = 1e-5;
 
 impl Mass {

@@ -15,9 +15,11 @@ use crate::element::ElementKind;
 use crate::mesh::{Element, Mesh};
 use serde::{Deserialize, Serialize};
 
-/// Sides above which an element is poor: the longest by the shortest.
+/// Sides above which an element is poor: the longest by the shortest. A choice, in the range of the limits
+/// that preprocessors have.
 pub const LONG: f64 = 20.0;
-/// Corner below which an element is poor, as a share of that of an element of equal sides.
+/// Corner below which an element is poor, as a share of that of an element of equal sides. A choice, in the
+/// range of the limits that preprocessors have.
 pub const SHARP: f64 = 0.2;
 
 /// A number of an element and its place.

@@ -12,7 +12,7 @@ use crate::error::FileProblem;
 use crate::mesh::{Carries, Node, SCALAR, Support};
 use crate::read::held::HoldingCards;
 
-/// Most modal coordinates of a range; a card may state more numbers than there are points.
+/// Most modal coordinates of a range; a card may state more numbers than there are points. A choice.
 const MOST_MODAL: usize = 100_000;
 
 #[derive(Clone, Debug)]
