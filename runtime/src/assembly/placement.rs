@@ -413,6 +413,7 @@ fn search(
     }
     let settle = |mut trial: State, first: &Rows, axes: &[Wish]| -> Result<Trial, RuntimeError> {
         if first.len() > rows.len() {
+            // a choice: a trial that needs more steps began too far away, and there are other trials
             close(model, first, &mobility, &mut trial, 40)?;
         }
         let size = close(model, &rows, &mobility, &mut trial, 40)?;
@@ -491,6 +492,7 @@ fn search(
                 let better = found.key < best.key
                     || (found.key == best.key
                         && found.key.0
+                        // rows that are equal but for rounding do not replace an earlier trial
                         && found.size < best.size * (1.0 - 1e-6));
                 if better {
                     best = found;

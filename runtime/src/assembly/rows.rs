@@ -59,7 +59,8 @@ pub enum Relation {
 /// and the pin's height above that of the wish (m).
 const WISH_ROWS: usize = 5;
 
-/// Share of the model's length up to which a wish of a class that resolves no length counts as fulfilled.
+/// Share of the model's length up to which a wish of a class that resolves no length counts as fulfilled. It
+/// is the largest tolerance of positions.
 const REACHED: f64 = 1e-6;
 
 /// A list of rows: all rows of each element in order, then the rows of wishes.
@@ -338,6 +339,7 @@ impl Wish {
     /// Whether the pin is within its reach, and its axis within a hundredth of a radian where it matters.
     pub fn is_fulfilled(&self, model: &Model, at: &At) -> bool {
         let ([x, y, a, b, z], .., axis, _) = self.values(model, at);
+        // a choice: as far as an axis tilts in the clearance of a bearing
         let along = libm::hypot(a, b) <= 0.01;
         match self.relation {
             Relation::Inside { reach } => libm::hypot(x, y) <= reach && along,
@@ -535,6 +537,8 @@ pub fn smallest_solution(matrix: &Gradients, rhs: &DVector<f64>) -> Option<DVect
         return Some(solution);
     }
     let svd = crate::singular::decompose(matrix.dense())?;
+    // as [`independent::DEPENDENT`] in the other method: a combination of rows below it is a repetition, and
+    // dividing by it would move bodies by rounding
     let threshold = 1e-9 * svd.singular_values.amax();
     svd.solve(rhs, threshold.max(f64::MIN_POSITIVE)).ok()
 }
