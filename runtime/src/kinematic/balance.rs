@@ -11,16 +11,19 @@ use eng_system::system::{ConditionKind, Origin, Role};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
-/// Entry of the projector on idle reactions below which a reaction has no part in them. Rounding is far
-/// below.
+/// Entry of the projector on idle reactions below which a reaction has no part in them. A choice: rounding is
+/// far below, and a real part, such as one of two equal joints, far above.
 const IDLE: f64 = 1e-6;
-/// Share of a channel's answer to all reactions that idle ones may have.
+/// Share of a channel's answer to all reactions that idle ones may have. A choice, as for [`IDLE`].
 const ANSWERS: f64 = 1e-6;
-/// Rounding of a channel, as a share of its value and of the answers beside it.
+/// Rounding of a channel, as a share of its value and of the answers beside it. A choice: reactions are
+/// solutions with twelve digits or more.
 const ROUNDING: f64 = 1e-10;
 /// Share of the largest effect of an equation on the rate of the cycle below which a drive does not turn it.
+/// A choice above the rounding of a solution.
 const TURNS: f64 = 1e-9;
-/// Seed of the reactions with which channels are tried.
+/// Seed of the reactions with which channels are tried. Any number serves; it is fixed so that each run gives
+/// the same result.
 const SEED: u64 = 23;
 
 /// Elements whose reactions hold the same motions, so that the balance does not divide a load between them.
@@ -266,6 +269,7 @@ impl Balance {
         let size = found
             .amax()
             .max(mechanism.model.mass * mechanism.model.length);
+        // between one and two sizes: no reaction is zero, and no sum of them is by chance
         let any = DVector::from_fn(found.len(), |_, _| size * (1.5 + 0.5 * numbers.draw()));
         let unloading = equations.idle(&any);
         let mut try_with = |reactions: &DVector<f64>, balance: &mut Balance| {
