@@ -19,30 +19,40 @@ use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::state::State;
 
 /// Smallest jump of a demanded velocity that counts: as a share of the model's motion, and of the model's
-/// length in a second. A smaller one is rounding, or an error of the text that no result shows.
+/// length in a second. A smaller one is rounding, or an error of the text that no result shows. Both are
+/// choices.
 const VELOCITY: (f64, f64) = (1e-6, 1e-9);
 /// The second distance from the kink as a share of the first one, and the least part of a difference that
-/// remains there if it is a jump.
+/// remains there if it is a jump. Choices: a difference without a jump falls with the distance, to a quarter,
+/// and that of a root to a half.
 const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
-/// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there.
+/// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there. The
+/// larger one is a choice: a thousand times that, so that a slope and a jump differ.
 const ROUNDINGS: [f64; 2] = [2048.0, 2.0];
 /// Distance from a kink within a step, as a share of the step. Nearer to a corner, a rate such as that of
 /// `acos(dot(a, b))` has few digits: at the angle x from the corner, the rounding ε of the cosine changes it
 /// by `ε/x²` of itself. A hundred radians a second and steps of 0.1 ms are `x = 1e-6` there, so the rate is
 /// known to 2e-4.
 const WITHIN: f64 = 1e-4;
-/// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed.
+/// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed. A
+/// choice: a function with a zero of higher order deviates by more.
 const STRAIGHT: f64 = 0.5;
-/// Longest distance from a kink, as a share of the step, over which the rate of its function says where the kink is.
+/// Longest distance from a kink, as a share of the step, over which the rate of its function says where the
+/// kink is. A choice: over a hundredth of a step a rate changes by about as much.
 const SMOOTH: f64 = 1e-2;
-/// Shortest distance from a kink (s).
+/// Shortest distance from a kink (s). A choice above the rounding of times of a run of some seconds, 1e-16 s
+/// a second, and below the time in which any load changes.
 const SHORTEST: f64 = 1e-12;
-/// Growth of the distance over which a kink is searched.
+/// Growth of the distance over which a kink is searched. A choice: 17 of them lead from 1e-12 s to a step of
+/// 20 ms, and each costs two evaluations.
 const WIDER: f64 = 4.0;
-/// Places after the beginning of a step, in steps, up to which the motion before a kink is followed to find it.
+/// Places after the beginning of a step, in steps, up to which the motion before a kink is followed to find
+/// it. A choice: the motion before the step may reach the kink later than the step did, because the step had
+/// another acceleration behind it.
 const ALONG: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
-/// Distance from a kink at which accelerations are compared, as a share of the step.
+/// Distance from a kink at which accelerations are compared, as a share of the step. A choice: near enough
+/// for both slopes to be those at the kink, and far enough for differences of rates with some ten digits.
 const APART: f64 = 1e-3;
 /// Largest error of a position over a step h after a jump of an acceleration, as a share of h² times the jump.
 const MOST_ERROR: f64 = 0.25;
@@ -69,6 +79,7 @@ impl Simulation {
                 return self.refuse_jump(kink, &base, moment - here, distances);
             }
             let [to_kink, around] = self.kinks.times_to(kink, here, factor);
+            // some roundings of the time
             let around = around.max(8.0 * f64::EPSILON * here.abs()).max(SHORTEST);
             let rate = self.kinks.rate(kink);
             let ends = [to_kink - around, to_kink + around];
