@@ -178,7 +178,8 @@ impl std::fmt::Display for RedundantGroup {
     }
 }
 
-/// The largest number of equations that a message names.
+/// The largest number of equations that a message names. A choice: the worst three; the others follow from
+/// them.
 const MOST_GAPS: usize = 3;
 
 /// The residuals of equations. `per` is added to the units: `/s` for velocities.

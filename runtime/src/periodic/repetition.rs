@@ -8,19 +8,23 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 /// Share of the largest value of a dimension (for angles: of the largest swing) below which a channel's own
-/// swing does not count, because the error of the steps is as large.
+/// swing does not count, because the error of the steps is as large. A choice.
 const LEAST_SWING: f64 = 1e-2;
-/// Least swing of an angle (rad).
+/// Least swing of an angle (rad). A choice: a swing below 0.006° is that of a body that hardly turns.
 const LEAST_ANGLE: f64 = 1e-4;
-/// Share of the loads that follow from a model's mass, size and pace, below which a load is rounding.
+/// Share of the loads that follow from a model's mass, size and pace, below which a load is rounding. A
+/// choice some decades above the rounding unit, because reactions are differences.
 const ROUNDING: f64 = 1e-9;
-/// Share of a growth by which it may vary within a cycle and from the last cycle.
+/// Share of a growth by which it may vary within a cycle and from the last cycle. A choice: a count or a sum
+/// grows equally, and a decaying channel does not.
 const STEADY: f64 = 1e-3;
-/// Share of a swing below which a channel counts as constant.
+/// Share of a swing below which a channel counts as constant. A choice.
 const STANDING: f64 = 1e-3;
-/// Squared sine between two differences below which they have one direction.
+/// Squared sine between two differences below which they have one direction: 1.8°. A choice: the fit to two
+/// differences of one direction would divide by noise.
 const PARALLEL: f64 = 1e-3;
-/// Number of samples below which a difference says nothing about its prediction.
+/// Number of samples below which a difference says nothing about its prediction. A choice: two factors fit
+/// two samples exactly, and of four they leave half.
 const FEW_SAMPLES: f64 = 4.0;
 
 /// A channel that grows by the same amount every cycle.

@@ -42,13 +42,16 @@ use orbit::{Round, period_of};
 use shooting::repeating;
 use std::f64::consts::TAU;
 
-/// Largest distance from 1 that the difference of whole and halved steps can explain.
+/// Largest distance from 1 that the difference of whole and halved steps can explain. A choice: a larger
+/// difference comes from steps that are too long.
 const MOST_SPLIT: f64 = 0.05;
-/// Least distance from 1 of a multiplier that is not neutral.
+/// Least distance from 1 of a multiplier that is not neutral. A choice: the root of an error of 1e-12.
 const NEUTRAL: f64 = 1e-6;
-/// Factor on the root of the error for the splitting of a double 1.
+/// Factor on the root of the error for the splitting of a double 1. A choice: the error is an estimate, and
+/// its effect depends on the vectors of the block.
 const SPLIT: f64 = 4.0;
-/// Size of Wy − y, as a share of y, above which W does not keep the direction y.
+/// Size of Wy − y, as a share of y, above which W does not keep the direction y. A choice far above the
+/// errors of an integration.
 const PHASE: f64 = 1e-2;
 
 /// The repeating motion of the modes, with the errors.
