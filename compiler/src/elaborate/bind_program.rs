@@ -9,7 +9,7 @@ use eng_system::system::{Location, Origin, Parameter, Slot};
 use eng_system::table::{Outside, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The largest number that a model may hold (SI): its square is still a number.
+/// The largest number that a model may hold (SI): its square is still a number. A choice.
 const LARGEST: f64 = 1e150;
 
 /// The node with the default of a parameter.

@@ -199,7 +199,7 @@ fn is_guarded(graph: &Graph, node: Node, depth: u32) -> bool {
 }
 
 /// Most operations between a slope and the selection that may make it zero. The laws of the library have
-/// fewer.
+/// fewer. A choice.
 const GUARD_DEPTH: u32 = 12;
 
 /// Product of slopes in which the zero of an unselected branch has priority over infinity and NaN.

@@ -562,7 +562,8 @@ fn body_kind(
             "the inertia tensor has the principal moments {shown}; none may be negative: check signs and order of its numbers"
         )));
     }
-    // a flat plate is exactly at the limit, and a text may round its numbers to seven digits
+    // a flat plate is exactly at the limit, and a tensor of a text may have seven digits. The compiler
+    // compares stated principal moments more strictly
     if moments.iter().any(|m| 2.0 * m > trace * (1.0 + 1e-6)) {
         return Err(refuse(&format!(
             "the principal moments of inertia are {shown}: one exceeds the sum of the other two, which is impossible for a body"
