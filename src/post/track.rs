@@ -36,7 +36,8 @@ pub(super) struct Shifts {
     pub angle: Vec<f64>,
 }
 
-/// Largest difference between the samples of two runs, as a share of the distance of samples.
+/// Largest difference between the samples of two runs, as a share of the distance of samples. A choice, as
+/// for the grid of a spectrum.
 const ALIKE: f64 = 1e-4;
 
 impl Samples {

@@ -2,19 +2,22 @@
 
 use std::time::Duration;
 
-/// Remaining time above which a run is stopped, unless the user states `--patient`.
+/// Remaining time above which a run is stopped, unless the user states `--patient`. A choice: who wants to
+/// wait longer than a day knows it before.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
-/// Time of the first check of the pace.
+/// Time of the first check of the pace. A choice: a person waits as long before they look.
 const FIRST: Duration = Duration::from_secs(5);
-/// Number of steps, or time, before which no pace is known: the first steps of a run are short and grow, and a step of
-/// elastic films may take a second.
+/// Number of steps, or time, before which no pace is known: the first steps of a run are short and grow, and
+/// a step of elastic films may take a second. The numbers are choices.
 const BEGINNING: (u64, Duration) = (30, Duration::from_secs(120));
-/// Time between two checks, as a part of the time passed.
+/// Time between two checks, as a part of the time passed. A choice: two checks decide, so a run is stopped
+/// after some 40 % more time.
 const LATER: f64 = 0.2;
 
-/// Least remaining time (s) for a warning about a growing one,
+/// Least remaining time (s) for a warning about a growing one. A choice: nobody minds a shorter one.
 const LONG: f64 = 600.0;
-/// and the least factor over the shortest earlier estimate.
+/// The least factor over the shortest earlier estimate for this warning. A choice: estimates of a cycle with
+/// impacts vary by less.
 const GROWN: f64 = 10.0;
 
 /// The result of a check.

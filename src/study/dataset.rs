@@ -443,7 +443,7 @@ fn ranges(points: impl Iterator<Item = u64>) -> Vec<(u64, u64)> {
     found
 }
 
-/// Most ranges that a message names.
+/// Most ranges that a message names. A choice.
 const MOST_RANGES: usize = 8;
 
 /// `1..64, 80`.

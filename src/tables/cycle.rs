@@ -3,6 +3,7 @@
 /// Subtracts whole cycles from the angles, so that the first angle lies in the first cycle.
 pub(crate) fn shifted(mut angles: Vec<f64>, period: Option<f64>) -> Vec<f64> {
     if let (Some(period), Some(first)) = (period.filter(|p| *p > 0.0), angles.first().copied()) {
+        // an angle just below a whole cycle by rounding begins it
         let whole = period * ((first + 1e-6) / period).floor();
         angles.iter_mut().for_each(|angle| *angle -= whole);
     }

@@ -6,7 +6,8 @@ use super::palette::Color;
 use super::svg::{Anchor, Stroke, Svg, TextStyle, coordinate};
 use super::ticks::{self, Ticks};
 
-/// Width of a figure with one column of panels.
+/// Width of a figure with one column of panels. A choice of layout, as are all lengths of figures (1/1200 of
+/// this width).
 pub(super) const WIDTH: f64 = 1200.0;
 /// Room right of the panels, wide enough for half of the last number.
 pub(super) const RIGHT: f64 = 36.0;

@@ -11,9 +11,9 @@ const HEIGHTS: [f64; 2] = [400.0, 240.0];
 const GAP: f64 = 28.0;
 /// The axis of the phase ends at multiples of this (°).
 const EIGHTH: f64 = 45.0;
-/// Most decades of the amplitudes.
+/// Most decades of the amplitudes. A choice: smaller amplitudes are rounding.
 const DECADES: usize = 6;
-/// Points that are nearer to each other (pixels) are drawn as one.
+/// Points that are nearer to each other (pixels) are drawn as one. A choice: a line is wider.
 const NEAR: f64 = 0.3;
 
 /// One frequency response.

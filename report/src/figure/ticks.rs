@@ -46,10 +46,12 @@ pub(crate) fn inside(low: f64, high: f64, count: usize) -> Ticks {
 /// Marks of an axis of equal ratios from `low` to `high`, both above zero: at 1, 2 and 5 times the powers of ten, at the
 /// powers alone beyond five decades, and at equal steps up to a ratio of 5.
 pub(crate) fn ratios(low: f64, high: f64) -> Vec<f64> {
+    // a choice: marks at 1, 2 and 5 would be too few
     if high / low < 5.0 {
         return inside(low, high, 8).values;
     }
     let (first, last) = (libm::log10(low).floor(), libm::log10(high).ceil());
+    // a choice: marks at 2 and 5 would be too close
     let of_decade: &[f64] = match last - first > 5.0 {
         true => &[1.0],
         false => &[1.0, 2.0, 5.0],
@@ -88,6 +90,7 @@ pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
         .find(|step| (high - low) / step <= most)
         .unwrap_or_else(|| 720.0 * nice_step((high - low) / most / 720.0).ceil());
     let quarters = (high - low) / 90.0;
+    // two cycles are sixteen quarters of a turn
     let step = if step == 180.0 && most >= 12.0 && quarters <= 16.0 * (1.0 + 1e-6) {
         90.0
     } else {
@@ -97,6 +100,7 @@ pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
 }
 
 /// Share of an axis by which it may grow to end at a mark, because samples end one step before 720° or 4 kHz.
+/// The share is a choice.
 const NEAR: f64 = 0.005;
 
 fn within(low: f64, high: f64, step: f64) -> Ticks {
@@ -121,6 +125,7 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     let size = low.abs().max(high.abs());
     if !(high - low).is_finite() || size == 0.0 {
         (-1.0, 1.0)
+    // a constant up to rounding gets an axis of a fifth of its size; a choice
     } else if high - low <= 1e-9 * size {
         (low - 0.1 * size, high + 0.1 * size)
     } else {

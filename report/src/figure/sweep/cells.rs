@@ -8,7 +8,8 @@ use super::SweepFigure;
 use crate::escape::base64;
 use crate::signal::SweepMap;
 
-/// Cells of a speed at most: more are merged, the largest amplitude stays.
+/// Cells of a speed at most: more are merged, the largest amplitude stays. A choice: a cell is then about two
+/// pixels high.
 const ROWS: usize = 320;
 
 /// Amplitudes merged to few enough cells.
