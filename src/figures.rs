@@ -294,6 +294,7 @@ pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
         for part in [&vector.x, &vector.y] {
             part.channels(&mut |_, path| {
                 let values = run.results.column(path).map(|column| column.values.iter());
+                // from 1 kN on
                 found |= values.into_iter().flatten().any(|v| v.abs() >= 1e3);
             });
         }

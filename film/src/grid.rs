@@ -418,6 +418,7 @@ fn share(stretches: &[f64], cells: usize) -> Vec<usize> {
     while left > 0 {
         let size = |at: usize| stretches[at] / shares[at] as f64;
         let Some(largest) = (0..count).reduce(|best, at| {
+            // of stretches that are equal but for rounding the first counts
             if size(at) > size(best) * (1.0 + 1e-9) {
                 at
             } else {

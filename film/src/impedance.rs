@@ -30,6 +30,7 @@ pub fn childs_response(x: f64, y: f64, slenderness: f64) -> [f64; 2] {
     let q = (1.0 - y * y).sqrt();
     let square = slenderness * slenderness;
     let wide = (1.0 - x * x - y * y) / square;
+    // 3.60, 2.12 and 0.150 are the authors' constants, fitted between the short and the long bearing
     let full = libm::atan2(3.0 * (1.0 + 3.60 * wide) * y, 4.0 * (1.0 + 2.12 * wide) * q);
     let beta = libm::asin(y) - (1.0 - x / q) * (libm::asin(y) - full);
     let (sin, cos) = libm::sincos(beta);
@@ -150,6 +151,7 @@ pub fn points() -> [Vec<f64>; 3] {
     let cosine = (-18..=18).map(|at| {
         let s = f64::from(at) / 18.0;
         let angle = std::f64::consts::FRAC_PI_2 * (0.8 * s + 0.2 * s * s * s);
+        // the file of the table has four decimals
         (1e4 * libm::sin(angle)).round() / 1e4
     });
     [slenderness.to_vec(), u, cosine.collect()]

@@ -14,7 +14,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 /// Pairs of axes of the centrifugal blocks.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
-/// Triples of freedoms whose products are summed together. Their panels fit in the cache.
+/// Triples of freedoms whose products are summed together. Their panels fit in the cache. A choice.
 const TOGETHER: usize = 256;
 
 /// A structure over the full freedoms of its mesh (SI, basic axes).

@@ -49,6 +49,14 @@ const HERE: f64 = 1e-10;
 /// Most refinements of a solution with the factors of a nearby position. A choice: each must win a digit, and
 /// more of them would cost more than a new matrix.
 const REFINEMENTS: usize = 6;
+/// Largest change of a refinement as a part of the change before. One that wins less than a digit costs more than
+/// a new matrix does over the others, or shows that only rounding is left. A choice.
+const SETTLING: f64 = 0.1;
+/// Change of a refinement, as a share of the solution, at which it may stagnate: refinements end at the rounding
+/// of the matrix times its condition, and twelve digits are enough for an output. A choice.
+const SETTLED: f64 = 1e-12;
+/// Change of a refinement, as a share of the solution, that is rounding: some units of the last place.
+const ROUNDING: f64 = 1e-15;
 /// Corrections of a position and of accelerations beside a state that has both. Corrections with the factors
 /// of this state leave a power of the factors' error, and a part of second order in the distance, which
 /// changes no derivative. The last correction of a position removes rounding.
@@ -262,17 +270,13 @@ impl AccelerationSystem {
         let mut last = f64::INFINITY;
         for _ in 0..REFINEMENTS {
             let [size, change] = self.refine();
-            // rounding
-            if change <= 1e-15 * size {
+            if change <= ROUNDING * size {
                 return Ok(());
             }
-            // a refinement that wins less than a digit costs more than a new matrix does over the others
-            let settling = change < 0.1 * last;
+            let settling = change < SETTLING * last;
             if !settling {
                 // either only rounding is left, or the factors belong to a position too far away
-                // refinements stagnate at the rounding of the matrix times its condition; twelve digits are
-                // enough for an output
-                if change <= 1e-12 * size {
+                if change <= SETTLED * size {
                     return Ok(());
                 }
                 break;
@@ -313,8 +317,7 @@ impl AccelerationSystem {
         for _ in 0..BESIDE.1 {
             let [size, change] = self.refine();
             // NaN is no contraction
-            // as in [`AccelerationSystem::solve`]
-            let settles = change < 0.1 * last || change <= 1e-12 * size;
+            let settles = change < SETTLING * last || change <= SETTLED * size;
             if !settles {
                 self.rhs.copy_from_slice(&self.wanted);
                 return false;
@@ -438,7 +441,7 @@ impl AccelerationSystem {
             }
             // the first round hardly changes the films, so it always happens
             // less than a digit in a round is the end of the factors or rounding
-            let progress = left <= 0.1 * last;
+            let progress = left <= SETTLING * last;
             let enough =
                 left <= VELOCITY_GOAL * first || (!progress && (refined || left <= rounding));
             if (round > 1 && enough) || round == VELOCITY_ROUNDS {

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD};
 /// A decomposition is wrong if its product misses the matrix by more than this share. Rounding alone gives
 /// 1e-14 for hundreds of rows. A choice between that and a wrong value.
 const WRONG: f64 = 1e-11;
-/// The largest number of sweeps of Jacobi's method. About ten are enough.
+/// The largest number of sweeps of Jacobi's method. About ten are enough. The limit is a choice.
 const SWEEPS: usize = 60;
 
 /// `A = U Σ Vᵀ` with orthonormal columns of U and rows of Vᵀ. Their number is that of the shorter side of A,

@@ -228,6 +228,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
     let Some(chain) = chain else {
         return message;
     };
+    // bodies with both joints on one axis have a length of rounding, and none that a message could name
     let lengths: Vec<String> = chain
         .bodies
         .iter()

@@ -360,10 +360,12 @@ impl<'r> Evaluator<'r> {
         let angle = samples.angle.as_deref().unwrap_or_default();
         let first = match part {
             Part::Extent(extent @ Extent::Time(length)) => {
+                // rounding of sums of steps
                 since(&samples.time, length, 1e-9 * length)
                     .ok_or_else(|| short(extent_text(extent)))?
             }
             Part::Extent(extent @ Extent::Angle(length)) => {
+                // rounding of an unwrapped angle (rad)
                 since(angle, length, 1e-6).ok_or_else(|| short(extent_text(extent)))?
             }
             Part::Cycles(count) => period

@@ -193,6 +193,7 @@ fn even_spacing(time: &[f64]) -> Option<f64> {
     let even = time
         .iter()
         .enumerate()
+        // a choice: the file has six digits of the step, which a long run multiplies
         .all(|(index, t)| (t - (first + index as f64 * step)).abs() <= 1e-3 * step);
     (step > 0.0 && even).then_some(step)
 }

@@ -97,6 +97,7 @@ pub(crate) fn in_words(seconds: f64) -> String {
         format!("about {:.0} hours", seconds / HOUR)
     } else if seconds < 2.0 * YEAR {
         format!("about {:.0} days", seconds / DAY)
+    // longer numbers are not read digit by digit
     } else if seconds < 1e4 * YEAR {
         format!("about {:.0} years", seconds / YEAR)
     } else {

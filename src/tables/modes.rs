@@ -14,6 +14,7 @@ const MOST_MODES: usize = 8;
 fn frequency(value: f64) -> String {
     match value {
         0.0 => "–".to_owned(),
+        // limits at which the shorter form rounds to one more digit
         value if value >= 999.95 => format!("{value:.1}"),
         value if value >= 0.995 => format!("{value:.2}"),
         value => significant(value, 3),

@@ -432,6 +432,7 @@ impl<'a> Lanczos<'a> {
 
     /// Replaces the first columns of the basis by combinations of the processed ones, some rows at a time.
     fn combine(&mut self, vectors: &[f64], keep: usize) {
+        // a choice: a panel of these rows fits in the cache
         const ROWS: usize = 512;
         let (size, count) = (self.size, self.processed);
         let mut panel = vec![0.0; ROWS * keep];

@@ -226,6 +226,8 @@ fn parts(
                 let at = part.piece.at(0.5);
                 let found = same.iter().copied().find(|k| {
                     let other = parts.get(*k).map(|other| other.piece.at(0.5));
+                    // a choice: middles of two arcs between the same ends differ by some times the difference
+                    // of their ends
                     other.is_some_and(|other| apart(other, at) <= 10.0 * tolerance)
                 });
                 let index = found.unwrap_or_else(|| {

@@ -118,6 +118,8 @@ fn crossing(pieces: &[Piece], section: usize, tolerance: f64) -> Result<(), Stac
             let beside = |p: &Point2| {
                 shared
                     .iter()
+                    // a choice: lines that leave a corner at a small angle meet beside it within their
+                    // rounding
                     .all(|corner| apart(*p, *corner) > 100.0 * tolerance)
             };
             if let Some(at) = met.into_iter().find(beside) {

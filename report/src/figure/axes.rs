@@ -9,9 +9,9 @@ use super::ticks::{self, Ticks};
 /// Width of a figure with one column of panels. A choice of layout, as are all lengths of figures (1/1200 of
 /// this width).
 pub(super) const WIDTH: f64 = 1200.0;
-/// Room right of the panels, wide enough for half of the last number.
+/// Room right of the panels, wide enough for half of the last number. A choice of layout.
 pub(super) const RIGHT: f64 = 36.0;
-/// Sizes of the names of axes, of their numbers, and of small notes.
+/// Sizes of the names of axes, of their numbers, and of small notes. Choices of layout.
 pub(super) const LABEL: f64 = 16.0;
 pub(super) const NUMBER: f64 = 15.0;
 pub(super) const SMALL: f64 = 13.0;

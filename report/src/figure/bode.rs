@@ -6,10 +6,11 @@ use super::legend::{curve_stroke, draw_legend, legend_rows};
 use super::svg::{Anchor, CurveTag, Svg, Target, TextStyle};
 use super::{decimate, ticks};
 
-/// Heights of the two panels, and the gap between them.
+/// Heights of the two panels, and the gap between them. Choices of layout.
 const HEIGHTS: [f64; 2] = [400.0, 240.0];
 const GAP: f64 = 28.0;
-/// The axis of the phase ends at multiples of this (°).
+/// The axis of the phase ends at multiples of this (°): a mechanical resonance turns the phase by a multiple
+/// of 90°.
 const EIGHTH: f64 = 45.0;
 /// Most decades of the amplitudes. A choice: smaller amplitudes are rounding.
 const DECADES: usize = 6;

@@ -9,7 +9,7 @@ use super::{decimate, ticks};
 const LABEL: f64 = 15.0;
 const NUMBER: f64 = 14.0;
 const SMALL: f64 = 13.0;
-/// Side of a square.
+/// Side of a square, and the cell with its texts. Choices of layout.
 const BOX: f64 = 308.0;
 const CELL: (f64, f64) = (392.0, 424.0);
 

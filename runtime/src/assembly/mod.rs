@@ -379,6 +379,7 @@ pub fn choose_turns(
         for turn in [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0] {
             state.rotations[first..first + count].fill(2.0 * PI * turn);
             let values = rows.values(model, &at(state))?;
+            // rounding must not choose a farther turn
             if values.norm() < best.0 * (1.0 - 1e-9) - TURN_MARGIN {
                 best = (values.norm(), turn);
             }
@@ -469,6 +470,7 @@ fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
                 let values = rows.values(model, &at)?;
                 Ok::<f64, RuntimeError>(values.norm())
             };
+            // rounding must not choose, as in [`choose_turns`]
             if left(&angles)? > left(&alone)? * (1.0 + 1e-9) + TURN_MARGIN {
                 angles = alone;
             }

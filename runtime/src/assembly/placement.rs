@@ -373,7 +373,7 @@ const DONE: (bool, bool, bool) = (false, false, false);
 /// The key of a trial that satisfies all but a wish.
 const UNWISHED: (bool, bool, bool) = (false, false, true);
 /// Turns of a stated position about the axis of an angle (°) that are tried. One of them is near enough to
-/// the solution of any angle's equation.
+/// the solution of any angle's equation. Steps of 45° are a choice.
 const TURNS: [f64; 7] = [45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0];
 
 /// A trial position: (open, wrong branch, a pin outside its shell or a turning axis across), largest scaled

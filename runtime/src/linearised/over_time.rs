@@ -26,7 +26,7 @@ use std::f64::consts::TAU;
 /// First and last time after the state (s). Choices: loads over time of a machine have periods from some
 /// microseconds to hours; the last time is a day.
 const TIMES: [f64; 2] = [1e-6, 1e5];
-/// Ratio of a time to the one before.
+/// Ratio of a time to the one before: the golden ratio, so that numbers of turns follow Fibonacci's.
 const GOLDEN: f64 = 1.618_033_988_749_895;
 /// Limit of turns, and of sliding in lengths of the model. Up to it rounding stays below [`STEADY`].
 const FARTHEST: f64 = 2e3;

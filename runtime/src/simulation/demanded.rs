@@ -54,7 +54,8 @@ const ALONG: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 /// Distance from a kink at which accelerations are compared, as a share of the step. A choice: near enough
 /// for both slopes to be those at the kink, and far enough for differences of rates with some ten digits.
 const APART: f64 = 1e-3;
-/// Largest error of a position over a step h after a jump of an acceleration, as a share of h² times the jump.
+/// Largest error of a position over a step h after a jump of an acceleration, as a share of h² times the
+/// jump. [`Simulation::keep_acceleration_jump`] derives it.
 const MOST_ERROR: f64 = 0.25;
 
 /// Φ and Φ̇ of an element on the other side of a kink, less those on this side.

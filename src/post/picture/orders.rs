@@ -306,6 +306,7 @@ fn not_held(settings: &plan::SpectrumSettings, reach: f64) -> Option<String> {
     };
     let beyond = settings
         .up_to
+        // a limit at the end itself is held, in spite of rounding
         .is_some_and(|up_to| up_to > reach * (1.0 + 1e-6));
     beyond.then(|| {
         format!(

@@ -290,6 +290,7 @@ impl Panel {
             let sides =
                 pairs.map(|(a, b): (usize, usize)| subtract(self.places[b], self.places[a]));
             let lengths = sides.map(norm);
+            // Nastran's limit between a factor and a number of thicknesses
             let area = if factor <= 1.01 {
                 factor * thickness * self.area / (lengths[0] + lengths[1])
             } else {

@@ -169,6 +169,8 @@ impl Round {
             largest(&states),
             largest(&from.states).max(largest(&to.states)),
         );
+        // states may differ by a thousandth of their size, a choice beside the thousandth of a clearance of
+        // positions
         if size > 0.0 && off / (1e-3 * size) > share {
             share = off / (1e-3 * size);
             worst = (

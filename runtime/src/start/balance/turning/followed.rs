@@ -324,6 +324,7 @@ impl Follower {
 
     /// Rates of the present positions, by central differences of eighth order from earlier and later ones.
     fn rates(&mut self, balance: &mut Balance) -> Result<Vec<f64>, NoOrbit> {
+        // f' = (Σ w_k (f_k − f_−k))/h for k = 1…4
         const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
         let model = balance.model;
         let here = self.integrator.current.pose.clone();
