@@ -240,7 +240,7 @@ fn not_repeating(message: Diagnostic, origin: Option<&Origin>, why: &NotBack) ->
     })
 }
 
-/// The message about a constraint that demands a jump at a kink, with the place of the kink and its text.
+/// The message about a constraint that requires a jump at a kink, with the place of the kink and its text.
 fn demanded(
     message: Diagnostic,
     (origin, text): (&Origin, &str),

@@ -325,7 +325,7 @@ impl Elastic {
             let careful = round > QUICK_ROUNDS;
             let mut longest = self.change(work, paired && !careful)?;
             if round == 1 && followed > 0.0 && longest > followed {
-                // the residual is larger than the move: the kept slopes led the amplitudes astray, so the
+                // the residual is larger than the move: the kept slopes led the amplitudes away, so the
                 // move is taken back
                 add_scaled(&mut work.amplitudes, -1.0, &work.moved);
                 continue;

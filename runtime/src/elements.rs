@@ -264,7 +264,7 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
 }
 
 impl Batch {
-    /// Solves the fields at the gathered state and writes the demanded numbers to the inputs. Does nothing for a
+    /// Solves the fields at the gathered state and writes the requested numbers to the inputs. Does nothing for a
     /// class without fields.
     pub fn solve_fields(
         &mut self,

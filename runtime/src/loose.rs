@@ -2,7 +2,7 @@
 //! their displacement or velocity.
 //!
 //! Let G be the gradients of the constraints and N a basis of their null space. Let K and D be the
-//! derivatives of all loads with respect to pose and velocity, at rest. A motion `N z` is loose if
+//! derivatives of all loads with respect to pose and velocity, at rest. A motion `N z` is unconstrained (loose) if
 //! `Nᵀ K N z = 0` and `Nᵀ D N z = 0`, also after a finite distance along it: a contact with play responds
 //! only there. Loads that do not change with the motion (gas, gravity) hold nothing. Bodies count as rigid.
 //! The motion that turns the cycle is the purpose of the machine, so it is left out.
@@ -38,7 +38,7 @@ const PURE: f64 = 1e-3;
 /// radian. A choice: gravity would hold a centre farther off with a pendulum of some frequency.
 const CENTRED: f64 = 1e-3;
 
-/// Loose motions of a group of connected bodies.
+/// Unconstrained motions of a group of connected bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loose {
     /// Indices of the bodies that move: the heaviest, then the others in their order.
@@ -54,7 +54,7 @@ pub struct Loose {
     pub about: Option<(V3, bool)>,
 }
 
-/// The loose motions of a model at a position.
+/// The unconstrained motions of a model at a position.
 ///
 /// # Errors
 ///

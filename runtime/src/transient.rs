@@ -70,7 +70,7 @@ impl Advance {
     }
 }
 
-/// The wish of an observer after a step.
+/// The decision of an observer after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Continue the run.
@@ -480,7 +480,7 @@ fn run(
                     (time, Some(cycle), Some(angle))
                 }
             };
-            // the run ends here anyway, so the observer's wish to stop makes no difference
+            // the run ends here anyway, so the observer's decision to stop makes no difference
             let _ = run.give(&mut simulation, end, cycle.map(|c| (c[0], c[1])), angle)?;
             return Ok((run.summary(&simulation, false), simulation));
         }

@@ -56,7 +56,7 @@ pub struct Standing {
     pub workers: Vec<Worker>,
     /// Ranges of the points that have not ended, each from its first to its last.
     pub missing: Vec<(u64, u64)>,
-    /// Time until all have ended at the pace so far, while a process computes.
+    /// Time until all have ended at the rate so far, while a process computes.
     pub left: Option<Duration>,
 }
 

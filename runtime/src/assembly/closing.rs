@@ -159,8 +159,8 @@ fn offending(
 }
 
 /// Moves pins into their shells and surfaces into touch as far as the other rows allow. Bodies with a stated
-/// position do not follow such a wish. Surfaces that cannot touch, such as those of a stop on the other side, have
-/// no influence.
+/// position do not follow such a preference. Surfaces that cannot touch, such as those of a stop on the other
+/// side, have no influence.
 fn follow_wishes(
     model: &Model,
     all: &[usize],

@@ -49,7 +49,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     Ok(())
 }
 
-/// A start just after a corner, along velocities at which a constraint demands other velocities there. `None`
+/// A start just after a corner, along velocities at which a constraint requires other velocities there. `None`
 /// if none does.
 fn behind_corner(
     model: &Model,

@@ -381,7 +381,7 @@ fn set_multipliers(mechanism: &Mechanism, reactions: &DVector<f64>, state: &mut 
 /// The torque (N m) on the cycle that moves the mechanism. If the analysis turns the cycle, it is the effort
 /// of the equation of its angle.
 ///
-/// Otherwise drives turn it. A demanded rate d of the equation `Φ(q, t)` of a drive changes the rate of the
+/// Otherwise drives turn it. A required rate d of the equation `Φ(q, t)` of a drive changes the rate of the
 /// cycle by `-s d`, with s from `Bᵀ s = ∂α̇/∂v`. Its multiplier λ has the power `λ d`. So one drive with `s ≠ 0`
 /// has the torque `-λ/s`, also at rest. Several such drives have their power over the rate of the cycle; at
 /// rest it is zero. Drives that do not turn the cycle take no part.
@@ -404,7 +404,7 @@ fn torque(
     let drives: Vec<usize> = (0..count)
         .filter(|i| mechanism.driven[*i] && turns[*i].abs() > least)
         .collect();
-    // multipliers and demanded rates are scaled inversely
+    // multipliers and required rates are scaled inversely
     Ok(match drives.as_slice() {
         [drive] => -reactions[*drive] / turns[*drive],
         _ if rate == 0.0 => 0.0,

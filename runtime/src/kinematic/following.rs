@@ -12,7 +12,7 @@ const TURN: f64 = 0.15;
 /// Most halvings of a step. A choice: the shortest step turns a body by 2e-3°, so a lock or a jump is known
 /// as exactly.
 const HALVINGS: u32 = 12;
-/// Share of the motion's pace by which velocities may differ from those that the accelerations predict. A
+/// Share of the motion's rate by which velocities may differ from those that the accelerations predict. A
 /// choice: in a smooth motion the difference is of second order in the turn of a step, some per cent. On
 /// another branch velocities differ by about as much as they are.
 const SMOOTH: f64 = 0.1;

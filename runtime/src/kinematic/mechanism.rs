@@ -40,7 +40,7 @@ const FARTHEST: f64 = 0.5;
 /// size. It is about the fifth root of the rounding unit: the errors of differences of fourth order, its
 /// fourth power and 1e-16 over it, are both below 1e-12.
 const APART: f64 = 1e-3;
-/// Share of the largest rate by which the rates that the equations demand may contradict each other. A choice
+/// Share of the largest rate by which the rates that the equations require may contradict each other. A choice
 /// above the rounding of a solution through nearly singular equations.
 const CONSISTENT: f64 = 1e-8;
 
@@ -127,9 +127,9 @@ pub(super) struct Mechanism {
     pub follows_states: bool,
     /// The equations at the state that was completed last.
     pub equations: Option<Equations>,
-    /// The rates that the constraints demand while nothing moves, scaled, at that state.
+    /// The rates that the constraints require while nothing moves, scaled, at that state.
     pub demanded: DVector<f64>,
-    /// For each equation, whether it has demanded a rate at any state so far: the equation of a drive.
+    /// For each equation, whether it has required a rate at any state so far: the equation of a drive.
     pub driven: Vec<bool>,
     /// The fastest motion so far, scaled.
     pub quickest: f64,

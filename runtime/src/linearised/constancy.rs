@@ -108,7 +108,7 @@ impl Coefficients {
 
     /// Whether no entry differs by more than a `share` of the largest entry of its kind between the same two
     /// bodies, with a lower limit: a `floor` of all entries. For this limit mass, damping and stiffness are
-    /// compared at a pace (rad/s). `groups` are ranges of the velocities that have one unit and one body.
+    /// compared at a rate (rad/s). `groups` are ranges of the velocities that have one unit and one body.
     fn same(
         &self,
         other: &Coefficients,

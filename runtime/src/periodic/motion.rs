@@ -63,7 +63,7 @@ struct Cycle {
 #[derive(Clone, Debug)]
 pub struct Motion {
     places: Vec<Place>,
-    /// Units of velocities (m/s and rad/s, by the model's pace) and of states.
+    /// Units of velocities (m/s and rad/s, by the model's speed) and of states.
     units: Vec<f64>,
     velocities: usize,
     /// Error of positions that the tolerance leaves (m), and the model's length (m), which converts it to an

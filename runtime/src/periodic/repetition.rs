@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 const LEAST_SWING: f64 = 1e-2;
 /// Least swing of an angle (rad). A choice: a swing below 0.006° is that of a body that hardly turns.
 const LEAST_ANGLE: f64 = 1e-4;
-/// Share of the loads that follow from a model's mass, size and pace, below which a load is rounding. A
+/// Share of the loads that follow from a model's mass, size and speed, below which a load is rounding. A
 /// choice some decades above the rounding unit, because reactions are differences.
 const ROUNDING: f64 = 1e-9;
 /// Share of a growth by which it may vary within a cycle and from the last cycle. A choice: a count or a sum
@@ -62,7 +62,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// A comparison for the channels of a system. `length` is the least swing of a length (m), such as a
-    /// bearing's clearance; `scale` mass (kg), size (m) and pace (rad/s) of the model.
+    /// bearing's clearance; `scale` mass (kg), size (m) and speed (rad/s) of the model.
     pub fn new(system: &System, length: f64, scale: [f64; 3]) -> Comparison {
         let dimensions = system.channels.iter().map(|c| c.dimension).collect();
         Comparison {
@@ -215,7 +215,7 @@ impl Comparison {
     }
 
     /// For a mechanical dimension: the value below which all is rounding in a model of this mass, size and
-    /// pace.
+    /// speed.
     fn rounding(&self, dimension: Dimension) -> f64 {
         let [mass, size, pace] = self.scale;
         let of_bases = (0..BASES).fold(ROUNDING, |value, base| {

@@ -1,6 +1,6 @@
 //! A start at a kink: the motion begins on the side to which it goes.
 //!
-//! Before its start a motion has no values. So where a load or a demanded acceleration jumps at the first
+//! Before its start a motion has no values. So where a load or a required acceleration jumps at the first
 //! state, such as after `if time > 0 s`, its value is that just after the start. Outputs of the first state
 //! are those of a state just after it, and the first step begins there if the kink is a moment.
 

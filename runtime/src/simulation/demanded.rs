@@ -1,9 +1,9 @@
-//! Kinks of constraints: a velocity that a constraint demands must not jump there.
+//! Kinks of constraints: a velocity that a constraint requires must not jump there.
 //!
-//! A constraint demands `Φ = 0` and `Φ̇ = 0`. A drive along `max(0 s, t − 1 s) · 1 m/s` demands another
+//! A constraint requires `Φ = 0` and `Φ̇ = 0`. A drive along `max(0 s, t − 1 s) · 1 m/s` requires another
 //! velocity after its kink than before it. The change of velocities needs an impulse, whose distribution and
 //! loss of energy an impact law would have to state. Eng has no such laws. Steps across the kink would take a
-//! velocity between both, and lose or gain momentum and energy. So the run ends there. If only the demanded
+//! velocity between both, and lose or gain momentum and energy. So the run ends there. If only the required
 //! acceleration jumps, the motion starts again after the kink.
 //!
 //! Both sides are compared at one motion: Φ and Φ̇ of the element at the motion just before and just after
@@ -11,14 +11,14 @@
 //! with the distance of both.
 //!
 //! The place of the kink is the zero of its function. Where the rate of the function does not lead to it, as
-//! at `(t − 1 s)³`, bisection finds the place. A function that only touches zero changes no sign, and demands
+//! at `(t − 1 s)³`, bisection finds the place. A function that only touches zero changes no sign, and requires
 //! no jump.
 
 use super::Simulation;
 use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::state::State;
 
-/// Smallest jump of a demanded velocity that counts: as a share of the model's motion, and of the model's
+/// Smallest jump of a required velocity that counts: as a share of the model's motion, and of the model's
 /// length in a second. A smaller one is rounding, or an error of the text that no result shows. Both are
 /// choices.
 const VELOCITY: (f64, f64) = (1e-6, 1e-9);
@@ -62,7 +62,7 @@ const MOST_ERROR: f64 = 0.25;
 type Difference = Vec<[f64; 2]>;
 
 impl Simulation {
-    /// Refuses to continue from kinks at which a constraint demands a jump.
+    /// Refuses to continue from kinks at which a constraint requires a jump.
     pub(super) fn refuse_jumps_here(&mut self) -> Result<(), RuntimeError> {
         let factor = self.options.step.tolerance();
         let here = self.integrator.current.time;
@@ -99,7 +99,7 @@ impl Simulation {
         found
     }
 
-    /// Refuses kinks within the last step at which a constraint demands a jump: kinks with the times (s) from
+    /// Refuses kinks within the last step at which a constraint requires a jump: kinks with the times (s) from
     /// its beginning. The motion is that before the step, because after a jump the step has a velocity
     /// between those of both sides.
     pub(super) fn refuse_jumps_within(
@@ -132,7 +132,7 @@ impl Simulation {
     }
 
     /// Keeps a kink at a time (s) after a motion, within a fixed step h (s), if the acceleration that a
-    /// constraint demands jumps there by a size that matters.
+    /// constraint requires jumps there by a size that matters.
     ///
     /// The jump of Φ̈ is that of the slope of Φ̇, from two points on each side, at `−2d, −d, d, 2d` from the
     /// kink. The scheme integrates accelerations like a trapezoid. So after a jump `Δa` at the share s of the
@@ -242,7 +242,7 @@ impl Simulation {
         self.kinks.evaluate(&self.model, &self.dynamics, state)
     }
 
-    /// Refuses a kink at a time (s) after a motion, if a constraint demands a jump there: its difference does
+    /// Refuses a kink at a time (s) after a motion, if a constraint requires a jump there: its difference does
     /// not shrink from the larger distance (s) to the smaller one.
     fn refuse_jump(
         &mut self,

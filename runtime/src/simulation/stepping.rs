@@ -19,9 +19,10 @@ const FOLLOWED: f64 = 0.2;
 /// does not shorten the first step. A choice: a body with a ten-thousandth of the largest acceleration may
 /// ring without an effect.
 const REST: f64 = 1e-4;
-/// Size of an acceleration that is rounding, as a share of the square of the motion's pace. Accelerations
-/// have rounding errors of some 1e-16 of that square. Their rates are differences over 1e-4 of the pace's
-/// time and have errors of 1e-11 of its cube. Smaller accelerations do not shorten the first step.
+/// Size of an acceleration that is rounding, as a share of the square of the motion's rate. Accelerations
+/// have rounding errors of some 1e-16 of that square. Their rates are differences over 1e-4 of the time in
+/// which the motion covers the model's length or a radian, and have errors of 1e-11 of the cube of its rate.
+/// Smaller accelerations do not shorten the first step.
 const ROUNDING: f64 = 1e-9;
 /// Smallest first step, as a share of the step that the error allows. A choice: it costs thirteen more steps
 /// at twofold growth, and changes within less time are those of films that follow at once.

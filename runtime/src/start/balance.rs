@@ -40,7 +40,7 @@ use eng_system::system::{Origin, Role};
 pub use holding::Terms;
 use nalgebra::{DMatrix, DVector};
 
-/// Share of a freedom's inertia times the square of the engine's pace, below which its stiffness counts as
+/// Share of a freedom's inertia times the square of the rate of the motion, below which its stiffness counts as
 /// zero, in a first search and in later ones. The first is a choice far above rounding. The friction of a
 /// film that does not see a tilt gives the tilt a stiffness of some millionths, in which rounding is a large
 /// move. The second limit leaves such freedoms in place.
@@ -156,7 +156,7 @@ pub struct Balance<'a> {
     /// Rows of freedoms that nothing holds.
     neutral: DMatrix<f64>,
     freedoms: usize,
-    /// Pace of the motion (1/s), 1 at rest.
+    /// Rate of the motion (1/s), its largest scaled velocity; 1 at rest.
     pace: f64,
     /// Force times length (J) against which residuals are measured.
     unit: f64,

@@ -2,7 +2,7 @@
 //!
 //! A direction is free if no constraint, film, force or elasticity responds to a motion along it. The free
 //! directions are the null space of four matrices together: the constraints' gradients, the pins' positions
-//! in their shells, the derivatives of all loads between two bodies, and the shapes. A body is loose if its
+//! in their shells, the derivatives of all loads between two bodies, and the shapes. A body is unconstrained if its
 //! free motions reach every direction of space.
 
 use super::motion::SteadyMotion;
@@ -106,9 +106,9 @@ fn bodies_of(model: &Model, element: usize) -> impl Iterator<Item = Option<usize
     markers.map(|m| model.markers[*m].body)
 }
 
-/// The first group of loose bodies that elements join to others. Elements that are asleep hold a group.
+/// The first group of unconstrained bodies that elements join to others. Elements that are asleep hold a group.
 fn group_of(model: &Model, dynamic: &[usize], asleep: &[usize], loose: &[bool]) -> Option<Hanging> {
-    // groups of loose bodies that elements join
+    // groups of unconstrained bodies that elements join
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut seen = vec![false; model.bodies.len()];
     for first in 0..model.bodies.len() {

@@ -95,7 +95,7 @@ impl Kept {
     }
 }
 
-/// Whether a constraint, a `start` or a `guess` demands a velocity that is not zero. Without one the steady motion
+/// Whether a constraint, a `start` or a `guess` requires a velocity that is not zero. Without one the steady motion
 /// is rest, which is known without its equations: their effort grows with the cube of the freedoms.
 pub fn is_moved(model: &Model, state: &State) -> Result<bool, RuntimeError> {
     let mut resting = state.clone();
@@ -173,7 +173,7 @@ impl SteadyMotion {
         SteadyMotion::decide(model, state, wishes, TILTS)
     }
 
-    /// A combination of a wish's rows counts only if earlier rows leave more than `least` of it.
+    /// A combination of the rows of a source counts only if earlier rows leave more than `least` of it.
     fn decide(
         model: &Model,
         state: &State,

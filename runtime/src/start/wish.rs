@@ -35,7 +35,7 @@ pub(super) enum Wish {
 }
 
 impl Wish {
-    /// The rates that a wish of films wants to be zero; `None` of another wish.
+    /// The rates that a source of films sets to zero; `None` of another source.
     pub fn film_rates(&self, model: &Model, pose: &[f64], velocity: &[f64]) -> Option<Vec<f64>> {
         match self {
             Wish::Pins(pins) => Some(rates_of_eccentricities(model, pins, pose, velocity)),
@@ -46,7 +46,7 @@ impl Wish {
 }
 
 impl SteadyMotion {
-    /// The rows `matrix · y + values` of a wish, which should be zero for the scaled velocities y.
+    /// The rows `matrix · y + values` of a source, which should be zero for the scaled velocities y.
     pub(super) fn wished(
         &self,
         model: &Model,
@@ -156,7 +156,7 @@ impl SteadyMotion {
     }
 }
 
-/// Four wishes: stated velocities other than zero, stated zeros, zeros beside another velocity of one statement,
+/// Four sources: stated velocities other than zero, stated zeros, zeros beside another velocity of one statement,
 /// and guessed velocities.
 pub(super) fn stated(model: &Model, state: &State) -> Result<[Wish; 4], RuntimeError> {
     let of = |exact| {

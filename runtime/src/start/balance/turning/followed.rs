@@ -56,7 +56,7 @@ const RADIUS: f64 = 0.5;
 /// none, and the start says so.
 const PERIODS: usize = 40;
 /// Number of periods after which the remaining deviation counts as linear. A choice: stiff shapes and films
-/// lose their first deviation within a period or two, and combinations of such periods lead astray.
+/// lose their first deviation within a period or two, and combinations of such periods lead away.
 const PLAIN: usize = 2;
 /// Most periods in one combination. A choice: each may remove one slow decay, and periods before these belong
 /// to another deviation.
