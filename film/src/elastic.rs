@@ -731,7 +731,7 @@ impl Elastic {
         Ok(held)
     }
 
-    /// A row of the slow compliance times forces of the shapes.
+    /// A row of the slow compliance times forces of the shapes. In m for forces in N.
     fn yields(&self, row: usize, force: impl Fn(usize) -> f64) -> f64 {
         let count = self.shapes();
         let line = self.slow[row * count..(row + 1) * count].iter();

@@ -135,7 +135,7 @@ impl LevelWork {
         self.conductance[at] * (self.cut(link.a) - self.cut(link.b) + self.bent[at][1])
     }
 
-    /// q of a side, zero where the rule `half` cuts it.
+    /// q of a side, zero where the rule `half` cuts it. In Pa.
     fn cut(&self, side: usize) -> f64 {
         match self.pressure[side][1] {
             0.0 => 0.0,

@@ -514,6 +514,7 @@ fn stated(
 /// number.
 const LEAST_AROUND: usize = 4;
 
+/// Lines around (rad), rising over one turn from the first edge of an opening, or stated ones.
 fn lines_around(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceError> {
     let turn = std::f64::consts::TAU;
     let mut edges: Vec<f64> = source
@@ -548,6 +549,8 @@ fn lines_around(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceEr
     }
 }
 
+/// Lines across (m from mid width), rising from one end, or from mid width for half a bearing, to the other
+/// end.
 fn lines_across(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceError> {
     let high = source.width / 2.0;
     let low = if source.half_width { 0.0 } else { -high };

@@ -25,6 +25,7 @@ use crate::source::{Cavitation, EdgeSlope, FilmSource, Lines};
 
 /// Components along u and u⊥ of the response by D. W. Childs, H. Moes, H. van Leeuwen, J. Lubr. Technol. 99
 /// (1977) 198, at the components x, y of the eccentricity ratio and B/D; `docs/theory.md` has the formula.
+/// Dimensionless: W (cos β, sin β) of the head of this module.
 #[must_use]
 pub fn childs_response(x: f64, y: f64, slenderness: f64) -> [f64; 2] {
     let q = (1.0 - y * y).sqrt();
@@ -52,7 +53,8 @@ fn graded(reach: f64, least: f64, cells: usize) -> Vec<f64> {
 }
 
 /// Response of the solved film on `2 around × across` cells of its half width. The cells are dense where the
-/// gap is thin and at the end, over the length `√(2 (1 − ε)) R` on which the gap doubles.
+/// gap is thin and at the end, over the length `√(2 (1 − ε)) R` on which the gap doubles. Dimensionless, as W
+/// (cos β, sin β).
 fn solved(
     slenderness: f64,
     ratio: f64,
@@ -114,7 +116,7 @@ pub fn solved_response(slenderness: f64, ratio: f64, cosine: f64) -> Result<[f64
 /// square, 4e-4, and nearer to the limit both numbers of the quotient lose their digits.
 const NEAR: [f64; 2] = [0.02, 0.02];
 
-/// `load` and `side` of the table at B/D, `u = −ln(1 − ε)` and cos α.
+/// `load` and `side` of the table at B/D, `u = −ln(1 − ε)` and cos α. `load` is dimensionless, `side` in rad.
 ///
 /// # Errors
 /// As [`Film::solve`].

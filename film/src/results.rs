@@ -119,7 +119,8 @@ impl Film {
         Ok(())
     }
 
-    /// Slope of the logarithm of the viscosity by q, of a place where p has a slope by q.
+    /// Slope of the logarithm of the viscosity by q, of a place where p has a slope by q. In 1/Pa; `slope` is
+    /// ∂p/∂q, dimensionless.
     pub(crate) fn thickening(&self, slope: f64) -> f64 {
         if slope < THICKEST {
             self.source.piezo * slope
@@ -129,6 +130,7 @@ impl Film {
     }
 
     /// Factor of the shear in a cell, `ϑ exp(α p)`; of rules without content, ϑ is 1, as is usual.
+    /// Dimensionless.
     pub(crate) fn shear_factor(&self, state: &LevelWork, cell: usize) -> f64 {
         state.content[cell] * state.pressure[cell][1].max(1.0)
     }
@@ -355,7 +357,7 @@ impl Film {
     }
 
     /// Highest pressure and its place, by parabolas in both directions through the highest cell and the cells
-    /// or edges beside it.
+    /// or edges beside it. In Pa, over the cavitation pressure.
     fn highest(&self, level: &Level, state: &LevelWork, end_pressure: f64) -> (f64, Place) {
         let grid = &level.grid;
         let pressure = |cell: usize| state.pressure[cell][0];
@@ -420,7 +422,7 @@ impl Film {
 
     /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is
     /// closest. The place of an aligned pin between plain surfaces is at mid width. For plain surfaces both
-    /// are exact.
+    /// are exact. In m.
     fn thinnest(&self, state: &LevelWork, x: &[f64]) -> (f64, Place) {
         let grid = &self.levels[0].grid;
         let half = self.source.width / 2.0;

@@ -177,7 +177,7 @@ pub(crate) fn mean_over(waves: u32, sector: f64) -> f64 {
     mean_of_wave(f64::from(waves) * sector / 2.0)
 }
 
-/// `sin x/x`.
+/// `sin x/x`. Its limit 1 at x = 0; x in rad.
 pub(crate) fn mean_of_wave(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { libm::sin(x) / x }
 }
@@ -288,7 +288,7 @@ impl FilmSource {
         }
     }
 
-    /// Sum of the shell's profile.
+    /// Sum of the shell's profile. In m, at an angle (rad) and `zeta` = 2 z/B; positive numbers open the gap.
     pub(crate) fn shell_profile(&self, angle: f64, zeta: f64) -> f64 {
         self.profile
             .iter()

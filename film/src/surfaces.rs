@@ -204,7 +204,8 @@ impl Surfaces {
         [rough.deviation * mean, below, density / rough.deviation]
     }
 
-    /// Slope of the rate of the carried gap by that of h, and by h itself at the rate 1.
+    /// Slope of the rate of the carried gap by that of h, and by h itself at the rate 1. The first is
+    /// dimensionless, the second in 1/m.
     pub(crate) fn squeezed(&self, carried: [f64; 3]) -> [f64; 2] {
         match self.rough {
             Some(_) => [carried[1], carried[2]],
@@ -260,7 +261,7 @@ impl Surfaces {
         }
     }
 
-    /// The share of viscosity that shear leaves.
+    /// The share of viscosity that shear leaves. Dimensionless, with its slopes by h (1/m) and by ω (s).
     fn thinned(&self, [gap, slope, _]: [f64; 3], spin: f64) -> OfGap {
         let Some(thinning) = &self.thinning else {
             return OfGap {
@@ -289,9 +290,9 @@ impl Surfaces {
     }
 }
 
-/// The gap in an equation and its slope by the true gap h: `f²/(2f − h)` below the floor f, where it has the value
-/// and slope of h and stays positive for every h. So the iterates of a solver have a film at every position of the
-/// pin.
+/// The gap in an equation and its slope by the true gap h: `f²/(2f − h)` below the floor f, where it has the
+/// value and slope of h and stays positive for every h. So the iterates of a solver have a film at every
+/// position of the pin. Both gaps in m, the slope dimensionless.
 fn continued(gap: f64, floor: f64) -> (f64, f64) {
     if gap >= floor || floor == 0.0 {
         return (gap, 1.0);

@@ -116,7 +116,7 @@ impl Coefficients {
         }
     }
 
-    /// dẏ'/dy' of a step h.
+    /// dẏ'/dy' of a step h. In 1/s.
     fn state_weight(&self, h: f64) -> f64 {
         (1.0 - self.state_alpha_m) / ((1.0 - self.alpha_f) * self.state_gamma * h)
     }

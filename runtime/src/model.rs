@@ -156,7 +156,8 @@ impl Model {
     }
 
     /// Scale of each velocity: the length for a translation, one for a rotation, and for a modal rate the
-    /// amplitude that moves a marker by the length.
+    /// amplitude that moves a marker by the length. In m for translations, 1 for rotations, and in the unit
+    /// of the amplitude.
     pub fn velocity_scales(&self) -> Vec<f64> {
         let mut scales = vec![1.0; self.velocities];
         for body in &self.bodies {

@@ -174,7 +174,7 @@ pub fn inverse_tangent(theta: &V3) -> M3 {
     M3::identity() + t * 0.5 + t * t * c
 }
 
-/// Rotation vector of a quaternion, |θ| ≤ π.
+/// Rotation vector of a quaternion, |θ| ≤ π. In rad, in the axes of both frames.
 pub fn logarithm(q: &Quaternion) -> V3 {
     let q = if q[0] < 0.0 { q.map(|x| -x) } else { *q };
     let v = V3::new(q[1], q[2], q[3]);

@@ -192,8 +192,8 @@ impl<'a> Beam<'a> {
             .collect()
     }
 
-    /// Flexibilities in tension and torsion from the first end to a distance: ∫ dx/(EA), ∫ dx/(GJ); zero torsion for a
-    /// section without it.
+    /// Flexibilities in tension and torsion from the first end to a distance: ∫ dx/(EA), ∫ dx/(GJ); zero
+    /// torsion for a section without it. `to` in m; the results in m/N and rad/(N m).
     fn flexibility(&self, to: f64) -> [f64; 2] {
         let mut sums = [0.0; 2];
         for (_, weight, own) in self.points(to, 1) {
@@ -269,6 +269,7 @@ impl<'a> Beam<'a> {
     }
 
     /// The rigid motion of the bending freedoms at distance `s` from the first end: v += s θ_z, w −= s θ_y.
+    /// `s` in m; rotations in rad. Shape: 4 × 4 over (v, w, θ_y, θ_z).
     fn transfer(s: f64) -> [[f64; 4]; 4] {
         [
             [1.0, 0.0, 0.0, s],
@@ -278,7 +279,7 @@ impl<'a> Beam<'a> {
         ]
     }
 
-    /// Deformation of the second end against the first: 4 × 8 over (v, w, θ_y, θ_z) of both.
+    /// Deformation of the second end against the first: 4 × 8 over (v, w, θ_y, θ_z) of both. In m and rad.
     fn deformation(&self) -> [[f64; 8]; 4] {
         let rigid = Self::transfer(self.length);
         let mut deformation = [[0.0; 8]; 4];

@@ -140,7 +140,7 @@ fn neighbours(kind: ElementKind) -> (&'static [[usize; 3]], f64) {
 /// 2/√3: by the sine of the corners of a triangle of equal sides.
 const TRIANGLE: f64 = 1.154_700_538_379_251_5;
 
-/// The longest side by the shortest, and the sharpest corner. `None` for lines.
+/// The longest side by the shortest, and the sharpest corner. `None` for lines. Both are dimensionless.
 fn shape(kind: ElementKind, corners: &[Vector]) -> Option<(f64, f64)> {
     let count = corners.len();
     let mut sharpest = f64::INFINITY;

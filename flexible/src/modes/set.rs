@@ -365,7 +365,7 @@ fn keep(
     vectors.truncate(kept * size);
 }
 
-/// `x·f`, at least zero.
+/// `x·f`, at least zero. Twice the strain energy (J) for x in m and the forces f in N.
 fn energy(vector: &[f64], force: &[f64]) -> f64 {
     let energy: f64 = vector.iter().zip(force).map(|(x, f)| x * f).sum();
     energy.max(0.0)

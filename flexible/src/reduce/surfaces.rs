@@ -151,7 +151,8 @@ impl Bore {
         })
     }
 
-    /// Angle, ζ and the direction away from the axis of a place.
+    /// Angle, ζ and the direction away from the axis of a place. The angle in rad about the marker's z from
+    /// its x, ζ = 2 z/B, and a unit vector in the mesh's axes.
     fn seen(&self, place: [f64; 3]) -> (f64, f64, [f64; 3]) {
         let from = subtract(place, self.middle);
         let [x, y, z] = self.axes.map(|axis| dot(axis, from));

@@ -113,6 +113,7 @@ pub fn close(
 }
 
 /// Mobility of all bodies. Stated bodies move little, and bodies bend only if loops do not close otherwise.
+/// Dimensionless, by velocity index.
 fn mobility(model: &Model, stated: &[bool]) -> Vec<f64> {
     let mut m = vec![0.0; model.velocities];
     for (body, stated) in model.bodies.iter().zip(stated) {

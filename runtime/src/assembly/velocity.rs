@@ -181,7 +181,7 @@ const RESTS: f64 = 1e-9;
 
 /// The change of least kinetic energy that takes the rates of pins in their shells away, without a change of
 /// other rows. Least energy alone would turn a crank that only films hold about its centre of mass, and its
-/// pins would leave their shells.
+/// pins would leave their shells. In SI: m/s, rad/s and modal rates.
 fn keep_pins(
     model: &Model,
     state: &State,
@@ -250,11 +250,13 @@ fn take_away(kept: &Gradients, free: &mut DMatrix<f64>) -> Option<()> {
     Some(())
 }
 
+/// The largest entry of a row in scaled velocities: the row's unit, times s.
 fn gradient_size(matrix: &Gradients, row: usize, scales: &[f64]) -> f64 {
     let entries = matrix.rows()[row].iter();
     entries.fold(0.0_f64, |w, (j, x)| w.max((x * scales[*j]).abs()))
 }
 
+/// One vector above the other.
 fn stacked(above: &DVector<f64>, below: &DVector<f64>) -> DVector<f64> {
     let numbers = above.iter().chain(below.iter());
     DVector::from_iterator(above.len() + below.len(), numbers.copied())

@@ -76,8 +76,8 @@ pub(super) fn settle<F, E>(
     Ok(Ok(last_found))
 }
 
-/// The move to the fixed point of rounds whose move is `plain`: `r − Σ γ_j (Δz_j + Δr_j)` with the least
-/// `|r − Σ γ_j Δr_j|` (D. G. Anderson, J. ACM 12 (1965) 547).
+/// The move to the fixed point of rounds whose move is `plain`: `r − Σ γ_j (Δz_j + Δr_j)` with the least `|r
+/// − Σ γ_j Δr_j|` (D. G. Anderson, J. ACM 12 (1965) 547). All moves are shares of the states' sizes.
 fn extrapolated(plain: &DVector<f64>, pairs: &[(DVector<f64>, DVector<f64>)]) -> DVector<f64> {
     if pairs.is_empty() {
         return plain.clone();
@@ -99,7 +99,7 @@ fn extrapolated(plain: &DVector<f64>, pairs: &[(DVector<f64>, DVector<f64>)]) ->
     }
 }
 
-/// Rates of all states at the positions of a state, with bodies at rest.
+/// Rates of all states at the positions of a state, with bodies at rest. In SI per second.
 fn rates(model: &Model, state: &State, states: &[f64]) -> Result<DVector<f64>, RuntimeError> {
     let mut dynamics = Dynamics::new(model);
     dynamics.place(model, state.time, &state.pose, &state.velocity);

@@ -57,7 +57,8 @@ impl Equations {
         Some(Equations { matrix, factor })
     }
 
-    /// x with the least |B x − b|, with one correction of its rounding.
+    /// x with the least |B x − b|, with one correction of its rounding. Scaled velocities or increments, one
+    /// for each column of B.
     fn least(&self, wanted: &DVector<f64>) -> DVector<f64> {
         let mut x = self.factor.solve(&self.matrix.tr_mul(wanted));
         for _ in 0..2 {
@@ -67,7 +68,7 @@ impl Equations {
         x
     }
 
-    /// The smallest μ with Bᵀ μ = f.
+    /// The smallest μ with Bᵀ μ = f. One for each row of B, scaled.
     pub fn reactions(&self, forces: &DVector<f64>) -> DVector<f64> {
         let mut reactions = &self.matrix * self.factor.solve(forces);
         for _ in 0..2 {

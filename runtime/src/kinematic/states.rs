@@ -38,7 +38,7 @@ impl Mechanism {
             .find(|e| model.elements[*e].dynamic && model.class(*e).layout.states > 0)
     }
 
-    /// The rates of the states at a position.
+    /// The rates of the states at a position. In SI per second.
     fn rates_at(&mut self, place: &State, states: &[f64]) -> Result<Vec<f64>, RuntimeError> {
         let mut at = place.clone();
         at.states.copy_from_slice(states);
@@ -47,7 +47,8 @@ impl Mechanism {
         Ok(self.dynamics.rates().to_vec())
     }
 
-    /// States after a step between two positions, with one in the middle.
+    /// States after a step between two positions, with one in the middle. In SI; the classical method of
+    /// fourth order.
     fn runge_kutta(
         &mut self,
         [first, middle, last]: [&State; 3],

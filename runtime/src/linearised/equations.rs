@@ -143,7 +143,7 @@ impl Blocks {
     }
 }
 
-/// Mass-orthonormal basis of the moves with `G x = 0`.
+/// Mass-orthonormal basis of the moves with `G x = 0`. Shape: velocities × freedoms.
 fn allowed(
     model: &Model,
     mass: &DMatrix<f64>,
@@ -420,7 +420,8 @@ impl Equations {
         2 * self.freedoms() + self.rates_by_states.nrows()
     }
 
-    /// The system without constraints, `ξ̇ = A ξ` with `ξ = (x, ẋ, z)`.
+    /// The system without constraints, `ξ̇ = A ξ` with `ξ = (x, ẋ, z)`. Shape: square, twice the freedoms and
+    /// the states.
     pub fn first_order(&self) -> DMatrix<f64> {
         let (p, s) = (self.freedoms(), self.rates_by_states.nrows());
         let mut out = DMatrix::zeros(2 * p + s, 2 * p + s);

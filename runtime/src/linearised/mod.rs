@@ -126,7 +126,7 @@ impl Mode {
         self.value.norm() / std::f64::consts::TAU
     }
 
-    /// −Re λ/|λ|.
+    /// −Re λ/|λ|. Dimensionless; positive for a motion that decays.
     pub fn damping_ratio(&self) -> f64 {
         -self.value.re / self.value.norm()
     }

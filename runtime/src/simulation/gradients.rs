@@ -619,7 +619,7 @@ fn residual_at(
     Ok(())
 }
 
-/// The rates Φ̇ of the constraints at a state.
+/// The rates Φ̇ of the constraints at a state. In SI: m/s or rad/s.
 fn rates_at(
     dynamics: &mut Dynamics,
     model: &Model,

@@ -312,7 +312,8 @@ impl<'a> Balance<'a> {
         Ok(Some(leaning))
     }
 
-    /// Scaled residual: balance, constraints, holds.
+    /// Scaled residual: balance, constraints, holds. Dimensionless. Shape: velocities, then constraint rows,
+    /// then held rows. Its sign is that of r in the head of this module.
     fn residual(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
         if !self.terms.rest {
             let velocity = self.motion.velocity(self.model, &place.state);
@@ -321,7 +322,7 @@ impl<'a> Balance<'a> {
         self.imbalance(place)
     }
 
-    /// The same residual with the present velocities.
+    /// The same residual with the present velocities. Shape and units are the same.
     fn imbalance(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);

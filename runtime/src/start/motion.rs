@@ -227,7 +227,8 @@ impl SteadyMotion {
         mass
     }
 
-    /// Scale of each velocity.
+    /// Scale of each velocity ([`Model::velocity_scales`]): a velocity (SI) is its scaled velocity (1/s)
+    /// times it.
     pub fn scales(&self) -> &[f64] {
         &self.scales
     }
@@ -253,7 +254,7 @@ impl SteadyMotion {
         }
     }
 
-    /// Velocities at a position.
+    /// Velocities at a position. In SI: m/s, rad/s in the body's axes, and modal rates.
     pub fn velocity(&self, model: &Model, state: &State) -> Result<Vec<f64>, NoMotion> {
         let (matrix, rhs, _) = self.equations(model, state)?;
         let y = matrix.lu().solve(&rhs).ok_or(NoMotion::Singular)?;
@@ -379,7 +380,8 @@ impl SteadyMotion {
             .filter(|l| l.pick.nrows() > 0 && !matches!(l.wish, Wish::Own(_) | Wish::Loads(_)))
     }
 
-    /// The values of the conditions for the velocities of a state.
+    /// The values of the conditions for the velocities of a state. In scaled velocities (1/s); zero if all
+    /// hold.
     pub fn missed(&self, model: &Model, state: &State) -> Result<DVector<f64>, RuntimeError> {
         let rates = self.constraints.rates(model, &at(state))?;
         let mut out: Vec<f64> = rates
@@ -446,6 +448,7 @@ impl SteadyMotion {
     }
 
     /// Velocities at a position, and their rates along the motion by one-sided differences of fourth order.
+    /// Velocities in SI, their rates in SI per second.
     pub fn rates(&self, model: &Model, state: &State) -> Result<(Vec<f64>, Vec<f64>), NoMotion> {
         // f' = (−25 f₀ + 48 f₁ − 36 f₂ + 16 f₃ − 3 f₄)/12h
         const WEIGHTS: [f64; 5] = [-25.0, 48.0, -36.0, 16.0, -3.0];

@@ -385,7 +385,8 @@ impl<'a> Turning<'a> {
         Ok(outputs.watched_values)
     }
 
-    /// The velocities that lead on from a position; `None` if there are none.
+    /// The velocities that lead on from a position; `None` if there are none. In SI; with `still` per unit of
+    /// the step, in which the cycle turns by one radian.
     fn velocity(&mut self, state: &State) -> Result<Option<Vec<f64>>, RuntimeError> {
         if !self.still {
             if let Ok(found) = self.motion.velocity(self.model, state) {

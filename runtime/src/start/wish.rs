@@ -35,7 +35,8 @@ pub(super) enum Wish {
 }
 
 impl Wish {
-    /// The rates that a source of films sets to zero; `None` of another source.
+    /// The rates that a source of films sets to zero; `None` of another source. In m/s for eccentricities,
+    /// and in 1/s for axes.
     pub fn film_rates(&self, model: &Model, pose: &[f64], velocity: &[f64]) -> Option<Vec<f64>> {
         match self {
             Wish::Pins(pins) => Some(rates_of_eccentricities(model, pins, pose, velocity)),

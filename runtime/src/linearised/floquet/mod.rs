@@ -88,7 +88,7 @@ pub struct Repeating {
     pub resolved: bool,
 }
 
-/// Distance of two logarithms of multipliers, up to conjugation and whole turns.
+/// Distance of two logarithms of multipliers, up to conjugation and whole turns. Dimensionless.
 fn distance(a: Complex<f64>, b: Complex<f64>) -> f64 {
     [b, b.conj()]
         .into_iter()
@@ -100,7 +100,7 @@ fn distance(a: Complex<f64>, b: Complex<f64>) -> f64 {
 }
 
 /// Error of the return of the motion's own direction: `|Wy − y|/|y|`; `None` if the motion has no direction
-/// of its own.
+/// of its own. Dimensionless.
 fn phase(round: &Round, whole: &DMatrix<f64>) -> Option<f64> {
     let y = round.along();
     let p = round.first.freedoms();
@@ -115,7 +115,7 @@ fn phase(round: &Round, whole: &DMatrix<f64>) -> Option<f64> {
         .filter(|share| *share < PHASE)
 }
 
-/// |Δ ln μ| between halved and whole steps.
+/// |Δ ln μ| between halved and whole steps. Dimensionless.
 fn uncertainty(multiplier: &Multiplier, coarse: &[Multiplier]) -> f64 {
     coarse
         .iter()

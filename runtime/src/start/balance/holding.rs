@@ -161,7 +161,8 @@ impl Balance<'_> {
         Ok((values, rows))
     }
 
-    /// Values and rows of the held directions at a position.
+    /// Values and rows of the held directions at a position. The values are scaled positions, the rows are
+    /// unit rows in scaled velocities.
     pub(super) fn held(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
         if let Some(rows) = &self.turned {
             return Ok((DVector::zeros(rows.nrows()), rows.clone()));

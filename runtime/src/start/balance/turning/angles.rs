@@ -115,6 +115,8 @@ fn chosen(balance: &mut Balance, state: &State) -> Result<Vec<usize>, NoOrbit> {
     Ok(chosen)
 }
 
+/// The rows of the chosen candidates at a state, and those of directions that nothing holds (rows ×
+/// velocities, scaled).
 fn held_at(
     balance: &mut Balance,
     chosen: &[usize],
@@ -349,6 +351,7 @@ impl Angles {
         )
     }
 
+    /// The period (s).
     fn period(&self) -> f64 {
         let times = self.list.get(1).map_or(0.0, |a| a.place.state.time)
             - self.list.first().map_or(0.0, |a| a.place.state.time);

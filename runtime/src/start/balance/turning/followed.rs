@@ -322,7 +322,8 @@ impl Follower {
         Ok(())
     }
 
-    /// Rates of the present positions, by central differences of eighth order from earlier and later ones.
+    /// Rates of the present positions, by central differences of eighth order from earlier and later ones. In
+    /// SI: m/s, rad/s in the axes of the body, and modal rates.
     fn rates(&mut self, balance: &mut Balance) -> Result<Vec<f64>, NoOrbit> {
         // f' = (Σ w_k (f_k − f_−k))/h for k = 1…4
         const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
@@ -401,11 +402,13 @@ impl Follower {
 /// left the range of the films, and the next period has to begin where the last one ended.
 const WITHIN: f64 = 0.98;
 
+/// Increments (SI) from scaled ones.
 fn unscaled(unknowns: &[f64], scales: &[f64]) -> Vec<f64> {
     unknowns.iter().zip(scales).map(|(x, s)| x * s).collect()
 }
 
-/// The increment from one position to another.
+/// The increment from one position to another. In m, in rad in the axes of the first orientation, and in
+/// amplitudes; in the order of the velocities.
 pub(super) fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
     for body in &model.bodies {
@@ -542,7 +545,8 @@ impl Balance<'_> {
     }
 
     /// Weights that make increments and velocities comparable: the largest shape of the body for shapes, the
-    /// clearances for frames.
+    /// clearances for frames. In 1/m, 1/rad and one over an amplitude for increments; the same times s for
+    /// velocities. `pace` (1/s) is the angular velocity of the motion.
     fn weights(&self, state: &State, pace: f64) -> Vec<f64> {
         let model = self.model;
         let mut weights = vec![0.0; model.velocities];

@@ -42,6 +42,7 @@ pub(super) struct Kept {
     present: Option<DMatrix<f64>>,
 }
 
+/// Scaled velocities (1/s) from velocities (SI).
 fn scaled(balance: &Balance, velocity: &[f64]) -> DVector<f64> {
     let scales = balance.motion.scales();
     DVector::from_fn(scales.len(), |i, _| velocity[i] / scales[i])

@@ -11,10 +11,12 @@ pub(super) struct Solution {
     pub products: usize,
 }
 
+/// `a·b`.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
+/// `|a|`.
 fn norm(a: &[f64]) -> f64 {
     libm::sqrt(dot(a, a))
 }

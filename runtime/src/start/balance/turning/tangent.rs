@@ -104,7 +104,8 @@ fn turning_rates(angles: &Angles, values: &[Vec<f64>], repeats: &[Repeats]) -> V
     rates
 }
 
-/// Positions and shapes of bodies, without orientations, in the order of the velocities.
+/// Positions and shapes of bodies, without orientations, in the order of the velocities. In m and amplitudes;
+/// zeros for the orientations.
 fn positions(model: &Model, pose: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
     for body in &model.bodies {
@@ -251,7 +252,8 @@ impl Tangent {
         Ok(out)
     }
 
-    /// Changes of the rates along the positions, from increments at all angles.
+    /// Changes of the rates along the positions, from increments at all angles. Both in SI, per second for
+    /// the rates.
     fn path_rates(&self, model: &Model, angles: &Angles, increments: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let count = angles.list.len();
         let mut rates = vec![vec![0.0; model.velocities]; count];
