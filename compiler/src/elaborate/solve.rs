@@ -27,8 +27,8 @@ use eng_system::{Dimension, DisplayUnit};
 /// Steps whose result has no derivative. From an estimate with an error of a tenth of the distance over which the slope
 /// changes, five reach rounding, because each squares the error. Three more serve estimates farther away.
 const HELD: usize = 8;
-/// Most unknowns. A choice: the inverse of the Jacobian matrix is written out, and its operations grow with
-/// the factorial.
+/// Most unknowns. A choice: Cramer's rule is written out, and its operations grow with the factorial of the
+/// number.
 const MOST: usize = 3;
 /// Correction after the held steps up to which the search has ended, over the size of the unknown and of its
 /// way. The error after this correction is about its square, 1e-12, and one more step follows. A choice.

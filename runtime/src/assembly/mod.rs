@@ -30,7 +30,7 @@ use eng_system::system::{ConditionKind, Role, Rotation};
 use rows::{At, Rows};
 use std::f64::consts::PI;
 
-/// Size of a scaled row (m over the model's length, or rad) below which it is closed. A choice: four decades
+/// Size of a scaled row (m over the model's length, or rad) below which it is closed. A choice: six decades
 /// above the rounding of a position, and far below the tolerance of positions.
 pub const CLOSED: f64 = 1e-10;
 

@@ -298,8 +298,7 @@ impl<'a> Balance<'a> {
                 return Ok(None);
             }
         }
-        // 30 halvings leave a part of 1e-9 of the interval: a pin is then at its ratio to nine digits, and
-        // none is needed
+        // 30 halvings leave 1e-9 of the interval, far less than a search needs to begin
         for _ in 0..30 {
             let middle = 0.5 * (low + high);
             if thinnest(middle) < ratio {
