@@ -35,7 +35,8 @@ const HARDEST: usize = 3;
 /// order fall to a quarter, so the difference is three quarters of the error.
 const WHOLE: f64 = 4.0 / 3.0;
 
-/// Share of the flooded ends with unfilled cells above which the text mentions them. A choice.
+/// Share of the flooded ends with unfilled cells above which the text mentions them. A choice: below it the
+/// flow through the ends hardly depends on them.
 const UNFILLED: f64 = 0.05;
 /// Share of the size of `shear` below which a load is rounding, such as that of a centred pin. A choice some
 /// decades above the rounding unit.

@@ -42,7 +42,8 @@ const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodi
 const LEAST_UNCERTAINTY: f64 = 1e-6;
 /// The largest number of parts that a line of the table names. A choice: they fit in a line.
 const NAMED: usize = 4;
-/// The smallest share that a line of the table names. A choice.
+/// The smallest share that a line of the table names. A choice: a smaller part hardly decides a mode, and
+/// would lengthen the line.
 const SMALLEST: f64 = 0.03;
 
 /// The parts of each body: index of the first part, and their number.

@@ -126,7 +126,8 @@ pub struct Reduced {
 const MASS_APART: f64 = 0.05;
 
 /// Difference of the masses along x, y and z, as a part of the largest, above which a warning reports it.
-/// Files with few digits have less. A choice.
+/// Files with few digits have less. A choice: a smaller limit would warn about digits, a larger one would
+/// pass over a mass that a file left out along one axis.
 const DIRECTED: f64 = 1e-4;
 
 /// Most nodes in a message. A choice: as many fit in a line.

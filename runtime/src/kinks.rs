@@ -54,7 +54,8 @@ use std::ops::Range;
 
 /// A step that passes a kink, or ends close before it, adds this number to the count of the kink. Any other
 /// step subtracts 1. So a kink that less than one step in 33 passes, such as a stop that is hit now and then,
-/// never reaches the limit. A choice.
+/// never reaches the limit. A choice: a smaller number would let more frequent passages go on without a
+/// message, a larger one would report a stop that is hit now and then.
 const PASSED: f64 = 32.0;
 /// A step ends close before a kink if it is at most so many steps of its length away from it. A motion that
 /// comes to a kink and passes it then counts some five times. The limit is a choice: with one step, a motion

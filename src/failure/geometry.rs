@@ -246,6 +246,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
     let message = chain
         .bodies
         .iter()
+        // a length of rounding; see above
         .filter(|body| body.length > 1e-9)
         .flat_map(|body| body.parameters.iter().map(move |p| (body, *p)))
         .fold(message, |message, (body, index)| {

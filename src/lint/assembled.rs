@@ -27,7 +27,8 @@ const SWINGS: f64 = 0.5;
 /// a choice: a body ends at about that.
 const BESIDE: f64 = 2.0;
 const BESIDE_IN_BORES: f64 = 0.2;
-/// A body does not turn if its speed is below this share of the cycle's. A choice.
+/// A body does not turn if its speed is below this share of the cycle's. A choice: gears and chains of
+/// engines have ratios far above it, and a start at rest leaves only rounding.
 const STANDS_STILL: f64 = 0.01;
 /// A machine has no effective springs if it sinks under its weight by this share of the model's length, or of
 /// the spring's length if that is larger. A choice: no spring of a machine is compressed by half of its

@@ -15,7 +15,8 @@ const EARTH: std::ops::Range<f64> = 9.7..10.1;
 /// Density of the heaviest metals (kg/m³): tungsten and gold have 19 300.
 const HEAVIEST: f64 = 20_000.0;
 /// A body has a mistake in its unit, and not only a rounded number, if its radius of gyration is below this
-/// share of that of a ball of the heaviest metal. A choice.
+/// share of that of a ball of the heaviest metal. A choice: a unit wrong by a factor of a thousand in the
+/// inertia shortens the radius to a thirtieth, rounding by far less than to a third.
 const NO_BALL: f64 = 0.3;
 /// Usual ratios of the radius of gyration to the distance of the farthest marker from the centre of mass.
 /// Uniform rods have 0.58, cranks 0.5, webs 1. The limits are a choice.
@@ -38,11 +39,14 @@ const FAR_IN_REACHES: f64 = 3.0;
 /// Density of steel (kg/m³).
 const STEEL: f64 = 7_800.0;
 /// Two markers are on opposite sides of the centre of mass if the product of their arms is below minus this
-/// share of the square of the farthest arm. A choice.
+/// share of the square of the farthest arm. A choice: a marker almost at the centre, or almost square to the
+/// other arm, says little about where the centre should be.
 const OTHER_SIDE: f64 = 0.02;
-/// An analysis removes a mass if it sets less than this share of the stated mass. A choice.
+/// An analysis removes a mass if it sets less than this share of the stated mass. A choice: a variation of a
+/// mass stays far above it, and who removes one mostly sets a number near zero.
 const TAKEN_AWAY: f64 = 0.01;
-/// Markers are on one line if at most this share of their sum of squares is across it. A choice.
+/// Markers are on one line if at most this share of their sum of squares is across it. A choice: it allows an
+/// offset of about a third of the distance along the line.
 const BESIDE_LINE: f64 = 0.1;
 /// The moments of a body are in the wrong order if two conditions hold. The first: its mass extends along the
 /// line of its markers (root of the mean square) by less than this share of the distance to the farthest

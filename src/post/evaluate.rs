@@ -369,6 +369,7 @@ impl<'r> Evaluator<'r> {
                 since(angle, length, 1e-6).ok_or_else(|| short(extent_text(extent)))?
             }
             Part::Cycles(count) => period
+                // rounding of an unwrapped angle (rad)
                 .and_then(|period| since(angle, period * f64::from(count), 1e-6))
                 .ok_or_else(|| {
                     short(match count {

@@ -71,7 +71,8 @@ impl Samples {
         self
     }
 
-    /// Whether they cover an angle (rad) within a thousandth of their distance.
+    /// Whether they cover an angle (rad) within a thousandth of their distance. A choice: far above the
+    /// rounding of an unwrapped angle, and far below a missing sample.
     pub fn cover(&self, angle: f64) -> bool {
         let Some(own) = &self.angle else { return false };
         let (Some(first), Some(last)) = (own.first(), own.last()) else {

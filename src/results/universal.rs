@@ -129,6 +129,7 @@ fn write_units(writer: &mut impl Write) -> io::Result<()> {
     )?;
     let one = exponent(1.0, 25, 16);
     writeln!(writer, "{one}{one}{one}")?;
+    // offset from the absolute scale of temperature (K) to Celsius
     writeln!(writer, "{}", exponent(273.15, 25, 16))?;
     writeln!(writer, "{:>6}", -1)
 }

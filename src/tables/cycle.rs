@@ -16,6 +16,7 @@ pub(crate) fn last_cycle(angle: Option<&[f64]>, period: Option<f64>) -> Option<u
     let (angle, period) = (angle?, period?);
     let (first, last) = (angle.first()?, angle.last()?);
     let turned = (last - first).abs();
+    // rounding of an unwrapped angle (rad), as in `shifted`
     if period > 0.0 && turned >= period - 1e-6 {
         // samples that the angle passes again on its way back also belong to the last cycle
         let before = angle

@@ -31,7 +31,9 @@ const HELD: usize = 8;
 /// number.
 const MOST: usize = 3;
 /// Correction after the held steps up to which the search has ended, over the size of the unknown and of its
-/// way. The error after this correction is about its square, 1e-12, and one more step follows. A choice.
+/// way. The error after this correction is about its square, 1e-12, and one more step follows. A choice: a
+/// larger one would accept solutions with few digits, and one near the rounding unit would refuse solutions
+/// that round.
 const ENDED: f64 = 1e-6;
 /// The same correction in SI units, for a zero at zero. A choice: no length or angle of a machine is as
 /// small.

@@ -423,7 +423,9 @@ fn points_text(error: &TableError, (x, y): &(DisplayUnit, DisplayUnit), points: 
     }
 }
 
-/// Pressure (Pa) far above that of pumps for fuel injection, which is some 3000 bar. A choice.
+/// Pressure (Pa) far above that of pumps for fuel injection, which is some 3000 bar. A choice: a wrong unit
+/// is mostly wrong by a factor of a thousand or more (MPa for kPa, bar for Pa), so three times the highest
+/// pressure finds it.
 const MOST_PRESSURE: f64 = 1e9;
 
 /// A warning reports a gap in a period that is longer than this many usual distances of the points and than

@@ -19,16 +19,19 @@ use eng_system::system::{BodyInertia, BodyRef, Element, Role};
 /// of a stop, is missed once in 4096 elements.
 const TRIALS: usize = 12;
 /// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below
-/// it. A choice.
+/// it. A choice: a much smaller share would count those, a larger one would overlook a real component.
 const SHARE: f64 = 0.01;
 /// Arm (m) that converts moments to forces for the comparison. A choice: the size of a bearing or of a small
 /// joint.
 const ARM: f64 = 0.1;
-/// Distance of the partners in a trial (m): small, as in an assembled engine. A choice.
+/// Distance of the partners in a trial (m): small, as in an assembled engine. A choice: below the clearances
+/// of films, which would touch at a larger distance.
 const APART: f64 = 1e-5;
-/// Relative tilt of the partners (rad): small, as in an assembled engine. A choice.
+/// Relative tilt of the partners (rad): small, as in an assembled engine. A choice: over [`ARM`] it is a way
+/// of [`APART`].
 const TILT: f64 = 1e-4;
-/// Angular velocity of a trial (rad/s): 2900 rpm, an engine's speed. A choice.
+/// Angular velocity of a trial (rad/s): 2900 rpm, an engine's speed. A choice: at rest films and dampers
+/// would transmit nothing.
 const SPIN: f64 = 300.0;
 
 /// The loads on a marker.
@@ -132,6 +135,8 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
                 values[range.clone()]
                     .iter()
                     .zip(&other[range])
+                    // 1e-12 (N, N m or SI of the rows) stands for no wrench at all: its rounding is no
+                    // change. A choice
                     .any(|(a, b)| (a - b).abs() > SHARE * size.max(1e-12))
             };
             let force = rows + 6 * place as usize;

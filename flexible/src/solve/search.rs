@@ -15,7 +15,8 @@ use crate::sparse::product::multiply;
 use std::sync::Arc;
 
 /// Ratio of |σ| to the typical ratio of the diagonals, for a dense solution of all eigenvalues. In it the
-/// rounding error is even over all eigenvalues. A choice.
+/// rounding error is even over all eigenvalues. A choice: with a much smaller one the shifted matrix of a
+/// free body is close to singular, with a larger one the low eigenvalues lose digits.
 const DENSE_SHIFT: f64 = 1e-3;
 /// Up to this size a dense solver finds the eigenvalues. A choice: its effort, which grows with the cube of
 /// the size, is then negligible.

@@ -19,7 +19,8 @@ const COARSEST: usize = 120;
 /// Number of first cuts tried on the coarsest graph: for a large graph, and for a small one, whose separator
 /// matters less. A choice: they begin at random vertices, so some may be poor.
 const FIRST_CUTS: [usize; 2] = [8, 4];
-/// A graph with at least this many vertices counts as large. A choice.
+/// A graph with at least this many vertices counts as large. A choice: it decides the effort of the first
+/// cuts, and through them the order of the elimination, not its result.
 const LARGE: usize = 1000;
 /// The largest number of refinement passes on each level. A choice: the first passes gain most, and a pass
 /// without gain ends them.

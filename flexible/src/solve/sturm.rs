@@ -122,6 +122,7 @@ impl Search<'_> {
                     advice: "request a few modes more or fewer".into(),
                 });
             }
+            // from 1e-10 on, each ten times the one before; see [`NUDGES`]
             offset = if offset > 0.0 { 10.0 * offset } else { 1e-10 };
         }
     }

@@ -34,7 +34,9 @@ const TROUBLED: usize = 2;
 /// units of the last place.
 const ROUNDING: f64 = 1e-15;
 /// Least motion in a step, in scaled unknowns, for the limit of rounding. At rest the increments are small,
-/// but the positions to which they are added round all the same. A choice.
+/// but the positions to which they are added round all the same. A choice: with a motion of zero the limit
+/// were zero, and the iterations at rest would never reach it. A limit for a motion of 1 would hide a slow
+/// contraction far below the size of the model.
 const LEAST_MOTION: f64 = 1e-3;
 /// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance. A
 /// choice: the errors of hundreds of steps add up to less than a per cent of a state, as for accelerations

@@ -16,7 +16,8 @@ const HALVINGS: u32 = 12;
 /// choice: in a smooth motion the difference is of second order in the turn of a step, some per cent. On
 /// another branch velocities differ by about as much as they are.
 const SMOOTH: f64 = 0.1;
-/// The same as a share of the fastest motion so far: rounding of velocities near rest. A choice.
+/// The same as a share of the fastest motion so far: rounding of velocities near rest. A choice: far above
+/// the rounding unit, and far below the velocities by which two branches differ.
 const ROUNDING: f64 = 1e-9;
 /// Share of the change of the accelerations over a shortest step by which velocities may differ. Half of the
 /// change is due where accelerations jump inside of the step; a velocity that jumps differs by more. The rest

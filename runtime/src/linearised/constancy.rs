@@ -34,7 +34,8 @@ use std::ops::Range;
 
 /// Angular velocity (rad/s) below which a body does not turn: a tenth of a turn in a minute. A slower body
 /// settles, or its motion is rounding. The same number is the limit of speeds and accelerations over the
-/// model's length (1/s, 1/s²). A choice.
+/// model's length (1/s, 1/s²). A choice: a smaller limit would call the last motion of a settling body a
+/// rotation, a larger one would overlook slow shafts.
 const AT_REST: f64 = 1e-2;
 /// Angles (rad) of the fastest body. Both are below a quarter turn, because the angle between two bodies that
 /// turn against each other is followed only up to half a turn. They are no simple parts of a turn, at which a

@@ -20,7 +20,8 @@ use super::eigen::spectrum;
 use super::equations::Equations;
 use nalgebra::{Complex, DMatrix};
 
-/// Number of roundings of the terms of D below which there is no change. A choice.
+/// Number of roundings of the terms of D below which there is no change. A choice: the terms are sums of
+/// products of computed matrices, so their rounding is many units of the last place.
 const ROUNDINGS: f64 = 100.0;
 /// Largest error of `X⁻¹AX` as a share of an eigenvalue. Nearly parallel modes exceed it, and give no result.
 /// A choice: eigenvalues are then right to the digits that are printed.

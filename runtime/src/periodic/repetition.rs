@@ -8,7 +8,9 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 /// Share of the largest value of a dimension (for angles: of the largest swing) below which a channel's own
-/// swing does not count, because the error of the steps is as large. A choice.
+/// swing does not count, because the error of the steps is as large. A choice: with a much smaller share the
+/// error of the steps in a small channel would pass for a change from cycle to cycle, with a larger one a
+/// real change in it would be overlooked.
 const LEAST_SWING: f64 = 1e-2;
 /// Least swing of an angle (rad). A choice: a swing below 0.006° is that of a body that hardly turns.
 const LEAST_ANGLE: f64 = 1e-4;
@@ -18,7 +20,8 @@ const ROUNDING: f64 = 1e-9;
 /// Share of a growth by which it may vary within a cycle and from the last cycle. A choice: a count or a sum
 /// grows equally, and a decaying channel does not.
 const STEADY: f64 = 1e-3;
-/// Share of a swing below which a channel counts as constant. A choice.
+/// Share of a counted swing below which a channel counts as constant. A choice: if every channel stays below
+/// it, the cycle says nothing about a motion. A larger share would take a small real motion for rest.
 const STANDING: f64 = 1e-3;
 /// Squared sine between two differences below which they have one direction: 1.8°. A choice: the fit to two
 /// differences of one direction would divide by noise.

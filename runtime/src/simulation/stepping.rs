@@ -13,7 +13,8 @@ use eng_system::dense::largest_scaled;
 use eng_system::system::{ConditionKind, Origin, StepControl};
 
 /// Largest change of an acceleration in the first step, as a share of its size, so that the step excites no
-/// ringing. A choice.
+/// ringing. A choice: a larger change is taken as a jump by the first step, and a much smaller one costs
+/// steps at every beginning.
 const FOLLOWED: f64 = 0.2;
 /// This share of the largest acceleration is added to the size of each, so that an acceleration near zero
 /// does not shorten the first step. A choice: a body with a ten-thousandth of the largest acceleration may

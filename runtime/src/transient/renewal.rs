@@ -20,7 +20,8 @@ pub(super) struct Renewal {
 
 impl Renewal {
     /// Part of a step within which the end of a cycle counts as met. Steps meet it to second order, and a
-    /// very short extra step would amplify rounding. A choice.
+    /// very short extra step would amplify rounding. A choice: a larger part would end cycles too early, and
+    /// a much smaller one is as small as the error with which steps meet the end.
     const MET: f64 = 0.05;
     /// Number of steps before the end of a cycle that are made equal. A choice: no step is shortened by more
     /// than a thirty-second part.

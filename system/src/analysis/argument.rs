@@ -235,6 +235,7 @@ pub(super) const TOLERANCE: Argument = argument(
     Takes::Number,
     "",
     &[limit(
+        // a choice: with a larger factor the error control has no effect on any model
         |x| x > 0.0 && x <= 1e6,
         "positive and at most 1e6; 1 is the default",
     )],

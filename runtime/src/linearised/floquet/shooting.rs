@@ -57,7 +57,8 @@ const STRIDE: f64 = 200.0;
 const LONGER: f64 = 2.5;
 const SHORTER: f64 = 0.25;
 /// Length of a move in position tolerances for which the linear equations hold, those of films too: a
-/// fiftieth of a clearance. A choice.
+/// fiftieth of a clearance. A choice: after a longer move a failure may come from the curvature, and finer
+/// steps would not help.
 const SHORT: f64 = 20.0;
 /// Share of the gap that no correction closes, above which no motion of the period is near. A choice: below
 /// it the next round may close the rest.
