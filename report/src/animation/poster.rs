@@ -150,6 +150,8 @@ impl Animation {
                 };
                 facets.push(Facet {
                     corners: [a, b, c],
+                    // a choice: a face along the light keeps 45 % of its shade, so that it does not turn
+                    // black
                     shade: shade.map(|s| (s * (0.45 + 0.55 * light.abs())) as u8),
                 });
             }
@@ -246,6 +248,7 @@ impl Frame {
         let (width, height) = (WIDTH as f64, HEIGHT as f64);
         Frame {
             middle: [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0],
+            // 1e-9 (m) prevents a division by the zero size of a flat view
             scale: FILL * (width / size[0].max(1e-9)).min(height / size[1].max(1e-9)),
         }
     }

@@ -126,6 +126,7 @@ impl Scaled {
     /// An axis of powers of ten, over the last `decades` below the largest value at most.
     pub fn decades(low: f64, high: f64, decades: usize, name: &str, unit: &str) -> Self {
         let (low, high) = if high > 0.0 && high.is_finite() {
+            // a value at a power of ten, up to rounding, is an end of the axis: it needs no further decade
             let top = (libm::log10(high) - 1e-9).ceil();
             let bottom = if low > 0.0 {
                 (libm::log10(low) + 1e-9).floor()
@@ -267,6 +268,7 @@ impl Area {
         }
         for (value, number) in y.ticks.values.iter().zip(&y.numbers) {
             let at = self.y(*value, &y.ticks);
+            // a sum of steps rounds, so the mark of zero is not exactly zero
             let zero = y.scale == Scale::Linear && value.abs() < 1e-9 * y.ticks.step;
             let color = if zero { Color::Rule } else { Color::Grid };
             svg.line(

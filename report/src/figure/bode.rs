@@ -55,6 +55,7 @@ impl Bode {
         let (low, high) = ticks::extent(phases.iter().flatten().copied());
         let (low, high) = match high - low > EIGHTH {
             true => (
+                // a phase at a mark, up to a thousandth of a step, needs no further step
                 EIGHTH * (low / EIGHTH + 1e-3).floor(),
                 EIGHTH * (high / EIGHTH - 1e-3).ceil(),
             ),

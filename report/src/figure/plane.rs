@@ -224,6 +224,7 @@ impl Sheet<'_> {
         for value in axis.values.iter().filter(|v| v.abs() <= reach) {
             let x = view.center.0 + across.1 * scale * value;
             let y = view.center.1 - scale * value;
+            // a sum of steps rounds, so the mark of zero is not exactly zero
             let zero = value.abs() < 1e-9 * axis.step;
             let stroke = if zero {
                 Stroke::solid(Color::Rule, 1.0)
@@ -274,6 +275,7 @@ fn draw_path(
     let mut points = Vec::new();
     let mut angles = Vec::new();
     let mut finish = |points: &mut Vec<(f64, f64)>, angles: &mut Vec<f64>| {
+        // points that are nearer to each other (pixels) are drawn as one. A choice: a line is wider
         let kept = decimate::thinned(points, 0.3);
         let tag = CurveTag {
             name: cell.name,

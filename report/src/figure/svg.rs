@@ -428,6 +428,7 @@ fn within(value: f64) -> f64 {
     if value.is_nan() {
         0.0
     } else {
+        // a choice: thousands of sheets away, and readers with numbers of seven digits still read it
         value.clamp(-1e7, 1e7)
     }
 }

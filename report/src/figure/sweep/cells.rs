@@ -30,6 +30,7 @@ impl Cells {
         let count = map
             .positions()
             .iter()
+            // positions are multiples of a step, and round
             .take_while(|p| **p <= reach * (1.0 + 1e-9))
             .count();
         let merged = count.div_ceil(ROWS).max(1);
