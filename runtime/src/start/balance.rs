@@ -75,9 +75,9 @@ const MOVES: f64 = 1e-3;
 /// load needs few portions, and each that fails costs all its iterations.
 const PORTION: f64 = 1e-3;
 /// Scaled effort above which a freedom without stiffness counts as loaded, in a first search and in later
-/// ones, which leave freedoms with some stiffness in place. The second limit is as small because the freedoms
-/// left in place may have some stiffness: at 1e-6, the first limit of [`NEUTRAL`], a load of 1e-12 would move
-/// them by about a millionth of the model's length.
+/// ones. Later searches leave freedoms with some stiffness in place, so their limit is smaller: at 1e-6, the
+/// first limit of [`NEUTRAL`], a load of 1e-12 would move such a freedom by about a millionth of the model's
+/// length.
 const UNHELD: [f64; 2] = [1e-6, 1e-12];
 /// Move (m, or of a quaternion) up to which a balance counts as the stated position. A choice: far above the
 /// goal of the iterations, and far below the distance of two balances.
