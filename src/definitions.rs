@@ -109,7 +109,8 @@ fn along<'a>(modules: &[(&'a str, &'a File)], path: &str) -> Option<Vec<(String,
     })
 }
 
-/// Most definitions above an item; a circle of them is a mistake that the checker reports.
+/// Most definitions above an item; a circle of them is a mistake that the checker reports. The number is a
+/// choice.
 const MOST_LEVELS: usize = 8;
 
 /// An item of a definition or of a use: in its own block, in that of its class, or in that of an interface.

@@ -17,7 +17,7 @@ use eng_system::system::{
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-/// Most elements that the text about a body or a marker names.
+/// Most elements that the text about a body or a marker names. A choice: they fit in a few lines.
 const MOST: usize = 12;
 
 impl Program {

@@ -240,7 +240,7 @@ fn not_repeating(message: Diagnostic, origin: Option<&Origin>, why: &NotBack) ->
     })
 }
 
-/// The message about a constraint that demands a jump at a kink, with the place of the kink and its text.
+/// The message about a constraint that requires a jump at a kink, with the place of the kink and its text.
 fn demanded(
     message: Diagnostic,
     (origin, text): (&Origin, &str),
@@ -632,7 +632,8 @@ fn upside_down(unstable: &Unstable, what: &str) -> Diagnostic {
     ))
 }
 
-/// A motion that does not repeat is no whirl if it is below this share of the clearance.
+/// A motion that does not repeat is no whirl if it is below this share of the clearance. A choice: the error
+/// of an orbit at the usual tolerance is about as large, and no gap changes by less.
 const NO_WHIRL: f64 = 2e-3;
 
 /// Facts and warnings about a periodic analysis, besides the statement whether it repeats.

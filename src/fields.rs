@@ -12,11 +12,13 @@ use eng_system::reduced::ReducedSurface;
 use eng_system::significant::short;
 use std::sync::Arc;
 
-/// Gap, as a share of the radial clearance, below which a film continues for the iterates of a solver. The laws
-/// without a field continue at the same eccentricity ratio.
+/// Gap, as a share of the radial clearance, below which a film continues for the iterates of a solver. The
+/// laws without a field continue at the same eccentricity ratio. A choice: surfaces touch before, so that
+/// only iterates are there.
 const FLOOR: f64 = 1e-3;
 
-/// Share of its radius by which the surface of a body may be larger than its film: a thin shell may lie between them.
+/// Share of its radius by which the surface of a body may be larger than its film: a thin shell may lie
+/// between them. A choice: shells are 2 to 4 mm thick in bores of 50 mm and more.
 const SHELL: f64 = 0.15;
 
 /// Share by which it may be smaller: the tolerance of the nodes of a ring.
@@ -26,7 +28,8 @@ const SMALLER: f64 = 1e-3;
 /// mouths add 32 μ/(π h²) (H. Hasimoto, J. Phys. Soc. Japan 13 (1958) 633), which is 8.5 % at L = 10 h.
 const LAND: f64 = 10.0;
 
-/// Fewest cells that a wave of an elastic surface must have.
+/// Fewest cells that a wave of an elastic surface must have. A choice: with two, a sine and a cosine of it
+/// may be zero in the middle of all cells.
 const CELLS_A_WAVE: i64 = 3;
 
 /// Makes the kernels of this program.
@@ -174,6 +177,7 @@ fn corners_have_one_pressure(
             Beside::End => drives[inputs::END_PRESSURE],
             Beside::Opening(other) => pressure(*other),
         };
+        // the same pressure in two units differs by rounding
         if (own - other).abs() <= 1e-9 * own.abs().max(other.abs()) {
             continue;
         }
@@ -232,6 +236,7 @@ fn fits_surface(numbers: &FieldNumbers<'_>, surface: &ReducedSurface) -> Result<
             100.0 * SHELL
         )));
     }
+    // the same width in two units differs by rounding
     if width > surface.width * (1.0 + 1e-9) {
         return Err(FieldError(format!(
             "the film is {} mm wide, and the surface of its shell {} mm: it would press beside the surface",

@@ -12,7 +12,8 @@ use eng_system::figure::{self as plan, Averaging, Axis, Picture, SpectrumSetting
 use eng_system::{Dimension, DisplayUnit};
 use std::f64::consts::TAU;
 
-/// The share of its size by which a column must vary to have a spectrum: the rest is rounding.
+/// The share of its size by which a column must vary to have a spectrum: the rest is rounding. A choice some
+/// decades above the rounding unit, because outputs are sums.
 const STILL: f64 = 1e-9;
 /// The channel of the angle (rad) by which a journal's pin has turned in its shell. The page adds it to results
 /// with a motion; its frame are the axes of the pin.
@@ -293,6 +294,7 @@ pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
         for part in [&vector.x, &vector.y] {
             part.channels(&mut |_, path| {
                 let values = run.results.column(path).map(|column| column.values.iter());
+                // from 1 kN on
                 found |= values.into_iter().flatten().any(|v| v.abs() >= 1e3);
             });
         }
@@ -404,6 +406,7 @@ pub(crate) fn campbell(path: &str, runs: &[Run<'_>], modes: Vec<String>) -> Opti
         _ => return None,
     };
     let settings = SpectrumSettings {
+        // 1 µN and 1 µm/s² of ISO 1683
         reference: Some(1e-6),
         ..settings(first)
     };

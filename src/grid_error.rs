@@ -25,19 +25,24 @@ use crate::results::Results;
 use eng_system::field::{FieldError, FieldGrid};
 use eng_system::significant::significant;
 
-/// Number of moments of the last cycle among which the moments on the finer cells are chosen.
+/// Number of moments of the last cycle among which the moments on the finer cells are chosen. A choice: each
+/// takes a solution on the cells of the run.
 const MOMENTS: usize = 20;
 /// Number of moments with the largest loads, of those with the highest pressures, and of those with the least
-/// films.
+/// films. A choice: each takes a solution on four times as many cells.
 const HARDEST: usize = 3;
-/// The error of the coarser film over its difference from the film on twice as many cells.
+/// The error of the coarser film over its difference from the film on twice as many cells: errors of second
+/// order fall to a quarter, so the difference is three quarters of the error.
 const WHOLE: f64 = 4.0 / 3.0;
 
-/// Share of the flooded ends with unfilled cells above which the text mentions them.
+/// Share of the flooded ends with unfilled cells above which the text mentions them. A choice: below it the
+/// flow through the ends hardly depends on them.
 const UNFILLED: f64 = 0.05;
-/// Share of the size of `shear` below which a load is rounding, such as that of a centred pin.
+/// Share of the size of `shear` below which a load is rounding, such as that of a centred pin. A choice some
+/// decades above the rounding unit.
 const NO_LOAD: f64 = 1e-9;
-/// Load (N) without meaning at any shear, as in the output `radial_load`.
+/// Load (N) without meaning at any shear, as in the output `radial_load`. A choice: the weight of a tenth of
+/// a milligram.
 const LEAST_LOAD: f64 = 1e-6;
 
 /// The error of a film by its cells.

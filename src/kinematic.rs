@@ -15,7 +15,7 @@ use eng_system::recorded::{channels_of_motion, of_motion};
 use eng_system::sentence;
 use eng_system::system::{Location, Origin, System};
 
-/// The largest number of names in a line.
+/// The largest number of names in a line. A choice.
 const NAMED: usize = 6;
 
 /// Columns without values: those of the analysis whose channels have a value.

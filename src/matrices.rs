@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 
 /// Ending of the file's name.
 const ENDING: &str = ".matrices.json";
-/// Most steady gains that a run prints.
+/// Most steady gains that a run prints. A choice: the file has all.
 const MOST_GAINS: usize = 6;
 
 /// The file with the matrices of an analysis in a folder.

@@ -30,17 +30,20 @@ const COEFFICIENTS: &str = "coefficients";
 const PERIODIC: &str = "periodic";
 /// Value of [`COEFFICIENTS`] if the analysis held changing coefficients at one moment.
 const FROZEN: &str = "frozen";
-/// The largest number of modes whose harmonics are listed.
+/// The largest number of modes whose harmonics are listed. A choice: the file has all.
 const MOST_HARMONICS: usize = 20;
-/// A motion of at least this roundness (0…1) is called a whirl.
+/// A motion of at least this roundness (0…1) is called a whirl. A choice: below, one axis of the ellipse is
+/// ten times the other or more.
 const WHIRLS: f64 = 0.2;
 /// The use of frozen modes, in words.
 const FROZEN_PICTURE: &str = "frozen picture: the coefficients change while bodies turn or time passes, and were held at this moment; frequencies well above the speed are about right, whirl, damping and stability are not those of the motion";
-/// Smallest uncertainty of eigenvalues, as a share of their size, that is reported.
+/// Smallest uncertainty of eigenvalues, as a share of their size, that is reported. A choice: eigenvalues are
+/// printed with fewer digits.
 const LEAST_UNCERTAINTY: f64 = 1e-6;
-/// The largest number of parts that a line of the table names.
+/// The largest number of parts that a line of the table names. A choice: they fit in a line.
 const NAMED: usize = 4;
-/// The smallest share that a line of the table names.
+/// The smallest share that a line of the table names. A choice: a smaller part hardly decides a mode, and
+/// would lengthen the line.
 const SMALLEST: f64 = 0.03;
 
 /// The parts of each body: index of the first part, and their number.

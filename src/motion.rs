@@ -17,7 +17,7 @@
 
 use crate::results::{CYCLE_ANGLE, Results, ResultsError, TIME};
 
-/// Most intervals that are kept.
+/// Most intervals that are kept. A choice: two degrees of a four-stroke cycle; an animation needs no more.
 pub const SAMPLES: usize = 360;
 /// Suffix of the name of an analysis in the name of its motion, and so in the file's name.
 pub const SUFFIX: &str = ".motion";

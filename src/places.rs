@@ -3,7 +3,7 @@
 use eng_grammar::{Diagnostic, SourceId, Span};
 use eng_system::system::{Location, Origin, Part};
 
-/// Most places of numbers that a message shows.
+/// Most places of numbers that a message shows. A choice.
 pub(crate) const MOST_PLACES: usize = 3;
 
 /// Adds the places of the numbers that decide a condition. More than [`MOST_PLACES`] of them would not help.

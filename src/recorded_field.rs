@@ -336,11 +336,14 @@ pub(crate) struct OnBothGrids {
     pub at_load: Option<Solution>,
 }
 
-/// Most rounds of the search for a place with a given force.
+/// Most rounds of the search for a place with a given force. A choice: Newton's method needs a few, and with
+/// one matrix some more.
 const LOAD_ROUNDS: usize = 20;
-/// Largest error of that force, as a share of it.
+/// Largest error of that force, as a share of it. A choice: far below the error of the cells that is sought.
 const SAME_LOAD: f64 = 1e-6;
-/// Share of the error that a move may leave. If it leaves more, the stiffness is computed again.
+/// Share of the error that a move may leave. If it leaves more, the stiffness is computed again. A choice: a
+/// larger share would let rounds pass with a stiffness that no longer serves, a smaller one would compute it
+/// in almost every round.
 const SERVES: f64 = 0.1;
 
 impl RecordedField {

@@ -16,9 +16,9 @@ const FACTOR: &str = "periodic.factor";
 const NOISE: &str = "periodic.noise";
 const ERRATIC: &str = "periodic.erratic";
 
-/// Factor per cycle above which more cycles hardly help.
+/// Factor per cycle above which more cycles hardly help. A choice: a hundred cycles win less than a digit.
 pub(crate) const HARDLY_SHRINKS: f64 = 0.98;
-/// Factor per cycle above which deviations grow.
+/// Factor per cycle above which deviations grow. It is the limit of the runtime (`SUSTAINED`).
 const HARDLY_GROWS: f64 = 1.02;
 
 /// The end of a periodic analysis.
@@ -205,6 +205,7 @@ pub(crate) fn pace(factor: f64) -> String {
 /// A number with one digit, rounded down.
 fn rounded_down(value: f64) -> String {
     let power = libm::pow(10.0, libm::floor(libm::log10(value)));
+    // a digit that is exact but for rounding stays
     significant(libm::floor(value / power * (1.0 + 1e-9)) * power, 1)
 }
 

@@ -15,7 +15,7 @@ use eng_system::recorded::of_response;
 use eng_system::significant::short;
 use eng_system::system::System;
 
-/// The largest number of frequencies that a line names.
+/// The largest number of frequencies that a line names. A choice.
 const NAMED: usize = 6;
 
 /// Columns without values, in the order of [`row`].

@@ -45,7 +45,8 @@ pub(crate) struct Edge {
 }
 
 impl Edge {
-    /// w over `2 l/a` of a cell whose neighbour is its mirror image.
+    /// w over `2 l/a` of a cell whose neighbour is its mirror image. For equal widths `(2a + b)/(a + b)` is
+    /// 3/2.
     pub(crate) const MIRRORED: f64 = 1.5;
 
     /// The edge of a link from `sides[0]` to `sides[1]`, of which one is the fixed place, with the widths of both
@@ -76,8 +77,8 @@ impl Edge {
         (edge, (2.0 * a + b) / (a + b))
     }
 
-    /// Factors of q in the first cell, in the second one and at the fixed place, which the flow has beside u₁: those of the
-    /// parabola, or of the limit.
+    /// Factors of q in the first cell, in the second one and at the fixed place, which the flow has beside
+    /// u₁: those of the parabola, or of the limit. Dimensionless.
     pub(crate) fn factors(&self, at_limit: bool) -> [f64; 3] {
         let [r, rho] = self.limit;
         match at_limit {
@@ -91,7 +92,7 @@ impl Edge {
         [self.cells[0], self.cells[1], self.fixed]
     }
 
-    /// Drop of q that the flow from a to b has beside that between its sides.
+    /// Drop of q that the flow from a to b has beside that between its sides. In Pa, positive from a to b.
     pub(crate) fn drop(&self, at_limit: bool, q: impl Fn(usize) -> f64) -> f64 {
         let parts = self.places().into_iter().zip(self.factors(at_limit));
         self.outward * parts.map(|(place, factor)| factor * q(place)).sum::<f64>()

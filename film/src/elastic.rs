@@ -24,7 +24,8 @@ use eng_system::dense::{add_scaled, dot, largest};
 use eng_system::field::Accuracy;
 use eng_system::surface::SurfaceShape as Shape;
 
-/// Most rounds of Newton's method.
+/// Most rounds of Newton's method. A choice: a search that has not ended by then fails, and the step becomes
+/// shorter.
 const ROUNDS: usize = 200;
 /// Largest change of an amplitude that ends the rounds, as a share of the clearance. The outputs follow this last
 /// change by their slopes, so its square and the age of the slopes alone are left. With 1e-9 a step takes a seventh
@@ -34,22 +35,29 @@ const GOAL: f64 = 1e-11;
 /// solution. With 1e-2 the solutions are a sixth fewer, but the matrix of the outer iteration is renewed more often.
 const ITERATE: f64 = 1e-3;
 /// Ratio of two changes above which a round was slow, and the number of slow rounds after which G is computed
-/// again.
+/// again. Choices: G costs as much as ten solutions of the film. One slow round may come from cells that
+/// change between film and cavity, without an old G.
 const CONTRACTION: f64 = 0.3;
 const SLOW_ROUNDS: usize = 2;
 /// Rounds after which the search uses no secants and computes G again after each slow round. If many cells
-/// change between film and cavity, secants of earlier rounds are not valid.
+/// change between film and cavity, secants of earlier rounds are not valid. A choice: usual searches end long
+/// before.
 const QUICK_ROUNDS: usize = 16;
-/// Largest change of an amplitude in a round, as a share of the limit in `Elastic::reach`: a larger one could close
-/// the gap.
+/// Largest change of an amplitude in a round, as a share of the limit in `Elastic::reach`: a larger one could
+/// close the gap. A choice: half of the limit leaves the other half to the sum of all other amplitudes.
 const LONGEST: f64 = 0.5;
-/// Least speed of the surfaces that a search counts with (m/s).
+/// Least speed of the surfaces that a search counts with (m/s). A choice: without it a search at rest could
+/// not move at all. In a step of 10 µs it allows changes of 5 nm in a round.
 const LEAST_SPEED: f64 = 1e-3;
-/// Length of a step in which the oil of a cavity stays in its place (s).
+/// Length of a step in which the oil of a cavity stays in its place (s). A choice: a surface of 50 m/s moves
+/// by 50 nm in this time, far less than a cell. In a much shorter step the content over the step has few
+/// digits.
 const HELD: f64 = 1e-9;
-/// Growth of the changes beyond which a shorter one is tried.
+/// Growth of the changes beyond which a shorter one is tried. A choice above one, because a change may grow a
+/// little while cells change between film and cavity.
 const GROWTH: f64 = 1.5;
-/// Least share of a change that a search tries.
+/// Least share of a change that a search tries; a change is halved at most five times. A choice: shorter
+/// changes would end the search only by standing still.
 const LEAST_SHARE: f64 = 0.05;
 
 /// A film with a compliance of its shapes.
@@ -317,7 +325,7 @@ impl Elastic {
             let careful = round > QUICK_ROUNDS;
             let mut longest = self.change(work, paired && !careful)?;
             if round == 1 && followed > 0.0 && longest > followed {
-                // the residual is larger than the move: the kept slopes led the amplitudes astray, so the
+                // the residual is larger than the move: the kept slopes led the amplitudes away, so the
                 // move is taken back
                 add_scaled(&mut work.amplitudes, -1.0, &work.moved);
                 continue;
@@ -723,7 +731,7 @@ impl Elastic {
         Ok(held)
     }
 
-    /// A row of the slow compliance times forces of the shapes.
+    /// A row of the slow compliance times forces of the shapes. In m for forces in N.
     fn yields(&self, row: usize, force: impl Fn(usize) -> f64) -> f64 {
         let count = self.shapes();
         let line = self.slow[row * count..(row + 1) * count].iter();
@@ -823,6 +831,8 @@ fn check_compliance(compliance: &[f64], count: usize) -> Result<(), SourceError>
         }
         for column in 0..row {
             let skew = compliance[row * count + column] - compliance[column * count + row];
+            // a choice: compliances of reductions are symmetric but for rounding, and numbers in a text may
+            // have six digits
             if skew.is_nan() || skew.abs() > 1e-6 * size {
                 return Err(refuse(skew, "the same for both orders of two shapes"));
             }

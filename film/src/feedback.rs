@@ -133,7 +133,7 @@ impl Feedback {
 }
 
 impl Slopes<'_> {
-    /// Derivatives of the force of a shape by all inputs.
+    /// Derivatives of the force of a shape by all inputs. In N over the unit of the input.
     pub fn of_force(&self, shape: usize) -> &[f64] {
         &self.rows[(self.force + shape) * self.inputs..][..self.inputs]
     }

@@ -9,7 +9,8 @@ use crate::source::{Cavitation, Feed, FilmSource, Lines, Opening, Part, mean_ove
 use crate::surfaces::{OfGap, Surfaces};
 use crate::waves::Waves;
 
-/// Least numbers of cells of a coarse grid, which serves only for a first guess of the cavity's edge.
+/// Least numbers of cells of a coarse grid, which serves only for a first guess of the cavity's edge. A
+/// choice: with fewer and longer cells than 30° a guess would be no nearer to the edge than none.
 const COARSEST: [usize; 2] = [12, 3];
 
 /// Most outputs whose adjoints are solved together: the seven of a film without shapes, and a free place.
@@ -134,7 +135,7 @@ impl LevelWork {
         self.conductance[at] * (self.cut(link.a) - self.cut(link.b) + self.bent[at][1])
     }
 
-    /// q of a side, zero where the rule `half` cuts it.
+    /// q of a side, zero where the rule `half` cuts it. In Pa.
     fn cut(&self, side: usize) -> f64 {
         match self.pressure[side][1] {
             0.0 => 0.0,

@@ -134,7 +134,7 @@ impl Film {
     }
 
     /// q of a pressure: with Barus' oil, `μ = μ₀ exp(α p)`, the unknown `q = (1 − exp(−α p))/α` makes `∇p/μ =
-    /// ∇q/μ₀`.
+    /// ∇q/μ₀`. Pressures and q in Pa. Beyond the thickest oil q grows linearly.
     fn transformed(&self, pressure: f64) -> f64 {
         match self.source.piezo {
             0.0 => pressure,

@@ -371,7 +371,9 @@ pub(crate) fn place(angle: f64, across: f64) -> Place {
     }
 }
 
-/// Angles closer than this are one line of the grid, rad.
+/// Angles closer than this are one line of the grid, rad. Angles in degrees, and sums of them, differ by
+/// 1e-15 of a turn. The conductance of a cell as narrow as this would be millions of times that of its
+/// neighbours, and would take the digits of the matrix.
 const SAME_ANGLE: f64 = 1e-9;
 
 /// The opening that holds the pressure in the middle of a cell at every turn of the pin: one of the shell, else a ring
@@ -408,6 +410,7 @@ fn is_line(opening: &Opening, angle: f64, z: f64) -> bool {
 /// keeps one. Stretches that are the same from both ends get the same cells: else a symmetric bearing would tilt.
 fn share(stretches: &[f64], cells: usize) -> Vec<usize> {
     let mut shares = vec![1; stretches.len()];
+    // equal stretches differ by rounding, and so do the sizes below: as for [`SAME_ANGLE`]
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (a + b);
     let (count, middle) = (stretches.len(), stretches.len() / 2);
     let mirrored = (0..middle).all(|at| near(stretches[at], stretches[count - 1 - at]));
@@ -415,6 +418,7 @@ fn share(stretches: &[f64], cells: usize) -> Vec<usize> {
     while left > 0 {
         let size = |at: usize| stretches[at] / shares[at] as f64;
         let Some(largest) = (0..count).reduce(|best, at| {
+            // of stretches that are equal but for rounding the first counts
             if size(at) > size(best) * (1.0 + 1e-9) {
                 at
             } else {
@@ -465,6 +469,7 @@ fn stated(
     edges: &[f64],
     least: usize,
 ) -> Result<Vec<f64>, SourceError> {
+    // stated lines meet edges but for rounding: as for [`SAME_ANGLE`]
     let near = 1e-9 * (to - from);
     let at = |line: &f64, end: f64| (line - end).abs() <= near;
     let meets = |edge: &f64| lines.iter().any(|line| at(line, *edge));
@@ -505,9 +510,11 @@ fn stated(
     Ok(lines.to_vec())
 }
 
-/// Least number of cells around: with two, both neighbours of a cell would be one.
+/// Least number of cells around: with two, both neighbours of a cell would be one. Four is the next even
+/// number.
 const LEAST_AROUND: usize = 4;
 
+/// Lines around (rad), rising over one turn from the first edge of an opening, or stated ones.
 fn lines_around(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceError> {
     let turn = std::f64::consts::TAU;
     let mut edges: Vec<f64> = source
@@ -542,9 +549,12 @@ fn lines_around(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceEr
     }
 }
 
+/// Lines across (m from mid width), rising from one end, or from mid width for half a bearing, to the other
+/// end.
 fn lines_across(source: &FilmSource, lines: &Lines) -> Result<Vec<f64>, SourceError> {
     let high = source.width / 2.0;
     let low = if source.half_width { 0.0 } else { -high };
+    // closer edges are one line: as for [`SAME_ANGLE`]
     let near = 1e-9 * source.width;
     let mut edges: Vec<f64> = source
         .openings

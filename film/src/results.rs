@@ -9,7 +9,8 @@ use crate::inputs::{
 };
 use crate::source::{Cavitation, Ends, Feed};
 
-/// Viscosity of Barus' oil over that at rest, beyond which it rises no more: α q = 0.98.
+/// Viscosity of Barus' oil over that at rest, beyond which it rises no more: α q = 1 − 1/50 = 0.98. A choice:
+/// the law itself is no good at such pressures, and without a limit q would end at a pole at α q = 1.
 pub(crate) const THICKEST: f64 = 50.0;
 
 /// Results of a solution beside its outputs. Flows of the rule [`Cavitation::Half`] are those of its cut pressure
@@ -62,7 +63,8 @@ pub struct Summary {
 }
 
 /// Share of a pressure, or of the clearance, below which two extremes are equal, so that rounding does not
-/// choose their place.
+/// choose their place. It is far above the rounding of a solution and far below the height of any extreme
+/// that matters.
 const TIE: f64 = 1e-9;
 
 /// A field over the cells.
@@ -117,7 +119,8 @@ impl Film {
         Ok(())
     }
 
-    /// Slope of the logarithm of the viscosity by q, of a place where p has a slope by q.
+    /// Slope of the logarithm of the viscosity by q, of a place where p has a slope by q. In 1/Pa; `slope` is
+    /// ∂p/∂q, dimensionless.
     pub(crate) fn thickening(&self, slope: f64) -> f64 {
         if slope < THICKEST {
             self.source.piezo * slope
@@ -127,6 +130,7 @@ impl Film {
     }
 
     /// Factor of the shear in a cell, `ϑ exp(α p)`; of rules without content, ϑ is 1, as is usual.
+    /// Dimensionless.
     pub(crate) fn shear_factor(&self, state: &LevelWork, cell: usize) -> f64 {
         state.content[cell] * state.pressure[cell][1].max(1.0)
     }
@@ -353,7 +357,7 @@ impl Film {
     }
 
     /// Highest pressure and its place, by parabolas in both directions through the highest cell and the cells
-    /// or edges beside it.
+    /// or edges beside it. In Pa, over the cavitation pressure.
     fn highest(&self, level: &Level, state: &LevelWork, end_pressure: f64) -> (f64, Place) {
         let grid = &level.grid;
         let pressure = |cell: usize| state.pressure[cell][0];
@@ -418,7 +422,7 @@ impl Film {
 
     /// Least gap and its place: over faces and middles of cells and over both ends, where a tilted pin is
     /// closest. The place of an aligned pin between plain surfaces is at mid width. For plain surfaces both
-    /// are exact.
+    /// are exact. In m.
     fn thinnest(&self, state: &LevelWork, x: &[f64]) -> (f64, Place) {
         let grid = &self.levels[0].grid;
         let half = self.source.width / 2.0;

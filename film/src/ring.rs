@@ -26,7 +26,7 @@
 
 use crate::block::{add, add_lanes, apply, apply_transposed, invert, with_width};
 
-/// Cells of the border that are eliminated together.
+/// Cells of the border that are eliminated together. A choice: four doubles fill a vector register.
 const LANES: usize = 4;
 
 /// Entries of a cell's row: its own, and those of its neighbours in the east, in the west, towards positive

@@ -57,6 +57,7 @@ pub struct Opening {
 impl Opening {
     /// Whether it goes around the whole part.
     pub(crate) fn all_around(&self) -> bool {
+        // a turn, up to the rounding of angles in degrees
         self.around[1] - self.around[0] >= std::f64::consts::TAU * (1.0 - 1e-12)
     }
 
@@ -176,7 +177,7 @@ pub(crate) fn mean_over(waves: u32, sector: f64) -> f64 {
     mean_of_wave(f64::from(waves) * sector / 2.0)
 }
 
-/// `sin x/x`.
+/// `sin x/x`. Its limit 1 at x = 0; x in rad.
 pub(crate) fn mean_of_wave(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { libm::sin(x) / x }
 }
@@ -287,7 +288,7 @@ impl FilmSource {
         }
     }
 
-    /// Sum of the shell's profile.
+    /// Sum of the shell's profile. In m, at an angle (rad) and `zeta` = 2 z/B; positive numbers open the gap.
     pub(crate) fn shell_profile(&self, angle: f64, zeta: f64) -> f64 {
         self.profile
             .iter()
@@ -370,6 +371,7 @@ impl FilmSource {
             return Ok(());
         }
         let mirrored =
+            // up to the rounding of stated edges
             |opening: &Opening| (opening.across[0] + opening.across[1]).abs() <= 1e-12 * self.width;
         let part = if !self.openings.iter().all(mirrored) {
             "openings"
@@ -390,6 +392,8 @@ impl FilmSource {
 
     /// Refuses profiles that leave no gap: around a circle across the axis, a place of the pin changes no mean of the gap.
     fn check_profile(&self) -> Result<(), SourceError> {
+        // a choice: degrees, and twenty parts of each half of the width. A mean over a circle of a sum of few
+        // waves is exact on a grid as fine.
         const AROUND: u32 = 360;
         const ACROSS: i32 = 20;
         for across in -ACROSS..=ACROSS {
@@ -411,6 +415,7 @@ impl FilmSource {
     fn check_opening(&self, number: usize, opening: &Opening) -> Result<(), SourceError> {
         let [from, to] = opening.around;
         let turn = std::f64::consts::TAU;
+        // a turn, up to the rounding of angles in degrees
         if !(to >= from && to - from <= turn * (1.0 + 1e-12) && from.is_finite()) {
             return Err(SourceError::EmptyOpening {
                 opening: number,
@@ -529,6 +534,7 @@ fn overlap(one: &Opening, other: &Opening) -> bool {
         let (from, to) = (other.around[0] + shift, other.around[1] + shift);
         let shared = one.around[1].min(to) - one.around[0].max(from);
         // a line inside of a rectangle shares nothing but lies in it
+        // openings whose edges meet share rounding (rad)
         shared > 1e-12 || (shared >= 0.0 && (to == from || one.around[0] == one.around[1]))
     });
     across && around

@@ -23,7 +23,9 @@ use crate::film::{Film, Level, LevelWork};
 use crate::inputs::TURN;
 use std::f64::consts::TAU;
 
-/// δ: share by which the pressure of a covered cell may differ from that of its opening, roughly.
+/// δ: share by which the pressure of a covered cell may differ from that of its opening, roughly. A choice:
+/// the square root of the rounding unit, so that neither the pressure nor the digits of the matrix lose more
+/// than eight digits.
 const LEAK: f64 = 1e-8;
 
 /// Length that an opening of a length L (rad), whose first edge lies `start` behind the first line of a column (in 0 to

@@ -8,7 +8,8 @@ use crate::block::add_lanes as add;
 use eng_system::surface::SurfaceShape;
 use std::ops::Range;
 
-/// Most degrees across.
+/// Most degrees across. A choice: sums keep this many numbers on the stack, and a film has fewer cells across
+/// than polynomials of higher degrees need.
 pub(crate) const DEGREES: usize = 16;
 
 /// The shapes at places of a grid that come angle by angle.
@@ -97,7 +98,7 @@ impl Waves {
         &self.across[place * self.degrees..(place + 1) * self.degrees]
     }
 
-    /// The value of a shape at a place of a run.
+    /// The value of a shape at a place of a run. Dimensionless.
     pub fn value(&self, run: usize, place: usize, shape: usize) -> f64 {
         self.waves(run)[shape] * self.polynomials(place)[self.degree[shape]]
     }
@@ -107,7 +108,7 @@ impl Waves {
         self.for_each(amplitudes, |place, sum| out[place] += sum);
     }
 
-    /// The largest magnitude of `Σ amplitude ψ`.
+    /// The largest magnitude of `Σ amplitude ψ`. In the unit of the amplitudes.
     pub fn largest(&self, amplitudes: &[f64]) -> f64 {
         let mut most = 0.0_f64;
         self.for_each(amplitudes, |_, sum| most = most.max(sum.abs()));
@@ -135,7 +136,7 @@ impl Waves {
         factors
     }
 
-    /// `out += ∫ load ψ`, with the loads of the places.
+    /// `out += ∫ load ψ`, with the loads of the places. In the unit of the loads.
     pub fn add_moments(&self, load: impl Fn(usize) -> f64, out: &mut [f64]) {
         for (run, places) in self.runs().enumerate() {
             let mut sums: RunSums<1> = [[0.0]; DEGREES];

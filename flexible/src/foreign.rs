@@ -14,7 +14,8 @@ use crate::units::MeshUnits;
 use eng_system::dense::largest;
 use eng_system::significant::short;
 
-/// Part of the largest diagonal entry below which a negative one counts as rounding.
+/// Part of the largest diagonal entry below which a negative one counts as rounding. A choice: a file with
+/// thirteen digits has less.
 const ROUNDING: f64 = 1e-12;
 
 /// The freedom of each row of foreign matrices.

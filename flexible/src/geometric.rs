@@ -20,7 +20,7 @@ use eng_system::reduced::{Block, Geometric, MarkerStiffness};
 /// Pairs of axes of [`Geometric::spin`].
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
-/// Most reference loads whose matrices a thread holds at once.
+/// Most reference loads whose matrices a thread holds at once. A choice that bounds the memory.
 const MOST_CASES: usize = 8;
 
 /// The model that gives the stresses.

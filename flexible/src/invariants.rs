@@ -14,7 +14,9 @@ use faer::{Accum, MatMut, MatRef, Par};
 /// Pairs of axes of the centrifugal blocks.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
-/// Triples of freedoms whose products are summed together. Their panels fit in the cache.
+/// Triples of freedoms whose products are summed together. Their panels fit in the cache. A choice: larger
+/// panels leave it, and smaller ones use the product of matrices badly. The number decides the order of the
+/// sums, so it changes their last digits.
 const TOGETHER: usize = 256;
 
 /// A structure over the full freedoms of its mesh (SI, basic axes).

@@ -766,6 +766,8 @@ impl Mesh {
                         "give the density in the file",
                     );
                 }
+                // a choice: one material has such differences from data sheet to data sheet, and steel and
+                // aluminium far larger ones
                 if (own.young - young).abs() > 0.05 * young || (own.poisson - poisson).abs() > 0.05
                 {
                     return wrong(

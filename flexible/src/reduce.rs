@@ -32,7 +32,8 @@ use eng_system::flexible::Damping;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
 use interface::MarkerFreedoms;
 
-/// Distance of nodes from a line, by its length, up to which they are on it.
+/// Distance of nodes from a line, by its length, up to which they are on it. A choice: coordinates of a file
+/// may have six or seven digits, and a lever of a millionth holds no turn about the line.
 const LINE: f64 = 1e-6;
 
 /// Rounding of a stiffness above which a warning reports it. Files of 13 digits have less.
@@ -119,18 +120,21 @@ pub struct Reduced {
     pub report: Report,
 }
 
-/// Relative difference of a foreign mass from that of the mesh's volumes above which a warning reports it.
+/// Relative difference of a foreign mass from that of the mesh's volumes above which a warning reports it. A
+/// choice: lumped masses, curved surfaces by straight edges and left out parts make some per cent, other
+/// units or densities far more.
 const MASS_APART: f64 = 0.05;
 
 /// Difference of the masses along x, y and z, as a part of the largest, above which a warning reports it.
-/// Files with few digits have less.
+/// Files with few digits have less. A choice: a smaller limit would warn about digits, a larger one would
+/// pass over a mass that a file left out along one axis.
 const DIRECTED: f64 = 1e-4;
 
-/// Most nodes in a message.
+/// Most nodes in a message. A choice: as many fit in a line.
 const NAMED: usize = 5;
 
 /// Part of the forces of a rigid motion above which they do not cancel, because a support holds the
-/// structure.
+/// structure. A choice: matrices with seven digits pass.
 const RESISTED: f64 = 1e-6;
 
 /// Reduces a mesh in SI.

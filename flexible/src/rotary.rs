@@ -26,7 +26,8 @@ use eng_system::reduced::Invariants;
 /// Pairs of axes of the centrifugal blocks.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
-/// Largest part of a mass matrix that counts as rounding.
+/// Largest part of a mass matrix that counts as rounding. A choice above the rounding of sums, and below what
+/// a card with few digits can state.
 const ROUNDING: f64 = 1e-12;
 
 /// Moves each mass beside its node to a new node at its centre, with its inertia about this centre. A rigid

@@ -16,13 +16,15 @@ use pest::iterators::{Pair, Pairs};
 use std::collections::BTreeSet;
 
 /// Greatest depth of a tree. Every later stage walks trees by recursion, so this limits the stack of all of
-/// them. An operator, a bracket, a call or a field is one level.
+/// them. An operator, a bracket, a call or a field is one level. The number is a choice: texts have some ten
+/// levels.
 pub(crate) const MAX_DEPTH: usize = 256;
 
-/// Greatest nesting of brackets in a text.
+/// Greatest nesting of brackets in a text. A choice: texts have some ten.
 pub(crate) const MAX_NESTING: usize = 100;
 
-/// Most mistakes in one text that get a message.
+/// Most mistakes in one text that get a message. A choice: nobody reads more at once, and later ones often
+/// follow from earlier ones.
 const MAX_MISTAKES: usize = 100;
 
 /// Makes one tree from one text.

@@ -5,7 +5,8 @@ use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-/// Least time between two looks. A look waits for the interpreter.
+/// Least time between two looks. A look waits for the interpreter. A choice: Ctrl-C then acts at once for a
+/// person.
 const BETWEEN: Duration = Duration::from_millis(50);
 
 /// A watch on a run outside of the interpreter's lock.

@@ -26,23 +26,37 @@ use crate::topology::undetermined;
 use eng_system::dense::largest_scaled;
 use nalgebra::DMatrix;
 
-/// Largest |Φ| of an output, in m or rad.
+/// Largest |Φ| of an output, in m or rad. A choice: less than a nanometre is below every tolerance of
+/// positions of a machine.
 pub const POSITION_LIMIT: f64 = 1e-9;
-/// Largest |Φ| (m or rad) at which the projection ends.
+/// Largest |Φ| (m or rad) at which the projection ends. A choice: about ten thousand roundings of a position
+/// of a metre. If rounding is larger, [`POSITION_LIMIT`] counts after three corrections.
 const POSITION_GOAL: f64 = 1e-12;
-/// Most corrections of a position.
+/// Most corrections of a position. A choice: after half of them the matrix is made again, so the other half
+/// is Newton's method again.
 const ATTEMPTS: usize = 12;
 /// Most corrections of a velocity: the first hardly changes the films, and two more leave only rounding.
 const VELOCITY_ROUNDS: usize = 6;
-/// Largest |Φ̇| after the corrections, as a share of that before them.
+/// Largest |Φ̇| after the corrections, as a share of that before them. A choice: what is left is then far
+/// below the error of the step that caused it.
 const VELOCITY_GOAL: f64 = 1e-9;
-/// Rounding of Φ̇, as a share of the model's speed: both are scaled to 1/s.
+/// Rounding of Φ̇, as a share of the model's speed: both are scaled to 1/s. A choice: about ten thousand
+/// rounding units, because Φ̇ is a sum over links.
 const VELOCITY_ROUNDING: f64 = 1e-12;
 /// Distance of positions, as a share of the model's length or in rad, within which one matrix serves:
-/// accelerations and multipliers then have errors of this share.
+/// accelerations and multipliers then have errors of this share. A choice far below the error of a step.
 const HERE: f64 = 1e-10;
-/// Most refinements of a solution with the factors of a nearby position.
+/// Most refinements of a solution with the factors of a nearby position. A choice: each must win a digit, and
+/// more of them would cost more than a new matrix.
 const REFINEMENTS: usize = 6;
+/// Largest change of a refinement as a part of the change before. One that wins less than a digit costs more than
+/// a new matrix does over the others, or shows that only rounding is left. A choice.
+const SETTLING: f64 = 0.1;
+/// Change of a refinement, as a share of the solution, at which it may stagnate: refinements end at the rounding
+/// of the matrix times its condition, and twelve digits are enough for an output. A choice.
+const SETTLED: f64 = 1e-12;
+/// Change of a refinement, as a share of the solution, that is rounding: some units of the last place.
+const ROUNDING: f64 = 1e-15;
 /// Corrections of a position and of accelerations beside a state that has both. Corrections with the factors
 /// of this state leave a power of the factors' error, and a part of second order in the distance, which
 /// changes no derivative. The last correction of a position removes rounding.
@@ -256,13 +270,13 @@ impl AccelerationSystem {
         let mut last = f64::INFINITY;
         for _ in 0..REFINEMENTS {
             let [size, change] = self.refine();
-            if change <= 1e-15 * size {
+            if change <= ROUNDING * size {
                 return Ok(());
             }
-            let settling = change < 0.1 * last;
+            let settling = change < SETTLING * last;
             if !settling {
                 // either only rounding is left, or the factors belong to a position too far away
-                if change <= 1e-12 * size {
+                if change <= SETTLED * size {
                     return Ok(());
                 }
                 break;
@@ -303,7 +317,7 @@ impl AccelerationSystem {
         for _ in 0..BESIDE.1 {
             let [size, change] = self.refine();
             // NaN is no contraction
-            let settles = change < 0.1 * last || change <= 1e-12 * size;
+            let settles = change < SETTLING * last || change <= SETTLED * size;
             if !settles {
                 self.rhs.copy_from_slice(&self.wanted);
                 return false;
@@ -426,7 +440,8 @@ impl AccelerationSystem {
                 first = left;
             }
             // the first round hardly changes the films, so it always happens
-            let progress = left <= 0.1 * last;
+            // less than a digit in a round is the end of the factors or rounding
+            let progress = left <= SETTLING * last;
             let enough =
                 left <= VELOCITY_GOAL * first || (!progress && (refined || left <= rounding));
             if (round > 1 && enough) || round == VELOCITY_ROUNDS {

@@ -1,6 +1,7 @@
 //! Decay and growth of the differences between successive cycles.
 
-/// Factor up to which turning differences count as sustained and not as growing.
+/// Factor up to which turning differences count as sustained and not as growing. A choice: a beat that
+/// neither grows nor decays has a factor near one, not exactly one, because it is fitted to few cycles.
 pub(crate) const SUSTAINED: f64 = 1.02;
 
 /// The report after a whole cycle.

@@ -76,7 +76,8 @@ struct Moving {
 const LARGE: usize = 400;
 
 /// Share of a field with one-sided derivatives above which its linearised equations are refused. The cells on
-/// the line where a pressure ends are a smaller share.
+/// the line where a pressure ends are a smaller share. A choice: of a film of 20 cells around and more, a
+/// line of cells is a twentieth, and a film at rest all of them.
 const ONE_SIDED: f64 = 0.2;
 
 /// The known part of the solution of fields at the gathered state.
@@ -263,7 +264,7 @@ fn lane_fields(model: &Model, element: usize) -> Vec<LaneField> {
 }
 
 impl Batch {
-    /// Solves the fields at the gathered state and writes the demanded numbers to the inputs. Does nothing for a
+    /// Solves the fields at the gathered state and writes the requested numbers to the inputs. Does nothing for a
     /// class without fields.
     pub fn solve_fields(
         &mut self,

@@ -48,7 +48,7 @@ pub struct NamedRow {
     pub is_length: bool,
 }
 
-/// A jump of the acceleration that a constraint demands within a fixed step.
+/// A jump of the acceleration that a constraint requires within a fixed step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AccelerationJump {
     /// The equation, with the jump of its second rate (1/s² of its unit).
@@ -178,7 +178,8 @@ impl std::fmt::Display for RedundantGroup {
     }
 }
 
-/// The largest number of equations that a message names.
+/// The largest number of equations that a message names. A choice: the worst three; the others follow from
+/// them.
 const MOST_GAPS: usize = 3;
 
 /// The residuals of equations. `per` is added to the units: `/s` for velocities.
@@ -506,7 +507,7 @@ pub enum RuntimeError {
         /// The jump.
         jump: Jump,
     },
-    /// A constraint demands a velocity or a position that jumps.
+    /// A constraint requires a velocity or a position that jumps.
     #[error(
         "the {} that {} demands jumps by {} at {moment}",
         if *velocity { "velocity" } else { "position" },

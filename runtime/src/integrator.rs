@@ -65,7 +65,9 @@ use eng_system::secants::Secants;
 /// removes its ringing.
 pub const RESOLVED: f64 = 1.0;
 
-/// Multiple of its magnitude in the scaled system above which a state needs a new magnitude.
+/// Multiple of its magnitude in the scaled system above which a state needs a new magnitude. A choice: each
+/// change costs a new matrix, and a state that is ten times its scale still has the digits that the others
+/// have, but for one.
 const OUTGROWN: f64 = 10.0;
 
 /// Coefficients of the scheme.
@@ -114,7 +116,7 @@ impl Coefficients {
         }
     }
 
-    /// dẏ'/dy' of a step h.
+    /// dẏ'/dy' of a step h. In 1/s.
     fn state_weight(&self, h: f64) -> f64 {
         (1.0 - self.state_alpha_m) / ((1.0 - self.alpha_f) * self.state_gamma * h)
     }

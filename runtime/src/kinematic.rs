@@ -52,13 +52,16 @@ use mechanism::Mechanism;
 
 pub use balance::Shared;
 
-/// Moments at which the reactions are examined for dependences, as shares of the range.
+/// Moments at which the reactions are examined for dependences, as shares of the range. Choices: the first,
+/// and three that are no simple shares of it, because a mechanism may be singular at quarters of a turn.
 const EXAMINED: [f64; 4] = [0.0, 0.137, 0.389, 0.731];
-/// Share of the first rate of a cycle below which it stands.
+/// Share of the first rate of a cycle below which it stands. A choice above the rounding of rates.
 const STANDS: f64 = 1e-6;
-/// Rounds in which the time of a sample follows its angle.
+/// Rounds in which the time of a sample follows its angle. A choice: they are Newton's method, whose error
+/// squares from round to round.
 const RETIMED: usize = 12;
-/// Angle (rad) within which a sample is reached.
+/// Angle (rad) within which a sample is reached, for angles of a turn; it grows with the angle. Angles are
+/// rounded to 1e-15 of their size, and no result shows a smaller difference.
 const REACHED: f64 = 1e-12;
 
 /// The columns of a kinematic analysis after time and cycle, and the assumptions of its results.
@@ -217,6 +220,7 @@ fn grid(
     start: &State,
     kinematic: &Kinematic,
 ) -> Result<(Grid, usize, f64), RuntimeError> {
+    // a range of a whole number of samples has its last one in spite of rounding
     let counted = |whole: f64, part: f64| libm::floor(whole / part + 1e-6) as usize;
     match (kinematic.over, kinematic.sample) {
         (Some(Extent::Time(whole)), Extent::Time(part)) => {

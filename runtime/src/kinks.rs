@@ -52,13 +52,18 @@ use points::Points;
 use slopes::Sloped;
 use std::ops::Range;
 
-/// A step that passes a kink, or ends close before it, adds this number to the count of the kink. Any other step subtracts 1.
+/// A step that passes a kink, or ends close before it, adds this number to the count of the kink. Any other
+/// step subtracts 1. So a kink that less than one step in 33 passes, such as a stop that is hit now and then,
+/// never reaches the limit. A choice: a smaller number would let more frequent passages go on without a
+/// message, a larger one would report a stop that is hit now and then.
 const PASSED: f64 = 32.0;
 /// A step ends close before a kink if it is at most so many steps of its length away from it. A motion that
-/// comes to a kink and passes it then counts some five times.
+/// comes to a kink and passes it then counts some five times. The limit is a choice: with one step, a motion
+/// that the error control slows down before a kink would not count.
 const CLOSE: f64 = 4.0;
 /// The count at which the motion may be held at a kink: after 8 steps that pass it or end close before it, or
-/// a few more with other steps between.
+/// a few more with other steps between. A choice: a contact that settles in a few strokes is passed less
+/// often.
 const OFTEN: f64 = 256.0;
 /// Largest change (rad) in a step of the argument of a sine in a function of the motion. The cubic through values and rates differs
 /// from a sine by 1e-5 then, the share that errors of states may have. Narrower tips may be missed.

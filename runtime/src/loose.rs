@@ -2,7 +2,7 @@
 //! their displacement or velocity.
 //!
 //! Let G be the gradients of the constraints and N a basis of their null space. Let K and D be the
-//! derivatives of all loads with respect to pose and velocity, at rest. A motion `N z` is loose if
+//! derivatives of all loads with respect to pose and velocity, at rest. A motion `N z` is unconstrained (loose) if
 //! `Nᵀ K N z = 0` and `Nᵀ D N z = 0`, also after a finite distance along it: a contact with play responds
 //! only there. Loads that do not change with the motion (gas, gravity) hold nothing. Bodies count as rigid.
 //! The motion that turns the cycle is the purpose of the machine, so it is left out.
@@ -23,20 +23,22 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Singular value, as a share of the largest one, below which it counts as zero.
+/// Singular value, as a share of the largest one, below which it counts as zero. It is about the root of the
+/// rounding unit, because singular values come from the eigenvalues of squares.
 const NONE: f64 = 1e-7;
-/// Distances along a motion (in model lengths, or rad) at which loads are evaluated again.
+/// Distances along a motion (in model lengths, or rad) at which loads are evaluated again. Choices: a play of
+/// a bearing or a stop is within a hundredth, that of a contact between parts within a third of their size.
 const WAYS: [f64; 6] = [0.01, -0.01, 0.05, -0.05, 0.3, -0.3];
-/// Share of a motion below which a body does not take part.
+/// Share of a motion below which a body does not take part. A choice, a decade above [`NONE`].
 const NO_PART: f64 = 1e-6;
 /// A translation is pure if the rotation is below this share of it, and the reverse (both as displacements at
-/// the model's length).
+/// the model's length). A choice: an axis in a message has three digits.
 const PURE: f64 = 1e-3;
 /// Largest displacement of a centre of mass in a rotation about it, as a share of the model's length per
-/// radian.
+/// radian. A choice: gravity would hold a centre farther off with a pendulum of some frequency.
 const CENTRED: f64 = 1e-3;
 
-/// Loose motions of a group of connected bodies.
+/// Unconstrained motions of a group of connected bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loose {
     /// Indices of the bodies that move: the heaviest, then the others in their order.
@@ -52,7 +54,7 @@ pub struct Loose {
     pub about: Option<(V3, bool)>,
 }
 
-/// The loose motions of a model at a position.
+/// The unconstrained motions of a model at a position.
 ///
 /// # Errors
 ///
@@ -203,7 +205,8 @@ pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, Run
     Ok(stiffness.largest() > 0.0)
 }
 
-/// Share of a torque up to which its change by a turn is rounding of the angle.
+/// Share of a torque up to which its change by a turn is rounding of the angle. A choice: sums of angles
+/// round to 1e-15, and stiff springs multiply this.
 const SAME: f64 = 1e-9;
 
 /// The change of an element's torques by one more turn of its angles, at rest (N m): `2π k` for a spring with the
@@ -259,13 +262,16 @@ pub fn kinetic_energy(model: &Model, state: &State) -> f64 {
     model.bodies.iter().map(of).sum()
 }
 
-/// Share of the largest stiffness below which a stiffness is rounding.
+/// Share of the largest stiffness below which a stiffness is rounding. A choice some decades above the
+/// rounding unit, because stiffnesses of held directions cancel on free motions.
 const ROUNDING: f64 = 1e-11;
-/// Least eigenvalue (1/s) of states that relax: slower ones hold a load for minutes.
+/// Least eigenvalue (1/s) of states that relax: slower ones hold a load for minutes. A choice: a mount that
+/// takes longer stands for the weight like a spring.
 const RELAXES: f64 = 0.01;
-/// Most steps of the search for eigenvalues of a few states.
+/// Most steps of the search for eigenvalues of a few states. A choice: usually each eigenvalue takes a few.
 const SCHUR_STEPS: usize = 1000;
-/// Largest rotation of a sinking body, as its displacement at the model's length over the sinking distance.
+/// Largest rotation of a sinking body, as its displacement at the model's length over the sinking distance. A
+/// choice: with more of it, the body swings on other supports.
 const UPRIGHT: f64 = 0.2;
 
 /// The spring that yields most under gravity (m/s², inertial), and its deflection (m). This is an estimate

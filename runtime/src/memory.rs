@@ -8,7 +8,7 @@ use crate::model::Model;
 use eng_system::field::Past;
 
 /// Shortest time that a field continues over (s). At the beginning of a step the content of a film has had no
-/// time to change.
+/// time to change. A choice far below any step, so that divisions by the time remain finite.
 const SHORTEST: f64 = 1e-10;
 
 /// The memory of all fields of a model.

@@ -21,7 +21,8 @@ use std::sync::Arc;
 /// second derivatives of the positions. In an engine with film bearings this share keeps them right within a
 /// per cent of their own swing, and positions far better.
 pub const STEP_SHARE: f64 = 0.1;
-/// Least error of a step, as a share of the model's length, that is distinguishable from rounding.
+/// Least error of a step, as a share of the model's length, that is distinguishable from rounding: about a
+/// hundred rounding units of a position.
 pub const LEAST_ERROR: f64 = 1e-14;
 
 /// An element with its numbers and its offsets in the model's vectors.
@@ -155,7 +156,8 @@ impl Model {
     }
 
     /// Scale of each velocity: the length for a translation, one for a rotation, and for a modal rate the
-    /// amplitude that moves a marker by the length.
+    /// amplitude that moves a marker by the length. In m for translations, 1 for rotations, and in the unit
+    /// of the amplitude.
     pub fn velocity_scales(&self) -> Vec<f64> {
         let mut scales = vec![1.0; self.velocities];
         for body in &self.bodies {

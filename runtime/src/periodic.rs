@@ -31,32 +31,38 @@ use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use whirl::Whirl;
 
-/// Number of cycles whose orbits are searched for whirl.
+/// Number of cycles whose orbits are searched for whirl. A choice: eight cycles show its order and its
+/// growth.
 const ORBITS: usize = 8;
-/// Share of the requested change below which a change needs no estimate of the distance.
+/// Share of the requested change below which a change needs no estimate of the distance. A choice: the rest
+/// is then below the requested change for factors up to 0.99.
 const PLAIN: f64 = 1e-2;
 /// Least swing of lengths, in position tolerances. A position tolerance is a thousandth of the smallest
 /// clearance, so this is the clearance itself.
 const TOLERANCES: f64 = 1e3;
 /// Multiple of the requested change above which a change comes from the engine and not from errors of the
-/// steps.
+/// steps. A choice: users request a change near these errors.
 const ABOVE: f64 = 3.0;
-/// Exponent of the growth of a small deviation in a cycle, below which a steady motion counts as stable.
+/// Exponent of the growth of a small deviation in a cycle, below which a steady motion counts as stable. A
+/// choice above the rounding of eigenvalues: a deviation takes a thousand cycles for a factor e.
 const GROWTH: f64 = 1e-3;
 /// Share of a difference that does not follow from the earlier ones, above which it counts as noise; and the
-/// number of consecutive cycles with such a share.
+/// number of consecutive cycles with such a share. Choices: a decay leaves nearly nothing, noise nearly all,
+/// and a single cycle may leave much by chance.
 const UNPREDICTED: f64 = 0.3;
 const NOISY_CYCLES: usize = 3;
-/// Share of the least change so far, above which the changes of the last cycles no longer shrink.
+/// Share of the least change so far, above which the changes of the last cycles no longer shrink. A choice:
+/// noise varies by a factor of two.
 const STANDSTILL: f64 = 0.5;
-/// Least number of cycles after which a motion can count as erratic.
+/// Least number of cycles after which a motion can count as erratic. A choice: four in each half have a
+/// median.
 const ERRATIC_CYCLES: usize = 8;
 /// Ratio up to which the differences in the second half of the cycles count as equal to those in the first
-/// half.
+/// half. A choice: medians of four numbers of chance differ by as much.
 const ALIKE: f64 = 2.0;
-/// Ratio beyond which a factor contradicts such equality.
+/// Ratio beyond which a factor contradicts such equality. A choice well above [`ALIKE`].
 const UNLIKE: f64 = 5.0;
-/// Most samples of a cycle.
+/// Most samples of a cycle. A choice: the samples of a cycle are kept in memory.
 const MOST_SAMPLES: f64 = 1e6;
 
 /// Summary of a periodic analysis.
@@ -126,6 +132,7 @@ pub fn run_periodic(
     let model = Model::bind(compiled, overrides)?;
     let period = model.slot(cycle.period);
     let refuse = |message: String| Err(RuntimeError::Options { message });
+    // a whole number of samples does not get one more by rounding
     let samples = libm::ceil(period / periodic.sample - 1e-6);
     if !(periodic.sample > 0.0 && (1.0..=MOST_SAMPLES).contains(&samples)) {
         return refuse(format!(

@@ -112,6 +112,7 @@ pub fn quaternion(a: &M3) -> Quaternion {
 pub fn tangent(theta: &V3) -> M3 {
     let s = theta.norm_squared();
     let (c1, c2) = if s < 1e-2 {
+        // series: the next terms are below 1e-15, and the closed forms lose two digits and more here
         (
             0.5 - s * (1.0 / 24.0 - s * (1.0 / 720.0 - s * (1.0 / 40320.0 - s / 3_628_800.0))),
             1.0 / 6.0 - s * (1.0 / 120.0 - s * (1.0 / 5040.0 - s / 362_880.0)),
@@ -133,6 +134,7 @@ pub fn tangent(theta: &V3) -> M3 {
 pub fn tangent_along(theta: &V3, w: &V3) -> M3 {
     let s = theta.norm_squared();
     let (b, c, b_s, c_s) = if s < 1e-2 {
+        // series, as in `tangent`
         (
             0.5 - s * (1.0 / 24.0 - s * (1.0 / 720.0 - s * (1.0 / 40320.0 - s / 3_628_800.0))),
             1.0 / 6.0 - s * (1.0 / 120.0 - s * (1.0 / 5040.0 - s / 362_880.0)),
@@ -162,6 +164,7 @@ pub fn tangent_along(theta: &V3, w: &V3) -> M3 {
 pub fn inverse_tangent(theta: &V3) -> M3 {
     let s = theta.norm_squared();
     let c = if s < 1e-2 {
+        // series, as in `tangent`
         1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30240.0 + s / 1_209_600.0))
     } else {
         let half = 0.5 * libm::sqrt(s);
@@ -171,12 +174,13 @@ pub fn inverse_tangent(theta: &V3) -> M3 {
     M3::identity() + t * 0.5 + t * t * c
 }
 
-/// Rotation vector of a quaternion, |θ| ≤ π.
+/// Rotation vector of a quaternion, |θ| ≤ π. In rad, in the axes of both frames.
 pub fn logarithm(q: &Quaternion) -> V3 {
     let q = if q[0] < 0.0 { q.map(|x| -x) } else { *q };
     let v = V3::new(q[1], q[2], q[3]);
     let sine = v.norm();
     if sine < 1e-12 {
+        // the angle over its sine differs from one by a sixth of the square, far below rounding
         v * 2.0
     } else {
         v * (2.0 * libm::atan2(sine, q[0]) / sine)

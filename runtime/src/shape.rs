@@ -85,14 +85,14 @@ impl MarkerShape {
         halves(&out)
     }
 
-    /// `Φ(a) x`: the rates of u and θ for x = ȧ.
+    /// `Φ(a) x`: the rates of u and θ for x = ȧ. In m/s and rad/s, in the body's axes.
     pub fn rate(&self, amplitudes: &[f64], x: &[f64]) -> (V3, V3) {
         let mut out = self.along(x);
         self.add_second(-1.0, amplitudes, x, &mut out);
         halves(&out)
     }
 
-    /// `−ȧ·N_c ȧ`: the second rates of u and θ for ä = 0.
+    /// `−ȧ·N_c ȧ`: the second rates of u and θ for ä = 0. In m/s² and rad/s², in the body's axes.
     pub fn swing(&self, rates: &[f64]) -> (V3, V3) {
         let mut out = [0.0; SIX];
         self.add_second(-1.0, rates, rates, &mut out);

@@ -8,9 +8,9 @@
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// A decomposition is wrong if its product misses the matrix by more than this share. Rounding alone gives
-/// 1e-14 for hundreds of rows.
+/// 1e-14 for hundreds of rows. A choice between that and a wrong value.
 const WRONG: f64 = 1e-11;
-/// The largest number of sweeps of Jacobi's method. About ten are enough.
+/// The largest number of sweeps of Jacobi's method. About ten are enough. The limit is a choice.
 const SWEEPS: usize = 60;
 
 /// `A = U Σ Vᵀ` with orthonormal columns of U and rows of Vᵀ. Their number is that of the shorter side of A,
@@ -21,6 +21,8 @@ pub fn decompose(matrix: DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
     }
     let found = matrix
         .clone()
+        // a choice: an end for matrices on which the iteration does not converge, far above the two or three steps
+        // that each value takes
         .try_svd(true, true, f64::EPSILON, 10_000)
         .filter(|found| is_of(&matrix, found));
     match found {
@@ -63,6 +65,7 @@ fn jacobi(matrix: &DMatrix<f64>) -> Option<SVD<f64, Dyn, Dyn>> {
             for q in p + 1..columns {
                 let (a, b) = (work.column(p).norm_squared(), work.column(q).norm_squared());
                 let product = work.column(p).dot(&work.column(q));
+                // ten rounding units: the rounding of a product of two columns
                 if product.abs() <= (10.0 * f64::EPSILON * (a * b).sqrt()).max(floor) {
                     continue;
                 }

@@ -315,8 +315,10 @@ pub fn begin(model: &Model, state: &mut State, start: Start) -> Result<StartRepo
     })
 }
 
-/// Eccentricity ratios of the thinnest film at which further searches begin. A centred film has no wedge: derivatives there
-/// belong to one of many cavities, and a starved film has no pressure at all.
+/// Eccentricity ratios of the thinnest film at which further searches begin. A centred film has no wedge:
+/// derivatives there belong to one of many cavities, and a starved film has no pressure at all. The values
+/// are a choice, from half of the clearance to nearly all of it. Each is tried only if earlier ones found
+/// nothing, so a further one costs time only in models without a balance so far.
 const LEANS: [f64; 3] = [0.5, 0.8, 0.95];
 
 /// Brings a state into balance. If there is an obstacle, the state does not change.

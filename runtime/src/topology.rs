@@ -15,12 +15,14 @@ use crate::model::Model;
 use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
 
-/// Share of a unit row below which a pivot counts as zero.
+/// Share of a unit row below which a pivot counts as zero. A choice: positions are closed to 1e-10 and
+/// elimination adds rounding; a row that is that near to others holds nothing in a real machine.
 const RANK_LIMIT: f64 = 1e-8;
-/// Share below which a message does not name a row.
+/// Share below which a message does not name a row. A choice above the rounding of a solution.
 const SHARE_LIMIT: f64 = 1e-6;
 
-/// Share of the largest principal moment of inertia below which one counts as zero.
+/// Share of the largest principal moment of inertia below which one counts as zero. A choice: thin rods have
+/// moments about their axis that are small on purpose, but not as small.
 const NO_INERTIA: f64 = 1e-12;
 
 /// Counts of velocities, equations and freedoms.
@@ -65,6 +67,8 @@ pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeEr
     let scales = model.velocity_scales();
     let mut numbers = Numbers::new(7);
     let mut found = 0;
+    // shares of the model's length, or rad: far enough to leave a singular position, and in shorter moves if
+    // the loops do not close there. A choice
     for reach in [0.05, 0.05, 0.05, 0.01, 0.01, 0.002] {
         if found == 2 {
             break;
@@ -72,6 +76,7 @@ pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeEr
         let increment: Vec<f64> = scales.iter().map(|s| s * reach * numbers.draw()).collect();
         let mut near = resting.clone();
         move_pose(model, &resting.pose, &increment, 1.0, &mut near.pose);
+        // nearer than an assembly, so that the rank limit sees no open row
         if close(model, &held, &mobility, &mut near, 60)? < 1e-12 {
             found += 1;
             let rank = Rank::of(model, &rows, &near)?;
@@ -220,6 +225,7 @@ fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
                 let size = work[(*i, *j)].abs();
                 // a later row must be clearly larger, so that the first of two equal rows is the independent
                 // one
+                // a per cent, a choice: rows equal but for scaling and rounding differ by less
                 if size > best.0 * 1.01 {
                     best = (size, Some((p, q)));
                 }

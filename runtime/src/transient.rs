@@ -70,7 +70,7 @@ impl Advance {
     }
 }
 
-/// The wish of an observer after a step.
+/// The decision of an observer after a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Continue the run.
@@ -136,9 +136,11 @@ pub struct RunSummary {
     pub interrupted: bool,
 }
 
-/// Steps without progress of the cycle after which a run by angle gives up.
+/// Steps without progress of the cycle after which a run by angle gives up. A choice: a cycle that waits some
+/// seconds for its start takes fewer.
 const PATIENCE: u64 = 200_000;
-/// Share of the sample distance below which a grid point is the end itself.
+/// Share of the sample distance below which a grid point is the end itself. A choice: above the rounding of
+/// sums of distances, and far below a distance that a figure shows.
 const SAME: f64 = 1e-6;
 
 /// Points of time or angle in their order.
@@ -352,6 +354,7 @@ impl Way {
             Extent::Angle(duration) => duration,
         };
         let done = (simulation.cycle_angle().unwrap_or(self.start) - self.start) * self.sense;
+        // progress of less than a billionth of a radian is rounding
         if done > self.farthest + 1e-9 {
             self.farthest = done;
             self.standing = 0;
@@ -477,7 +480,7 @@ fn run(
                     (time, Some(cycle), Some(angle))
                 }
             };
-            // the run ends here anyway, so the observer's wish to stop makes no difference
+            // the run ends here anyway, so the observer's decision to stop makes no difference
             let _ = run.give(&mut simulation, end, cycle.map(|c| (c[0], c[1])), angle)?;
             return Ok((run.summary(&simulation, false), simulation));
         }
@@ -534,6 +537,7 @@ impl Run<'_> {
                 let near = match points {
                     Points::Time { distance } => SAME * distance,
                     Points::Angle { .. } => {
+                        // a cycle at rest: its time to the end must stay a number
                         let rate = simulation.cycle_rate().unwrap_or(0.0).abs().max(1e-12);
                         SAME * points.distance().abs() / rate
                     }

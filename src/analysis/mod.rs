@@ -62,7 +62,7 @@ pub(crate) struct Findings {
 }
 
 /// Number of steps, and part of a run. A cycle that has turned by less than this part after these steps is at
-/// rest.
+/// rest. Choices: a cycle that turns has advanced by more after as many steps of growing length.
 const STANDING: (u64, f64) = (50, 1e-3);
 
 /// The progress of a run.
@@ -531,6 +531,7 @@ impl Analysis {
         let own = |element: &&eng_system::system::Element| element.origin.path == origin.path;
         let element = system.elements.iter().find(own)?;
         let lengths = element.resolves.iter().map(|slot| model.slot(*slot));
+        // the largest tolerance of positions in a model that resolves no length
         let allowed = lengths.fold(1e-6 * model.length, f64::max);
         let place = |index: u32| -> Option<(&str, _)> {
             let marker = *element.markers.get(index as usize)? as usize;

@@ -10,7 +10,8 @@ use eng_system::system::BodyInertia;
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Slack (rad) in the search for the beginning of the last cycle.
+/// Slack (rad) in the search for the beginning of the last cycle. Angles of some cycles are rounded to 1e-14,
+/// and samples are far more apart.
 const SLACK: f64 = 1e-6;
 
 /// Positions, orientation, amplitudes and the numbers of fields during a run.

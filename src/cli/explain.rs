@@ -8,7 +8,7 @@ use crate::codes::{self, Code};
 use eng_grammar::SourceMap;
 use std::path::Path;
 
-/// Width of the text.
+/// Width of the text. A choice that fits into usual terminals.
 const WIDTH: usize = 96;
 
 pub(super) fn explain(

@@ -15,7 +15,7 @@ use crate::timings;
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::path::Path;
 
-/// The most analyses that a line about a repeated message names.
+/// The most analyses that a line about a repeated message names. A choice: they fit in a few lines.
 const MOST_NAMES: usize = 20;
 
 /// The end of an analysis.

@@ -117,6 +117,7 @@ fn rounded(text: &str) -> String {
             let digits: f64 = format!("{value:.11e}").parse().unwrap_or(value);
             match digits.abs() {
                 0.0 => format!("0{unit}"),
+                // a choice: numbers of this size are easy to read without an exponent
                 magnitude if (1e-4..1e9).contains(&magnitude) => format!("{digits}{unit}"),
                 _ => format!("{digits:e}{unit}"),
             }

@@ -80,7 +80,8 @@ pub(super) fn open_loop(
     })
 }
 
-/// Share of the longest length of a loop by which the others may miss it by rounding.
+/// Share of the longest length of a loop by which the others may miss it by rounding. A choice above the
+/// rounding of lengths that a text computes.
 const ROUNDING: f64 = 1e-9;
 
 /// The remedy if a loop has one length that all others together do not reach. A polygon closes if its longest side is at most the
@@ -216,10 +217,10 @@ const PLACING: &str = "check the lengths, sides and axes of the loop; for a mark
 const GUESSING: &str =
     "if they are right, state a `guess` near the position: the search begins there";
 
-/// The largest number of parameters that a message points to.
+/// The largest number of parameters that a message points to. A choice: more places hide the likely ones.
 pub(super) const MOST_PARAMETERS: usize = 3;
 
-/// The largest number of markers that a message points to.
+/// The largest number of markers that a message points to. A choice: two for each side of a triangle.
 const MOST_MARKERS: usize = 6;
 
 /// Adds the lengths of a loop and the parameters that decide them.
@@ -227,6 +228,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
     let Some(chain) = chain else {
         return message;
     };
+    // bodies with both joints on one axis have a length of rounding, and none that a message could name
     let lengths: Vec<String> = chain
         .bodies
         .iter()
@@ -244,6 +246,7 @@ fn with_lengths(message: Diagnostic, chain: Option<&Chain>, system: &System) -> 
     let message = chain
         .bodies
         .iter()
+        // a length of rounding; see above
         .filter(|body| body.length > 1e-9)
         .flat_map(|body| body.parameters.iter().map(move |p| (body, *p)))
         .fold(message, |message, (body, index)| {
@@ -298,7 +301,7 @@ pub(super) fn with_markers(message: Diagnostic, element: &Origin, system: &Syste
     })
 }
 
-/// The largest number of starts that a message points to.
+/// The largest number of starts that a message points to. A choice.
 const MOST_STARTS: usize = 3;
 
 /// The starts of positions that must hold, with their places: those of the bodies of a loop, or all without a loop.
@@ -325,7 +328,7 @@ fn starts<'a>(chain: Option<&Chain>, system: &'a System) -> Vec<(&'a Origin, Loc
         .collect()
 }
 
-/// The largest number of guesses that a message points to.
+/// The largest number of guesses that a message points to. A choice.
 const MOST_GUESSES: usize = 4;
 
 /// Adds the guesses of the text: those for the bodies of the loop, or all guesses if these bodies have none.
@@ -378,9 +381,11 @@ fn with_axes(message: Diagnostic, chain: &Chain) -> Diagnostic {
     ))
 }
 
-/// Two axes are parallel from this cosine on.
+/// Two axes are parallel from this cosine on: 2.6°. A choice: axes that are meant to be parallel differ by
+/// less.
 const PARALLEL: f64 = 0.999;
-/// An axis is not perpendicular to another if it deviates by an angle of at least this sine, one degree.
+/// An axis is not perpendicular to another if it deviates by an angle of at least this sine, one degree. A
+/// choice.
 const NOT_SQUARE: f64 = 0.0175;
 
 fn joint(of: &Origin, system: &System) -> Joint {

@@ -43,6 +43,7 @@ fn chosen<'a>(
             let alike = |path: &str| strsim::jaro_winkler(pattern, path);
             let likely = known.iter().map(|path| (alike(path), *path));
             let nearest = likely
+                // a choice: names with a mistake or two are as alike, others are not
                 .filter(|(likeness, _)| *likeness > 0.8)
                 .max_by(|a, b| a.0.total_cmp(&b.0));
             return Err(FmuError::Missing {

@@ -13,30 +13,36 @@ use eng_system::Dimension;
 use eng_system::lint;
 use eng_system::system::{Origin, Role};
 
-/// A speed below this share of the other counts as zero.
+/// A speed below this share of the other counts as zero. A choice above the effect of small tilts.
 const STANDS: f64 = 1e-3;
-/// The pin counts as the part that does not turn if its speed is below this share of the shell's.
+/// The pin counts as the part that does not turn if its speed is below this share of the shell's. A choice:
+/// in most films one of both does not turn at all.
 const SLOWER: f64 = 0.5;
 /// Share of the cycle's speed below which a shell swings with a rod and does not turn with a shaft. A rod
 /// that is twice as long as its throw reaches it at a dead centre, and most rods are longer.
 const SWINGS: f64 = 0.5;
 /// Offset along a line, in radii of gyration, from which on two bodies are beside each other. For a piston
 /// under gas the offset counts in bores: rods that share a pin are an eighth of a bore to its sides, and a
-/// small end with a width of a quarter of a bore would touch the pin's bosses.
+/// small end with a width of a quarter of a bore would touch the pin's bosses. Twice a radius of gyration is
+/// a choice: a body ends at about that.
 const BESIDE: f64 = 2.0;
 const BESIDE_IN_BORES: f64 = 0.2;
-/// A body does not turn if its speed is below this share of the cycle's.
+/// A body does not turn if its speed is below this share of the cycle's. A choice: gears and chains of
+/// engines have ratios far above it, and a start at rest leaves only rounding.
 const STANDS_STILL: f64 = 0.01;
 /// A machine has no effective springs if it sinks under its weight by this share of the model's length, or of
-/// the spring's length if that is larger.
+/// the spring's length if that is larger. A choice: no spring of a machine is compressed by half of its
+/// length under the weight alone.
 const SINKS: f64 = 0.5;
-/// A body falls in a direction with at least this share of gravity.
+/// A body falls in a direction with at least this share of gravity. A choice: directions across gravity are
+/// so by construction, up to a slight slope.
 const FALLS: f64 = 0.1;
-/// A direction is across an axis of rotation if its part along the axis is below this share.
+/// A direction is across an axis of rotation if its part along the axis is below this share. A choice, 6°.
 const ACROSS: f64 = 0.1;
 /// A part of a direction below this share counts as zero in texts of two digits.
 const NO_PART: f64 = 5e-4;
-/// A slide without a stated position gets a message from this distance (m) on.
+/// A slide without a stated position gets a message from this distance (m) on. A choice: nearer ones are at
+/// the place that was meant.
 const UNPLACED: f64 = 0.01;
 
 /// A model at its start.
@@ -77,6 +83,7 @@ pub(super) fn rpm(x: f64) -> String {
 /// A direction in words.
 fn axis(direction: &V3) -> String {
     let names = ["x", "y", "z"];
+    // 2.6° of an axis: its name is clearer than its numbers. A choice
     match (0..3).find(|i| direction[*i].abs() > 0.999) {
         Some(i) => names[i].to_owned(),
         None => {

@@ -10,7 +10,8 @@ use eng_system::lint;
 use eng_system::system::{Origin, Role};
 use std::f64::consts::PI;
 
-/// Largest slip of a coupling at the start, as a share of the speed.
+/// Largest slip of a coupling at the start, as a share of the speed. A choice: a coupling of parts that were
+/// meant to run at one speed slips by rounding.
 const SLIP: f64 = 0.1;
 
 impl Start<'_> {

@@ -10,48 +10,56 @@ use eng_system::system::{
     BodyInertia, BodyRef, Cycle, Element, FiringInfo, Location, Origin, Slot, System,
 };
 
-/// Gravity on earth (m/s²), with the usual rounded values.
+/// Gravity on earth (m/s²), with the usual rounded values. Gravity is 9.78 to 9.83 at sea level.
 const EARTH: std::ops::Range<f64> = 9.7..10.1;
-/// Density of the heaviest metals (kg/m³).
+/// Density of the heaviest metals (kg/m³): tungsten and gold have 19 300.
 const HEAVIEST: f64 = 20_000.0;
 /// A body has a mistake in its unit, and not only a rounded number, if its radius of gyration is below this
-/// share of that of a ball of the heaviest metal.
+/// share of that of a ball of the heaviest metal. A choice: a unit wrong by a factor of a thousand in the
+/// inertia shortens the radius to a thirtieth, rounding by far less than to a third.
 const NO_BALL: f64 = 0.3;
 /// Usual ratios of the radius of gyration to the distance of the farthest marker from the centre of mass.
-/// Uniform rods have 0.58, cranks 0.5, webs 1.
+/// Uniform rods have 0.58, cranks 0.5, webs 1. The limits are a choice.
 const USUAL: std::ops::Range<f64> = 0.13..2.6;
 /// A body may be larger than its markers, as discs and rims are, up to this ratio of its radius of gyration
-/// to the radius of a steel ball of the same mass.
+/// to the radius of a steel ball of the same mass. A choice: a steel disc with a diameter of twenty
+/// thicknesses has 1.7.
 const COMPACT: f64 = 3.0;
 /// No part of a machine is so slender that this ratio is larger. A steel bar of a hundred diameters has 11,
-/// and so has a tube of thirty diameters.
+/// and so has a tube of thirty diameters. A choice above these.
 const SLENDER: f64 = 20.0;
-/// Markers at least this far apart (m) count as two places of a body.
+/// Markers at least this far apart (m) count as two places of a body. A choice: markers nearer to each other
+/// are one place with rounding.
 const TWO_PLACES: f64 = 1e-3;
 /// The centre of mass of a body has probably lost its unit if two ratios are large. This is the first limit:
-/// the distance to the nearest marker over the largest distance of two markers.
+/// the distance to the nearest marker over the largest distance of two markers. Both limits are choices.
 const FAR_IN_SPANS: f64 = 2.0;
 /// The second limit: the distance to the farthest marker over the same distance of all other bodies.
 const FAR_IN_REACHES: f64 = 3.0;
 /// Density of steel (kg/m³).
 const STEEL: f64 = 7_800.0;
 /// Two markers are on opposite sides of the centre of mass if the product of their arms is below minus this
-/// share of the square of the farthest arm.
+/// share of the square of the farthest arm. A choice: a marker almost at the centre, or almost square to the
+/// other arm, says little about where the centre should be.
 const OTHER_SIDE: f64 = 0.02;
-/// An analysis removes a mass if it sets less than this share of the stated mass.
+/// An analysis removes a mass if it sets less than this share of the stated mass. A choice: a variation of a
+/// mass stays far above it, and who removes one mostly sets a number near zero.
 const TAKEN_AWAY: f64 = 0.01;
-/// Markers are on one line if at most this share of their sum of squares is across it.
+/// Markers are on one line if at most this share of their sum of squares is across it. A choice: it allows an
+/// offset of about a third of the distance along the line.
 const BESIDE_LINE: f64 = 0.1;
 /// The moments of a body are in the wrong order if two conditions hold. The first: its mass extends along the
 /// line of its markers (root of the mean square) by less than this share of the distance to the farthest
-/// marker.
+/// marker. A choice: a rod between two markers at its ends has 0.58.
 const ALONG_LINE: f64 = 0.3;
-/// The second: the moment about the line is larger than this multiple of the smallest moment across it. A
-/// disc has 2.
+/// The second: the moment about the line is larger than this multiple of the smallest moment across it. The
+/// limit is that of a thin disc.
 const ABOUT_LINE: f64 = 2.0;
-/// Firing angles closer than this (rad) count as equal.
+/// Firing angles closer than this (rad) count as equal. They are stated in degrees, so that only rounding
+/// differs.
 const SAME_ANGLE: f64 = 1e-6;
-/// Distances below this (m) are no measure of the size of a machine.
+/// Distances below this (m) are no measure of the size of a machine. A choice: machines of two centimetres
+/// have other shapes.
 const NO_MEASURE: f64 = 0.02;
 
 /// The probable mistakes in the numbers of a model.
@@ -430,6 +438,7 @@ fn whole_turns(system: &System, bound: &Bound) -> Option<Finding> {
     let period = at(bound, cycle.period);
     let halves = period / std::f64::consts::PI;
     let whole = libm::round(halves);
+    // a number in degrees, or a pi with seven digits
     if whole >= 1.0 && (halves - whole).abs() < 1e-6 * whole {
         return None;
     }
@@ -468,6 +477,7 @@ fn periods(system: &System, bound: &Bound) -> Vec<Finding> {
         .filter_map(|(table, of_table)| {
             let times = period / of_table;
             let whole = libm::round(times);
+            // a number in degrees, or a pi with seven digits
             if whole >= 1.0 && (times - whole).abs() < 1e-6 * whole {
                 return None;
             }

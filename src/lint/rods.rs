@@ -9,9 +9,10 @@ use eng_system::lint;
 use eng_system::system::{BodyInertia, BodyRef, Marker, Origin, Role, System};
 
 /// Share of a rod's length by which its centre of mass may be beyond an end. With a heavy big end it reaches
-/// the pin's middle, and never passes it.
+/// the pin's middle, and never passes it. A choice with room for that.
 const BEYOND: f64 = 0.2;
-/// Length (m) below which a rod is not checked.
+/// Length (m) below which a rod is not checked. A choice: two markers at one place with a rounding are no
+/// rod.
 const SHORTEST: f64 = 0.01;
 
 /// A joint of a body: the body's own marker, and the body it leads to.

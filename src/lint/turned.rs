@@ -20,23 +20,25 @@ use eng_system::{Dimension, lint};
 use std::f64::consts::{PI, TAU};
 
 /// The largest difference (rad) between a firing angle and its dead centre. Offset bores and articulated rods
-/// move the dead centre by some degrees.
+/// move the dead centre by some degrees. A choice: mistakes in the order of firing or in the angle of a throw
+/// are mostly far larger.
 const OFF: f64 = 15.0 * PI / 180.0;
-/// Bore over stroke of engines: from slow marine two-strokes to racing engines.
+/// Bore over stroke of engines: from slow marine two-strokes to racing engines. The limits are a choice.
 const BORE_TO_STROKE: std::ops::Range<f64> = 0.6..1.7;
-/// Length of rods over the throw: 2.3 in slow marine engines, 3 to 5 in most.
+/// Length of rods over the throw: 2.3 in slow marine engines, 3 to 5 in most. The limits are a choice.
 const ROD_TO_THROW: std::ops::Range<f64> = 2.0..10.0;
-/// A shorter stroke (m) counts as none.
+/// A shorter stroke (m) counts as none. A choice: the smallest engines have strokes of some millimetres.
 const NO_STROKE: f64 = 1e-3;
-/// A body counts as fixed if it moves by less than this share of the other's motion.
+/// A body counts as fixed if it moves by less than this share of the other's motion. A choice: a head on a
+/// flexible or elastically mounted block moves a little, and two pistons in one bore move alike.
 const STANDS: f64 = 0.1;
 /// The engine is upside down from this cosine of the angle between gravity and the bores (towards the heads)
-/// on.
+/// on. A choice: 60°, so that engines on their sides have no message.
 const UPSIDE_DOWN: f64 = 0.5;
 /// Angles (rad) between a bore and the crankshaft that no machine has: an engine's bores are perpendicular to
-/// it, those of an axial machine parallel.
+/// it, those of an axial machine parallel. The limits are a choice, some degrees from both.
 const SLANTED: std::ops::Range<f64> = 0.03..1.54;
-/// The crankshaft is upright from this share of gravity along it on.
+/// The crankshaft is upright from this share of gravity along it on. A choice, 26°.
 const UPRIGHT: f64 = 0.9;
 
 /// The parts that decide the motion of a cylinder and its gas.

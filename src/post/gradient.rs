@@ -21,10 +21,11 @@ use std::f64::consts::LN_10;
 use std::rc::Rc;
 
 /// An angle counts as held if its derivative is at most this share of the turn within the derivative of the
-/// sample's time.
+/// sample's time. A choice above the rounding of derivatives.
 const HELD: f64 = 1e-6;
 
-/// Largest difference of the derivatives of two equal samples, as a share of the largest derivative of the signal.
+/// Largest difference of the derivatives of two equal samples, as a share of the largest derivative of the
+/// signal. A choice above the rounding of derivatives.
 const ALIKE: f64 = 1e-6;
 
 /// A value and its derivative by a parameter (SI).

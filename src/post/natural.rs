@@ -5,9 +5,10 @@ use super::evaluate::Evaluator;
 use eng_system::recorded::{CYCLE_SPEED, DAMPING_RATIO, FREQUENCY};
 use std::f64::consts::TAU;
 
-/// Damping ratio above which a mode is left out, because no spectrum shows its peak.
+/// Damping ratio above which a mode is left out, because no spectrum shows its peak. A choice: at a damping
+/// ratio of 0.2 the peak is two and a half times the static value.
 const DAMPED: f64 = 0.2;
-/// Difference (rpm) below which speeds count as one.
+/// Difference (rpm) below which speeds count as one. A choice: speeds are printed in whole rpm.
 const SAME: f64 = 0.5;
 
 /// An oscillation at the speed at which it was linearised.

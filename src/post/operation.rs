@@ -14,7 +14,8 @@ use eng_system::system::Extent;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
-/// Largest distance of the number of samples in a cycle from a whole number.
+/// Largest distance of the number of samples in a cycle from a whole number. A choice above the rounding of a
+/// stated distance.
 const WHOLE: f64 = 1e-3;
 
 /// The sampling of a signal.
@@ -134,6 +135,7 @@ pub(super) fn resampled(track: &Track, like: &Track) -> Result<Track, PostError>
     let (own, asked) = (ends(from), ends(to));
     if let (Some(own), Some(asked)) = (own, asked) {
         let (low, high) = (own.0.min(own.1), own.0.max(own.1));
+        // times of two runs differ by rounding
         let slack = 1e-9 * (high - low);
         let within = |place: f64| place >= low - slack && place <= high + slack;
         if !(within(asked.0) && within(asked.1)) {

@@ -10,10 +10,11 @@ use eng_system::expression::Limit;
 use eng_system::system::Extent;
 use std::f64::consts::{PI, TAU};
 
-/// Share of a frequency or a period that counts as rounding.
+/// Share of a frequency or a period that counts as rounding. A choice: frequencies come from distances of
+/// samples with as many digits.
 const ROUNDING: f64 = 1e-6;
 /// Largest deviation of the speed, as a share of the mean speed, for a conversion between frequencies and
-/// orders.
+/// orders. A choice: an order is then smeared over a tenth of itself.
 const STEADY: f64 = 0.1;
 
 fn unit(symbol: &str, scale: f64) -> DisplayUnit {

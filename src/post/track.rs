@@ -36,7 +36,8 @@ pub(super) struct Shifts {
     pub angle: Vec<f64>,
 }
 
-/// Largest difference between the samples of two runs, as a share of the distance of samples.
+/// Largest difference between the samples of two runs, as a share of the distance of samples. A choice, as
+/// for the grid of a spectrum.
 const ALIKE: f64 = 1e-4;
 
 impl Samples {
@@ -70,7 +71,8 @@ impl Samples {
         self
     }
 
-    /// Whether they cover an angle (rad) within a thousandth of their distance.
+    /// Whether they cover an angle (rad) within a thousandth of their distance. A choice: far above the
+    /// rounding of an unwrapped angle, and far below a missing sample.
     pub fn cover(&self, angle: f64) -> bool {
         let Some(own) = &self.angle else { return false };
         let (Some(first), Some(last)) = (own.first(), own.last()) else {

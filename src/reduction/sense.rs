@@ -12,11 +12,11 @@ use eng_system::mesh_files::MeshFormat;
 use eng_system::reduced::ReducedMarker;
 use eng_system::significant::short;
 
-/// Sizes of parts that engines and rigs have (m).
+/// Sizes of parts that engines and rigs have (m). A choice, from a shim to a marine crankshaft.
 const SIZES: (f64, f64) = (1e-3, 50.0);
-/// Densities of solids (kg/m³).
+/// Densities of solids (kg/m³). A choice from foam to osmium, 22 600.
 const DENSITIES: (f64, f64) = (50.0, 25_000.0);
-/// Young's moduli of solids (Pa).
+/// Young's moduli of solids (Pa). A choice from rubber to diamond, 1.2e12.
 const MODULI: (f64, f64) = (1e6, 2e12);
 
 /// Doubts about a mesh in SI.

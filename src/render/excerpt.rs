@@ -6,9 +6,9 @@ use codespan_reporting::files::{Error, Files};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A line of at most this many characters is shown whole.
+/// A line of at most this many characters is shown whole. A choice: longer ones are data.
 const WHOLE: usize = 240;
-/// Characters that are kept before and after the ends of a label.
+/// Characters that are kept before and after the ends of a label. A choice.
 const AROUND: usize = 60;
 /// The mark in place of a cut part.
 const CUT: &str = "…";

@@ -133,7 +133,7 @@ fn bullet(kind: &str, text: &str) -> String {
     format!("{kind}: {}", shortened(text).replace('\n', "\n      "))
 }
 
-/// Largest number of characters of a title or note.
+/// Largest number of characters of a title or note. A choice: longer ones quote data.
 const LONGEST: usize = 1000;
 
 /// A text of a message. Control characters are escaped, and the middle of a very long text is left out.

@@ -14,7 +14,7 @@ pub(crate) use visible::{visible, visible_name};
 
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 
-/// Most messages that are shown. The others are counted.
+/// Most messages that are shown. The others are counted. A choice: nobody reads more at once.
 const MOST: usize = 100;
 
 /// The messages to show, in their order. If there are more than [`MOST`], errors come before warnings.

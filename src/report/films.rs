@@ -12,11 +12,12 @@ use eng_system::Dimension;
 use eng_system::field::{CellQuantity, FieldGrid};
 use eng_system::significant::significant;
 
-/// Height of the hill of the highest pressure, as a share of the largest radius of a film.
+/// Height of the hill of the highest pressure, as a share of the largest radius of a film. A choice for the
+/// eye.
 const HILL: f64 = 0.5;
 /// Bytes in a page for each node and moment: three floats of single precision, deflated to about half, in base64.
 const BYTES: usize = 9;
-/// Fewest moments of a film, if the motion has as many.
+/// Fewest moments of a film, if the motion has as many. A choice for the eye: 15° of a turn.
 const FEWEST: usize = 24;
 
 /// A film's surface on its shell, before its pressures are known.

@@ -14,11 +14,12 @@ use crate::run::RunOutcome;
 use eng_report::page::{Page, Section};
 use eng_system::report::Report;
 
-/// Most animations of a page.
+/// Most animations of a page. A choice: each has megabytes.
 const ANIMATED: usize = 2;
-/// Approximate size in bytes of the pictures of flexible bodies in all animations of a page.
+/// Approximate size in bytes of the pictures of flexible bodies in all animations of a page. A choice: mail
+/// and browsers take such a page.
 const BUDGET: usize = 5_000_000;
-/// Largest number of points of a sweep with figures of their own.
+/// Largest number of points of a sweep with figures of their own. A choice: more have figures over the sweep.
 const POINTS: usize = 4;
 
 /// The contents of a page.
@@ -192,6 +193,7 @@ fn files(page: &Page) -> Vec<Drawn> {
             let title = figure.name.as_deref().or(parts).unwrap_or(caption);
             let mut name = format!("figure-{:02}", figure.number);
             for word in title.split(|c: char| !c.is_ascii_alphanumeric()) {
+                // a choice: names of files are limited to 255 bytes
                 if !word.is_empty() && name.len() + word.len() < 100 {
                     name.push('-');
                     name.push_str(&word.to_ascii_lowercase());

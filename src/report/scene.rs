@@ -17,15 +17,18 @@ use eng_report::animation::{
 use eng_report::page::Table;
 use std::collections::BTreeMap;
 
-/// Pictures leave out modes that move no node by more than this share of the largest modal motion.
+/// Pictures leave out modes that move no node by more than this share of the largest modal motion. A choice:
+/// it is below a pixel.
 const MOVES: f64 = 1e-3;
-/// Largest displacement as shown, as a share of the scene's size.
+/// Largest displacement as shown, as a share of the scene's size. A choice for the eye: it is seen, and parts
+/// still fit together.
 const SHOWN: f64 = 0.04;
-/// Radius above which a disc is drawn as an outline, as a share of the flexible bodies' reach.
+/// Radius above which a disc is drawn as an outline, as a share of the flexible bodies' reach. A choice: a
+/// flywheel would hide them.
 const LARGE: f64 = 0.3;
-/// Seconds in which a cycle is played.
+/// Seconds in which a cycle is played. A choice for the eye.
 const PLAYED: f64 = 8.0;
-/// Bytes of a page for the films of an animation.
+/// Bytes of a page for the films of an animation. A choice beside those of the bodies.
 const FILMS: usize = 2_000_000;
 /// Bytes in a page for each node and mode: three floats of single precision, deflated to about half, in
 /// base64.
@@ -410,6 +413,7 @@ fn deforming(
     } = thin(
         stored.surface.triangles(),
         &|node| place(stored, node),
+        // a choice: fewer nodes do not show a form
         (most as usize).max(100),
     );
     if kept.len() < nodes.len() {

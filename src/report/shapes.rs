@@ -11,6 +11,7 @@ pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[S
         |a: [f64; 3], b: [f64; 3]| libm::sqrt((0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum());
     let mut places: Vec<[f64; 3]> = Vec::new();
     for marker in markers {
+        // markers nearer than a micrometre are at one place
         if places.iter().all(|p| between(*p, marker.place) > 1e-6) {
             places.push(marker.place);
         }
@@ -23,6 +24,7 @@ pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[S
             .map(|to| Part::Cylinder {
                 from: *first,
                 to: *to,
+                // a choice for the eye: a rod with the thickness of an eighth of its length
                 radius: 0.06 * between(*first, *to),
             })
             .collect();
@@ -33,6 +35,7 @@ pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[S
     };
     let round = (0..3).find(|axis| {
         let (a, b) = (inertia[(axis + 1) % 3], inertia[(axis + 2) % 3]);
+        // a choice: moments of a round body in a text are equal to one or two per cent
         (a - b).abs() <= 0.02 * a.max(b)
     });
     let part = match round {
@@ -73,6 +76,7 @@ pub(super) fn outlined(part: Part, larger: f64) -> Vec<Part> {
         return vec![Part::Cylinder { from, to, radius }];
     };
     let at = |center: [f64; 3], side: u32| {
+        // 48 sides look round; a choice
         let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(side) / 48.0);
         let mut point = center;
         point[(axis + 1) % 3] += radius * cosine;

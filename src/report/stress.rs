@@ -7,9 +7,9 @@ use eng_flexible::store::StoredBody;
 use eng_report::page::{Cell, Column, Table};
 use std::collections::BTreeMap;
 
-/// Rows of a table of maxima.
+/// Rows of a table of maxima. A choice.
 const MAXIMA: usize = 8;
-/// Distance of two maxima, as a share of the body's size.
+/// Distance of two maxima, as a share of the body's size. A choice: nearer ones belong to one notch.
 const APART: f64 = 0.05;
 
 /// The largest von Mises stress at a node.

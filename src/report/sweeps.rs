@@ -14,11 +14,11 @@ use eng_report::readable_unit;
 use eng_system::Dimension;
 use std::f64::consts::TAU;
 
-/// Least number of speeds of a map.
+/// Least number of speeds of a map. A choice: of fewer, single spectra show more.
 const SPEEDS: usize = 4;
-/// Largest number of points with one column each in their table.
+/// Largest number of points with one column each in their table. A choice: the width of a page.
 const FEW: usize = 6;
-/// Columns of the table of more points.
+/// Columns of the table of more points. A choice: the width of a page.
 const COLUMNS: usize = 13;
 
 /// A section for each sweep. `cut` are the last cycles of the analyses, `modes` the linear analyses.

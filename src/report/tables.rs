@@ -160,6 +160,7 @@ pub(super) fn inputs(model: &str, entries: &[&Entry]) -> Table {
 }
 
 fn same(a: f64, b: f64) -> bool {
+    // up to rounding
     (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
 }
 

@@ -117,6 +117,7 @@ impl Results {
 fn number(value: f64) -> String {
     let magnitude = value.abs();
     let value = if magnitude == 0.0 { 0.0 } else { value };
+    // between these a number without an exponent is as short or nearly so
     if !value.is_finite() || magnitude == 0.0 || (1e-5..1e16).contains(&magnitude) {
         format!("{value}")
     } else {

@@ -87,6 +87,7 @@ impl Selection {
                     pattern: pattern.clone(),
                     nearest: paths()
                         .map(|path| (alike(path), path))
+                        // a choice: names with a mistake or two are as alike, others are not
                         .filter(|(likeness, _)| *likeness > 0.8)
                         .max_by(|a, b| a.0.total_cmp(&b.0))
                         .map(|(_, path)| path.to_owned()),

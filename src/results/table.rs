@@ -9,14 +9,15 @@ use super::{Results, ResultsError, replace_file, schema};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// The largest number of samples that wait before they are written to disk.
+/// The largest number of samples that wait before they are written to disk. A choice: writing in portions is
+/// faster, and a failure loses no more.
 const BATCH: usize = 512;
-/// The longest time that a sample waits.
+/// The longest time that a sample waits. A choice: figures of a run that is watched are as new.
 const WAIT: Duration = Duration::from_millis(250);
-/// The least time between two checkpoints.
+/// The least time between two checkpoints. A choice: a disk is not kept busy by them.
 const REST: Duration = Duration::from_millis(100);
 /// The least time between two checkpoints, as a multiple of the time that the last one took. So saving stays
-/// a small part of a run.
+/// a small part of a run. A choice: 5 % at most.
 const SHARE: u32 = 20;
 
 /// Key of the metadata that identify a run.

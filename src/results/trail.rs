@@ -9,7 +9,7 @@ use super::stream::{Portions, Stream};
 use super::{Results, ResultsError, schema};
 use std::path::Path;
 
-/// The largest number of rows that wait before they are written to disk.
+/// The largest number of rows that wait before they are written to disk. A choice, as for tables of results.
 const BATCH: usize = 512;
 
 /// The rows on their way to disk.

@@ -129,6 +129,7 @@ fn write_units(writer: &mut impl Write) -> io::Result<()> {
     )?;
     let one = exponent(1.0, 25, 16);
     writeln!(writer, "{one}{one}{one}")?;
+    // offset from the absolute scale of temperature (K) to Celsius
     writeln!(writer, "{}", exponent(273.15, 25, 16))?;
     writeln!(writer, "{:>6}", -1)
 }
@@ -193,6 +194,7 @@ fn even_spacing(time: &[f64]) -> Option<f64> {
     let even = time
         .iter()
         .enumerate()
+        // a choice: the file has six digits of the step, which a long run multiplies
         .all(|(index, t)| (t - (first + index as f64 * step)).abs() <= 1e-3 * step);
     (step > 0.0 && even).then_some(step)
 }

@@ -2,19 +2,22 @@
 
 use std::time::Duration;
 
-/// Remaining time above which a run is stopped, unless the user states `--patient`.
+/// Remaining time above which a run is stopped, unless the user states `--patient`. A choice: who wants to
+/// wait longer than a day knows it before.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
-/// Time of the first check of the pace.
+/// Time of the first check of the progress. A choice: a person waits as long before they look.
 const FIRST: Duration = Duration::from_secs(5);
-/// Number of steps, or time, before which no pace is known: the first steps of a run are short and grow, and a step of
-/// elastic films may take a second.
+/// Number of steps, or time, before which no rate of progress is known: the first steps of a run are short
+/// and grow, and a step of elastic films may take a second. The numbers are choices.
 const BEGINNING: (u64, Duration) = (30, Duration::from_secs(120));
-/// Time between two checks, as a part of the time passed.
+/// Time between two checks, as a part of the time passed. A choice: two checks decide, so a run is stopped
+/// after some 40 % more time.
 const LATER: f64 = 0.2;
 
-/// Least remaining time (s) for a warning about a growing one,
+/// Least remaining time (s) for a warning about a growing one. A choice: nobody minds a shorter one.
 const LONG: f64 = 600.0;
-/// and the least factor over the shortest earlier estimate.
+/// The least factor over the shortest earlier estimate for this warning. A choice: estimates of a cycle with
+/// impacts vary by less.
 const GROWN: f64 = 10.0;
 
 /// The result of a check.
@@ -30,7 +33,7 @@ pub(crate) enum Look {
     Lost(f64),
 }
 
-/// Watches the pace of a run. Two checks in a row must find it too slow, or slowing down.
+/// Watches the progress of a run. Two checks in a row must find it too slow, or slowing down.
 #[derive(Clone, Debug)]
 pub(crate) struct Patience {
     /// Time and finished part at the last check.
@@ -94,6 +97,7 @@ pub(crate) fn in_words(seconds: f64) -> String {
         format!("about {:.0} hours", seconds / HOUR)
     } else if seconds < 2.0 * YEAR {
         format!("about {:.0} days", seconds / DAY)
+    // longer numbers are not read digit by digit
     } else if seconds < 1e4 * YEAR {
         format!("about {:.0} years", seconds / YEAR)
     } else {

@@ -10,7 +10,7 @@ use eng_grammar::ast::{
 use eng_grammar::{Diagnostics, SourceId, Span, parse};
 use eng_system::host::Host;
 
-/// Most modules that lead to a name: a circle of uses ends here.
+/// Most modules that lead to a name: a circle of uses ends here. The number is a choice.
 const DEEPEST: usize = 6;
 
 /// A text with its tree.

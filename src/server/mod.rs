@@ -33,7 +33,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// A pause in typing after which a text is checked.
+/// A pause in typing after which a text is checked. A choice: shorter than a thought and longer than a key.
 const PAUSE: Duration = Duration::from_millis(200);
 
 /// The folders that a server may use.

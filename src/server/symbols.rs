@@ -12,6 +12,7 @@ pub(super) fn symbols(document: &Document) -> Value {
 
 /// Blocks nested deeper than the grammar allows do not parse, so the depth is bounded; so is this walk.
 fn listed(text: &str, items: &[Item], depth: usize) -> Vec<Value> {
+    // a choice
     if depth > 50 {
         return Vec::new();
     }

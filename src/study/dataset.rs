@@ -56,7 +56,7 @@ pub struct Standing {
     pub workers: Vec<Worker>,
     /// Ranges of the points that have not ended, each from its first to its last.
     pub missing: Vec<(u64, u64)>,
-    /// Time until all have ended at the pace so far, while a process computes.
+    /// Time until all have ended at the rate so far, while a process computes.
     pub left: Option<Duration>,
 }
 
@@ -443,7 +443,7 @@ fn ranges(points: impl Iterator<Item = u64>) -> Vec<(u64, u64)> {
     found
 }
 
-/// Most ranges that a message names.
+/// Most ranges that a message names. A choice.
 const MOST_RANGES: usize = 8;
 
 /// `1..64, 80`.

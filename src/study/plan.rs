@@ -5,7 +5,8 @@
 
 use std::fmt::Write;
 
-/// Most tasks of a study, unless the number of their points is stated: clusters limit the sizes of arrays, often to 1,000.
+/// Most tasks of a study, unless the number of their points is stated: clusters limit the sizes of arrays,
+/// often to 1,000. A choice below these, with room for other studies.
 pub const MOST_TASKS: usize = 150;
 
 /// A scheduler of tasks.

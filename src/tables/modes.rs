@@ -6,14 +6,15 @@ use crate::results::Results;
 use crate::run::RunOutcome;
 use eng_system::significant::significant;
 
-/// The largest number of printed rows. The file has all rows.
+/// The largest number of printed rows. The file has all rows. A choice: a screen.
 const MOST_ROWS: usize = 40;
-/// The largest number of printed modes for each point of a sweep.
+/// The largest number of printed modes for each point of a sweep. A choice.
 const MOST_MODES: usize = 8;
 
 fn frequency(value: f64) -> String {
     match value {
         0.0 => "–".to_owned(),
+        // limits at which the shorter form rounds to one more digit
         value if value >= 999.95 => format!("{value:.1}"),
         value if value >= 0.995 => format!("{value:.2}"),
         value => significant(value, 3),

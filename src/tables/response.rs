@@ -6,7 +6,7 @@ use crate::run::RunOutcome;
 use eng_system::recorded::{FREQUENCY, PHASE};
 use eng_system::significant::significant;
 
-/// The largest number of printed outputs. The file has all.
+/// The largest number of printed outputs. The file has all. A choice: a screen.
 const MOST_OUTPUTS: usize = 40;
 
 /// The outputs of a response.

@@ -4,7 +4,7 @@ use super::Table;
 use crate::results::{Column, Results, TIME};
 use eng_system::significant::short;
 
-/// Values that are printed: more are in the file.
+/// Values that are printed: more are in the file. A choice: a screen.
 const MOST_VALUES: usize = 24;
 
 /// The columns that a reader looks for: the model's outputs first, then the channels of its elements; without

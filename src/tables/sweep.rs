@@ -184,7 +184,8 @@ fn summaries(outcome: &RunOutcome) -> Vec<SummaryTable<'_>> {
         .collect()
 }
 
-/// The largest number of columns of the printed table. The file has all columns.
+/// The largest number of columns of the printed table. The file has all columns. A choice: the width of a
+/// terminal.
 const MOST_COLUMNS: usize = 9;
 
 /// The table as text.

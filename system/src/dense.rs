@@ -1,6 +1,6 @@
 //! Products with small dense blocks, in loops of fixed order that become vector instructions.
 
-/// Partial sums of a scalar product.
+/// Partial sums of a scalar product. Four doubles fill a vector register.
 const LANES: usize = 4;
 
 /// `Σ a_i b_i`, as long as the shorter one. Four partial sums: the order is fixed, and the four sums do not wait

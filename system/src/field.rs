@@ -198,18 +198,21 @@ const fn in_cells(
     }
 }
 
+/// Limits of the waves of an elastic ring. The most is a choice: shapes make columns of dense matrices.
 const RING_WAVES: Range = Range {
     least: 0,
     most: 60,
     smaller: "0 waves are a rigid ring; bending begins with 2 waves: take 8 at first",
     larger: "a ring is the stiffer the more waves a load has around it: take 8 at first",
 };
+/// Limits of the cells of a film around. The least is the coarsest grid of a first guess; the most is a choice.
 const AROUND: Range = Range {
     least: 12,
     most: 2000,
     smaller: "with 12 cells around the load at an eccentricity ratio of 0.9 is 24 % too large already: take 36 or more",
     larger: "more cells cost time and memory without a use: with 288 x 52 cells the load is some 0.1 % too large. Take 288 or fewer",
 };
+/// Limits of the cells of a film across. The most is a choice.
 const ACROSS: Range = Range {
     least: 1,
     most: 500,

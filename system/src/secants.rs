@@ -14,11 +14,15 @@
 
 use crate::dense::{add_scaled, dot};
 
-/// Most pairs.
+/// Most pairs. A choice: a kept matrix is slow along few directions, and each pair costs two products a
+/// correction.
 const PAIRS: usize = 6;
-/// Share of its own square below which a pivot of the normal equations is dropped: the pair repeats the others.
+/// Share of its own square below which a pivot of the normal equations is dropped: the pair repeats the
+/// others. A choice: the sine of the angle to the others is then a hundredth, and the error of the pair would
+/// be enlarged a hundred times.
 const REPEATS: f64 = 1e-4;
-/// A correction that secants enlarge by more than this factor is left as it is.
+/// A correction that secants enlarge by more than this factor is left as it is. A choice: a matrix that
+/// contracts by a third or better needs less.
 const LARGEST: f64 = 3.0;
 
 /// The last moves and the changes of corrections along them, in a ring: `next` is the oldest when it is full.

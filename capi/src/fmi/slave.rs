@@ -10,8 +10,9 @@ use eng::{
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Difference between a communication point and the time of the simulation that is rounding: a share of the step, and of the
-/// time.
+/// Difference between a communication point and the time of the simulation that is rounding: a share of the
+/// step, and of the time. Choices: importers sum steps in their own way, and a millionth of a step is no
+/// step.
 const ROUNDING: (f64, f64) = (1e-6, 16.0 * f64::EPSILON);
 
 /// The phases of an FMU.

@@ -21,7 +21,7 @@ const BUILT_IN_TYPES: [&str; 9] = [
     "Int", "Bool", "Text", "Vector", "Vector2", "Vector3", "Marker", "Body", "ModeSet",
 ];
 
-/// Most records inside of each other that are searched for structure.
+/// Most records inside of each other that are searched for structure. A choice: texts have two or three.
 const MOST_LEVELS: usize = 8;
 
 /// The unit of an expression, if it is a literal.

@@ -21,6 +21,7 @@ use std::rc::Rc;
 
 /// Most calls that are followed: each call follows its function again, so functions that call others several
 /// times would take a time without limit. Beyond this number a call has the highest level of its arguments.
+/// The number is a choice.
 const MOST_CALLS: u32 = 100_000;
 
 /// The origin of a level.

@@ -8,7 +8,8 @@ use eng_grammar::ast::{
 };
 use eng_grammar::{Diagnostic, Span};
 
-/// Angle (rad, about three turns) above which a literal was probably meant in degrees.
+/// Angle (rad, about three turns) above which a literal was probably meant in degrees. A choice: angles of a
+/// text in radians are those of a turn or two.
 const MANY_TURNS: f64 = 20.0;
 
 impl<'p> Checker<'p> {

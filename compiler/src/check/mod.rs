@@ -59,7 +59,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 use types::{Signature, Type};
 
-/// Most values and functions that build on each other. Elaboration and the stack have room for this depth.
+/// Most values and functions that build on each other. Elaboration and the stack have room for this depth. A
+/// choice: texts have some ten.
 const DEEPEST: u32 = 100;
 
 /// The progress of the inference of a named value.

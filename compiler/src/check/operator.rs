@@ -649,6 +649,7 @@ fn ratio(expr: &Expr) -> Option<(i32, i32)> {
         } => {
             // Decimals of a dimension are multiples of 1/60.
             let sixtieths = value * 60.0;
+            // a choice that fits an integer; dimensions have exponents below ten
             (sixtieths.fract() == 0.0 && sixtieths.abs() < 1e6)
                 .then(|| reduced(sixtieths as i32, 60))
         }

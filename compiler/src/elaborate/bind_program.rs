@@ -9,7 +9,8 @@ use eng_system::system::{Location, Origin, Parameter, Slot};
 use eng_system::table::{Outside, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The largest number that a model may hold (SI): its square is still a number.
+/// The largest number that a model may hold (SI): its square is still a number. A choice: no quantity of an
+/// engine comes near, and a larger number would overflow within a formula, where no message names it.
 const LARGEST: f64 = 1e150;
 
 /// The node with the default of a parameter.

@@ -200,6 +200,7 @@ impl<'a> Elaborator<'a, '_> {
     fn triangle(&mut self, moments: [Node; 3], i: usize, path: &str, span: Span) {
         let graph = &mut self.bench.bind.graph;
         let others = graph.add(moments[(i + 1) % 3], moments[(i + 2) % 3]);
+        // a flat plate is exactly at the limit; this allows for rounding of its sum
         let slack = graph.constant(1.0 + 1e-9);
         let limit = graph.multiply(others, slack);
         let fits = graph.less_equal(moments[i], limit);

@@ -3,12 +3,14 @@
 use crate::codes;
 use eng_grammar::Diagnostic;
 
-/// Most instances of one model.
+/// Most instances of one model. A choice: engines have some hundred, and more are a loop that does not end.
 const MOST_INSTANCES: usize = 20_000;
-/// Deepest nesting of calls, lets and parts.
+/// Deepest nesting of calls, lets and parts. A choice: texts have some ten, and the stack has room for this
+/// depth.
 const DEEPEST: u32 = 100;
 /// Most calls and named values that are evaluated for one model. Elaboration inserts a function at each call,
-/// so thirty functions that each call the next one twice would be inserted a billion times.
+/// so thirty functions that each call the next one twice would be inserted a billion times. The number is a
+/// choice.
 const MOST_USES: usize = 1_000_000;
 
 /// Work so far.

@@ -653,7 +653,8 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// Binary digits of a count of periods.
+/// Binary digits of a count of periods. A choice: sixteen million periods are more than a run has, and each
+/// digit is an operation of the element.
 const DIGITS: i32 = 24;
 
 /// The largest whole number that is not above x, as a sum of chosen powers of two, so that its derivative is

@@ -316,6 +316,7 @@ fn cells(line: &str, separator: char) -> impl Iterator<Item = &str> {
 
 /// A line of a file, shortened for a message.
 fn shortened(line: &str) -> String {
+    // a choice: a message has room for it
     const SHOWN: usize = 40;
     let line = line.trim();
     match line.char_indices().nth(SHOWN) {

@@ -212,7 +212,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         self.bench.element = None;
         let cycle = cycle?;
         self.columns_have_names_of_their_own(cycle.is_some())?;
-        // after an error, elements are missing, and bodies would falsely seem loose
+        // after an error, elements are missing, and bodies would falsely seem unconstrained
         if !self.diagnostics.has_errors() {
             self.connections(span);
         }

@@ -402,7 +402,9 @@ impl<'a> Elaborator<'a, '_> {
             let p = g.multiply(n, n);
             square = g.add(square, p);
         }
+        // the root keeps a derivative at zero, and no rotation changes by as little
         let tiny = g.constant(1e-300);
+        // below a millionth of a radian the sine over its angle is one but for 1e-13
         let small_limit = g.constant(1e-12);
         let safe = g.add(square, tiny);
         let angle = g.sqrt(safe);

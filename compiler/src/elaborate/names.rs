@@ -10,7 +10,7 @@ use eng_grammar::{Diagnostic, Diagnostics};
 use eng_system::analysis::{Named, Names};
 use eng_system::system::{Analysis, System};
 
-/// Most names that a message lists.
+/// Most names that a message lists. A choice: they fit in a line or two.
 const SHOWN: usize = 12;
 
 impl<'a> Elaborator<'a, '_> {

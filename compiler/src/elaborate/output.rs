@@ -17,7 +17,8 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Channel, Depth, Origin, OutputInfo, Role, StateInfo};
 use eng_system::{Dimension, DisplayUnit};
 
-/// Most operations of one element, without its derivatives. Their compilation takes seconds.
+/// Most operations of one element, without its derivatives. Their compilation takes seconds. A choice: the
+/// largest class of the library has some thousand.
 const MOST_OPERATIONS: usize = 100_000;
 
 /// The display of the numbers of an output.

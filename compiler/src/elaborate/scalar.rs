@@ -35,7 +35,9 @@ pub(crate) struct Flag {
     pub node: Node,
 }
 
-/// The input layout of every element while it is lowered. At the end it is compacted to the used inputs.
+/// The input layout of every element while it is lowered. At the end it is compacted to the used inputs. The
+/// numbers are choices far above those of the library's classes, and each has a message where a class exceeds
+/// it.
 pub(crate) const PROVISIONAL: InputLayout = InputLayout {
     markers: 64,
     states: 64,
@@ -48,7 +50,8 @@ pub(crate) const PROVISIONAL: InputLayout = InputLayout {
     signals: 1024,
 };
 
-/// First input of the bind graph that is a fixed number instead of a parameter.
+/// First input of the bind graph that is a fixed number instead of a parameter. A power of two above the
+/// number of parameters of any model, so that the kinds of inputs do not meet.
 pub(crate) const FIXED: u32 = 1 << 24;
 
 /// First input of the bind graph that is a number of a turn without forces, known after the turn alone.

@@ -423,11 +423,14 @@ fn points_text(error: &TableError, (x, y): &(DisplayUnit, DisplayUnit), points: 
     }
 }
 
-/// Pressure (Pa) far above that of pumps for fuel injection, which is some 3000 bar.
+/// Pressure (Pa) far above that of pumps for fuel injection, which is some 3000 bar. A choice: a wrong unit
+/// is mostly wrong by a factor of a thousand or more (MPa for kPa, bar for Pa), so three times the highest
+/// pressure finds it.
 const MOST_PRESSURE: f64 = 1e9;
 
 /// A warning reports a gap in a period that is longer than this many usual distances of the points and than
-/// this share of the period.
+/// this share of the period. Choices: points of a measurement are not equally far apart, and a missing last
+/// point makes a gap of one distance.
 const GAP_DISTANCES: f64 = 3.0;
 const GAP_SHARE: f64 = 0.05;
 

@@ -1,4 +1,4 @@
-//! Messages about connections: unused markers, loose bodies, idle forces. The runtime computes the rank of the
+//! Messages about connections: unused markers, unconstrained bodies, idle forces. The runtime computes the rank of the
 //! constraints.
 
 use super::Elaborator;

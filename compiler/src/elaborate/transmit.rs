@@ -15,18 +15,23 @@ use eng_system::flexible::{
 use eng_system::layout::{InputLayout, MARKER_WIDTH, ROTATION};
 use eng_system::system::{BodyInertia, BodyRef, Element, Role};
 
-/// Random states at which an element is tried.
+/// Random states at which an element is tried. A choice: a component that acts in half of all states, as that
+/// of a stop, is missed once in 4096 elements.
 const TRIALS: usize = 12;
 /// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below
-/// it.
+/// it. A choice: a much smaller share would count those, a larger one would overlook a real component.
 const SHARE: f64 = 0.01;
-/// Arm (m) that converts moments to forces for the comparison.
+/// Arm (m) that converts moments to forces for the comparison. A choice: the size of a bearing or of a small
+/// joint.
 const ARM: f64 = 0.1;
-/// Distance of the partners in a trial (m): small, as in an assembled engine.
+/// Distance of the partners in a trial (m): small, as in an assembled engine. A choice: below the clearances
+/// of films, which would touch at a larger distance.
 const APART: f64 = 1e-5;
-/// Relative tilt of the partners (rad): small, as in an assembled engine.
+/// Relative tilt of the partners (rad): small, as in an assembled engine. A choice: over [`ARM`] it is a way
+/// of [`APART`].
 const TILT: f64 = 1e-4;
-/// Angular velocity of a trial (rad/s).
+/// Angular velocity of a trial (rad/s): 2900 rpm, an engine's speed. A choice: at rest films and dampers
+/// would transmit nothing.
 const SPIN: f64 = 300.0;
 
 /// The loads on a marker.
@@ -117,6 +122,7 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
         }
         // the same state with the marker turned: if its axes matter, the values change
         let mut turned = inputs.clone();
+        // a tilt as in the trials, and a turn about the axis that no symmetry of a marker has. Choices
         let small = rotation_of([0.3 * TILT, -0.5 * TILT, 0.2]);
         let product = times(rotation, &small);
         turned[(layout.marker(place) + ROTATION) as usize..][..9].copy_from_slice(&product);
@@ -129,6 +135,8 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
                 values[range.clone()]
                     .iter()
                     .zip(&other[range])
+                    // 1e-12 (N, N m or SI of the rows) stands for no wrench at all: its rounding is no
+                    // change. A choice
                     .any(|(a, b)| (a - b).abs() > SHARE * size.max(1e-12))
             };
             let force = rows + 6 * place as usize;
@@ -210,6 +218,7 @@ fn counted(wrench: &[f64; 6]) -> Freedoms {
 /// exp(v~), row-major (Rodrigues).
 fn rotation_of(v: [f64; 3]) -> [f64; 9] {
     let angle = libm::sqrt(v.iter().map(|x| x * x).sum());
+    // there both quotients are their limits but for rounding
     let (a, b) = if angle < 1e-9 {
         (1.0, 0.5)
     } else {

@@ -199,7 +199,8 @@ fn is_guarded(graph: &Graph, node: Node, depth: u32) -> bool {
 }
 
 /// Most operations between a slope and the selection that may make it zero. The laws of the library have
-/// fewer.
+/// fewer. A choice: a deeper search costs time at each product, and beyond the limit a branch that is not
+/// selected may bring NaN into a slope.
 const GUARD_DEPTH: u32 = 12;
 
 /// Product of slopes in which the zero of an unselected branch has priority over infinity and NaN.

@@ -32,7 +32,7 @@ use std::collections::BTreeMap;
 
 /// Highest derivative of a load that must be continuous. Without it the load bends.
 const OF_LOADS: u8 = 1;
-/// Highest derivative of a constraint that must be continuous. Without it the demanded acceleration jumps.
+/// Highest derivative of a constraint that must be continuous. Without it the required acceleration jumps.
 const OF_CONSTRAINTS: u8 = 2;
 
 /// An operation with a kink. For a table also the index of the argument, else zero.

@@ -15,10 +15,13 @@ const PAIR: i64 = size_of::<Pair>() as i64;
 /// Reach of a one-byte offset to either side.
 const REACH: i64 = 128;
 
-/// Least number of uses for a base register. Setting it takes seven bytes, and each use saves three.
+/// Least number of uses for a base register. Setting it takes seven bytes, and each use saves three: three
+/// uses win two bytes, four win five. A choice: the instruction that sets it costs time as well, and a
+/// register is taken. It changes the length of the code alone.
 const WORTH_A_BASE: usize = 4;
 
-/// Most registers for bases at the same time.
+/// Most registers for bases at the same time. A choice: of the sixteen of x86-64, the rest serve for the
+/// stack, inputs, outputs and calls.
 const BASES: usize = 6;
 
 /// Bases and their future uses.

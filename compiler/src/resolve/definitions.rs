@@ -6,7 +6,8 @@ use eng_grammar::ast::{DimensionItem, Name, UnitItem};
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::collections::BTreeMap;
 
-/// Most definitions that depend on each other in a chain.
+/// Most definitions that depend on each other in a chain. A choice: texts have some ten, and the stack has
+/// room for this depth.
 const DEEPEST: u32 = 100;
 
 /// A definition under a name.

@@ -57,7 +57,7 @@ pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, Offered> {
     names
 }
 
-/// Longest chain of files that use each other.
+/// Longest chain of files that use each other. A choice: the stack has room for this depth.
 const DEEPEST: usize = 100;
 
 struct Loader<'a> {

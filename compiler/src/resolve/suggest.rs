@@ -1,10 +1,10 @@
 //! "Did you mean": the nearest known name.
 
-/// Number of messages above which an unknown name is no longer compared with the known ones: nobody
-/// reads suggestions in more places, and each needs a comparison with all names.
+/// Number of messages above which an unknown name is no longer compared with the known ones: nobody reads
+/// suggestions in more places, and each needs a comparison with all names. The number is a choice.
 pub(crate) const EXPLAINED: usize = 100;
 
-/// Longest name that gets suggestions. The work grows with the square of the length.
+/// Longest name that gets suggestions. The work grows with the square of the length. The number is a choice.
 pub(crate) const LONGEST: usize = 100;
 
 /// The known name nearest to an unknown one, if it is near enough to be the intended one.

@@ -53,6 +53,7 @@ fn jacobi(n: usize, alpha: f64, x: f64) -> (f64, f64) {
 /// Roots are isolated by signs on a fine grid (n ≤ 10 is far from its resolution) and polished by Newton;
 /// weights are 1/((1 − x²) P′(x)²).
 fn gauss_jacobi(n: usize, alpha: f64) -> Vec<LinePoint> {
+    // a choice: the nearest roots of ten points are many cells apart
     const CELLS: usize = 400;
     let mut points = Vec::with_capacity(n);
     // shifted by an irrational part of a cell, so that no root (0 among them) falls on the grid

@@ -21,7 +21,8 @@ use crate::mesh::{
 };
 use crate::sparse::SymmetricMatrix;
 
-/// Number of elements computed at a time.
+/// Number of elements computed at a time. A choice: enough for all threads, and their matrices fit in the
+/// cache.
 const BLOCK: usize = 1024;
 
 /// Stiffness and mass of a mesh.
@@ -484,7 +485,8 @@ impl System<'_> {
         }
     }
 
-    /// The extension of a spring as a sum over freedoms in basic axes.
+    /// The extension of a spring as a sum over freedoms in basic axes, in m for translations and rad for
+    /// rotations.
     fn extension(&self, spring: &Spring) -> Vec<(usize, f64)> {
         let mut terms: Vec<(usize, f64)> = Vec::with_capacity(12);
         let mut add =

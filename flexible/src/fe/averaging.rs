@@ -127,10 +127,13 @@ pub(super) fn followers(
         for (k, value) in values.iter().enumerate() {
             let vector: [f64; 6] = std::array::from_fn(|i| vectors[i][k]);
             let share: f64 = vector.iter().zip(target).map(|(x, y)| x * y).sum();
+            // a choice above the rounding of the eigenvalues: nodes on one line leave zeros
             if *value > 1e-10 * largest {
                 for (x, v) in solution.iter_mut().zip(vector) {
                     *x += share / value * v;
                 }
+            // a choice: a component with a smaller part along an undetermined turn is one that the nodes
+            // determine, but for the digits of their places
             } else if share.abs() > 1e-6 {
                 return Err(wrong(
                     format!(
@@ -166,6 +169,7 @@ fn eigen(mut matrix: [[f64; 6]; 6]) -> ([f64; 6], [[f64; 6]; 6]) {
             for q in p + 1..6 {
                 let off = matrix[p][q];
                 let scale = (matrix[p][p] * matrix[q][q]).abs().sqrt();
+                // far below the rounding of the diagonal, so that small eigenvalues have all their digits
                 if off == 0.0 || off.abs() < 1e-18 * scale {
                     continue;
                 }

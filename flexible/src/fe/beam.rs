@@ -123,6 +123,7 @@ fn intervals(a: &BeamSection, b: &BeamSection) -> Vec<f64> {
     // halves of the way to the end with the smaller constant
     let halves = |ratio: f64| {
         let (mut shares, mut left) = (Vec::new(), ratio);
+        // a choice: 60 halves are a ratio of 1e18, a beam that ends in a point
         while left > 1.0 && shares.len() < 60 {
             shares.push(shares.last().map_or(0.5, |share| 0.5 * share));
             left *= 0.5;
@@ -191,8 +192,8 @@ impl<'a> Beam<'a> {
             .collect()
     }
 
-    /// Flexibilities in tension and torsion from the first end to a distance: ∫ dx/(EA), ∫ dx/(GJ); zero torsion for a
-    /// section without it.
+    /// Flexibilities in tension and torsion from the first end to a distance: ∫ dx/(EA), ∫ dx/(GJ); zero
+    /// torsion for a section without it. `to` in m; the results in m/N and rad/(N m).
     fn flexibility(&self, to: f64) -> [f64; 2] {
         let mut sums = [0.0; 2];
         for (_, weight, own) in self.points(to, 1) {
@@ -268,6 +269,7 @@ impl<'a> Beam<'a> {
     }
 
     /// The rigid motion of the bending freedoms at distance `s` from the first end: v += s θ_z, w −= s θ_y.
+    /// `s` in m; rotations in rad. Shape: 4 × 4 over (v, w, θ_y, θ_z).
     fn transfer(s: f64) -> [[f64; 4]; 4] {
         [
             [1.0, 0.0, 0.0, s],
@@ -277,7 +279,7 @@ impl<'a> Beam<'a> {
         ]
     }
 
-    /// Deformation of the second end against the first: 4 × 8 over (v, w, θ_y, θ_z) of both.
+    /// Deformation of the second end against the first: 4 × 8 over (v, w, θ_y, θ_z) of both. In m and rad.
     fn deformation(&self) -> [[f64; 8]; 4] {
         let rigid = Self::transfer(self.length);
         let mut deformation = [[0.0; 8]; 4];
@@ -513,6 +515,7 @@ struct Pair {
 fn release(matrices: &mut Pair, freedom: usize, whole: f64) -> Result<(), String> {
     let row = matrices.stiffness[freedom];
     let pivot = row[freedom];
+    // a choice above the rounding of the differences by other releases
     if pivot <= 1e-12 * whole {
         // the freedom had no stiffness, or the other releases removed it
         return if whole == 0.0 {
@@ -572,6 +575,7 @@ fn placed(
     let x = scale(1.0 / length, along);
     let normal = cross(x, axes.orientation);
     let across = norm(normal);
+    // a choice: files with six or seven digits that mean a vector along the beam have less
     if across <= 1e-6 * norm(axes.orientation) {
         return Err("its orientation vector is zero or along the beam".into());
     }

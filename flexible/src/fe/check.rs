@@ -9,7 +9,7 @@ use crate::mesh::{
     scalar_index,
 };
 
-/// Number of ids that a message names.
+/// Number of ids that a message names. A choice: as many fit in a message and show a pattern.
 const NAMED: usize = 10;
 
 /// The first ids, and the number of the others.
@@ -342,6 +342,7 @@ fn is_rotation(rotation: &[[f64; 3]; 3]) -> bool {
     (0..3).all(|i| {
         (0..3).all(|j| {
             let product: f64 = (0..3).map(|k| rotation[i][k] * rotation[j][k]).sum();
+            // a choice above rounding: Eng makes the axes from the vectors of a file
             (product - if i == j { 1.0 } else { 0.0 }).abs() < 1e-9
         })
     })

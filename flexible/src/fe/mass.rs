@@ -172,7 +172,8 @@ impl Mass {
 }
 
 /// Difference of the masses along x, y and z of a pair of nodes, by the largest mass, above which the mass
-/// does not act alike. Files with few digits have less.
+/// does not act alike. Files with few digits have less. A choice: a smaller limit would take the digits of a
+/// file for a direction, a larger one would ignore a mass that really acts along one axis.
 const ALIKE: f64 = 1e-5;
 
 impl Mass {

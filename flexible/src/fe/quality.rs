@@ -15,9 +15,11 @@ use crate::element::ElementKind;
 use crate::mesh::{Element, Mesh};
 use serde::{Deserialize, Serialize};
 
-/// Sides above which an element is poor: the longest by the shortest.
+/// Sides above which an element is poor: the longest by the shortest. A choice, in the range of the limits
+/// that preprocessors have.
 pub const LONG: f64 = 20.0;
-/// Corner below which an element is poor, as a share of that of an element of equal sides.
+/// Corner below which an element is poor, as a share of that of an element of equal sides. A choice, in the
+/// range of the limits that preprocessors have.
 pub const SHARP: f64 = 0.2;
 
 /// A number of an element and its place.
@@ -138,7 +140,7 @@ fn neighbours(kind: ElementKind) -> (&'static [[usize; 3]], f64) {
 /// 2/√3: by the sine of the corners of a triangle of equal sides.
 const TRIANGLE: f64 = 1.154_700_538_379_251_5;
 
-/// The longest side by the shortest, and the sharpest corner. `None` for lines.
+/// The longest side by the shortest, and the sharpest corner. `None` for lines. Both are dimensionless.
 fn shape(kind: ElementKind, corners: &[Vector]) -> Option<(f64, f64)> {
     let count = corners.len();
     let mut sharpest = f64::INFINITY;

@@ -515,6 +515,7 @@ impl Reduction {
         if largest[0] == 0.0 && largest[1] == 0.0 && largest[2] > 0.0 {
             return Ok((reduced, Vec::new()));
         }
+        // a stiffness this small is what rounding leaves of terms that cancel
         let loose = named().filter(|(_, x, kind)| x.is_nan() || *x <= 1e-14 * largest[*kind]);
         let loose = loose.map(|(column, ..)| column).collect();
         Ok((reduced, loose))

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use super::ties::Sum;
 
-/// Coefficient that counts as rounding, in an equation whose largest coefficient was one.
+/// Coefficient that counts as rounding, in an equation whose largest coefficient was one. A choice some
+/// decades above the rounding unit, because each elimination adds some.
 const ROUNDING: f64 = 1e-11;
 
 /// `a` + `factor` · `b`, without the entry at `dropped` and without rounding.

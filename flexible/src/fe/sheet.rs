@@ -158,6 +158,7 @@ pub(super) fn shape_fault(mesh: &Mesh, element: &Element, sheet: &Sheet) -> Opti
     ];
     let normal = cross(diagonals[0], diagonals[1]);
     let within = norm(cross(direction, normal));
+    // a choice, 0.06°: the projection of a nearer axis on the surface has no certain direction
     let across = within <= 1e-3 * norm(direction) * norm(normal) || within.is_nan();
     (sheet.is_directed() && across)
         .then(|| "a first axis of its material that is normal to its surface".into())

@@ -156,6 +156,7 @@ pub(super) fn gradients(
     let rows = tangents(shape, places, count);
     let jacobian = determinant(&rows);
     let size = norm(rows[0]) * norm(rows[1]) * norm(rows[2]);
+    // the determinant of flat tangents is rounding
     if jacobian.is_nan() || jacobian <= 1e-12 * size {
         return Err(jacobian);
     }

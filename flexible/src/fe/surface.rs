@@ -25,6 +25,7 @@ pub(super) fn add_matrices(
             let shape = present.shape(&sample.shape);
             let [r, s, _] = tangents(&shape, places, present.count);
             let area = norm(cross(r, s));
+            // the cross product of parallel tangents is rounding
             if area.is_nan() || area <= 1e-12 * norm(r) * norm(s) {
                 fault.get_or_insert(area);
             }

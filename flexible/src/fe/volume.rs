@@ -50,7 +50,7 @@ impl Sum {
     }
 }
 
-/// The mean mass per length of a beam.
+/// The mean mass per length of a beam. In kg/m.
 fn mean_mass(stations: &[Station], density: f64) -> f64 {
     let own = |station: &Station| density * station.section.area + station.section.mass_per_length;
     match stations {

@@ -9,9 +9,11 @@ use crate::solve::{Analysis, Definiteness, Factorization};
 use crate::sparse::SymmetricMatrix;
 use std::sync::Arc;
 
-/// A shape that ties and supports change by more than this part of its length belongs to another structure.
+/// A shape that ties and supports change by more than this part of its length belongs to another structure. A
+/// choice: shapes of the same structure change by the digits of their file, and those of another one in part
+/// or wholly.
 const FOREIGN: f64 = 0.1;
-/// Nodes that a message names.
+/// Nodes that a message names. A choice: as many fit in a message and show a pattern.
 const NAMED: usize = 10;
 
 /// Shapes over the free freedoms.

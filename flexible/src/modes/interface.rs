@@ -10,7 +10,9 @@ use crate::solve::dense::{positive_inverse, subtract, symmetric_eigen};
 /// Without its rigid part this spin is already among the constraint modes.
 const LEFT: f64 = 1e-4;
 /// Share of the largest eigenvalue below which a row depends on others, for the interface's flexibility
-/// scaled to a unit diagonal.
+/// scaled to a unit diagonal. A choice above rounding: the flexibilities come from solutions with some twelve
+/// digits. With a larger limit, rows that are near each other, such as those of two markers in one bore,
+/// would count as one.
 const DEPENDENT: f64 = 1e-11;
 
 /// Rows to hold, and their displacements in rigid motions.
@@ -138,6 +140,7 @@ impl<'a> Interface<'a> {
         let forces = products(count, &stiffness, &self.seen);
         let resistance = products(count, &self.seen, &forces);
         let inverse =
+            // rounding: a matrix of at most six rows, whose rigid motions are held by more than [`LEFT`]
             positive_inverse(held, &resistance, 1e-14)?.map_err(|_| FlexibleError::Numerical {
                 problem: "the rigid motions that the interface holds cannot be determined".into(),
                 advice: "spread the interface over the body".into(),

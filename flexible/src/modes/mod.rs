@@ -97,7 +97,8 @@ pub struct Load {
 }
 
 impl Load {
-    /// The displacement on which the load works, for a vector of the structure.
+    /// The displacement on which the load works, for a vector of the structure. In m for a force and rad for
+    /// a torque.
     pub fn displacement(&self, vector: &[f64]) -> f64 {
         self.entries
             .iter()

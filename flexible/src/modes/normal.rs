@@ -7,7 +7,8 @@ use crate::solve::factor::diagonal;
 use crate::solve::{EigenOptions, Modes, Shifted, SturmCount, lowest_modes, lowest_modes_from};
 
 /// Part of the typical ratio of the diagonals of stiffness and mass, below which an elastic mode's eigenvalue
-/// is rounding.
+/// is rounding. A choice: about the digits that a stiffness has after the rounding of its sums
+/// ([`crate::solve::factor`]).
 const LOOSE: f64 = 1e-12;
 
 /// The directions held in addition to the structure's own supports.

@@ -178,6 +178,8 @@ fn check_stretch(stiffness: &SymmetricMatrix, motions: &[f64]) -> Result<f64, Fl
     let mut worst = 0.0f64;
     for (number, share) in residuals(stiffness, motions).into_iter().enumerate() {
         worst = worst.max(share);
+        // the forces of a rigid motion cancel up to the digits of the stiffness: matrices with seven digits
+        // pass. A spring to the ground as soft as this share of the stiffness passes, too. A choice
         if share.is_nan() || share > 1e-6 {
             return Err(FlexibleError::Structure {
                 problem: format!(

@@ -8,14 +8,16 @@ use crate::sparse::product::TOGETHER;
 use eng_system::dense::largest;
 use serde::{Deserialize, Serialize};
 
-/// Part of a vector's K-norm below which it is dropped, if earlier vectors leave no more of it.
+/// Part of a vector's K-norm below which it is dropped, if earlier vectors leave no more of it. It is about
+/// the root of the rounding unit: the energy that is left then has no digits.
 const DEPENDENCE: f64 = 1e-8;
 
-/// Share of a vector's energy below which the vector is projected again, because rounding is then large.
+/// Share of a vector's energy below which the vector is projected again, because rounding is then large: of
+/// the sixteen digits of the vector two are lost, and four of its energy. A choice.
 const SHRUNK: f64 = 1e-4;
 
 /// Part of a vector's largest component below which the vector is rigid, if no more is left without its rigid
-/// motion.
+/// motion. A choice between the rounding of the projection and the bending of a stiff body under its loads.
 const RIGID: f64 = 1e-9;
 
 /// A computed or given mode.
@@ -128,6 +130,8 @@ impl ModeSet {
         set.stiffness = products(count, &coefficients, &half);
         for (index, mode) in set.vectors.chunks_exact_mut(size).enumerate() {
             let largest = mode.iter().fold(0.0_f64, |w, x| {
+                // of components that differ by rounding alone, as in symmetric modes, the first decides the
+                // sign on every machine
                 if x.abs() > w.abs() * (1.0 + 1e-6) {
                     *x
                 } else {
@@ -216,6 +220,7 @@ impl Basis {
                 largest: whole,
                 mut along,
             } = entering;
+            // a remainder of less than ten times the noise of the file's digits says nothing. A choice
             if remains.is_nan() || remains < DEPENDENCE || largest(vector) <= 10.0 * noise * whole {
                 set.dropped.push(Dropped { label, remains });
                 continue;
@@ -360,7 +365,7 @@ fn keep(
     vectors.truncate(kept * size);
 }
 
-/// `x·f`, at least zero.
+/// `x·f`, at least zero. Twice the strain energy (J) for x in m and the forces f in N.
 fn energy(vector: &[f64], force: &[f64]) -> f64 {
     let energy: f64 = vector.iter().zip(force).map(|(x, f)| x * f).sum();
     energy.max(0.0)

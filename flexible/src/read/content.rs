@@ -7,7 +7,7 @@ use super::{Files, number};
 use crate::error::{FileProblem, FlexibleError, Place};
 use eng_system::mesh_files::Stated;
 
-/// The number of bytes read from the beginning.
+/// The number of bytes read from the beginning. A choice: heads with comments are shorter.
 const BEGINNING: u64 = 1 << 16;
 
 /// Words that begin the first lines of a Nastran deck.

@@ -6,11 +6,12 @@ use std::rc::Rc;
 use super::Files;
 use crate::error::{FileProblem, Place};
 
-/// A file with a longer line than this is no text.
+/// A file with a longer line than this is no text. A choice: cards have some hundred characters at most.
 const LONGEST_LINE: u64 = 1 << 16;
-/// The largest number of files open inside each other.
+/// The largest number of files open inside each other. A choice below the limit of open files of a process.
 const DEEPEST: usize = 60;
-/// The largest number of includes.
+/// The largest number of includes. A choice: without it two files that include each other twice would be read
+/// 2⁶⁰ times.
 const MOST_INCLUDES: usize = 10_000;
 
 /// A place in a file.

@@ -18,7 +18,9 @@ use crate::element::{ElementKind, Shape};
 use crate::fe::vector::{Vector, add, cross, dot, norm, scale, subtract};
 use crate::mesh::{Frame, Node, Tie, along_axes};
 
-/// Share of the mean size of the faces that a node may be beside or above them, if the deck states none.
+/// Share of the mean size of the faces that a node may be beside or above them, if the deck states none. A
+/// choice: meshes of two sides of a curved surface differ by less, and a node farther away is on another
+/// surface.
 const BESIDE: f64 = 0.05;
 
 /// A face: its corners, then its mid-side nodes.
@@ -217,6 +219,7 @@ impl Follower<'_> {
                 for (first, vector) in [(freedom / 3 * 3, vector), (3, arm)] {
                     let own = along_axes(nodes, self.frames, *node, vector);
                     for (k, factor) in (first..).zip(own) {
+                        // rounding of cosines
                         if factor.abs() > 1e-12 {
                             terms.push((*node, k, -factor));
                         }
@@ -282,6 +285,7 @@ fn nearest(kind: ElementKind, places: &[Vector], point: Vector) -> ([f64; 2], Ve
         ];
         inside = [inside[0] + step[0], inside[1] + step[1]];
         let most = step[0].abs().max(step[1].abs());
+        // rounding of coordinates in −1…1; and a place outside by a whole face belongs to another one
         if most.is_nan() || most < 1e-14 || inside.iter().any(|x| x.abs() > 3.0) {
             break;
         }
@@ -304,6 +308,7 @@ fn nearest(kind: ElementKind, places: &[Vector], point: Vector) -> ([f64; 2], Ve
             let tangent = add(scale(side[0], r), scale(side[1], s));
             let step = dot(tangent, subtract(point, place)) / dot(tangent, tangent);
             let next = (x + step).clamp(0.0, 1.0);
+            // rounding of a coordinate in 0…1
             if next.is_nan() || (next - x).abs() < 1e-14 {
                 break;
             }
@@ -314,13 +319,15 @@ fn nearest(kind: ElementKind, places: &[Vector], point: Vector) -> ([f64; 2], Ve
     best
 }
 
-/// Most steps to the nearest place. Plane faces need one or two.
+/// Most steps to the nearest place. Plane faces need one or two. A choice: curved ones need some more.
 const STEPS: usize = 30;
 
-/// The farthest cell from the origin, along each axis.
+/// The farthest cell from the origin, along each axis. A choice that fits into an integer, in place of an
+/// overflow.
 const FARTHEST: f64 = 1e9;
 
-/// Most cells of the rings around a node, for each face. Beyond them every face is tried.
+/// Most cells of the rings around a node, for each face. Beyond them every face is tried. A choice: a cell is
+/// looked up about as fast as a face is compared.
 const WALKED: usize = 64;
 
 /// Faces by the cells of a grid that they touch.
@@ -501,6 +508,7 @@ pub(super) fn doubt(
             tied.far
         ));
     }
+    // a choice: gaps of less are the digits of the file
     (tied.gap > 1e-6 * tied.size).then(|| {
         format!(
             "{place}: the tie of the surface {name} bridges a gap of up to {:.3e} (units of the file)",

@@ -42,6 +42,7 @@ pub(super) fn product(a: &Rotation, b: &Rotation) -> Rotation {
 pub(super) fn beam_axes(along: [f64; 3], orientation: [f64; 3]) -> Option<Rotation> {
     let x = unit(along)?;
     let z = cross(x, unit(orientation)?);
+    // half of the digits of a number: a vector nearer to the axis has no certain direction across it
     if norm(z) < 1e-8 {
         return None;
     }

@@ -221,6 +221,7 @@ impl Candidates<'_> {
                     .warnings
                     .extend(modes.modes.warnings.iter().cloned());
                 for (mode, misfit) in modes.modes.modes.iter().zip(&fitted.misfits) {
+                    // a choice: a decade above the digits of the file
                     if *misfit > 10.0 * fitted.noise {
                         self.report.warnings.push(format!(
                             "{file}: ties and supports of the body remove the share {misfit:.1e} of mode {}",

@@ -29,7 +29,8 @@ pub(super) struct MarkerFreedom {
     pub parts: Vec<(usize, u8, f64)>,
 }
 
-/// Factors below this are rounding of the axes.
+/// Factors below this are rounding of the axes. Cosines have the rounding 1e-16; a kept factor of rounding
+/// would tie a freedom that is free.
 const ALONG: f64 = 1e-12;
 
 /// The direction cosines of a marker's axis in the mesh, without rounding if it is an axis of the mesh.

@@ -10,9 +10,11 @@ use crate::rotary::split_offsets;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker, ReducedSurface};
 use serde::{Deserialize, Serialize};
 
-/// Frequency (Hz) of the motions of markers in [`Outline::loose`]: that of stiff static modes.
+/// Frequency (Hz) of the motions of markers in [`Outline::loose`]: that of stiff static modes. A choice: far
+/// above the modes of an engine's parts, so that loops close with little bending.
 const STIFF: f64 = 2e4;
-/// Share of the body's inertia that one such motion has.
+/// Share of the body's inertia that one such motion has. A choice: all motions of some markers together
+/// change the inertia of the body by less than a few per cent.
 const SHARE: f64 = 1e-3;
 
 /// A rigid outline of a body: the mass and inertia of its mesh, and the positions of its markers in the mesh.

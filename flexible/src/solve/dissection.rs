@@ -6,9 +6,11 @@ use super::random::Random;
 use super::separator::{SEPARATOR, Side, separate, separator_weight};
 use crate::error::FlexibleError;
 
-/// Parts of at most this many vertices are ordered by minimum degree.
+/// Parts of at most this many vertices are ordered by minimum degree. A choice: a cut of a smaller part saves
+/// less than its search takes.
 const LEAF: usize = 220;
-/// Parts of at least this many vertices are worth a second try.
+/// Parts of at least this many vertices are worth a second try. A choice: their separators are the largest
+/// fronts of the elimination.
 const LARGE: usize = 2000;
 
 /// An order of the vertices.
@@ -19,6 +21,8 @@ pub(crate) fn dissect(graph: &Graph) -> Result<Vec<u32>, FlexibleError> {
     let count = graph.vertices();
     let mut random = Random::new(count as u64);
     // a vertex with nearly all others as neighbours would hide every separator: it comes last
+    // a choice: a node of a mesh has fewer neighbours than this, and a reference of a tie to a surface has
+    // more
     let dense = (10.0 * (count as f64).sqrt()).max(64.0) as usize;
     let (sparse, last): (Vec<u32>, Vec<u32>) =
         (0..count as u32).partition(|&vertex| graph.neighbours(vertex as usize).len() <= dense);

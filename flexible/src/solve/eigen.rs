@@ -53,6 +53,8 @@ impl Default for EigenOptions {
             shift: None,
             block: 8,
             basis: None,
+            // residual of an eigenpair as a share: the eigenvalue is then right to about its square, and the
+            // shape to nine digits. A choice
             tolerance: 1e-9,
             held: Vec::new(),
             solves: None,

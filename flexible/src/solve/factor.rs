@@ -23,9 +23,10 @@ use std::sync::Arc;
 /// this. Foreign matrices have 13 or 14 digits, so their rigid motions leave pivots of about 1e-13.
 const LOST: f64 = 1e-12;
 /// The same ratio for an indefinite matrix. Its pivots may come closer to zero, at a shift near an
-/// eigenvalue.
+/// eigenvalue. A choice some units above the rounding unit.
 const LOST_INDEFINITE: f64 = 1e-14;
-/// Number of right-hand sides solved together.
+/// Number of right-hand sides solved together. A choice: the factor is read once for all of them, and their
+/// columns fit in the cache.
 const TOGETHER: usize = 32;
 
 /// The known definiteness of a matrix before its factorisation.

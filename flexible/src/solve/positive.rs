@@ -6,12 +6,15 @@ use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
 use std::sync::Arc;
 
-/// First guess of |σ| over the typical ratio of the diagonals, itself about the largest eigenvalue.
+/// First guess of |σ| over the typical ratio of the diagonals, itself about the largest eigenvalue. A choice:
+/// seven digits above the rounding of a stiffness, so that the matrix with rigid motions is clearly positive
+/// definite.
 pub(super) const FIRST_SHIFT: f64 = 1e-9;
 /// Factor on |σ| if the matrix factor is not positive definite: stiffnesses written with few digits have
-/// slightly negative eigenvalues in place of their zeros.
+/// slightly negative eigenvalues in place of their zeros. A choice: two rises reach [`LARGEST`].
 const LARGER: f64 = 1e3;
-/// |σ| over the typical ratio is not raised from here.
+/// |σ| over the typical ratio is not raised from here. A choice: a stiffness that is still not positive
+/// definite has wrong signs, not few digits.
 const LARGEST: f64 = 1e-3;
 
 /// A positive definite `K − σ M`, factored.

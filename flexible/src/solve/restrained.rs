@@ -12,7 +12,8 @@ use crate::error::FlexibleError;
 /// A combination of rows: row and coefficient.
 pub type Combination = Vec<(u32, f64)>;
 
-/// Combinations of unit length depend on each other if the ratio of the eigenvalues of F is below this.
+/// Combinations of unit length depend on each other if the ratio of the eigenvalues of F is below this. A
+/// choice above the rounding of F.
 const DEPENDENT: f64 = 1e-12;
 
 /// A factor, with the correction that keeps combinations at zero.

@@ -14,23 +14,31 @@ use crate::sparse::SymmetricMatrix;
 use crate::sparse::product::multiply;
 use std::sync::Arc;
 
-/// Ratio of |σ| to the typical ratio of the diagonals, for a dense solution of all eigenvalues. In it the rounding
-/// error is even over all eigenvalues.
+/// Ratio of |σ| to the typical ratio of the diagonals, for a dense solution of all eigenvalues. In it the
+/// rounding error is even over all eigenvalues. A choice: with a much smaller one the shifted matrix of a
+/// free body is close to singular, with a larger one the low eigenvalues lose digits.
 const DENSE_SHIFT: f64 = 1e-3;
-/// Up to this size a dense solver finds the eigenvalues.
+/// Up to this size a dense solver finds the eigenvalues. A choice: its effort, which grows with the cube of
+/// the size, is then negligible.
 const DENSE: usize = 200;
-/// Up to this size a dense solver finds them if more than a third is wanted.
+/// Up to this size a dense solver finds them if more than a third is wanted. A choice: an iteration would
+/// need as many vectors, and its effort would grow with the cube of the size, too.
 const DENSE_MANY: usize = 2500;
-/// For the choice of σ, an eigenvalue below this share of |σ| counts as a rigid motion.
+/// For the choice of σ, an eigenvalue below this share of |σ| counts as a rigid motion. A choice: a rigid
+/// motion has rounding, and an elastic one as low would move σ in any case.
 const RIGID: f64 = 1e-4;
-/// Range of |σ| over the first elastic eigenvalue. Outside of it σ moves.
+/// Range of |σ| over the first elastic eigenvalue. Outside of it σ moves. A choice: above it the wanted
+/// eigenvalues of the inverse lie close together and the iteration is slow. Below it rigid motions outweigh
+/// the elastic ones by more than six digits.
 const SHIFT_RANGE: std::ops::Range<f64> = 1e-6..20.0;
 /// The same range if combinations of freedoms are held. The held rigid motions are removed from solutions, so
 /// in a solution they must not be much larger than the wanted modes.
 const HELD_RANGE: std::ops::Range<f64> = 0.02..20.0;
-/// The largest number of moves of σ.
+/// The largest number of moves of σ. A choice: each takes a factorisation, and the first elastic eigenvalue
+/// is known after one.
 const MOVES: usize = 3;
-/// The largest number of resumptions of the search after a count that shows missing modes.
+/// The largest number of resumptions of the search after a count that shows missing modes. A choice: modes
+/// are missed where eigenvalues are multiple, and each resumption finds at least one.
 const RESUMPTIONS: usize = 8;
 
 /// The data of a search.
@@ -305,6 +313,8 @@ impl<'a> Search<'a> {
     ) -> Result<Progress, FlexibleError> {
         let block = self.options.block.clamp(1, self.mass.size());
         lanczos.widen(wanted + 4 * block)?;
+        // a choice: an iteration usually needs few solves for each wanted mode, so one that takes this many
+        // does not converge
         let most = self.options.solves.unwrap_or(200 + 20 * wanted / block);
         let mut check = if may_move {
             wanted.min(3 * block)
@@ -410,6 +420,7 @@ impl<'a> Search<'a> {
                 let largest = vector.iter().fold(0.0f64, |most, x| most.max(x.abs()));
                 let leading = vector
                     .iter()
+                    // of components that differ by rounding alone the first decides the sign on every machine
                     .find(|x| x.abs() >= largest * (1.0 - 1e-6))
                     .copied()
                     .unwrap_or(1.0);
@@ -441,9 +452,12 @@ fn better_shift(
         .eigenvalues
         .iter()
         .zip(&ritz.residuals)
+        // three digits of the eigenvalue are enough to place a shift
         .find(|(value, residual)| **value > RIGID * shift.abs() && **residual < 1e-3)
         .map(|(value, _)| *value)?;
     let share = shift.abs() / elastic;
+    // a quarter of it: the inverse then prefers the lowest modes, and rigid motions outweigh the first by
+    // five times only. A choice
     (!range.contains(&share)).then_some(-0.25 * elastic)
 }
 

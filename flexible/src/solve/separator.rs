@@ -10,18 +10,23 @@ pub(crate) type Side = u8;
 /// The separator.
 pub(crate) const SEPARATOR: Side = 2;
 
-/// The largest share of the whole weight that a part may have.
+/// The largest share of the whole weight that a part may have. A choice: halves would force long separators,
+/// and parts of much more leave nothing for the other threads and levels.
 const HEAVIEST_PART: f64 = 0.6;
-/// Graphs are coarsened to about this many vertices before the first cut.
+/// Graphs are coarsened to about this many vertices before the first cut. A choice: the shape of the graph is
+/// still there, and several first cuts take no time.
 const COARSEST: usize = 120;
 /// Number of first cuts tried on the coarsest graph: for a large graph, and for a small one, whose separator
-/// matters less.
+/// matters less. A choice: they begin at random vertices, so some may be poor.
 const FIRST_CUTS: [usize; 2] = [8, 4];
-/// A graph with at least this many vertices counts as large.
+/// A graph with at least this many vertices counts as large. A choice: it decides the effort of the first
+/// cuts, and through them the order of the elimination, not its result.
 const LARGE: usize = 1000;
-/// The largest number of refinement passes on each level.
+/// The largest number of refinement passes on each level. A choice: the first passes gain most, and a pass
+/// without gain ends them.
 const PASSES: usize = 8;
-/// A pass ends after this many moves without gain.
+/// A pass ends after this many moves without gain. A choice: moves may have to climb out of a poor cut, but
+/// not through the whole part.
 const PATIENCE: usize = 80;
 
 /// The sides of all vertices: multilevel, with a greedily grown first cut and refinement on each level

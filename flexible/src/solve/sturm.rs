@@ -10,19 +10,24 @@ use crate::error::FlexibleError;
 use crate::sparse::product::multiply;
 use eng_system::significant::short;
 
-/// Neighbours closer than this share of the eigenvalue are one cluster.
+/// Neighbours closer than this share of the eigenvalue are one cluster. A choice: eigenvalues of the
+/// iteration are right to more digits, and a count between nearer ones could not tell them apart.
 const CLUSTER: f64 = 1e-6;
 /// Neighbours closer than this share of the typical ratio of the diagonals are also one cluster: zeros with
-/// rounding errors.
+/// rounding errors. It is some hundred rounding units, for sums of many terms.
 const ROUNDING: f64 = 1e-13;
-/// Pairs with θ below this share of the largest are massless motions.
+/// Pairs with θ below this share of the largest are massless motions. A choice: their θ is zero but for
+/// rounding.
 const MASSLESS: f64 = 1e-12;
-/// An eigenvalue within this relative distance of a place of counting may count on either side.
+/// An eigenvalue within this relative distance of a place of counting may count on either side. It is the
+/// tolerance of the eigenpairs.
 pub(super) const BORDER: f64 = 1e-9;
 /// Largest relative distance by which a place of counting moves away from an eigenvalue or an inexact factor.
+/// A choice: from 1e-10 on, each is ten times the one before, and none comes near the next cluster.
 const NUDGES: f64 = 1e-8;
 /// Largest residual of a solution with an indefinite factor, as a share of the size of its parts. A larger
-/// residual shows that the pivots are unreliable.
+/// residual shows that the pivots are unreliable. A choice: ten digits are then lost, and the signs of small
+/// pivots with them.
 const TRUSTED: f64 = 1e-6;
 
 /// The pairs found so far.
@@ -117,6 +122,7 @@ impl Search<'_> {
                     advice: "request a few modes more or fewer".into(),
                 });
             }
+            // from 1e-10 on, each ten times the one before; see [`NUDGES`]
             offset = if offset > 0.0 { 10.0 * offset } else { 1e-10 };
         }
     }
@@ -130,6 +136,7 @@ impl Search<'_> {
             else {
                 continue;
             };
+            // a choice: a per cent above the last eigenvalue, and off zero if that is a rigid motion
             let room = 0.01 * last.abs() + FIRST_SHIFT * self.typical;
             let gap = match pairs.eigenvalues.get(expected) {
                 Some(next) => next - last,
@@ -158,6 +165,7 @@ impl Search<'_> {
         let (mut count, mut below, mut factor) = self.inertia(memory, below)?;
         if count < expected {
             (count, below, factor) =
+                // a quarter of the gap farther: the first place is at most in its middle
                 self.inertia(Some(factor.into_factor()), below + 0.25 * gap)?;
         }
         let proof = if count == expected {

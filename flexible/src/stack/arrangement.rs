@@ -4,19 +4,26 @@ use super::error::StackError;
 use super::piece::{Piece, Point, apart, cross, difference, length, middle};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most lines of different outlines.
+/// Most lines of different outlines. A choice: each line is compared with all others, and more come from a
+/// mistake in a loop of the text.
 const MOST_LINES: usize = 4000;
-/// Points nearer than this share of the size are one.
+/// Points nearer than this share of the size are one. A choice: stated numbers of a drawing meet as well as
+/// this, and two points nearer to each other would make triangles as thin.
 const SAME: f64 = 1e-4;
-/// Largest angle of an arc that one edge covers (rad): 16 edges make a circle.
+/// Largest angle of an arc that one edge covers (rad): 16 edges make a circle. A choice: with their middle
+/// nodes on the arc, the area of the circle is 5e-5 too small.
 const WIDEST: f64 = std::f64::consts::PI / 8.0 * (1.0 + 1e-9);
-/// An edge along an arc rises above its chord by at most this share of its distance to the nearest other line.
+/// An edge along an arc rises above its chord by at most this share of its distance to the nearest other
+/// line. A choice: a quarter leaves the triangle between them clearly positive.
 const RISE: f64 = 0.25;
-/// Arcs are divided for this reason into edges of this share of the size, and no finer.
+/// Arcs are divided for this reason into edges of this share of the size, and no finer. A choice: finer ones
+/// would make most of the nodes of a mesh; edges there become straight instead.
 const FINEST: f64 = 0.125;
-/// Edges at a step of the body are at most this share of the size long.
+/// Edges at a step of the body are at most this share of the size long. A choice: stresses are high at a
+/// step, so its edges are finer.
 const STEP: f64 = 0.6;
-/// How often edges whose chords cross are divided.
+/// How often edges whose chords cross are divided. A choice: each division quarters the rise of an edge, so
+/// twelve leave less than a ten-millionth of it.
 const ROUNDS: usize = 12;
 
 /// An edge of elements along an outline.
@@ -219,6 +226,8 @@ fn parts(
                 let at = part.piece.at(0.5);
                 let found = same.iter().copied().find(|k| {
                     let other = parts.get(*k).map(|other| other.piece.at(0.5));
+                    // a choice: middles of two arcs between the same ends differ by some times the difference
+                    // of their ends
                     other.is_some_and(|other| apart(other, at) <= 10.0 * tolerance)
                 });
                 let index = found.unwrap_or_else(|| {
@@ -311,6 +320,7 @@ fn edges_of(parts: &[Part], steps: &[bool], size: f64, tolerance: f64) -> Vec<Ve
     for (part, step) in parts.iter().zip(steps) {
         let piece = part.piece;
         let longest = if *step { STEP * size } else { size };
+        // a length of a whole number of sizes must not get one edge more by rounding
         let mut count = libm::ceil(piece.length() / longest * (1.0 - 1e-9)).max(1.0);
         if let Some(arc) = piece.arc {
             let turns = piece.length() / arc.radius;
@@ -385,6 +395,8 @@ fn crossing(parts: &[Vec<Piece>]) -> Vec<bool> {
             let (first, second) = (rise(a), rise(b));
             for (index, own, other) in [(i, first, second), (j, second, first)] {
                 if own > 0.0
+                    // of two edges that rise nearly alike both are divided, so that symmetric outlines stay
+                    // symmetric
                     && own >= 0.99 * other
                     && let Some(crosses) = crossing.get_mut(index)
                 {
@@ -407,6 +419,7 @@ fn chords_cross(a: &Piece, b: &Piece) -> bool {
         let along = difference(p.to, p.from);
         cross(along, difference(point, p.from)) / length(along)
     };
+    // rounding of a distance: edges that touch do not cross
     let tiny = 1e-12 * (apart(a.from, a.to) + apart(b.from, b.to));
     let opposite = |x: f64, y: f64| (x > tiny && y < -tiny) || (x < -tiny && y > tiny);
     opposite(side(a, b.from), side(a, b.to)) && opposite(side(b, a.from), side(b, a.to))

@@ -26,13 +26,17 @@ use piece::Piece;
 use plane::Plane;
 use std::collections::BTreeSet;
 
-/// Most nodes of a mesh.
+/// Most nodes of a mesh. A choice: parts of engines need far fewer, so a larger mesh is probably a mistake in
+/// the size.
 const MOST_NODES: usize = 1_000_000;
-/// Most elements along the axis in all sections.
+/// Most elements along the axis in all sections. A choice: a limit for sections with hardly an area, whose
+/// nodes are few.
 const MOST_LAYERS: f64 = 100_000.0;
-/// How often edges that cannot follow their arcs are halved.
+/// How often edges that cannot follow their arcs are halved. A choice: they are a sixteenth then, and after
+/// this some stay straight.
 const HALVINGS: usize = 4;
-/// Largest relative difference of a section's area from that of its outline.
+/// Largest relative difference of a section's area from that of its outline. A choice: mass and stiffness of
+/// the section change by as much, less than by a tolerance of its dimensions.
 const AREA: f64 = 2e-3;
 
 /// The mesh of a stack, in SI, with one property for each section, named by its number, and without a material.
@@ -140,6 +144,7 @@ fn numbers(stack: &Stack) -> Result<(), StackError> {
 
 /// Number of elements of a section along the axis.
 fn layers(length: f64, size: f64) -> f64 {
+    // a length of a whole number of sizes must not get one layer more by rounding
     libm::ceil(length / size * (1.0 - 1e-9)).max(1.0)
 }
 
@@ -152,6 +157,7 @@ fn sizes(stack: &Stack, outlines: &[Outline], outline_of: &[usize]) -> Result<()
             continue;
         };
         let width = 4.0 * outline.area / outline.circumference;
+        // rounding of a stated width, such as that of a square, does not count
         if size > width * (1.0 + 1e-9) {
             return Err(StackError::Coarse {
                 section: index + 1,

@@ -7,8 +7,10 @@ use eng_system::stack::Section;
 use std::f64::consts::TAU;
 
 /// Two points nearer than this share of the largest extent are one, as far as an outline's own shape counts.
+/// A choice: above rounding, and below any detail.
 const SAME: f64 = 1e-9;
-/// Least area by the square of the circumference. A strip of 1:1000 has 1/4000.
+/// Least area by the square of the circumference. A strip of 1:1000 has 1/4000. A choice: outlines of less
+/// are a line that was stated twice.
 const LEAST_AREA: f64 = 1e-6;
 
 /// The lines of an outline.
@@ -116,6 +118,8 @@ fn crossing(pieces: &[Piece], section: usize, tolerance: f64) -> Result<(), Stac
             let beside = |p: &Point2| {
                 shared
                     .iter()
+                    // a choice: lines that leave a corner at a small angle meet beside it within their
+                    // rounding
                     .all(|corner| apart(*p, *corner) > 100.0 * tolerance)
             };
             if let Some(at) = met.into_iter().find(beside) {

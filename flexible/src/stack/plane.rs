@@ -6,17 +6,22 @@ use super::piece::{Point, apart, cross, difference, dot, middle, sum, times};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 use std::collections::BTreeMap;
 
-/// Inner points keep this share of the size from outlines.
+/// Inner points keep this share of the size from outlines. A choice: it is between half and all of the height
+/// of an equal triangle, 0.87 of the size, so that triangles at an outline are not flat.
 const CLEAR: f64 = 0.55;
 /// Distance of inner points by the size: rows of equal triangles.
 const SPACING: f64 = 1.0;
-/// How often the inner points are moved and triangulated again.
+/// How often the inner points are moved and triangulated again. A choice: the points move little after the
+/// first round.
 const ROUNDS: usize = 3;
-/// How often each inner point moves in a round.
+/// How often each inner point moves in a round. A choice: more would move points over triangles that are not
+/// made again before the next round.
 const SWEEPS: usize = 4;
-/// A height of a triangle below this share of the size is a fault of the outlines.
+/// A height of a triangle below this share of the size is a fault of the outlines. A choice: a fifth of the
+/// distance at which points are one.
 const THIN: f64 = 2e-5;
-/// Least of the Bernstein coefficients of a triangle's Jacobian, by that of its corners alone.
+/// Least of the Bernstein coefficients of a triangle's Jacobian, by that of its corners alone. A choice:
+/// positive coefficients prove a positive Jacobian; a fifth keeps the strains of curved triangles regular.
 const LEAST_JACOBIAN: f64 = 0.2;
 
 /// Triangles of six nodes in the plane, with the outlines that they are in.

@@ -4,7 +4,7 @@
 
 /// Bytes before the text of the head: magic, version, length of the text.
 const BEFORE: usize = 10;
-/// The numbers begin at a multiple of this.
+/// The numbers begin at a multiple of this. The format requires it.
 const ALIGNED: usize = 64;
 
 /// A file with an array of this shape, whose last index moves fastest.

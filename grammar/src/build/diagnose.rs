@@ -26,7 +26,8 @@ pub(crate) struct Finding {
     pub rest: Option<usize>,
 }
 
-/// The number of line ends of a bad piece that are tried as the end of the mistake.
+/// The number of line ends of a bad piece that are tried as the end of the mistake. A choice: each is parsed
+/// again, and a mistake rarely reaches over more lines.
 const MAX_SPLITS: usize = 8;
 
 /// Words that begin an item and are not kinds.

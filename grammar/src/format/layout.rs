@@ -3,7 +3,8 @@
 use super::marks::{Bracket, Marks};
 use super::pieces::{Piece, PieceKind};
 
-/// Most characters of a line, if it has a place to end.
+/// Most characters of a line, if it has a place to end. A choice: the library's elements have names of parts
+/// with units on one line.
 const WIDTH: usize = 140;
 /// Blanks of one step of indentation.
 const STEP: usize = 4;

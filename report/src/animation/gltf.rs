@@ -110,6 +110,7 @@ impl Animation {
         let diagonal: f64 = (0..3)
             .map(|i| (high[i] - low[i]) * (high[i] - low[i]))
             .sum();
+        // a model of one point has a radius (m), too, so that a viewer can set its distance. A choice
         (center, (diagonal.sqrt() / 2.0).max(1e-6))
     }
 }
@@ -224,6 +225,8 @@ impl File {
             "name": name,
             "doubleSided": true,
             "pbrMetallicRoughness": {
+                // a choice: dull and painted; bright metal would reflect surroundings that a page does not
+                // have
                 "baseColorFactor": color, "metallicFactor": 0.1, "roughnessFactor": 0.7,
             },
         }));

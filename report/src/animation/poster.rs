@@ -5,12 +5,13 @@ use super::quaternion::{cross, direction, dot, minus, rotated};
 use super::solid::Solid;
 use super::{Animation, NodeField, Pose, Surface, kind_of};
 
-/// Pixels.
+/// Pixels: 16 to 9, a choice.
 const WIDTH: usize = 1200;
 const HEIGHT: usize = 675;
-/// The picture's share of the sheet.
+/// The picture's share of the sheet. A choice.
 const FILL: f64 = 0.94;
-/// Towards the viewer, y up; the viewer of a page starts here, too.
+/// Towards the viewer, y up; the viewer of a page starts here, too. A choice: from the side and above, so
+/// that all three axes are seen.
 pub(super) const VIEW: [f64; 3] = [0.75, 0.45, 1.0];
 /// Shades of the kinds of bodies, in the order of the glTF file's colours.
 const SHADES: [[f64; 3]; 6] = [
@@ -89,6 +90,8 @@ impl Animation {
             .collect();
         values.sort_by(f64::total_cmp);
         let (low, largest) = (*values.first()?, *values.last()?);
+        // a choice: the last hundredth of the nodes may be a singular corner, and takes the whole scale only
+        // if it is less than twice the rest
         let most = *values.get((0.99 * (values.len() - 1) as f64) as usize)?;
         Some(Range {
             name: first.name.clone(),
@@ -147,6 +150,8 @@ impl Animation {
                 };
                 facets.push(Facet {
                     corners: [a, b, c],
+                    // a choice: a face along the light keeps 45 % of its shade, so that it does not turn
+                    // black
                     shade: shade.map(|s| (s * (0.45 + 0.55 * light.abs())) as u8),
                 });
             }
@@ -243,6 +248,7 @@ impl Frame {
         let (width, height) = (WIDTH as f64, HEIGHT as f64);
         Frame {
             middle: [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0],
+            // 1e-9 (m) prevents a division by the zero size of a flat view
             scale: FILL * (width / size[0].max(1e-9)).min(height / size[1].max(1e-9)),
         }
     }

@@ -3,7 +3,7 @@
 use super::quaternion::{cross, direction, minus};
 use super::{Part, Surface};
 
-/// Sides of a cylinder.
+/// Sides of a cylinder. A choice: it looks round.
 const SIDES: u32 = 24;
 
 /// All visible triangles and lines of a rigid body.
@@ -68,6 +68,7 @@ impl Solid {
         let axis = direction(minus(to, from));
         // the coordinate axis least along the cylinder
         let mut other = [1.0, 0.0, 0.0];
+        // above 1/√3, and another coordinate axis lies farther from the cylinder
         if axis[0].abs() > 0.6 {
             other = [0.0, 1.0, 0.0];
         }

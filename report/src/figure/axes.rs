@@ -6,11 +6,12 @@ use super::palette::Color;
 use super::svg::{Anchor, Stroke, Svg, TextStyle, coordinate};
 use super::ticks::{self, Ticks};
 
-/// Width of a figure with one column of panels.
+/// Width of a figure with one column of panels. A choice of layout, as are all lengths of figures (1/1200 of
+/// this width).
 pub(super) const WIDTH: f64 = 1200.0;
-/// Room right of the panels, wide enough for half of the last number.
+/// Room right of the panels, wide enough for half of the last number. A choice of layout.
 pub(super) const RIGHT: f64 = 36.0;
-/// Sizes of the names of axes, of their numbers, and of small notes.
+/// Sizes of the names of axes, of their numbers, and of small notes. Choices of layout.
 pub(super) const LABEL: f64 = 16.0;
 pub(super) const NUMBER: f64 = 15.0;
 pub(super) const SMALL: f64 = 13.0;
@@ -125,6 +126,7 @@ impl Scaled {
     /// An axis of powers of ten, over the last `decades` below the largest value at most.
     pub fn decades(low: f64, high: f64, decades: usize, name: &str, unit: &str) -> Self {
         let (low, high) = if high > 0.0 && high.is_finite() {
+            // a value at a power of ten, up to rounding, is an end of the axis: it needs no further decade
             let top = (libm::log10(high) - 1e-9).ceil();
             let bottom = if low > 0.0 {
                 (libm::log10(low) + 1e-9).floor()
@@ -266,6 +268,7 @@ impl Area {
         }
         for (value, number) in y.ticks.values.iter().zip(&y.numbers) {
             let at = self.y(*value, &y.ticks);
+            // a sum of steps rounds, so the mark of zero is not exactly zero
             let zero = y.scale == Scale::Linear && value.abs() < 1e-9 * y.ticks.step;
             let color = if zero { Color::Rule } else { Color::Grid };
             svg.line(

@@ -6,14 +6,15 @@ use super::legend::{curve_stroke, draw_legend, legend_rows};
 use super::svg::{Anchor, CurveTag, Svg, Target, TextStyle};
 use super::{decimate, ticks};
 
-/// Heights of the two panels, and the gap between them.
+/// Heights of the two panels, and the gap between them. Choices of layout.
 const HEIGHTS: [f64; 2] = [400.0, 240.0];
 const GAP: f64 = 28.0;
-/// The axis of the phase ends at multiples of this (°).
+/// The axis of the phase ends at multiples of this (°): a mechanical resonance turns the phase by a multiple
+/// of 90°.
 const EIGHTH: f64 = 45.0;
-/// Most decades of the amplitudes.
+/// Most decades of the amplitudes. A choice: smaller amplitudes are rounding.
 const DECADES: usize = 6;
-/// Points that are nearer to each other (pixels) are drawn as one.
+/// Points that are nearer to each other (pixels) are drawn as one. A choice: a line is wider.
 const NEAR: f64 = 0.3;
 
 /// One frequency response.
@@ -54,6 +55,7 @@ impl Bode {
         let (low, high) = ticks::extent(phases.iter().flatten().copied());
         let (low, high) = match high - low > EIGHTH {
             true => (
+                // a phase at a mark, up to a thousandth of a step, needs no further step
                 EIGHTH * (low / EIGHTH + 1e-3).floor(),
                 EIGHTH * (high / EIGHTH - 1e-3).ceil(),
             ),

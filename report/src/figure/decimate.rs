@@ -1,6 +1,7 @@
 //! Reduces the points of a curve without a visible change of the picture.
 
-/// Number of points in one curve from which on they are reduced.
+/// Number of points in one curve from which on they are reduced. A choice: more than three points a pixel of
+/// width show nothing.
 const MANY: usize = 4000;
 
 /// Runs of points, each of which is drawn as one line. A point that is not finite ends a run. If there are

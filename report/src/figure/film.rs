@@ -8,7 +8,7 @@ use super::ticks;
 
 /// A turn (°).
 const TURN: f64 = 360.0;
-/// Height of a panel, and its distance from the next one.
+/// Height of a panel, and its distance from the next one. Choices of layout.
 const PANEL: f64 = 300.0;
 const APART: f64 = 118.0;
 

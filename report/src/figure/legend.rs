@@ -5,7 +5,7 @@ use super::palette::{self, Color};
 use super::svg::{Anchor, Stroke, Svg, TextStyle};
 
 const NUMBER: f64 = 15.0;
-/// Length of a piece of a curve.
+/// Length of a piece of a curve. A choice of layout: the longest dash is seen whole.
 const SAMPLE: f64 = 38.0;
 
 /// The line of the curve with this index.

@@ -13,6 +13,7 @@ pub(super) fn last_cycle(cell: &Cell<'_>, period: f64) -> usize {
         Some(end) => cell
             .angle
             .iter()
+            // 1e-6 (°) is more than the rounding of an angle, here and below
             .position(|angle| *angle >= end - period - 1e-6)
             .unwrap_or(0),
         None => 0,

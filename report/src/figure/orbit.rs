@@ -5,7 +5,7 @@ use super::plane::{Cell, Sheet, Upright};
 use super::svg::Target;
 use super::ticks::significant;
 
-/// The circle's share of the square.
+/// The circle's share of the square. A choice: an orbit may leave the circle of an elastic bore.
 const FILL: f64 = 0.88;
 
 /// The path of a pin's centre in its shell.

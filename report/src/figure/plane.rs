@@ -9,7 +9,7 @@ use super::{decimate, ticks};
 const LABEL: f64 = 15.0;
 const NUMBER: f64 = 14.0;
 const SMALL: f64 = 13.0;
-/// Side of a square.
+/// Side of a square, and the cell with its texts. Choices of layout.
 const BOX: f64 = 308.0;
 const CELL: (f64, f64) = (392.0, 424.0);
 
@@ -224,6 +224,7 @@ impl Sheet<'_> {
         for value in axis.values.iter().filter(|v| v.abs() <= reach) {
             let x = view.center.0 + across.1 * scale * value;
             let y = view.center.1 - scale * value;
+            // a sum of steps rounds, so the mark of zero is not exactly zero
             let zero = value.abs() < 1e-9 * axis.step;
             let stroke = if zero {
                 Stroke::solid(Color::Rule, 1.0)
@@ -274,6 +275,7 @@ fn draw_path(
     let mut points = Vec::new();
     let mut angles = Vec::new();
     let mut finish = |points: &mut Vec<(f64, f64)>, angles: &mut Vec<f64>| {
+        // points that are nearer to each other (pixels) are drawn as one. A choice: a line is wider
         let kept = decimate::thinned(points, 0.3);
         let tag = CurveTag {
             name: cell.name,

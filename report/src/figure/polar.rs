@@ -98,6 +98,7 @@ impl Polar {
             .filter(|size| size.is_finite())
             .fold(0.0, f64::max);
         let rings = ticks::rounded(0.0, largest, 4);
+        // a choice: 6 % of margin beyond the outermost ring or value
         let reach = rings.range.1.max(largest) * 1.06;
         let ring = Stroke {
             color: Color::Rule,

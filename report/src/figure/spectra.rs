@@ -21,6 +21,7 @@ pub fn spectra(
         let count = spectrum
             .positions()
             .iter()
+            // positions are multiples of a step, and round
             .take_while(|p| limit.is_none_or(|limit| **p <= limit * (1.0 + 1e-9)))
             .count();
         let curve = Curve {

@@ -117,10 +117,10 @@ pub(crate) struct CurveTag<'a> {
     pub base: Option<f64>,
 }
 
-/// Sizes of the title of a figure and of the text below it.
+/// Sizes of the title of a figure and of the text below it. Choices of layout.
 const TITLE: f64 = 22.0;
 const SUBTITLE: f64 = 14.0;
-/// Smallest size to which a text shrinks to fit.
+/// Smallest size to which a text shrinks to fit. A choice: smaller ones are not read.
 const SMALLEST: f64 = 9.0;
 
 /// An SVG under construction.
@@ -428,6 +428,7 @@ fn within(value: f64) -> f64 {
     if value.is_nan() {
         0.0
     } else {
+        // a choice: thousands of sheets away, and readers with numbers of seven digits still read it
         value.clamp(-1e7, 1e7)
     }
 }

@@ -26,6 +26,7 @@ pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 pub(crate) fn rounded(low: f64, high: f64, count: usize) -> Ticks {
     let (low, high) = widened(low, high);
     let step = nice_step((high - low) / count.max(1) as f64);
+    // an end at a mark, up to rounding, needs no further step
     let first = (low / step + 1e-9).floor();
     let last = (high / step - 1e-9).ceil();
     let values = marks(first, last, step);
@@ -46,10 +47,12 @@ pub(crate) fn inside(low: f64, high: f64, count: usize) -> Ticks {
 /// Marks of an axis of equal ratios from `low` to `high`, both above zero: at 1, 2 and 5 times the powers of ten, at the
 /// powers alone beyond five decades, and at equal steps up to a ratio of 5.
 pub(crate) fn ratios(low: f64, high: f64) -> Vec<f64> {
+    // a choice: marks at 1, 2 and 5 would be too few
     if high / low < 5.0 {
         return inside(low, high, 8).values;
     }
     let (first, last) = (libm::log10(low).floor(), libm::log10(high).ceil());
+    // a choice: marks at 2 and 5 would be too close
     let of_decade: &[f64] = match last - first > 5.0 {
         true => &[1.0],
         false => &[1.0, 2.0, 5.0],
@@ -61,6 +64,7 @@ pub(crate) fn ratios(low: f64, high: f64) -> Vec<f64> {
             let unit = move |mark: &f64| if power < 0 { mark / unit } else { mark * unit };
             of_decade.iter().map(unit)
         })
+        // an end at a mark, up to rounding, has its number
         .filter(|mark| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(mark))
         .collect()
 }
@@ -88,6 +92,8 @@ pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
         .find(|step| (high - low) / step <= most)
         .unwrap_or_else(|| 720.0 * nice_step((high - low) / most / 720.0).ceil());
     let quarters = (high - low) / 90.0;
+    // two cycles are sixteen quarters of a turn
+    // from twelve marks on they have room; 1e-6 is the rounding of the ends. A choice
     let step = if step == 180.0 && most >= 12.0 && quarters <= 16.0 * (1.0 + 1e-6) {
         90.0
     } else {
@@ -97,6 +103,7 @@ pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
 }
 
 /// Share of an axis by which it may grow to end at a mark, because samples end one step before 720° or 4 kHz.
+/// The share is a choice.
 const NEAR: f64 = 0.005;
 
 fn within(low: f64, high: f64, step: f64) -> Ticks {
@@ -121,6 +128,7 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     let size = low.abs().max(high.abs());
     if !(high - low).is_finite() || size == 0.0 {
         (-1.0, 1.0)
+    // a constant up to rounding gets an axis of a fifth of its size; a choice
     } else if high - low <= 1e-9 * size {
         (low - 0.1 * size, high + 0.1 * size)
     } else {
@@ -133,6 +141,7 @@ fn nice_step(raw: f64) -> f64 {
     let ratio = raw / power;
     let factor = [1.0, 2.0, 2.5, 5.0]
         .into_iter()
+        // a ratio that is a factor up to rounding takes this factor
         .find(|factor| ratio <= factor * (1.0 + 1e-9))
         .unwrap_or(10.0);
     factor * power
@@ -152,6 +161,7 @@ pub(crate) fn number(value: f64, step: f64) -> String {
     let decimals = (0..=9)
         .find(|decimals| {
             let scaled = step * libm::pow(10.0, f64::from(*decimals));
+            // rounding of the power and of the step
             (scaled - scaled.round()).abs() <= 1e-6 * scaled
         })
         .unwrap_or(9) as usize;

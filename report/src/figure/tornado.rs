@@ -7,12 +7,12 @@ use super::palette::Color;
 use super::svg::{Anchor, Stroke, Svg, Target, TextStyle};
 use super::ticks::{self, Ticks};
 
-/// Height of a bar, and the distance of two bars.
+/// Height of a bar, and the distance of two bars. Choices of layout.
 const BAR: f64 = 22.0;
 const PITCH: f64 = 34.0;
-/// Distance of a text from its bar or from the axis.
+/// Distance of a text from its bar or from the axis. A choice of layout.
 const GAP: f64 = 8.0;
-/// Widest name beside the bars; a longer one is drawn over the edge of the sheet.
+/// Widest name beside the bars; a longer one is drawn over the edge of the sheet. A choice of layout.
 const WIDEST: f64 = 420.0;
 
 /// One change.

@@ -7,7 +7,7 @@ use super::svg::{CurveTag, Svg, Target};
 use super::{decimate, ticks};
 
 const HEIGHT: f64 = 640.0;
-/// Points that are nearer to each other (pixels) are drawn as one.
+/// Points that are nearer to each other (pixels) are drawn as one. A choice: a line is wider.
 const NEAR: f64 = 0.3;
 
 /// One named curve.

@@ -106,7 +106,7 @@ pub struct Table {
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// Largest number of rows of a table that is kept on one sheet of paper.
+/// Largest number of rows of a table that is kept on one sheet of paper. A choice: about a third of a sheet.
 const SHORT: usize = 14;
 
 impl Table {

@@ -1,16 +1,20 @@
 //! Continues a signal beyond its ends by linear prediction.
 
-/// Most coefficients of a prediction.
+/// Most coefficients of a prediction. A choice: two for each of 200 sinusoids, and the effort grows with the
+/// square.
 const LARGEST_ORDER: usize = 400;
 /// Shares of the mean square that are added to the diagonal of the normal equations. The first share with
 /// which they can be solved is used. A signal of few sinusoids has many solutions, and this one has the
-/// smallest coefficients.
+/// smallest coefficients. The shares are a choice from rounding upwards.
 const RIDGES: [f64; 4] = [1e-12, 1e-11, 1e-10, 1e-8];
-/// A continuation ends where it is this many times as large as the signal.
+/// A continuation ends where it is this many times as large as the signal. A choice: a prediction that grows
+/// has lost the signal.
 const GROWTH: f64 = 4.0;
-/// Length of a continuation in lengths of the signal, and its largest number of samples.
+/// Length of a continuation in lengths of the signal, and its largest number of samples. Choices: a filter
+/// has forgotten the ends after that, and its transform takes no time.
 const LENGTH: (usize, usize) = (4, 65_536);
-/// Samples beyond one period from which on a signal is compared with itself a period before.
+/// Samples beyond one period from which on a signal is compared with itself a period before. A choice: fewer
+/// may agree by chance.
 const COMPARED: usize = 8;
 
 /// A signal with its continuations before and after it, which fade to zero.
@@ -261,6 +265,7 @@ fn burg(x: &[f64], order: usize) -> Vec<f64> {
             .fold((0.0, 0.0), |(product, squares), (f, b)| {
                 (product + f * b, squares + f * f + b * b)
             });
+        // the rest of the errors is rounding, 1e-10 of the signal
         if squares <= 1e-20 * whole {
             break;
         }

@@ -39,6 +39,7 @@ pub fn difference(
         (Some(from), Some(to)) => (*from, *to),
         _ => (0.0, 0.0),
     };
+    // angles of two runs differ by rounding
     let slack = 1e-9 * (to - from);
     let (angle, base): (Vec<f64>, Vec<f64>) = first
         .0

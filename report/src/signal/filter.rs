@@ -4,7 +4,8 @@ use super::continuation::continued;
 use super::fourier::{inverse, transform_real};
 use super::{Sampling, Signal, SignalError, check_finite, check_length, check_positive};
 
-/// Share of the distance of lines within which a line counts as being at a limit. It allows for rounding.
+/// Share of the distance of lines within which a line counts as being at a limit. It allows for rounding. A
+/// choice.
 const AT_LIMIT: f64 = 1e-3;
 
 /// The band that passes (Hz for signals sampled in time, orders for signals sampled in angle).

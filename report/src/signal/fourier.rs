@@ -6,7 +6,8 @@
 
 use std::f64::consts::TAU;
 
-/// Largest prime factor without Bluestein's convolution.
+/// Largest prime factor without Bluestein's convolution. A choice: a transform of a prime takes its square of
+/// products, a convolution three transforms of more than twice the length.
 const LARGEST_RADIX: usize = 31;
 
 /// A complex number.

@@ -65,6 +65,7 @@ pub fn component(
 ) -> Result<Component, SignalError> {
     check_length("a component", 2, values.len())?;
     check_finite("the signal", values)?;
+    // ½ itself, but for rounding
     if !(0.0..=0.5 * (1.0 + 1e-12)).contains(&cycles_per_sample) {
         return Err(SignalError::Setting {
             what: "a frequency in cycles a sample",

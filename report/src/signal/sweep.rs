@@ -97,6 +97,7 @@ pub fn sweep_map(runs: &[(f64, Spectrum)]) -> Result<SweepMap, SignalError> {
     let step = order.iter().map(|(_, s)| s.step).fold(0.0, f64::max);
     let reach = |s: &Spectrum| s.step * s.amplitudes.len().saturating_sub(1) as f64;
     let end = order.iter().map(|(_, s)| reach(s)).fold(0.0, f64::max);
+    // the last column is kept in spite of rounding
     let columns = (end / step + 1e-9).floor() as usize + 1;
     let amplitudes = order
         .iter()

@@ -14,9 +14,11 @@ use eng_system::system::Role;
 use nalgebra::DVector;
 use std::collections::BTreeSet;
 
-/// Mobility of a body with a stated position, relative to one without.
+/// Mobility of a body with a stated position, relative to one without. A choice: it moves a thousandth as
+/// far, that is only where the others cannot close the loops.
 const STATED: f64 = 1e-3;
-/// Mobility of a body's modes, relative to its motion as a whole.
+/// Mobility of a body's modes, relative to its motion as a whole. A choice: bodies bend only where rigid
+/// motions do not close the loops, but then the steps of the search still reach them.
 const BENDING: f64 = 1e-2;
 
 /// Deterministic pseudo-random numbers in −1…1 (a linear congruential generator with Knuth's MMIX constants).
@@ -27,6 +29,7 @@ impl Numbers {
     /// The sequence of a seed.
     pub fn new(seed: u64) -> Numbers {
         Numbers(
+            // one step of another generator of this kind spreads small seeds over all bits
             seed.wrapping_mul(2_862_933_555_777_941_757)
                 .wrapping_add(3_037_000_493),
         )
@@ -61,6 +64,7 @@ pub fn close(
     };
     let (mut values, mut matrix) = measure(state)?;
     for _ in 0..limit {
+        // rounding of a scaled row: nothing is left to correct
         if values.amax() < 1e-14 {
             break;
         }
@@ -73,17 +77,21 @@ pub fn close(
             increment[*i] = step[j] * mobility[*i];
         }
         let largest = largest(&increment);
+        // below the rounding of a scaled position a step moves nothing
         if largest < 1e-15 {
             break;
         }
         for (x, s) in increment.iter_mut().zip(&columns) {
             *x *= s;
         }
+        // no move is longer than the model or a radian: beyond that the linear equations mean nothing
         let mut factor = (1.0 / largest).min(1.0);
         let mut better = None;
+        // fourteen halvings: a step that does not help at 6e-5 of its length leads nowhere. A choice
         for _ in 0..14 {
             move_pose(model, &state.pose, &increment, factor, &mut trial.pose);
             let (v, m) = measure(&mut trial)?;
+            // Armijo's rule with its usual share: a decrease by rounding alone is none
             if v.norm() < values.norm() * (1.0 - 1e-4 * factor) {
                 better = Some((v, m));
                 break;
@@ -105,6 +113,7 @@ pub fn close(
 }
 
 /// Mobility of all bodies. Stated bodies move little, and bodies bend only if loops do not close otherwise.
+/// Dimensionless, by velocity index.
 fn mobility(model: &Model, stated: &[bool]) -> Vec<f64> {
     let mut m = vec![0.0; model.velocities];
     for (body, stated) in model.bodies.iter().zip(stated) {
@@ -151,8 +160,8 @@ fn offending(
 }
 
 /// Moves pins into their shells and surfaces into touch as far as the other rows allow. Bodies with a stated
-/// position do not follow such a wish. Surfaces that cannot touch, such as those of a stop on the other side, have
-/// no influence.
+/// position do not follow such a preference. Surfaces that cannot touch, such as those of a stop on the other
+/// side, have no influence.
 fn follow_wishes(
     model: &Model,
     all: &[usize],
@@ -172,6 +181,8 @@ fn follow_wishes(
     let begin = state.clone();
     loop {
         let rows = Rows::new(model, all.to_vec()).with(model, &wishes);
+        // counts of steps here and below are choices: Newton's method needs few near a solution, and the last
+        // search of a state, which decides, gets more
         close(model, &rows, &free, state, 60)?;
         let count = wishes.len();
         wishes.retain(|wish| wish.is_inside() || wish.is_fulfilled(model, &at(state)));
@@ -268,6 +279,7 @@ pub fn close_all(
     let every = mobility(model, stated);
     let rows = Rows::new(model, exact.to_vec());
     let mut numbers = Numbers::new(1);
+    // a choice: two trials for each element, and an end for large models, in which each costs much
     for _ in 0..(2 * model.elements.len()).min(40) {
         let Some(first) = bad.first().copied() else {
             break;
@@ -288,6 +300,7 @@ pub fn close_all(
     }
     // if this fails, the search begins at other positions
     let begin = state.clone();
+    // a choice: a new beginning of all bodies costs as much as the whole search before
     for _ in 0..6 {
         if bad.is_empty() {
             return Ok(());
@@ -295,6 +308,8 @@ pub fn close_all(
         let mut trial = begin.clone();
         for (index, body) in model.bodies.iter().enumerate() {
             if !stated[index] {
+                // half of the model's length, a choice: far enough for another branch, and not far from the
+                // other bodies
                 turn_body(model, body.pose, &mut numbers, &mut trial, 0.5);
             }
         }
@@ -372,6 +387,7 @@ fn turn_body(model: &Model, pose: usize, numbers: &mut Numbers, state: &mut Stat
         state.pose[pose + i] += reach * model.length * numbers.draw();
     }
     let axis = crate::rotation::V3::new(numbers.draw(), numbers.draw(), numbers.draw());
+    // an axis that is drawn shorter has no certain direction; its turn is then smaller than half a turn
     let theta = axis * (std::f64::consts::PI / axis.norm().max(0.1) * numbers.draw());
     let old = [
         state.pose[pose + 3],
@@ -422,6 +438,7 @@ fn shake(
         let near: Vec<usize> = exact.iter().copied().filter(touches).collect();
         let near_conditioned: Vec<usize> = conditioned.iter().copied().filter(touches).collect();
         let rows = Rows::new(model, near.clone());
+        // choices: the bodies of one element have few ways to close, those around it more
         for _ in 0..if radius == 0 { 10 } else { 40 } {
             let mut trial = state.clone();
             for b in &mobile {

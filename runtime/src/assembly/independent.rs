@@ -13,25 +13,31 @@ use super::gradients::Gradients;
 use eng_system::dense::dot;
 use nalgebra::{DMatrix, DVector};
 
-/// Up to so many rows, dense decompositions take milliseconds and see weaker dependences.
+/// Up to so many rows, dense decompositions take milliseconds and see weaker dependences. A choice: their
+/// effort grows with the cube of this number.
 pub const FEW: usize = 150;
 /// Square of the distance of a row of unit length from the others, below which it may depend on them. It is far above
 /// the rounding of the square. The joint at the end of a straight chain of n bodies is `n^(−3/2)` from the others, as
 /// the end of a beam of n parts.
 const CLEAR: f64 = 1e-12;
-/// Distance of a row of unit length from others, below which it depends on them.
+/// Distance of a row of unit length from others, below which it depends on them. It is about the root of the
+/// rounding unit, because the distance comes from squares.
 const NONE: f64 = 1e-7;
-/// Share of a row below which another row has no part in a dependence.
+/// Share of a row below which another row has no part in a dependence. A choice, a decade below [`NONE`].
 const NO_PART: f64 = 1e-8;
-/// Most refinements. Each removes a factor of the rounding of the square.
+/// Most refinements. Each removes a factor of the rounding of the square. A choice: at [`CLEAR`] this factor
+/// is 1e-4, and four reach rounding.
 const REFINEMENTS: usize = 6;
 /// Distance of a row of unit length from others, below which it depends on them for a solution: as much as
 /// counts as zero among singular values.
 const DEPENDENT: f64 = 1e-9;
-/// Change of the rows, as a share of the right side, with which conjugate gradients end; and their rounds at least.
+/// Change of the rows, as a share of the right side, with which conjugate gradients end; and their rounds at
+/// least. Rounding of sums over many rows is near this. The rounds are a choice: the method ends after as
+/// many rounds as there are different singular values, and few rows depend on each other.
 const CHANGE: f64 = 1e-13;
 const ROUNDS: usize = 100;
-/// Share of its right side and solution that a system may miss.
+/// Share of its right side and solution that a system may miss. As for [`CHANGE`]: the rounding of sums over
+/// many rows.
 const REST: f64 = 1e-13;
 
 /// The factor of `A Aᵀ` for the clearly independent rows of A, which have unit length.

@@ -12,11 +12,14 @@ use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::state::State;
 
-/// Least singular value of the rows, relative to the largest, below which a position counts as locked.
+/// Least singular value of the rows, relative to the largest, below which a position counts as locked. A
+/// choice: a motion that locks is stopped a fraction of a degree before the lock, where the value is small
+/// and not zero.
 const LOCKED: f64 = 1e-3;
-/// Share of the largest entry of the left vector above which an equation belongs to the lock.
+/// Share of the largest entry of the left vector above which an equation belongs to the lock. A choice:
+/// smaller ones only follow the motion of the loop.
 const BELONGS: f64 = 0.2;
-/// Most equations in a message.
+/// Most equations in a message. A choice: those of one joint.
 const MOST: usize = 6;
 
 /// The lock near a position of a motion, if there is one.

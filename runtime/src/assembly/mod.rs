@@ -30,7 +30,8 @@ use eng_system::system::{ConditionKind, Role, Rotation};
 use rows::{At, Rows};
 use std::f64::consts::PI;
 
-/// Size of a scaled row (m over the model's length, or rad) below which it is closed.
+/// Size of a scaled row (m over the model's length, or rad) below which it is closed. A choice: six decades
+/// above the rounding of a position, and far below the tolerance of positions.
 pub const CLOSED: f64 = 1e-10;
 
 /// Whether a scaled row is closed; NaN is not.
@@ -193,7 +194,8 @@ fn without_guesses(
     (!closing::a_guess_keeps_a_pin_out(model, &state)).then_some(state)
 }
 
-/// The largest number of starts and drives of which a contradiction is searched.
+/// The largest number of starts and drives of which a contradiction is searched. A choice: each costs an
+/// assembly, and a message with this many helps nobody.
 const MOST_STARTS: usize = 24;
 
 /// A smallest set of starts and drives that do not hold together: leaving out any one of them lets the rest close.
@@ -239,7 +241,8 @@ fn contradicting(
     found
 }
 
-/// Largest distance of a guessed body from all others, in sizes of the largest body.
+/// Largest distance of a guessed body from all others, in sizes of the largest body. A choice: metres in
+/// place of millimetres make a factor of a thousand.
 const FAR: f64 = 1e3;
 
 /// Refuses a guess very far away. Closing the loops would take thousands of steps with an arbitrary end;
@@ -353,7 +356,7 @@ fn freeze(model: &mut Model, state: &State) {
     }
 }
 
-/// Difference between the rows of two turns (SI) that is only rounding.
+/// Difference between the rows of two turns (SI) that is only rounding: rows of some radians round to 1e-15.
 const TURN_MARGIN: f64 = 1e-12;
 
 /// Chooses the turn of each rotation in the rows: the one with the smallest rows, and among equals the one
@@ -371,9 +374,12 @@ pub fn choose_turns(
         let first = model.elements[*e].rotation;
         let rows = Rows::new(model, vec![*e]);
         let mut best = (f64::INFINITY, 0.0);
+        // a choice: an angle between two bodies of an assembled model is within half a turn, gears multiply
+        // it, and four turns cover the usual ratios
         for turn in [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 4.0, -4.0] {
             state.rotations[first..first + count].fill(2.0 * PI * turn);
             let values = rows.values(model, &at(state))?;
+            // rounding must not choose a farther turn
             if values.norm() < best.0 * (1.0 - 1e-9) - TURN_MARGIN {
                 best = (values.norm(), turn);
             }
@@ -464,6 +470,7 @@ fn settle_turns(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
                 let values = rows.values(model, &at)?;
                 Ok::<f64, RuntimeError>(values.norm())
             };
+            // rounding must not choose, as in [`choose_turns`]
             if left(&angles)? > left(&alone)? * (1.0 + 1e-9) + TURN_MARGIN {
                 angles = alone;
             }

@@ -84,7 +84,7 @@ pub fn place(
                 .iter()
                 .map(|e| model.class(*e).rows.len())
                 .sum();
-            // wishes place a body like joints: a crank comes before its rods, whose position depends on it
+            // preferences place a body like joints: a crank comes before its rods, whose position depends on it
             let wishes = wished(model, &wishes, &[body], &placed);
             let rows = rows + wishes.iter().map(|wish| wish.range().len()).sum::<usize>();
             if rows > 0 && next.is_none_or(|(most, _)| rows > most) {
@@ -125,7 +125,7 @@ fn connecting(model: &Model, elements: &[usize], body: usize, placed: &[bool]) -
         .collect()
 }
 
-/// Wishes between a body of `moving` and a placed body, or between two bodies of `moving`.
+/// Preferences between a body of `moving` and a placed body, or between two bodies of `moving`.
 fn wished(model: &Model, wishes: &[Wish], moving: &[usize], placed: &[bool]) -> Vec<Wish> {
     let stands = |m: usize| model.markers[m].body.is_none_or(|b| placed[b]);
     let moves = |m: usize| model.markers[m].body.is_some_and(|b| moving.contains(&b));
@@ -149,7 +149,7 @@ fn place_one(
 ) -> Result<(), RuntimeError> {
     let near = connecting(model, elements, body, known.placed);
     let alone = vec![body];
-    // a body with a stated position follows no wish
+    // a body with a stated position follows no preference
     let wishes_of = |moving: &[usize]| match known.stated.position[body] {
         true => Vec::new(),
         false => wished(model, known.wishes, moving, known.placed),
@@ -361,19 +361,19 @@ impl<'a> Known<'a> {
     }
 }
 
-/// The rows and wishes of a search for a position.
+/// The rows and preferences of a search for a position.
 struct Wanted<'a> {
     elements: &'a [usize],
     wishes: &'a [Wish],
     stated: &'a Stated,
 }
 
-/// The key of a trial that satisfies rows, branches and wishes.
+/// The key of a trial that satisfies rows, branches and preferences.
 const DONE: (bool, bool, bool) = (false, false, false);
-/// The key of a trial that satisfies all but a wish.
+/// The key of a trial that satisfies all but a preference.
 const UNWISHED: (bool, bool, bool) = (false, false, true);
 /// Turns of a stated position about the axis of an angle (°) that are tried. One of them is near enough to
-/// the solution of any angle's equation.
+/// the solution of any angle's equation. Steps of 45° are a choice.
 const TURNS: [f64; 7] = [45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0];
 
 /// A trial position: (open, wrong branch, a pin outside its shell or a turning axis across), largest scaled
@@ -388,8 +388,8 @@ struct Trial {
 /// search begins at the present position and at the `partners` of its markers.
 ///
 /// A body that lies across or upside down can also satisfy the equation of an angle. So elements that measure
-/// angles wish for parallel axes, and a position without them is taken only if there is no better one. The
-/// wish takes part in closing only if the rows alone do not satisfy it. A stated orientation is kept as far
+/// angles prefer parallel axes, and a position without them is taken only if there is no better one. The
+/// preference takes part in closing only if the rows alone do not satisfy it. A stated orientation is kept as far
 /// as a turn about the axis closes the rows.
 fn search(
     model: &Model,
@@ -413,6 +413,7 @@ fn search(
     }
     let settle = |mut trial: State, first: &Rows, axes: &[Wish]| -> Result<Trial, RuntimeError> {
         if first.len() > rows.len() {
+            // a choice: a trial that needs more steps began too far away, and there are other trials
             close(model, first, &mobility, &mut trial, 40)?;
         }
         let size = close(model, &rows, &mobility, &mut trial, 40)?;
@@ -491,6 +492,7 @@ fn search(
                 let better = found.key < best.key
                     || (found.key == best.key
                         && found.key.0
+                        // rows that are equal but for rounding do not replace an earlier trial
                         && found.size < best.size * (1.0 - 1e-6));
                 if better {
                     best = found;

@@ -23,10 +23,10 @@ pub enum Along {
     Velocity,
 }
 
-/// A preference (wish) of the assembly, which the motion does not contain.
+/// A preference of the assembly, which the motion does not contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
-    /// Element that has the wish.
+    /// Element that has the preference.
     pub element: usize,
     /// Marker of the pin or of the turning body.
     pub pin: usize,
@@ -41,33 +41,34 @@ pub struct Wish {
 pub enum Relation {
     /// The pin's origin is on the shell's axis, and both axes are parallel, in either sense.
     Inside {
-        /// Distance from the axis up to which the wish counts as fulfilled (m).
+        /// Distance from the axis up to which the preference counts as fulfilled (m).
         reach: f64,
     },
     /// The pin's origin is at a height above the shell's xy plane.
     Above {
         /// The height (m).
         height: f64,
-        /// Distance from the height up to which the wish counts as fulfilled (m).
+        /// Distance from the height up to which the preference counts as fulfilled (m).
         reach: f64,
     },
     /// Both axes are parallel, in the same sense, because an angle is measured about the reference's z.
     Parallel,
 }
 
-/// All rows that wishes have: the pin's position along the shell's x and y (m), the pin's axis along both,
-/// and the pin's height above that of the wish (m).
+/// All rows that preferences have: the pin's position along the shell's x and y (m), the pin's axis along both,
+/// and the pin's height above that of the preference (m).
 const WISH_ROWS: usize = 5;
 
-/// Share of the model's length up to which a wish of a class that resolves no length counts as fulfilled.
+/// Share of the model's length up to which a preference of a class that resolves no length counts as fulfilled. It
+/// is the largest tolerance of positions.
 const REACHED: f64 = 1e-6;
 
-/// A list of rows: all rows of each element in order, then the rows of wishes.
+/// A list of rows: all rows of each element in order, then the rows of preferences.
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// The elements.
     pub(crate) elements: Vec<usize>,
-    /// Wishes, after the elements.
+    /// Preferences, after the elements.
     wishes: Vec<Wish>,
     /// (element, row) of each row that belongs to an element.
     pub(crate) owners: Vec<(usize, usize)>,
@@ -109,7 +110,7 @@ impl Rows {
         }
     }
 
-    /// The same rows with those of wishes added.
+    /// The same rows with those of preferences added.
     pub fn with(mut self, model: &Model, wishes: &[Wish]) -> Rows {
         for wish in wishes {
             self.wishes.push(*wish);
@@ -292,7 +293,7 @@ impl Rows {
 }
 
 impl Wish {
-    /// The rows of the wish, among all rows that wishes have.
+    /// The rows of the preference, among all rows that preferences have.
     pub fn range(&self) -> Range<usize> {
         match self.relation {
             Relation::Inside { .. } => 0..4,
@@ -301,13 +302,13 @@ impl Wish {
         }
     }
 
-    /// Whether the wish places a pin in its shell.
+    /// Whether the preference places a pin in its shell.
     pub fn is_inside(&self) -> bool {
         matches!(self.relation, Relation::Inside { .. })
     }
 
     /// Position of the pin in its shell: x and y (m), x and y of its axis, and its height (m) above that of the
-    /// wish. In a shell the axis may point either way.
+    /// preference. In a shell the axis may point either way.
     ///
     /// With the shell's axes S and position s, and the pin's axes P and position p: `e = Sᵀ(p − s)`,
     /// `a = Sᵀ P z`.
@@ -338,6 +339,7 @@ impl Wish {
     /// Whether the pin is within its reach, and its axis within a hundredth of a radian where it matters.
     pub fn is_fulfilled(&self, model: &Model, at: &At) -> bool {
         let ([x, y, a, b, z], .., axis, _) = self.values(model, at);
+        // a choice: as far as an axis tilts in the clearance of a bearing
         let along = libm::hypot(a, b) <= 0.01;
         match self.relation {
             Relation::Inside { reach } => libm::hypot(x, y) <= reach && along,
@@ -346,7 +348,7 @@ impl Wish {
         }
     }
 
-    /// The way of the pin (m, inertial axes) to the height of the wish; zero for other wishes.
+    /// The way of the pin (m, inertial axes) to the height of the preference; zero for other preferences.
     pub fn way_up(&self, model: &Model, at: &At) -> V3 {
         if !matches!(self.relation, Relation::Above { .. }) {
             return V3::zeros();
@@ -395,7 +397,7 @@ impl Wish {
     }
 }
 
-/// The wishes that the classes of a model's elements state.
+/// The preferences that the classes of a model's elements state.
 pub fn wishes(model: &Model) -> Vec<Wish> {
     let mut found = Vec::new();
     for (e, element) in model.compiled.system.elements.iter().enumerate() {
@@ -440,8 +442,8 @@ pub fn pins(model: &Model) -> Vec<Wish> {
     found
 }
 
-/// The wishes of elements that measure angles. An angle about the reference's z has a meaning only if the
-/// axes are parallel. Without the wish, a body that lies across or upside down would also solve the equation
+/// The preferences of elements that measure angles. An angle about the reference's z has a meaning only if the
+/// axes are parallel. Without the preference, a body that lies across or upside down would also solve the equation
 /// of a drive.
 pub fn axes(model: &Model, elements: &[usize]) -> Vec<Wish> {
     let mut found = Vec::new();
@@ -535,6 +537,8 @@ pub fn smallest_solution(matrix: &Gradients, rhs: &DVector<f64>) -> Option<DVect
         return Some(solution);
     }
     let svd = crate::singular::decompose(matrix.dense())?;
+    // as [`independent::DEPENDENT`] in the other method: a combination of rows below it is a repetition, and
+    // dividing by it would move bodies by rounding
     let threshold = 1e-9 * svd.singular_values.amax();
     svd.solve(rhs, threshold.max(f64::MIN_POSITIVE)).ok()
 }

@@ -13,18 +13,22 @@ use eng_system::dense::largest_scaled;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
 
-/// Relative to the model's speed, a row that is left by more contradicts others.
+/// Relative to the model's speed, a row that is left by more contradicts others. A choice between the
+/// rounding of a solution through nearly dependent rows and the digits in which a text may differ on purpose.
 const CONTRADICTION: f64 = 1e-8;
 
 /// Time after the start at which a constraint is on the side to which the motion goes, as a share of the time
 /// in which the motion covers the model's length or a radian; the share of it for a second look, and the
-/// least part of a rate that remains there if it jumps.
+/// least part of a rate that remains there if it jumps. The time is a choice: far above the rounding of
+/// positions, 1e-16, and so short that nothing else changes.
 const BEHIND: f64 = 1e-12;
 const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
-/// Rate of a constraint after the start that is a jump, as a share of the model's speed.
+/// Rate of a constraint after the start that is a jump, as a share of the model's speed. A choice: at a
+/// distance of [`BEHIND`] a rate without a jump has changed by about 1e-12.
 const JUMP: f64 = 1e-6;
-/// Most searches of the side to which the motion goes.
+/// Most searches of the side to which the motion goes. A choice: each side may change the velocities and with
+/// them the side of another constraint, but not for long.
 const SIDES: usize = 4;
 
 /// Velocities of the start; see `admissible`. A constraint may have a corner at the start, such as
@@ -45,7 +49,7 @@ pub fn assemble(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     Ok(())
 }
 
-/// A start just after a corner, along velocities at which a constraint demands other velocities there. `None`
+/// A start just after a corner, along velocities at which a constraint requires other velocities there. `None`
 /// if none does.
 fn behind_corner(
     model: &Model,
@@ -149,6 +153,8 @@ fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
                 0.0
             });
             let size = values[i].abs() / scale;
+            // a model that hardly moves is compared with 1e-3 of its length in a second, because rates of
+            // rounding contradict nothing
             if size.is_nan() || size > CONTRADICTION * speed.max(1e-3) {
                 open.push((size, *element, model.named_row(*element, *row, values[i])));
             }
@@ -161,6 +167,7 @@ fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     let chain = open
         .iter()
         .find_map(|(_, element, _)| super::chains::through(model, *element, state));
+    // a choice: a message names the worst; the others follow from them
     open.truncate(6);
     Err(RuntimeError::StartVelocity {
         rows: open.into_iter().map(|(_, _, row)| row).collect(),
@@ -168,12 +175,13 @@ fn admissible(model: &Model, state: &mut State) -> Result<(), RuntimeError> {
     })
 }
 
-/// Rate of a pin in its shell, as a share of the model's speed, that counts as rest.
+/// Rate of a pin in its shell, as a share of the model's speed, that counts as rest. A choice above the
+/// rounding of velocities.
 const RESTS: f64 = 1e-9;
 
 /// The change of least kinetic energy that takes the rates of pins in their shells away, without a change of
 /// other rows. Least energy alone would turn a crank that only films hold about its centre of mass, and its
-/// pins would leave their shells.
+/// pins would leave their shells. In SI: m/s, rad/s and modal rates.
 fn keep_pins(
     model: &Model,
     state: &State,
@@ -231,6 +239,7 @@ fn take_away(kept: &Gradients, free: &mut DMatrix<f64>) -> Option<()> {
     }
     let svd = crate::singular::decompose(kept.dense())?;
     let right = svd.v_t.as_ref()?;
+    // combinations below this only repeat others, as in [`super::independent`]
     let least = 1e-9 * svd.singular_values.amax();
     for (direction, size) in right.row_iter().zip(svd.singular_values.iter()) {
         if *size > least {
@@ -241,17 +250,20 @@ fn take_away(kept: &Gradients, free: &mut DMatrix<f64>) -> Option<()> {
     Some(())
 }
 
+/// The largest entry of a row in scaled velocities: the row's unit, times s.
 fn gradient_size(matrix: &Gradients, row: usize, scales: &[f64]) -> f64 {
     let entries = matrix.rows()[row].iter();
     entries.fold(0.0_f64, |w, (j, x)| w.max((x * scales[*j]).abs()))
 }
 
+/// One vector above the other.
 fn stacked(above: &DVector<f64>, below: &DVector<f64>) -> DVector<f64> {
     let numbers = above.iter().chain(below.iter());
     DVector::from_iterator(above.len() + below.len(), numbers.copied())
 }
 
-/// Weight of modal rates against rigid motion.
+/// Weight of modal rates against rigid motion. A choice: where constraints let both move, shapes take 1e-8 of
+/// the motion.
 const VIBRATION: f64 = 1e8;
 
 /// `L⁻ᵀ` of the mass matrix `M = L Lᵀ`, body by body: the first velocity of each body and its block.
@@ -266,6 +278,7 @@ impl InverseRoots {
             let mut mass = vec![0.0; width * width];
             body.add_mass(&body.frame(&state.pose), &mut Work::default(), &mut mass);
             let mut matrix = DMatrix::from_row_slice(width, width, &mass);
+            // a choice: far below the inertia of real bodies, so that it changes no energy that counts
             let floor = 1e-9 * model.mass * model.length * model.length;
             for i in 3..6 {
                 matrix[(i, i)] += floor;

@@ -7,10 +7,11 @@ use crate::field::Demand;
 use crate::model::Model;
 use crate::state::State;
 
-/// Corrections of a state between two steps.
+/// Corrections of a state between two steps; [`Integrator::settle`] has the errors after one, two and three.
 const CORRECTIONS: usize = 2;
 /// Length of a step, as a share of that of the kept matrix, below which its states need no correction. Such a
-/// step leads across a jump of loads, where the interpolated accelerations balance no load.
+/// step leads across a jump of loads, where the interpolated accelerations balance no load. The share is a
+/// choice.
 const ACROSS: f64 = 1e-3;
 
 impl Integrator {

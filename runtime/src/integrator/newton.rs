@@ -10,29 +10,44 @@ use eng_system::dense::{largest, largest_scaled};
 use eng_system::system::{Origin, StateInfo};
 use eng_system::{Dimension, DisplayUnit};
 
-/// Contraction above which the matrix is computed again.
+/// Contraction above which the matrix is computed again. A choice: at 0.3 two iterations win a digit. A
+/// larger limit makes steps of many iterations, a smaller one gives up matrices that still serve.
 const CONTRACTION_LIMIT: f64 = 0.3;
-/// Contraction of the iteration, with or without secants, above which a step begins with a fresh matrix. Samples use
-/// the kept matrix without secants, so they need the limit too. A fresh matrix costs about four iterations.
+/// Contraction of the iteration, with or without secants, above which a step begins with a fresh matrix.
+/// Samples use the kept matrix without secants, so they need the limit too. A fresh matrix costs about four
+/// iterations. At 0.12 these four win nearly four digits, so waiting longer costs more than the matrix.
 const RENEWAL: f64 = 0.12;
-/// Least contraction that is assumed of an old matrix.
+/// Least contraction that is assumed of an old matrix. A choice near [`RENEWAL`], which ends the use of a
+/// matrix: if one ratio is smaller, the next ones may not be.
 const OLD_CONTRACTION: f64 = 0.1;
-/// Most iterations of a step, including those with fresh matrices.
+/// Most iterations of a step, including those with fresh matrices. A choice: at the limit of the contraction,
+/// 0.3, they win seven digits. A step that needs more is cheaper as two shorter ones.
 const ITERATION_LIMIT: usize = 14;
 /// Most halvings in a step. A correction is halved if it leads to values that are not finite or to larger
-/// residuals.
+/// residuals. A choice: one correction halved as often is below rounding, and an ordinary step needs few.
 const BACKTRACK_LIMIT: usize = 40;
-/// Number of matrices in a step from which on residuals must decrease.
+/// Number of matrices in a step from which on residuals must decrease. With the first one of a step a
+/// residual may grow on the way, because the equations of the motion mix rows of different stiffness. A
+/// second one shows that the corrections do not lead on.
 const TROUBLED: usize = 2;
-/// Change of the scaled unknowns, as a share of the largest of them, that counts as rounding.
+/// Change of the scaled unknowns, as a share of the largest of them, that counts as rounding. It is some
+/// units of the last place.
 const ROUNDING: f64 = 1e-15;
-/// Least motion in a step, in scaled unknowns, for the limit of rounding.
+/// Least motion in a step, in scaled unknowns, for the limit of rounding. At rest the increments are small,
+/// but the positions to which they are added round all the same. A choice: with a motion of zero the limit
+/// were zero, and the iterations at rest would never reach it. A limit for a motion of 1 would hide a slow
+/// contraction far below the size of the model.
 const LEAST_MOTION: f64 = 1e-3;
-/// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance.
+/// Share of a state's scale, or of its peak, that the error of one step may have at the usual tolerance. A
+/// choice: the errors of hundreds of steps add up to less than a per cent of a state, as for accelerations
+/// ([`STEP_SHARE`]).
 pub const STATE_SHARE: f64 = 1e-5;
-/// Least move that gives a secant, as a multiple of the noise of corrections.
+/// Least move that gives a secant, as a multiple of the noise of corrections. The difference of two
+/// corrections is then right within a tenth at worst; a secant of noise would spoil later corrections.
 const SECANT_MOVE: f64 = 10.0;
-/// Change below which an iteration without contraction under a fresh matrix has reached rounding.
+/// Change below which an iteration without contraction under a fresh matrix has reached rounding. A choice:
+/// stiff constraints enlarge the rounding of an increment by some decades, and an error of 1e-11 of the
+/// model's length is far below the tolerance of positions.
 const STAGNATION: f64 = 1e-11;
 
 /// The progress of Newton's iteration in a step.
@@ -90,6 +105,8 @@ impl Integrator {
         // The contraction decides whether they are good enough.
         if self
             .factored_step
+            // a choice: between these ratios the inertia in the matrix, which is scaled by 1/h², is at most a
+            // factor of three off
             .is_some_and(|old| !(0.6..=1.7).contains(&(h / old)))
             || self.contraction.is_some_and(|c| c > RENEWAL)
             || self.secants.missed() > RENEWAL
@@ -292,6 +309,7 @@ impl Integrator {
             let seen = if norm > goal.max(iteration.noise) {
                 rate
             } else {
+                // a choice: as good as an exact matrix
                 rate.min(1e-3)
             };
             self.contraction = Some(self.contraction.map_or(seen, |c| c.max(seen)));
@@ -314,9 +332,12 @@ impl Integrator {
             OLD_CONTRACTION
         };
         let expected = rate.max(self.contraction.unwrap_or(0.0)).max(least);
+        // the rest of a geometric series; above a ratio of 0.9, a choice, the iteration has no ratio to
+        // extrapolate with
         if expected < 0.9 && norm * expected / (1.0 - expected) <= goal {
             return Next::Foreseen;
         }
+        // with a fresh matrix, a correction that doubles and is larger than the model or a radian leads away
         if rate >= 2.0 && iteration.fills > 0 && norm > 1.0 {
             return Next::Failed;
         }
@@ -353,6 +374,7 @@ impl Integrator {
     /// size of the model still counts.
     fn noise(&self, model: &Model, h: f64) -> f64 {
         if model.rows > 0 {
+            // two digits above rounding a ratio of corrections is right within a per cent
             100.0 * ROUNDING
         } else {
             100.0 * self.floor(h)

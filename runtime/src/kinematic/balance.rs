@@ -11,16 +11,19 @@ use eng_system::system::{ConditionKind, Origin, Role};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
-/// Entry of the projector on idle reactions below which a reaction has no part in them. Rounding is far
-/// below.
+/// Entry of the projector on idle reactions below which a reaction has no part in them. A choice: rounding is
+/// far below, and a real part, such as one of two equal joints, far above.
 const IDLE: f64 = 1e-6;
-/// Share of a channel's answer to all reactions that idle ones may have.
+/// Share of a channel's answer to all reactions that idle ones may have. A choice, as for [`IDLE`].
 const ANSWERS: f64 = 1e-6;
-/// Rounding of a channel, as a share of its value and of the answers beside it.
+/// Rounding of a channel, as a share of its value and of the answers beside it. A choice: reactions are
+/// solutions with twelve digits or more.
 const ROUNDING: f64 = 1e-10;
 /// Share of the largest effect of an equation on the rate of the cycle below which a drive does not turn it.
+/// A choice above the rounding of a solution.
 const TURNS: f64 = 1e-9;
-/// Seed of the reactions with which channels are tried.
+/// Seed of the reactions with which channels are tried. Any number serves; it is fixed so that each run gives
+/// the same result.
 const SEED: u64 = 23;
 
 /// Elements whose reactions hold the same motions, so that the balance does not divide a load between them.
@@ -266,6 +269,7 @@ impl Balance {
         let size = found
             .amax()
             .max(mechanism.model.mass * mechanism.model.length);
+        // between one and two sizes: no reaction is zero, and no sum of them is by chance
         let any = DVector::from_fn(found.len(), |_, _| size * (1.5 + 0.5 * numbers.draw()));
         let unloading = equations.idle(&any);
         let mut try_with = |reactions: &DVector<f64>, balance: &mut Balance| {
@@ -377,7 +381,7 @@ fn set_multipliers(mechanism: &Mechanism, reactions: &DVector<f64>, state: &mut 
 /// The torque (N m) on the cycle that moves the mechanism. If the analysis turns the cycle, it is the effort
 /// of the equation of its angle.
 ///
-/// Otherwise drives turn it. A demanded rate d of the equation `Φ(q, t)` of a drive changes the rate of the
+/// Otherwise drives turn it. A required rate d of the equation `Φ(q, t)` of a drive changes the rate of the
 /// cycle by `-s d`, with s from `Bᵀ s = ∂α̇/∂v`. Its multiplier λ has the power `λ d`. So one drive with `s ≠ 0`
 /// has the torque `-λ/s`, also at rest. Several such drives have their power over the rate of the cycle; at
 /// rest it is zero. Drives that do not turn the cycle take no part.
@@ -400,7 +404,7 @@ fn torque(
     let drives: Vec<usize> = (0..count)
         .filter(|i| mechanism.driven[*i] && turns[*i].abs() > least)
         .collect();
-    // multipliers and demanded rates are scaled inversely
+    // multipliers and required rates are scaled inversely
     Ok(match drives.as_slice() {
         [drive] => -reactions[*drive] / turns[*drive],
         _ if rate == 0.0 => 0.0,

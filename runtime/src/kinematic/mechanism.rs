@@ -18,23 +18,30 @@ use eng_system::significant::short;
 use eng_system::system::Origin;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Share of the largest singular value of unit rows at which the equations are singular.
+/// Share of the largest singular value of unit rows at which the equations are singular. A choice: reactions
+/// of a mechanism nearer to a singular position are 1e8 times the loads and have half of their digits.
 const SINGULAR: f64 = 1e-8;
-/// Part of a unit row that earlier equations leave, above which it takes part.
+/// Part of a unit row that earlier equations leave, above which it takes part. A choice between rounding and
+/// rows that differ on purpose, as for quasi-static starts.
 const HOLDS: f64 = 1e-6;
-/// Length (scaled) below which a row counts as empty.
+/// Length (scaled) below which a row counts as empty. Rows have a length of about one in scaled velocities,
+/// so a shorter one is rounding.
 const EMPTY: f64 = 1e-12;
 /// Size of a scaled equation at which a position counts as reached, and that which ends the search at once.
+/// The first is that of an assembly. The second is rounding.
 const CLOSED: f64 = 1e-10;
 const EXACT: f64 = 1e-14;
-/// Most corrections of a position.
+/// Most corrections of a position. A choice: Newton's method from a prediction needs a few.
 const CORRECTIONS: usize = 25;
-/// Longest correction, in angles.
+/// Longest correction, in angles. A choice: half a radian, or half of the model's length, is far beyond the
+/// error of a prediction over a step, so the position would be on another branch.
 const FARTHEST: f64 = 0.5;
 /// Distance of positions for differences of rates, as a share of the time in which the motion covers its
-/// size.
+/// size. It is about the fifth root of the rounding unit: the errors of differences of fourth order, its
+/// fourth power and 1e-16 over it, are both below 1e-12.
 const APART: f64 = 1e-3;
-/// Share of the largest rate by which the rates that the equations demand may contradict each other.
+/// Share of the largest rate by which the rates that the equations require may contradict each other. A choice
+/// above the rounding of a solution through nearly singular equations.
 const CONSISTENT: f64 = 1e-8;
 
 /// Equations with their least-squares factors.
@@ -50,7 +57,8 @@ impl Equations {
         Some(Equations { matrix, factor })
     }
 
-    /// x with the least |B x − b|, with one correction of its rounding.
+    /// x with the least |B x − b|, with one correction of its rounding. Scaled velocities or increments, one
+    /// for each column of B.
     fn least(&self, wanted: &DVector<f64>) -> DVector<f64> {
         let mut x = self.factor.solve(&self.matrix.tr_mul(wanted));
         for _ in 0..2 {
@@ -60,7 +68,7 @@ impl Equations {
         x
     }
 
-    /// The smallest μ with Bᵀ μ = f.
+    /// The smallest μ with Bᵀ μ = f. One for each row of B, scaled.
     pub fn reactions(&self, forces: &DVector<f64>) -> DVector<f64> {
         let mut reactions = &self.matrix * self.factor.solve(forces);
         for _ in 0..2 {
@@ -120,9 +128,9 @@ pub(super) struct Mechanism {
     pub follows_states: bool,
     /// The equations at the state that was completed last.
     pub equations: Option<Equations>,
-    /// The rates that the constraints demand while nothing moves, scaled, at that state.
+    /// The rates that the constraints require while nothing moves, scaled, at that state.
     pub demanded: DVector<f64>,
-    /// For each equation, whether it has demanded a rate at any state so far: the equation of a drive.
+    /// For each equation, whether it has required a rate at any state so far: the equation of a drive.
     pub driven: Vec<bool>,
     /// The fastest motion so far, scaled.
     pub quickest: f64,
@@ -596,6 +604,8 @@ impl Mechanism {
             pivots().fold(0.0, f64::max),
         );
         // a small pivot of the squares may be rounding, so singular values decide
+        // pivots of squares: their rounding is 1e-8 of the largest, and a ratio of 1e-4 has singular values
+        // about as far apart
         least < 1e-4 * most
             && decompose(equations.matrix.clone())
                 .is_none_or(|svd| svd.singular_values.min() <= SINGULAR * svd.singular_values.max())

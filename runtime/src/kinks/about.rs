@@ -6,21 +6,29 @@ use super::crossing::{BEGIN, crossing, roots, same_side, tip};
 use super::{Crossing, Item, Kinks, Limit};
 use crate::integrator::STATE_SHARE;
 
-/// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if it were at the
-/// kink, so the load of this distance is an error.
+/// Distance before a kink at which a step ends, as a share of the limit. The motion starts again there as if
+/// it were at the kink, so the load of this distance is an error. A hundredth of the limit makes this error
+/// small beside those that the limit allows; a smaller share would come near the rounding of positions.
 const BEFORE: f64 = 0.01;
-/// A state nearer to a kink than this many times the distance of [`BEFORE`] counts as at the kink.
+/// A state nearer to a kink than this many times the distance of [`BEFORE`] counts as at the kink. A step
+/// that aims there misses by the error of its cubic, so twice the distance leaves room on both sides.
 const AT: f64 = 2.0;
-/// Nearer to a kink than this many times the distance of [`BEFORE`], rounding decides the side of a state.
+/// Nearer to a kink than this many times the distance of [`BEFORE`], rounding decides the side of a state. A
+/// step that aims at the distance itself ends beyond this one.
 const BESIDE: f64 = 0.5;
-/// Limit of a time, as a share of the time itself.
+/// Limit of a time, as a share of the time itself. Sums of steps round by a few units of the last place.
 const MOMENT: f64 = 8.0 * f64::EPSILON;
-/// Share of the limit of a function without a unit above which its sign is not due to rounding.
+/// Share of the limit of a function without a unit above which its sign is not due to rounding. With the
+/// share 1e-5 of [`STATE_SHARE`] it is 1e-11 of the largest value: some decades above the rounding of the
+/// function, which may be a difference.
 const SIGN: f64 = 1e-6;
 /// Number of successive steps that pass one kink after which the motion counts as staying there: a valve
-/// whose pressures have become equal, a body that sticks. Ending every step there would gain nothing.
+/// whose pressures have become equal, a body that sticks. Ending every step there would gain nothing. Three
+/// is a choice: two steps may pass the same kink to and fro by chance.
 const STAYS: f64 = 3.0;
-/// Share of the change of a function over a step that its rates do not explain. Above it, the function has jumped with its angle.
+/// Share of the change of a function over a step that its rates do not explain. Above it, the function has
+/// jumped with its angle. A choice: a jump is nearly the whole change, and the rates of a smooth function
+/// explain most of it.
 const WRAPPED: f64 = 0.5;
 
 impl Kinks {

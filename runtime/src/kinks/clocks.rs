@@ -19,22 +19,30 @@ pub(super) const KEPT: usize = 3;
 const AHEAD: usize = 2;
 /// A function that never changes: there is no moment.
 const NONE: [f64; 2] = [1.0, 0.0];
-/// Places within an interval at which the function is compared with the cubic. They are no simple shares, because a function with a
-/// period may agree at those.
+/// Places within an interval at which the function is compared with the cubic: (3 − √5)/4, 1/√6, (√5 − 1)/2
+/// and sin 1. They are no simple shares, because a function with a period may agree at those.
 const WITHIN: [f64; 4] = [0.190_983, 0.408_248, 0.618_034, 0.841_471];
-/// Difference from the cubic that is allowed, as a share of the distance from zero, or of the function's largest value if it comes
-/// near zero.
+/// Difference from the cubic that is allowed, as a share of the distance from zero, or of the function's
+/// largest value if it comes near zero. Choices: a quarter of the distance leaves room for an error between
+/// the four places. Near zero the difference moves the change of sign in time alone, and bisection with the
+/// function itself finds it; the cubic need only show that there is one.
 const CLEAR: f64 = 0.25;
 const NEAR: f64 = 1e-3;
-/// Number of first intervals of a search.
+/// Number of first intervals of a search. A choice: the test of an interval compares four points, so the
+/// search begins with 32 points; more would slow down functions that never change.
 const FIRST: f64 = 8.0;
-/// The shortest interval, as a share of a search, and in roundings of the time.
+/// The shortest interval, as a share of a search, and in roundings of the time. A choice: a function that
+/// jumps is never a cubic, and its interval is halved down to these, 27 times. Shorter ones would have equal
+/// times at their ends and within.
 const SHORTEST: f64 = 1e-9;
 const ROUNDINGS: f64 = 16.0;
-/// Largest number of intervals of a search. Where it ends, a step ends, too.
+/// Largest number of intervals of a search. Where it ends, a step ends, too. A choice: a function with more
+/// changes than this in a step would otherwise keep the run from moving on.
 const MOST: usize = 100_000;
-/// The shortest distance (s) from a moment, and the largest multiple of this distance at which both sides of the moment may be clear of
-/// rounding.
+/// The shortest distance (s) from a moment, and the largest multiple of this distance at which both sides of
+/// the moment may be clear of rounding. The first is for the time zero, which has no last place. The second
+/// is 29 doublings: with two last places of a time these are about 2e-7 of it. There the square of a function
+/// that touches zero is some 1e-14, clear of rounding.
 const LEAST: f64 = 1e-20;
 const DOUBLED: f64 = (1_u64 << 29) as f64;
 /// Largest distance (s) from a zero near the time zero at which a function that touches it may be clear of rounding: `1 - cos(t/(1 s))` is

@@ -2,8 +2,9 @@
 
 use super::Crossing;
 
-/// Share of a step within which a kink counts as being at its beginning. Otherwise a function that is zero there
-/// except for rounding would shorten the step to nothing.
+/// Share of a step within which a kink counts as being at its beginning. Otherwise a function that is zero
+/// there except for rounding would shorten the step to nothing. A choice above the rounding of a function
+/// over its change in a step; a kink missed by it lies a millionth of a step before its end.
 pub(super) const BEGIN: f64 = 1e-6;
 
 /// Whether the cubic through values and rates at both ends of a step h keeps one sign, because its four control
@@ -89,9 +90,10 @@ pub(super) fn tip(
     (deep > limit && clear > limit).then_some(time)
 }
 
-/// The place at which a function leaves a side, between two places between which it is monotone: bisection until
-/// the bracket is rounding.
+/// The place at which a function leaves a side, between two places between which it is monotone: bisection
+/// until the bracket is rounding. In the unit of the places.
 fn change(at: impl Fn(f64) -> f64, side: f64, mut low: f64, mut high: f64) -> f64 {
+    // some units of the last place: nearer ends have no middle between them
     while high - low > 1e-15 * high {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
@@ -106,7 +108,7 @@ fn change(at: impl Fn(f64) -> f64, side: f64, mut low: f64, mut high: f64) -> f6
     high
 }
 
-/// Real roots of `a s² + b s + c`.
+/// Real roots of `a s² + b s + c`. They come in no order; a root at infinity is left out.
 pub(super) fn roots(a: f64, b: f64, c: f64) -> Vec<f64> {
     let discriminant = b * b - 4.0 * a * c;
     if discriminant < 0.0 {

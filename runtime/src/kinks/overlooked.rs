@@ -23,7 +23,7 @@ pub struct Overlooked {
     pub depth: f64,
     /// See [`Overlooked::depth`].
     pub limit: f64,
-    /// The jump of the acceleration that a constraint demands there.
+    /// The jump of the acceleration that a constraint requires there.
     pub jump: Option<AccelerationJump>,
     /// Size of the passage in units of its limit.
     pub weight: f64,

@@ -7,9 +7,10 @@ use crate::model::Model;
 use eng_system::system::TableKink;
 use eng_system::table::{Corners, POINTS_BESIDE, Table};
 
-/// Number of functions of the ends.
+/// Number of functions of the ends: a lower and an upper one.
 const ENDS: usize = 2;
-/// Continuous derivatives at the inner points of every table.
+/// Continuous derivatives at the inner points of every table, at least: a `monotone` table has one, a spline
+/// two.
 const INNER: u8 = 1;
 /// A function that never changes: there is no point.
 const NONE: [f64; 2] = [1.0, 0.0];

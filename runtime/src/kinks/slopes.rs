@@ -19,7 +19,9 @@ const TWIST: u32 = VELOCITY;
 const COMPONENTS: u32 = 6;
 const ALONG: u32 = 3;
 
-/// Share of its largest value from which on the limit of a function matters, so that its slope is computed.
+/// Share of its largest value from which on the limit of a function matters, so that its slope is computed. A
+/// choice far above the limits, 1e-5 of the value or less, so that a function does not come from outside of
+/// this share to its kink within a step unnoticed.
 const NEAR: f64 = 1e-2;
 
 /// A kink function of places that is no length.

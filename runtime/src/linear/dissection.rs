@@ -11,14 +11,19 @@
 use super::Pattern;
 use std::collections::BTreeSet;
 
-/// Pieces up to this many unknowns are not dissected.
+/// Pieces up to this many unknowns are not dissected. A choice: a dense block of them is faster than the
+/// bookkeeping of smaller ones, and pivots may be chosen inside.
 const PIECE: usize = 32;
-/// Number of additional unknowns for which a block may still be joined with its parent.
+/// Number of additional unknowns for which a block may still be joined with its parent. A choice: two rows of
+/// zeros cost less than a block of its own.
 const SLACK: usize = 2;
 /// Number of groups that are tried as separators: those with most neighbours, and others evenly spread.
+/// Choices: a block or a crankshaft has most neighbours. In a chain all have two, and one of evenly spread
+/// ones is near its middle.
 const HUBS: usize = 16;
 const SPREAD: usize = 64;
-/// Number of successive separators without effect after which the piece becomes one block.
+/// Number of successive separators without effect after which the piece becomes one block. A choice: each
+/// makes the border larger.
 const PATIENCE: usize = 8;
 
 /// One dense block of the elimination.

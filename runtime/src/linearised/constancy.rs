@@ -32,32 +32,39 @@ use nalgebra::{DMatrix, DVector};
 use std::cell::OnceCell;
 use std::ops::Range;
 
-/// Angular velocity (rad/s) below which a body does not turn. A slower body settles, or its motion is
-/// rounding. The same number is the limit of speeds and accelerations over the model's length (1/s, 1/s²).
+/// Angular velocity (rad/s) below which a body does not turn: a tenth of a turn in a minute. A slower body
+/// settles, or its motion is rounding. The same number is the limit of speeds and accelerations over the
+/// model's length (1/s, 1/s²). A choice: a smaller limit would call the last motion of a settling body a
+/// rotation, a larger one would overlook slow shafts.
 const AT_REST: f64 = 1e-2;
 /// Angles (rad) of the fastest body. Both are below a quarter turn, because the angle between two bodies that
-/// turn against each other is followed only up to half a turn.
+/// turn against each other is followed only up to half a turn. They are no simple parts of a turn, at which a
+/// body of several equal sides would look alike.
 const ANGLES: [f64; 2] = [0.7, 1.5];
 /// Largest change of a constant coefficient, as a share of the largest of its kind between the same two
-/// bodies.
+/// bodies. A choice: some digits above the errors of positions, to which coefficients are derivatives.
 const SAME: f64 = 1e-6;
-/// Largest change by rounding, as a share of the largest coefficient of all.
+/// Largest change by rounding, as a share of the largest coefficient of all. A choice some decades above the
+/// rounding unit, because coefficients are sums over links.
 const ROUNDING: f64 = 1e-11;
-/// Change of the eigenvalues, as a share of their size, up to which changing coefficients are held.
+/// Change of the eigenvalues, as a share of their size, up to which changing coefficients are held. A choice:
+/// eigenvalues are printed with as many digits.
 pub(super) const SLIGHT: f64 = 1e-3;
 /// Changes of entries, as shares of the largest entry between the same two bodies and of the largest of all,
-/// that are not slight in any mode.
+/// that are not slight in any mode. Choices: with changes as large, the effect on the modes need not be
+/// computed.
 const GROSS: [f64; 2] = [0.1, 1e-3];
-/// Position tolerance of a model without journals, as a share of its length.
+/// Position tolerance of a model without journals, as a share of its length: that of [`Model::bind`].
 const OF_LENGTH: f64 = 1e-6;
 /// A tenth of a clearance, in position tolerances.
 const OF_CLEARANCE: f64 = 100.0;
-/// See [`reach`].
+/// See [`reach`]. A hundredth of the model's length is a choice.
 const FOLLOWED: f64 = 1e-2;
-/// Share of the largest stiffness below which nothing holds a direction.
+/// Share of the largest stiffness below which nothing holds a direction. A choice above the rounding of a
+/// stiffness.
 const HELD: f64 = 1e-10;
 /// Distance of an axis from the body's origin, as a share of the model's length, below which it passes
-/// through the origin.
+/// through the origin. A choice: stated positions differ by less.
 const ON_AXIS: f64 = 1e-4;
 
 /// Coefficients in ground axes, free of the choice of N; lengths and angles scaled by the model's.
@@ -102,7 +109,7 @@ impl Coefficients {
 
     /// Whether no entry differs by more than a `share` of the largest entry of its kind between the same two
     /// bodies, with a lower limit: a `floor` of all entries. For this limit mass, damping and stiffness are
-    /// compared at a pace (rad/s). `groups` are ranges of the velocities that have one unit and one body.
+    /// compared at a rate (rad/s). `groups` are ranges of the velocities that have one unit and one body.
     fn same(
         &self,
         other: &Coefficients,
@@ -257,6 +264,7 @@ pub(super) fn sliding(model: &Model, state: &State) -> Vec<(usize, f64)> {
 /// films it is a tenth of a clearance.
 fn reach(model: &Model) -> f64 {
     let share = model.tolerance / model.length;
+    // smaller than without journals, but not by rounding
     if share < 0.99 * OF_LENGTH {
         OF_CLEARANCE * share
     } else {
@@ -417,6 +425,8 @@ pub(super) fn axis(model: &Model, state: &State) -> Option<V3> {
 /// makes mass, damping and stiffness comparable.
 pub(super) fn alike(model: &Model, both: [&Equations; 2], pace: f64, share: f64) -> bool {
     let [a, b] = both.map(|e| Coefficients::new(model, e));
+    // entries may also differ by a thousandth of the share of the largest of all, a choice: smaller ones move
+    // no mode
     a.same(&b, &groups(model), pace, [share, 1e-3 * share])
 }
 

@@ -23,16 +23,18 @@ use crate::state::State;
 use eng_system::code::Function;
 use std::f64::consts::TAU;
 
-/// First and last time after the state (s).
+/// First and last time after the state (s). Choices: loads over time of a machine have periods from some
+/// microseconds to hours; the last time is a day.
 const TIMES: [f64; 2] = [1e-6, 1e5];
-/// Ratio of a time to the one before.
+/// Ratio of a time to the one before: the golden ratio, so that numbers of turns follow Fibonacci's.
 const GOLDEN: f64 = 1.618_033_988_749_895;
 /// Limit of turns, and of sliding in lengths of the model. Up to it rounding stays below [`STEADY`].
 const FARTHEST: f64 = 2e3;
 /// Largest difference of position, velocity and acceleration after a steady drive, as a share of the model's
-/// size and speed.
+/// size and speed. A choice: positions after 1597 turns are rounded to 1e-12.
 const STEADY: f64 = 1e-8;
-/// Residual (SI) above which a row does not hold.
+/// Residual (SI) above which a row does not hold. A choice: assembled rows are closed to 1e-10 in scaled
+/// units, and drives of another motion leave far more.
 const OPEN: f64 = 1e-7;
 
 /// The elements that change coefficients with time alone.

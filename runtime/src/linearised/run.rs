@@ -12,10 +12,11 @@ use eng_system::code::Compiled;
 use eng_system::system::{Extent, Linear};
 use std::ops::ControlFlow;
 
-/// Steps without progress of the cycle after which a run by angle gives up.
+/// Steps without progress of the cycle after which a run by angle gives up. A choice, as for a transient run.
 const PATIENCE: u64 = 200_000;
 
-/// Share of the transient in the progress, if a period follows.
+/// Share of the transient in the progress, if a period follows. A choice: the integration of a period with
+/// its matrices takes longer.
 const BEFORE: f64 = 0.25;
 
 /// Linearises about the state of an analysis. `observer` gets start, progress and warnings, and no samples.
@@ -181,6 +182,7 @@ pub(super) fn turn_by(
             simulation.sample_at_angle(start + sense * angle, values)?;
             return Ok(());
         }
+        // progress of less than a billionth of a radian is rounding
         if now > farthest + 1e-9 {
             (farthest, standing) = (now, 0);
             continue;

@@ -38,25 +38,32 @@ use eng_system::layout::InputLayout;
 use eng_system::system::{Kink, Origin};
 use nalgebra::{DMatrix, DVector};
 
-/// Distance of a kink function from zero within which the state is at the kink, as a share of its change along
-/// the position tolerance; see [`crate::kinks`].
+/// Distance of a kink function from zero within which the state is at the kink, as a share of its change
+/// along the position tolerance; see [`crate::kinks`]. It is the limit there: twice a hundredth of the
+/// tolerance.
 const AT: f64 = 0.02;
-/// Distances of the compared derivatives from the state, in position tolerances.
+/// Distances of the compared derivatives from the state, in position tolerances. Choices: a step of a run
+/// resolves nothing nearer than the tolerance, and an eighth is far enough from it to see a root.
 const FAR: f64 = 1.0;
 const NEAR: f64 = 0.125;
-/// Share of the element's own blocks up to which two sides agree.
+/// Share of the element's own blocks up to which two sides agree. A choice: eigenvalues then differ by less
+/// than they are printed with.
 const SAME: f64 = 1e-3;
-/// Share of the difference at the farther distance above which it does not vanish at the state. A difference by a
-/// root falls to 0.35 of it, one by a jump remains.
+/// Share of the difference at the farther distance above which it does not vanish at the state. A difference
+/// by a root falls to 0.35 of it, one by a jump remains. The limit is a choice between these.
 const PERSISTS: f64 = 0.5;
-/// Share of the sums of absolute terms below which a difference is rounding.
+/// Share of the sums of absolute terms below which a difference is rounding. A choice some decades above the
+/// rounding unit.
 const ROUNDING: f64 = 1e-11;
-/// The most kink functions of an element whose cones are all compared. Of more, the sides of each are compared.
+/// The most kink functions of an element whose cones are all compared. Of more, the sides of each are
+/// compared. A choice: five have 32 cones, each of which takes derivatives of the element.
 const MOST: usize = 5;
-/// Longest move into a cone, in position tolerances. A narrower cone is left out.
+/// Longest move into a cone, in position tolerances. A narrower cone is left out. A choice: kinks of such a
+/// cone are nearly parallel, and the farther cones are no part of a small motion.
 const LONGEST: f64 = 30.0;
 
 /// Sine of the angle between the changes of two kink functions below which their kinks lie at the same moves.
+/// A choice above the rounding of derivatives.
 const PARALLEL: f64 = 1e-4;
 
 /// A kink function of an element, or its distance from a point of a table.

@@ -27,7 +27,8 @@ use super::equations::Equations;
 use crate::error::RuntimeError;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Number of shifts. Each is eight decades below the one before.
+/// Number of shifts. Each is eight decades below the one before, so they lead below [`SLOWEST`] for every
+/// machine.
 const SHIFTS: usize = 4;
 /// Rate (1/s) below which a motion counts as none: it does not change in the age of the universe.
 const SLOWEST: f64 = 1e-18;

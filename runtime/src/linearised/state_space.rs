@@ -18,15 +18,19 @@ use crate::model::Model;
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// Powers of ten of the steps for an input whose value is zero, from large to small (SI).
+/// Powers of ten of the steps for an input whose value is zero, from large to small (SI). A choice: from a
+/// nanometre to kilonewtons; the best step is chosen.
 const POWERS: std::ops::RangeInclusive<i32> = -9..=3;
-/// Share of the slope by which the slopes to both sides may differ at every step; a larger share is a kink.
+/// Share of the slope by which the slopes to both sides may differ at every step; a larger share is a kink. A
+/// choice.
 const BENT: f64 = 1e-3;
-/// Number of the smallest steps whose scatter shows the rounding.
+/// Number of the smallest steps whose scatter shows the rounding. A choice: three decades, in which a kink
+/// still counts little.
 const SCATTER: usize = 3;
-/// Least number of other steps.
+/// Least number of other steps. A choice: with fewer the best step may be missed.
 const WIDE: usize = 6;
-/// Number of roundings up to which a difference of slopes counts as zero.
+/// Number of roundings up to which a difference of slopes counts as zero. A choice: the scatter itself is
+/// known within such a factor.
 const NOISE: f64 = 1e3;
 
 /// The matrices of small motions about a state.

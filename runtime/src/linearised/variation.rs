@@ -20,9 +20,11 @@ use super::eigen::spectrum;
 use super::equations::Equations;
 use nalgebra::{Complex, DMatrix};
 
-/// Number of roundings of the terms of D below which there is no change.
+/// Number of roundings of the terms of D below which there is no change. A choice: the terms are sums of
+/// products of computed matrices, so their rounding is many units of the last place.
 const ROUNDINGS: f64 = 100.0;
 /// Largest error of `X⁻¹AX` as a share of an eigenvalue. Nearly parallel modes exceed it, and give no result.
+/// A choice: eigenvalues are then right to the digits that are printed.
 const MISSED: f64 = 1e-6;
 
 /// The modes of the equations at a state.

@@ -17,13 +17,16 @@ use eng_system::system::{
 };
 use std::sync::Arc;
 
-/// Share of the largest radius of gyration below which the distances of markers are no measure of a model.
+/// Share of the largest radius of gyration below which the distances of markers are no measure of a model. A
+/// choice: a body of a hundred times the lever of its markers turns little by their forces.
 const POINTLIKE: f64 = 1e-2;
 
-/// Position tolerance as a part of the smallest length that a class resolves.
+/// Position tolerance as a part of the smallest length that a class resolves. A choice: forces of a film
+/// change by about this share when its gap does.
 const OF_RESOLUTION: f64 = 1e-3;
 
-/// Largest position tolerance as a part of the model's length.
+/// Largest position tolerance as a part of the model's length. A choice: with [`crate::model::STEP_SHARE`] a
+/// step is right to 1e-7 of the length.
 const OF_LENGTH: f64 = 1e-6;
 
 fn malformed(what: impl Into<String>) -> RuntimeError {
@@ -498,6 +501,7 @@ fn check_shapes(
 
 /// Whether squares of a place (m), and their products with masses and stiffnesses, are numbers.
 fn is_measurable(place: &V3) -> bool {
+    // a choice: its square is 1e200, which leaves 1e108 for a mass or a stiffness below the largest double
     place.amax() < 1e100
 }
 
@@ -552,11 +556,14 @@ fn body_kind(
     let mut rising = [moments[0], moments[1], moments[2]];
     rising.sort_by(f64::total_cmp);
     let shown = format!("{} kg m²", rising.map(|m| short(m, 4)).join(", "));
+    // rounding of a tensor in a text with nine digits or more
     if !largest.is_finite() || moments.iter().any(|m| *m < -1e-9 * largest) {
         return Err(refuse(&format!(
             "the inertia tensor has the principal moments {shown}; none may be negative: check signs and order of its numbers"
         )));
     }
+    // a flat plate is exactly at the limit, and a tensor of a text may have seven digits. The compiler
+    // compares stated principal moments more strictly
     if moments.iter().any(|m| 2.0 * m > trace * (1.0 + 1e-6)) {
         return Err(refuse(&format!(
             "the principal moments of inertia are {shown}: one exceeds the sum of the other two, which is impossible for a body"

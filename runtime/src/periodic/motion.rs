@@ -10,9 +10,11 @@ use crate::model::Model;
 use std::collections::VecDeque;
 
 /// Share of a state's size, at the usual tolerance, within which states of two cycles count as equal. It is
-/// ten times the error of a step.
+/// ten times the error of a step. The factor ten is a choice: that of positions, whose error of a step is a
+/// tenth of the tolerance.
 const STATE_TOLERANCE: f64 = 1e-4;
-/// Cycles over which the distance of the motion is compared.
+/// Cycles over which the distance of the motion is compared. A choice: over eight cycles a slow approach goes
+/// eight times as far as over one, and noise of the steps does not.
 const LONG: usize = 8;
 
 /// Indices of a body's numbers in a sample's pose and velocities.
@@ -61,7 +63,7 @@ struct Cycle {
 #[derive(Clone, Debug)]
 pub struct Motion {
     places: Vec<Place>,
-    /// Units of velocities (m/s and rad/s, by the model's pace) and of states.
+    /// Units of velocities (m/s and rad/s, by the model's speed) and of states.
     units: Vec<f64>,
     velocities: usize,
     /// Error of positions that the tolerance leaves (m), and the model's length (m), which converts it to an

@@ -8,19 +8,26 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 /// Share of the largest value of a dimension (for angles: of the largest swing) below which a channel's own
-/// swing does not count, because the error of the steps is as large.
+/// swing does not count, because the error of the steps is as large. A choice: with a much smaller share the
+/// error of the steps in a small channel would pass for a change from cycle to cycle, with a larger one a
+/// real change in it would be overlooked.
 const LEAST_SWING: f64 = 1e-2;
-/// Least swing of an angle (rad).
+/// Least swing of an angle (rad). A choice: a swing below 0.006° is that of a body that hardly turns.
 const LEAST_ANGLE: f64 = 1e-4;
-/// Share of the loads that follow from a model's mass, size and pace, below which a load is rounding.
+/// Share of the loads that follow from a model's mass, size and speed, below which a load is rounding. A
+/// choice some decades above the rounding unit, because reactions are differences.
 const ROUNDING: f64 = 1e-9;
-/// Share of a growth by which it may vary within a cycle and from the last cycle.
+/// Share of a growth by which it may vary within a cycle and from the last cycle. A choice: a count or a sum
+/// grows equally, and a decaying channel does not.
 const STEADY: f64 = 1e-3;
-/// Share of a swing below which a channel counts as constant.
+/// Share of a counted swing below which a channel counts as constant. A choice: if every channel stays below
+/// it, the cycle says nothing about a motion. A larger share would take a small real motion for rest.
 const STANDING: f64 = 1e-3;
-/// Squared sine between two differences below which they have one direction.
+/// Squared sine between two differences below which they have one direction: 1.8°. A choice: the fit to two
+/// differences of one direction would divide by noise.
 const PARALLEL: f64 = 1e-3;
-/// Number of samples below which a difference says nothing about its prediction.
+/// Number of samples below which a difference says nothing about its prediction. A choice: two factors fit
+/// two samples exactly, and of four they leave half.
 const FEW_SAMPLES: f64 = 4.0;
 
 /// A channel that grows by the same amount every cycle.
@@ -58,7 +65,7 @@ pub struct Comparison {
 
 impl Comparison {
     /// A comparison for the channels of a system. `length` is the least swing of a length (m), such as a
-    /// bearing's clearance; `scale` mass (kg), size (m) and pace (rad/s) of the model.
+    /// bearing's clearance; `scale` mass (kg), size (m) and speed (rad/s) of the model.
     pub fn new(system: &System, length: f64, scale: [f64; 3]) -> Comparison {
         let dimensions = system.channels.iter().map(|c| c.dimension).collect();
         Comparison {
@@ -211,7 +218,7 @@ impl Comparison {
     }
 
     /// For a mechanical dimension: the value below which all is rounding in a model of this mass, size and
-    /// pace.
+    /// speed.
     fn rounding(&self, dimension: Dimension) -> f64 {
         let [mass, size, pace] = self.scale;
         let of_bases = (0..BASES).fold(ROUNDING, |value, base| {

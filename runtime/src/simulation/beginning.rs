@@ -1,6 +1,6 @@
 //! A start at a kink: the motion begins on the side to which it goes.
 //!
-//! Before its start a motion has no values. So where a load or a demanded acceleration jumps at the first
+//! Before its start a motion has no values. So where a load or a required acceleration jumps at the first
 //! state, such as after `if time > 0 s`, its value is that just after the start. Outputs of the first state
 //! are those of a state just after it, and the first step begins there if the kink is a moment.
 
@@ -11,12 +11,14 @@ use eng_system::dense::largest;
 use eng_system::system::StepControl;
 
 /// Time after a kink of the motion, as a share of the time in which the motion covers the model's length or a
-/// radian.
+/// radian. A choice far above the rounding of positions, 1e-16, and so short that nothing else changes.
 const BEHIND: f64 = 1e-12;
 /// Longest time to a kink, in the same measure. A slow motion reaches a kink that is a rounding away after a
-/// time in which its loads change by themselves, and its first state is no state of that time.
+/// time in which its loads change by themselves, and its first state is no state of that time. The limit is a
+/// choice.
 const NEAR: f64 = 1e-9;
-/// Change of an acceleration or a rate at the kink that is a jump, as a share of the largest one.
+/// Change of an acceleration or a rate at the kink that is a jump, as a share of the largest one. A choice:
+/// without a jump they change by about 1e-12 over the time [`BEHIND`].
 const JUMP: f64 = 1e-6;
 
 impl Simulation {

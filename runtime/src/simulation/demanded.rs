@@ -1,9 +1,9 @@
-//! Kinks of constraints: a velocity that a constraint demands must not jump there.
+//! Kinks of constraints: a velocity that a constraint requires must not jump there.
 //!
-//! A constraint demands `Φ = 0` and `Φ̇ = 0`. A drive along `max(0 s, t − 1 s) · 1 m/s` demands another
+//! A constraint requires `Φ = 0` and `Φ̇ = 0`. A drive along `max(0 s, t − 1 s) · 1 m/s` requires another
 //! velocity after its kink than before it. The change of velocities needs an impulse, whose distribution and
 //! loss of energy an impact law would have to state. Eng has no such laws. Steps across the kink would take a
-//! velocity between both, and lose or gain momentum and energy. So the run ends there. If only the demanded
+//! velocity between both, and lose or gain momentum and energy. So the run ends there. If only the required
 //! acceleration jumps, the motion starts again after the kink.
 //!
 //! Both sides are compared at one motion: Φ and Φ̇ of the element at the motion just before and just after
@@ -11,47 +11,58 @@
 //! with the distance of both.
 //!
 //! The place of the kink is the zero of its function. Where the rate of the function does not lead to it, as
-//! at `(t − 1 s)³`, bisection finds the place. A function that only touches zero changes no sign, and demands
+//! at `(t − 1 s)³`, bisection finds the place. A function that only touches zero changes no sign, and requires
 //! no jump.
 
 use super::Simulation;
 use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::state::State;
 
-/// Smallest jump of a demanded velocity that counts: as a share of the model's motion, and of the model's
-/// length in a second. A smaller one is rounding, or an error of the text that no result shows.
+/// Smallest jump of a required velocity that counts: as a share of the model's motion, and of the model's
+/// length in a second. A smaller one is rounding, or an error of the text that no result shows. Both are
+/// choices.
 const VELOCITY: (f64, f64) = (1e-6, 1e-9);
 /// The second distance from the kink as a share of the first one, and the least part of a difference that
-/// remains there if it is a jump.
+/// remains there if it is a jump. Choices: a difference without a jump falls with the distance, to a quarter,
+/// and that of a root to a half.
 const NEARER: f64 = 0.25;
 const REMAINS: f64 = 0.5;
-/// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there.
+/// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there. The
+/// larger one is a choice: a thousand times that, so that a slope and a jump differ.
 const ROUNDINGS: [f64; 2] = [2048.0, 2.0];
 /// Distance from a kink within a step, as a share of the step. Nearer to a corner, a rate such as that of
 /// `acos(dot(a, b))` has few digits: at the angle x from the corner, the rounding ε of the cosine changes it
 /// by `ε/x²` of itself. A hundred radians a second and steps of 0.1 ms are `x = 1e-6` there, so the rate is
 /// known to 2e-4.
 const WITHIN: f64 = 1e-4;
-/// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed.
+/// Largest deviation of the change of a kink's function from its rate, where the kink counts as passed. A
+/// choice: a function with a zero of higher order deviates by more.
 const STRAIGHT: f64 = 0.5;
-/// Longest distance from a kink, as a share of the step, over which the rate of its function says where the kink is.
+/// Longest distance from a kink, as a share of the step, over which the rate of its function says where the
+/// kink is. A choice: over a hundredth of a step a rate changes by about as much.
 const SMOOTH: f64 = 1e-2;
-/// Shortest distance from a kink (s).
+/// Shortest distance from a kink (s). A choice above the rounding of times of a run of some seconds, 1e-16 s
+/// a second, and below the time in which any load changes.
 const SHORTEST: f64 = 1e-12;
-/// Growth of the distance over which a kink is searched.
+/// Growth of the distance over which a kink is searched. A choice: 17 of them lead from 1e-12 s to a step of
+/// 20 ms, and each costs two evaluations.
 const WIDER: f64 = 4.0;
-/// Places after the beginning of a step, in steps, up to which the motion before a kink is followed to find it.
+/// Places after the beginning of a step, in steps, up to which the motion before a kink is followed to find
+/// it. A choice: the motion before the step may reach the kink later than the step did, because the step had
+/// another acceleration behind it.
 const ALONG: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
-/// Distance from a kink at which accelerations are compared, as a share of the step.
+/// Distance from a kink at which accelerations are compared, as a share of the step. A choice: near enough
+/// for both slopes to be those at the kink, and far enough for differences of rates with some ten digits.
 const APART: f64 = 1e-3;
-/// Largest error of a position over a step h after a jump of an acceleration, as a share of h² times the jump.
+/// Largest error of a position over a step h after a jump of an acceleration, as a share of h² times the
+/// jump. [`Simulation::keep_acceleration_jump`] derives it.
 const MOST_ERROR: f64 = 0.25;
 
 /// Φ and Φ̇ of an element on the other side of a kink, less those on this side.
 type Difference = Vec<[f64; 2]>;
 
 impl Simulation {
-    /// Refuses to continue from kinks at which a constraint demands a jump.
+    /// Refuses to continue from kinks at which a constraint requires a jump.
     pub(super) fn refuse_jumps_here(&mut self) -> Result<(), RuntimeError> {
         let factor = self.options.step.tolerance();
         let here = self.integrator.current.time;
@@ -69,6 +80,7 @@ impl Simulation {
                 return self.refuse_jump(kink, &base, moment - here, distances);
             }
             let [to_kink, around] = self.kinks.times_to(kink, here, factor);
+            // some roundings of the time
             let around = around.max(8.0 * f64::EPSILON * here.abs()).max(SHORTEST);
             let rate = self.kinks.rate(kink);
             let ends = [to_kink - around, to_kink + around];
@@ -87,7 +99,7 @@ impl Simulation {
         found
     }
 
-    /// Refuses kinks within the last step at which a constraint demands a jump: kinks with the times (s) from
+    /// Refuses kinks within the last step at which a constraint requires a jump: kinks with the times (s) from
     /// its beginning. The motion is that before the step, because after a jump the step has a velocity
     /// between those of both sides.
     pub(super) fn refuse_jumps_within(
@@ -120,7 +132,7 @@ impl Simulation {
     }
 
     /// Keeps a kink at a time (s) after a motion, within a fixed step h (s), if the acceleration that a
-    /// constraint demands jumps there by a size that matters.
+    /// constraint requires jumps there by a size that matters.
     ///
     /// The jump of Φ̈ is that of the slope of Φ̇, from two points on each side, at `−2d, −d, d, 2d` from the
     /// kink. The scheme integrates accelerations like a trapezoid. So after a jump `Δa` at the share s of the
@@ -230,7 +242,7 @@ impl Simulation {
         self.kinks.evaluate(&self.model, &self.dynamics, state)
     }
 
-    /// Refuses a kink at a time (s) after a motion, if a constraint demands a jump there: its difference does
+    /// Refuses a kink at a time (s) after a motion, if a constraint requires a jump there: its difference does
     /// not shrink from the larger distance (s) to the smaller one.
     fn refuse_jump(
         &mut self,

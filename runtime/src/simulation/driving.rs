@@ -6,7 +6,9 @@ use crate::error::RuntimeError;
 use crate::inputs::Point;
 use eng_system::system::StepControl;
 
-/// Distance of a point of time from the grid of fixed steps that is rounding, as a share of a step and of the time.
+/// Distance of a point of time from the grid of fixed steps that is rounding, as a share of a step and of the
+/// time. Points are sums of a few products, so they are some last places off the grid; a billionth of a step
+/// is no step.
 const ON_GRID: (f64, f64) = (1e-9, 4.0 * f64::EPSILON);
 
 impl Simulation {

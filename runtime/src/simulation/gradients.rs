@@ -25,27 +25,32 @@ const AROUND: [(f64, f64); 4] = [
     (2.0, -1.0 / 12.0),
     (-2.0, 1.0 / 12.0),
 ];
-/// Increment of a parameter, as a share of its size. The error of a difference is then about 1e-9 of ∂R/∂p,
-/// from rounding.
+/// Increment of a parameter, as a share of its size. It is a third of the fifth root of the rounding unit,
+/// near which a difference of fourth order has its least error. Rounding leaves about 1e-9 of ∂R/∂p.
 const SHARE: f64 = 2.5e-4;
 /// Largest displacement of a marker by an increment, as a share of the model's position tolerance. The
-/// tolerance is a thousandth of the smallest clearance, so forces are smooth over this displacement.
+/// tolerance is a thousandth of the smallest clearance, so forces are smooth over this displacement. A
+/// quarter is a choice: differences use twice the increment.
 const REACH: f64 = 0.25;
-/// The same as a share of the model's length, if no class resolves a length.
+/// The same as a share of the model's length, if no class resolves a length. A choice: joints and springs are
+/// smooth over a much longer way.
 const REACH_OF_LENGTH: f64 = 1e-4;
 /// Largest move of the state over the increment of a parameter, in multiples of the lengths above, at which
 /// one difference of a sample serves the state and the parameter together. Times [`REACH`] it is the
 /// tolerance of positions.
 const JOINT: f64 = 4.0;
-/// Largest change of a state by an increment, as a share of its size.
+/// Largest change of a state by an increment, as a share of its size. A choice: laws of states are smooth
+/// over this, and a difference keeps ten digits or more.
 const STATES: f64 = 1e-4;
 /// Largest difference between the derivatives of the start over one and over two increments: as a share of
-/// the largest derivative, plus a share of the model's sizes per relative change of the parameter.
+/// the largest derivative, plus a share of the model's sizes per relative change of the parameter. Choices:
+/// differences of fourth order agree far better where the start is smooth, and the second share is rounding.
 const START: (f64, f64) = (1e-4, 1e-6);
 /// Displacement over the model's length per relative change of a parameter. Above it a gradient predicts only
 /// changes below a millionth of the parameter.
 const SENSITIVE: f64 = 1e6;
-/// Increment of the time of a sample, as a share of the step.
+/// Increment of the time of a sample, as a share of the step. A choice: the interpolation is a polynomial
+/// over the step, so differences over a hundredth of it are exact but for rounding.
 const MOMENT: f64 = 1e-2;
 /// Numbers of the cycle behind the channels of a sample: its angle and its rate.
 const CYCLE: usize = 2;
@@ -577,6 +582,7 @@ fn increment(model: &Model, parameter: &Parameter, value: f64) -> Result<f64, Ru
     };
     // both limits are open
     let room = (high - value).min(value - low);
+    // twice the increment must stay within the limits: 0.4 leaves a fifth of the room
     Ok((SHARE * size).min(0.4 * room))
 }
 
@@ -613,7 +619,7 @@ fn residual_at(
     Ok(())
 }
 
-/// The rates Φ̇ of the constraints at a state.
+/// The rates Φ̇ of the constraints at a state. In SI: m/s or rad/s.
 fn rates_at(
     dynamics: &mut Dynamics,
     model: &Model,
@@ -650,6 +656,7 @@ fn distance(model: &Model, state: &State, along: [&Variation; 2], reach: f64) ->
     if share > 0.0 {
         Some(1.0 / share)
     } else {
+        // a choice for parameters that move no marker: a millionth of their size, far above rounding
         others.then_some(1e-6)
     }
 }

@@ -9,43 +9,58 @@ use crate::kinks::Crossing;
 use crate::model::STEP_SHARE;
 use crate::state::State;
 
-/// Most trials of a step that a kink may shorten.
+/// Most trials of a step that a kink may shorten. A choice: after these the step is accepted as it is, so
+/// that a kink that is never met cannot stop a run.
 const MOST_CUTS: usize = 14;
 /// At a kink that is no length or angle: most trials that end at the zero of the cubic over the trial before.
+/// A choice: secants of a smooth function meet it in four.
 const SECANTS: usize = 4;
-/// Share of the way to such a kink for the trials after these.
+/// Share of the way to such a kink for the trials after these. A choice: a tenth leaves room for the error of
+/// the cubic.
 const SHORT: f64 = 0.9;
-/// Share of the usual step below which the accelerations and multipliers of a step that ends at a kink are not accurate.
+/// Share of the usual step below which the accelerations and multipliers of a step that ends at a kink are
+/// not accurate. At a hundredth, rounding of positions makes 1e4 times the usual error of accelerations. A
+/// choice.
 const SHORT_STEP: f64 = 1e-2;
-/// Shortest trial that ends at a kink (s). A kink nearer than this is at the beginning of the step.
+/// Shortest trial that ends at a kink (s). A kink nearer than this is at the beginning of the step. A choice
+/// above the rounding of times of a run of some seconds.
 const SHORTEST: f64 = 1e-12;
 /// Share of the way to a kink by which the third trial ends before the kink, the factor of this share for
-/// each further trial, and the largest share.
+/// each further trial, and the largest share. A choice: the shares are 1e-5, 8e-5, 6e-4, 5e-3, 4e-2 and from
+/// then on a tenth, so that a good prediction loses nothing and a bad one leads to an end before the kink.
 const RETREAT: (f64, f64, f64) = (1e-5, 8.0, 0.1);
-/// Share of the change of accelerations after a kink that a jump makes at the kink itself.
+/// Share of the change of accelerations after a kink that a jump makes at the kink itself. A choice: of a
+/// steep slope a small share appears there, of a jump nearly the whole.
 const AT_ONCE: f64 = 0.5;
-/// Distance after a kink, as a share of its limit, at which the motion starts again if forces jump there.
+/// Distance after a kink, as a share of its limit, at which the motion starts again if forces jump there. A
+/// choice: clear of rounding, and the load of the way across, with the step that ends a hundredth of the
+/// limit before the kink ([`crate::kinks`]), remains below the limit.
 const ACROSS: f64 = 1e-3;
 /// Time from a kink to the states after it, as a share of the time in which the motion covers the model's
-/// length or a radian.
+/// length or a radian. A choice: differences of accelerations over it have twelve digits, and stiff contacts
+/// hardly deform in it.
 const BEHIND: f64 = 1e-4;
-/// Largest such time, as a share of the time to the next kink of the element.
+/// Largest such time, as a share of the time to the next kink of the element. A choice: the second state is
+/// at twice the time.
 const BESIDE: f64 = 0.1;
 /// Largest deviation of accelerations and rates after a kink from a straight line through the state at the
-/// kink. A jump deviates by all of its size.
+/// kink. A jump deviates by all of its size. A choice: a root deviates by about as much as it changes.
 const STRAIGHT: f64 = 0.5;
 /// Difference of accelerations or rates between both sides of a moment above which they jump, as a share of
-/// the largest of them.
+/// the largest of them. A choice: between both sides pass some roundings of the time, in which nothing else
+/// changes as much.
 const JUMP: f64 = 1e-9;
-/// Error of the velocity of a step after a kink that is allowed in any case, as a share of the largest velocity.
+/// Error of the velocity of a step after a kink that is allowed in any case, as a share of the largest
+/// velocity. A choice: without it slow phases after a fast impact would take endless steps.
 const VELOCITY: f64 = 1e-4;
-/// Rounding of the increment of a step, as a share of the model's length. Divided by the step it is a
-/// rounding of the velocity.
+/// Rounding of the increment of a step, as a share of the model's length: a hundred rounding units. Divided
+/// by the step it is a rounding of the velocity.
 const ROUNDING: f64 = 1e-14;
 /// Share of the step that the error allows after a kink, and largest growth of the step there. After a kink a
 /// force may grow as t^(3/2), as Hertz' contact does. The first step h then has an error of the velocity of
 /// the order h^(5/2), which the error of positions does not show, and a long flight after the contact
-/// multiplies it by its duration.
+/// multiplies it by its duration. With half of the step that the error allows in place of a fifth, this was
+/// the largest error of a ball's path (`docs/theory.md`). The growth is a choice.
 const FIRST: (f64, f64) = (0.2, 4.0);
 
 impl Simulation {

@@ -23,26 +23,30 @@ pub(super) enum Limit {
     Unsolved(Box<RuntimeError>),
 }
 
-/// Moments, in units of the last step from the present state, between which jumps are searched.
+/// Moments, in units of the last step from the present state, between which jumps are searched. A choice:
+/// near ones for a motion that is held at the kink, and up to 64 steps for one that passes it in longer
+/// steps.
 const MOMENTS: [f64; 11] = [
     -64.0, -16.0, -4.0, -1.0, -0.25, 0.0, 0.25, 1.0, 4.0, 16.0, 64.0,
 ];
-/// Least change between two moments, relative to the value's own size, for the search of a jump.
+/// Least change between two moments, relative to the value's own size, for the search of a jump. A choice: a
+/// jump below a twentieth of a load holds no motion.
 const NOTABLE: f64 = 0.05;
-/// Rounding of an element's wrench, relative to its largest force.
+/// Rounding of an element's wrench, relative to its largest force. A choice some decades above the rounding
+/// unit, for torques that are small differences.
 const ROUNDING: f64 = 1e-9;
 /// Halvings of the time between two moments. With more of them rounding would end the search within a zero at which a sign has a
 /// third value, `if v > 0 then -f else (if v < 0 then f else 0)`, and find half of the jump.
 const HALVINGS: usize = 40;
-/// Part of a change that remains after all halvings if it is a jump. Of a steep slope nothing remains, and of a jump in two parts
-/// a half.
+/// Part of a change that remains after all halvings if it is a jump. Of a steep slope nothing remains, and of
+/// a jump in two parts a half. The limit is a choice between them.
 const LEFT: f64 = 0.4;
 /// Part of a change below which the search ends: it is no jump. A continuous change comes here after a few
-/// halvings, and each evaluates all loads.
+/// halvings, and each evaluates all loads. The limit is a choice.
 const GONE: f64 = 0.05;
-/// Longest time across a kink that holds the motion, in steps.
+/// Longest time across a kink that holds the motion, in steps. A choice: that of [`MOMENTS`].
 const NEAR: f64 = 64.0;
-/// Most elements in the search.
+/// Most elements in the search. A choice: those with the largest changes come first.
 const LOOKED_AT: usize = 8;
 
 /// The kind of the numbers of a part.

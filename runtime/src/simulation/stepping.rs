@@ -13,28 +13,35 @@ use eng_system::dense::largest_scaled;
 use eng_system::system::{ConditionKind, Origin, StepControl};
 
 /// Largest change of an acceleration in the first step, as a share of its size, so that the step excites no
-/// ringing.
+/// ringing. A choice: a larger change is taken as a jump by the first step, and a much smaller one costs
+/// steps at every beginning.
 const FOLLOWED: f64 = 0.2;
 /// This share of the largest acceleration is added to the size of each, so that an acceleration near zero
-/// does not shorten the first step.
+/// does not shorten the first step. A choice: a body with a ten-thousandth of the largest acceleration may
+/// ring without an effect.
 const REST: f64 = 1e-4;
-/// Size of an acceleration that is rounding, as a share of the square of the motion's pace. Accelerations
-/// have rounding errors of some 1e-16 of that square. Their rates are differences over 1e-4 of the pace's
-/// time and have errors of 1e-11 of its cube. Smaller accelerations do not shorten the first step.
+/// Size of an acceleration that is rounding, as a share of the square of the motion's rate. Accelerations
+/// have rounding errors of some 1e-16 of that square. Their rates are differences over 1e-4 of the time in
+/// which the motion covers the model's length or a radian, and have errors of 1e-11 of the cube of its rate.
+/// Smaller accelerations do not shorten the first step.
 const ROUNDING: f64 = 1e-9;
-/// Smallest first step, as a share of the step that the error allows.
+/// Smallest first step, as a share of the step that the error allows. A choice: it costs thirteen more steps
+/// at twofold growth, and changes within less time are those of films that follow at once.
 const LAYER: f64 = 1e-4;
 
-/// Nothing turns a cycle at rest if its acceleration is at most this share of the model's largest.
+/// Nothing turns a cycle at rest if its acceleration is at most this share of the model's largest. A choice
+/// above the rounding of accelerations.
 const STANDING: f64 = 1e-6;
-/// Moments after the start (s) at which [`Simulation::cycle_stands`] computes this acceleration.
+/// Moments after the start (s) at which [`Simulation::cycle_stands`] computes this acceleration. A choice:
+/// drives and loads over time that begin later are found if they act at one of these.
 const LATER: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0];
 /// An error of a step below this share of the model's length may be a rounding error. The limit is larger
 /// than the rounding error of a number near 1, because positions far from the origin and large angles have
-/// larger rounding errors.
+/// larger rounding errors. A choice: a thousand times that of a number near 1.
 const NOISE: f64 = 1e-11;
 
-/// Largest turn of a body in a step under error control (rad). The dense output needs this limit.
+/// Largest turn of a body in a step under error control (rad). The dense output needs this limit. A choice, a
+/// twenty-fifth of a turn: the dense output is a cubic of rotation vectors.
 const TURN: f64 = 0.25;
 /// Largest turn of a body in a stated step (rad). Two bodies that turn against each other then turn by at
 /// most half a turn relative to each other, and up to there an angle can be followed.
@@ -98,8 +105,10 @@ impl Simulation {
         let acceleration = self.model.largest(&self.integrator.current.acceleration);
         // a ten-thousandth of the time in which the motion covers the model's length or a radian
         let pace = speed.max(libm::sqrt(acceleration));
+        // at rest nothing has a time; 10 µs is a choice
         let mut offset = if pace > 0.0 { 1e-4 / pace } else { 1e-5 };
         if let Some(h) = self.options.step.fixed() {
+            // a fixed step must not be left: a choice
             offset = offset.min(0.1 * h);
         }
         let mut ends = Vec::with_capacity(2);
@@ -156,8 +165,12 @@ impl Simulation {
         let error = self.integrator.coefficients.error.abs() * largest * self.model.length
             / (STEP_SHARE * self.model.tolerance * factor);
         let pace = first.pace;
+        // a choice: a fiftieth of a radian, about 300 steps a turn, if the error does not limit the step; at
+        // rest 10 µs
         let mut h = if pace > 0.0 { 0.02 / pace } else { 1e-5 };
         if error > 0.0 {
+            // half of the step that the error allows, a choice, because the rate of the first acceleration is
+            // known at the start only
             h = h.min(0.5 * libm::cbrt(1.0 / error));
         }
         // The first response of films and stiff modes hardly moves anything, but the acceleration would
@@ -528,6 +541,7 @@ impl Simulation {
         loop {
             let begin = self.integrator.current.time;
             let (mut h, mut time) = self.grid.next(nominal);
+            // the end is on the grid but for rounding
             let last = time >= end - 1e-9 * nominal;
             if last {
                 h = end - begin;
@@ -592,6 +606,7 @@ impl Simulation {
         RuntimeError::Rounding {
             moment: Some(self.moment()),
             tolerance: factor,
+            // a choice: a decade above the rounding that was found
             least: 10.0 * error * factor,
         }
     }
@@ -627,12 +642,14 @@ impl Simulation {
         }
         loop {
             let mut h = cut.map_or(self.size.step, |(at, _)| at);
+            // a rest that differs by rounding is this step
             let last = cut.is_none() && h >= rest * (1.0 - 1e-9);
             if last {
                 h = rest;
             } else if cut.is_none() && 2.0 * h > rest {
                 h = 0.5 * rest;
             }
+            // a choice: no load changes in this time, and times of a minute round to about as much
             if begin + h == begin || h < 1e-14 {
                 // if a table ends here, it is the cause and not the motion
                 if let Some(error) = self.undefined.take() {
@@ -685,6 +702,7 @@ impl Simulation {
                     let (longest, largest) = *first_rejected.get_or_insert((h, error));
                     // at a quarter of the step an error of third order would have fallen to a 64th
                     if h <= 0.25 * longest
+                        // a choice, sixteen times what is left of a true error
                         && error > 0.25 * largest
                         && self.is_rounding(error, factor)
                     {
@@ -704,6 +722,8 @@ impl Simulation {
                     ) {
                         self.undefined = Some(error.clone());
                     }
+                    // a choice: a step that still fails after twelve halvings shows that the equations have
+                    // no solution here
                     if failures > 12 {
                         return Err(self.at_moment(*error));
                     }

@@ -12,7 +12,7 @@ use crate::outputs::Watch;
 use crate::state::State;
 use eng_system::system::{ConditionKind, Origin};
 
-/// Roundings of the time to which a moment is found.
+/// Roundings of the time to which a moment is found: bisection cannot distinguish nearer ones.
 const ROUNDINGS: f64 = 2.0;
 
 /// The condition that ended a run.

@@ -40,35 +40,50 @@ use eng_system::system::{Origin, Role};
 pub use holding::Terms;
 use nalgebra::{DMatrix, DVector};
 
-/// Share of a freedom's inertia times the square of the engine's pace, below which its stiffness counts as
-/// zero, in a first search and in later ones. The friction of a film that does not see a tilt gives the tilt a stiffness of
-/// some millionths, in which rounding is a large move.
+/// Share of a freedom's inertia times the square of the rate of the motion, below which its stiffness counts as
+/// zero, in a first search and in later ones. The first is a choice far above rounding. The friction of a
+/// film that does not see a tilt gives the tilt a stiffness of some millionths, in which rounding is a large
+/// move. The second limit leaves such freedoms in place.
 const NEUTRAL: [f64; 2] = [1e-6, 1e-3];
 /// Part of a film that an iterate must leave, and share of the clearance by which a pin may move outwards
-/// where its shell yields.
+/// where its shell yields. A choice: the force of a film grows without bound towards the shell, so its slope
+/// at an iterate misleads a step that takes away most of the film. A larger part costs iterations until a
+/// film is thin.
 const LEFT: f64 = 0.25;
-/// Largest move of an iterate, in the model's length or rad.
+/// Largest move of an iterate, in the model's length or rad. A choice: 0.2 rad, some 11°, is about as far as
+/// the linear equations of a mechanism describe it. Larger moves may end at another position of the joints;
+/// smaller ones cost iterations.
 const REACH: f64 = 0.2;
-/// Iterations of a portion, in a first search and in later ones.
+/// Iterations of a portion, in a first search and in later ones. After these the portion is halved. A choice:
+/// Newton's method doubles the digits in each iteration once it is near, so 25 are for the way until there.
+/// Later searches shorten their steps and need more.
 const ITERATIONS: [usize; 2] = [25, 60];
-/// Growth of the residual above which a step of a later search is too long.
+/// Growth of the residual above which a step of a later search is too long. A choice above one, because the
+/// residual of curved films may grow a little on the way to a balance.
 const GROWTH: f64 = 1.5;
-/// The factor that shortens such a step.
+/// The factor that shortens such a step. A choice: with the limit [`LEAST_PART`] a whole step is shortened at
+/// most six times.
 const SHORTER: f64 = 0.3;
-/// Least part of such a step.
+/// Least part of such a step. The seventh residual is accepted, so that the search can leave a place from
+/// which every direction leads upwards.
 const LEAST_PART: f64 = 1e-3;
 /// The row of a moving part holds nothing of its own if other rows leave at most this share of it free.
 /// Beside a drive the row of a leaning shaft leaves a ten-thousandth: its tilt. Held, this tilt would carry
-/// the torque of the drive over the small angle, which is meganewton metres.
+/// the torque of the drive over the small angle, which is meganewton metres. The limit is ten times this.
 const MOVES: f64 = 1e-3;
-/// Smallest portion of the load.
+/// Smallest portion of the load: nine halvings of the whole are tried. A choice: a balance that follows the
+/// load needs few portions, and each that fails costs all its iterations.
 const PORTION: f64 = 1e-3;
-/// Scaled effort above which a freedom without stiffness counts as loaded, in a first search and in later ones, which leave
-/// freedoms with some stiffness in place.
+/// Scaled effort above which a freedom without stiffness counts as loaded, in a first search and in later
+/// ones. Later searches leave freedoms with some stiffness in place, so their limit is smaller: at 1e-6, the
+/// first limit of [`NEUTRAL`], a load of 1e-12 would move such a freedom by about a millionth of the model's
+/// length.
 const UNHELD: [f64; 2] = [1e-6, 1e-12];
-/// Move (m, or of a quaternion) up to which a balance counts as the stated position.
+/// Move (m, or of a quaternion) up to which a balance counts as the stated position. A choice: far above the
+/// goal of the iterations, and far below the distance of two balances.
 const STAYS: f64 = 1e-6;
-/// Most rounds in which velocities and accelerations are computed again.
+/// Most rounds in which velocities and accelerations are computed again. A choice: velocities change little
+/// with the position, so each round moves the balance much less than the one before.
 const ROUNDS: usize = 8;
 
 /// The reason for a missing balance.
@@ -141,7 +156,7 @@ pub struct Balance<'a> {
     /// Rows of freedoms that nothing holds.
     neutral: DMatrix<f64>,
     freedoms: usize,
-    /// Pace of the motion (1/s), 1 at rest.
+    /// Rate of the motion (1/s), its largest scaled velocity; 1 at rest.
     pace: f64,
     /// Force times length (J) against which residuals are measured.
     unit: f64,
@@ -224,6 +239,7 @@ impl<'a> Balance<'a> {
         };
         (balance.fixed, balance.fixed_names) = balance.what_moves(state)?;
         let (_, mut rows) = balance.holds(state)?;
+        // rows have a length of about one in scaled velocities: a shorter one is rounding
         balance.factors = unit_rows(&mut rows, 1e-12);
         let mut free = balance.motion.free.clone();
         for i in 0..rows.nrows() {
@@ -274,6 +290,7 @@ impl<'a> Balance<'a> {
                 .into_iter()
                 .fold(0.0, f64::max)
         };
+        // begins with a move far below every clearance, which is doubled
         let (mut low, mut high) = (0.0, 1e-9);
         while thinnest(high) < ratio {
             (low, high) = (high, 2.0 * high);
@@ -281,6 +298,7 @@ impl<'a> Balance<'a> {
                 return Ok(None);
             }
         }
+        // 30 halvings leave 1e-9 of the interval, far less than a search needs to begin
         for _ in 0..30 {
             let middle = 0.5 * (low + high);
             if thinnest(middle) < ratio {
@@ -293,7 +311,8 @@ impl<'a> Balance<'a> {
         Ok(Some(leaning))
     }
 
-    /// Scaled residual: balance, constraints, holds.
+    /// Scaled residual: balance, constraints, holds. Dimensionless. Shape: velocities, then constraint rows,
+    /// then held rows. Its sign is that of r in the head of this module.
     fn residual(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
         if !self.terms.rest {
             let velocity = self.motion.velocity(self.model, &place.state);
@@ -302,7 +321,7 @@ impl<'a> Balance<'a> {
         self.imbalance(place)
     }
 
-    /// The same residual with the present velocities.
+    /// The same residual with the present velocities. Shape and units are the same.
     fn imbalance(&mut self, place: &Place) -> Result<DVector<f64>, Stop> {
         let model = self.model;
         let (n, m) = (model.velocities, model.rows);
@@ -511,6 +530,8 @@ impl<'a> Balance<'a> {
                 .map_err(|e| locked(model, e))?;
             self.velocity = velocity;
             self.acceleration = acceleration;
+            // a thousandth of the position tolerance: the next round would change nothing that a step of the
+            // run resolves
             if !self.softened || (round > 0 && moved <= 1e-3 * model.tolerance) {
                 break;
             }
@@ -537,7 +558,8 @@ impl<'a> Balance<'a> {
     }
 
     /// Largest scaled move of the last iteration: a hundred-thousandth of the tolerance of positions, and at
-    /// least the rounding of a position.
+    /// least the rounding of a position. The share is a choice, small enough that the rest of a search is
+    /// invisible beside the error of a step, a tenth of the tolerance.
     fn goal(&self) -> f64 {
         (1e-5 * self.model.tolerance / self.model.length).max(1e-14)
     }
@@ -672,10 +694,13 @@ impl<'a> Balance<'a> {
                 norm,
             });
             if factor == 1.0 {
-                // near the goal, moves that no longer shrink are rounding
+                // near the goal, up to a hundredth of the position tolerance, moves that are not even halved
+                // are rounding: Newton's method shrinks them far more
                 if size <= goal || (size <= 1e3 * goal && size >= 0.5 * last) {
                     return Ok(None);
                 }
+                // whole steps that grow this much lead away; a smaller portion of the load begins nearer to
+                // its balance. A choice above 2, because steps may grow a little before they shrink
                 if size > 4.0 * last {
                     break;
                 }
@@ -696,6 +721,8 @@ impl<'a> Balance<'a> {
                 _ => Some((i, *r)),
             });
         if let Some((journal, ratio)) = thinnest
+            // a choice: iterates leave a quarter of the film each, so only a search that ends against a shell
+            // comes this near
             && ratio > 0.95
         {
             let element = model.compiled.system.journals[journal].element as usize;
@@ -749,6 +776,8 @@ impl<'a> Balance<'a> {
         let before = ratios(pose);
         let yields = yielding(self.model);
         let mut factor = (REACH / size).min(1.0);
+        // 0.7 is a choice: a step is at most 30 % shorter than necessary. After 40 times 6e-7 of it is left, which
+        // is as good as none.
         for _ in 0..40 {
             move_pose(self.model, pose, increment, factor, trial);
             let inside =

@@ -89,7 +89,8 @@ pub(super) fn rates_of_axes(
     rates.flat_map(|rate| [rate.x, rate.y]).collect()
 }
 
-/// Derivative of [`rates_of_axes`] with respect to velocities: two rows (x, y) for each pin.
+/// Derivative of [`rates_of_axes`] with respect to velocities: two rows (x, y) for each pin. In 1/s over the
+/// velocities (SI).
 pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(2 * pins.len(), model.velocities);
     let placed = placed(model, pins, &state.pose, &state.velocity);
@@ -217,7 +218,7 @@ pub(super) fn end_ratios(model: &Model, half_widths: &[f64], pose: &[f64]) -> Ve
         .collect()
 }
 
-/// |e|/c of every journal.
+/// |e|/c of every journal. Dimensionless.
 pub fn film_ratios(model: &Model, pose: &[f64]) -> Vec<f64> {
     model
         .compiled

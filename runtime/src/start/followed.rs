@@ -7,7 +7,8 @@ use crate::model::Model;
 use crate::outputs::Outputs;
 use eng_system::lint::Extreme;
 
-/// Share of the swing within which two values count as equally large: the first of them is the largest.
+/// Share of the swing within which two values count as equally large: the first of them is the largest. It is
+/// far above the rounding of an output and far below a difference that a lint could mean.
 const ALIKE: f64 = 1e-9;
 
 /// The quantities at the positions of a turn.
@@ -80,8 +81,9 @@ impl Following {
     }
 }
 
-/// Where a quantity is largest, and its value there: the vertex of the parabola through the largest value and its
-/// neighbours. The last position is the first of the next turn.
+/// Where a quantity is largest, and its value there: the vertex of the parabola through the largest value and
+/// its neighbours. The last position is the first of the next turn. Angles in rad, values in their own unit;
+/// both results are NaN for values that are no numbers.
 fn largest(angles: &[f64], values: &[f64]) -> (f64, f64) {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);

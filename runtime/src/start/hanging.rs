@@ -2,7 +2,7 @@
 //!
 //! A direction is free if no constraint, film, force or elasticity responds to a motion along it. The free
 //! directions are the null space of four matrices together: the constraints' gradients, the pins' positions
-//! in their shells, the derivatives of all loads between two bodies, and the shapes. A body is loose if its
+//! in their shells, the derivatives of all loads between two bodies, and the shapes. A body is unconstrained if its
 //! free motions reach every direction of space.
 
 use super::motion::SteadyMotion;
@@ -16,9 +16,11 @@ use crate::singular::decompose;
 use eng_system::system::Origin;
 use nalgebra::DMatrix;
 
-/// Singular value of unit rows below which a combination holds nothing.
+/// Singular value of unit rows below which a combination holds nothing. A choice above the rounding of the
+/// decomposition, about 1e-15 for each row. A larger limit would report a body that a short lever holds.
 const HOLDS: f64 = 1e-8;
-/// Part of a free motion below which a body counts as still.
+/// Part of a free motion below which a body counts as still. A choice: in the directions left free, the parts
+/// of bodies that are held are rounding, about 1e-15 over [`HOLDS`].
 const MOVES: f64 = 1e-6;
 
 /// Bodies that are joined to each other and to nothing else.
@@ -104,9 +106,9 @@ fn bodies_of(model: &Model, element: usize) -> impl Iterator<Item = Option<usize
     markers.map(|m| model.markers[*m].body)
 }
 
-/// The first group of loose bodies that elements join to others. Elements that are asleep hold a group.
+/// The first group of unconstrained bodies that elements join to others. Elements that are asleep hold a group.
 fn group_of(model: &Model, dynamic: &[usize], asleep: &[usize], loose: &[bool]) -> Option<Hanging> {
-    // groups of loose bodies that elements join
+    // groups of unconstrained bodies that elements join
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut seen = vec![false; model.bodies.len()];
     for first in 0..model.bodies.len() {

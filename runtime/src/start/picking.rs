@@ -4,7 +4,10 @@ use crate::assembly::gradients::Gradients;
 use crate::assembly::independent::Independent;
 use nalgebra::DMatrix;
 
-/// Singular value of unit rows below which a combination determines nothing.
+/// Singular value of unit rows below which a combination determines nothing. A choice between rounding, some
+/// 1e-14 in repeated rows, and rows that tolerances of the text or a small tilt make different: a combination
+/// kept by mistake is divided by its singular value, so a smaller limit gives velocities a million times too
+/// large.
 pub(super) const DETERMINED: f64 = 1e-6;
 
 /// Rows, split by the directions that they determine in a space.
@@ -53,7 +56,7 @@ pub(super) fn split_above(matrix: &DMatrix<f64>, least: f64) -> Option<Picked> {
     })
 }
 
-/// Divides each row by its length and returns the factors. Rows that are only rounding compared with `least`
+/// Divides each row by its length and returns the factors. Rows no longer than `least` are rounding and
 /// become zero.
 pub(crate) fn unit_rows(matrix: &mut DMatrix<f64>, least: f64) -> Vec<f64> {
     (0..matrix.nrows())

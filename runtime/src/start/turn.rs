@@ -21,17 +21,27 @@ use eng_system::significant::short;
 use eng_system::system::Extent;
 use nalgebra::DVector;
 
-/// Positions in a turn of 360°.
+/// Positions in a turn of 360°, so 10° between two. A choice of time against detail: lints of a turn see a
+/// quantity there and on parabolas between, and a mechanism that would lock between two of them is followed
+/// in halved steps.
 const PLACES: f64 = 36.0;
-/// Most turns, also for a longer cycle.
+/// Most turns, also for a longer cycle. A choice: a cycle of an engine has two turns, and the check of a text
+/// should not take longer for a gear that repeats after a thousand.
 const MOST_TURNS: f64 = 4.0;
-/// Most halvings of a step. After these its position counts as out of reach.
+/// Most halvings of a step. After these its position counts as out of reach. A choice: 10° become 0.16°. Near
+/// a lock more of them would only find its angle more exactly.
 const HALVINGS: usize = 6;
-/// Size of a scaled row below which it is closed. A lock leaves far more open.
+/// Size of a scaled row below which it is closed. A lock leaves far more open. It is about the rounding of
+/// positions with some decades of room, and the iteration is quadratic, so a smaller limit costs no further
+/// round as long as it is above rounding.
 const CLOSED: f64 = 1e-9;
-/// Share of the equations' size that is added to their diagonal, because rows of wishes repeat each other.
+/// Share of the equations' size that is added to their diagonal, because rows of preferred positions of pins
+/// repeat each other and the matrix would have no Cholesky factor. It changes steps by as little, and is far
+/// above the rounding of a factor, 1e-16 times its rows.
 const SOFT: f64 = 1e-12;
-/// Largest share of a step, at the cycle's highest rate so far, by which the cycle may fall behind.
+/// Largest share of a step, at the cycle's highest rate so far, by which the cycle may fall behind. The
+/// measure is the trapezoidal rule over a step of 10° or less, which is exact to some per cent for the cycle
+/// of a swinging body; at a lock the shortfall is the whole step.
 const BEHIND: f64 = 0.2;
 /// Share of the fastest body's angular speed below which a cycle is at rest. A smaller rate is rounding, or
 /// the effect of a tumbling shaft.
@@ -60,14 +70,23 @@ pub enum Turned {
     Back(f64),
 }
 
-/// Angle of the cycle (rad) within which a place is reached.
+/// Angle of the cycle (rad) within which a place is reached. Angles of some turns are rounded to 1e-15 rad,
+/// and no result shows a smaller difference.
 const REACHED: f64 = 1e-12;
+/// Singular value, as a share of the largest, below which a combination of rows is only rounding: it would make
+/// velocities arbitrarily large.
+const RANK: f64 = 1e-12;
 /// Velocities that the joints allow turn the cycle if they miss its wanted rate by less than this share of
-/// it. Beside a drive that holds the cycle they miss it as a whole.
+/// it. Beside a drive that holds the cycle they miss it as a whole. The limit is a choice between rounding
+/// and the whole.
 const HELD: f64 = 1e-6;
-/// Rounds in which the time of a position follows its angle.
+/// Rounds in which the time of a position follows its angle. The correction of the angle by the loops is
+/// small, and each round leaves a small part of the error of the one before. A choice: what is left after
+/// four rounds is corrected at the next position.
 const RETIMED: usize = 4;
-/// Steps after which an angle of the cycle counts as out of reach.
+/// Steps after which an angle of the cycle counts as out of reach. At 10° or less per step of the fastest
+/// body these are at most 111 of its turns. A choice, so that a mistaken angle or moment ends with a message
+/// and not in a long wait.
 const MOST_STEPS: usize = 4000;
 
 /// Brings an assembled state to a moment of the motion that speeds and drives state, or to an angle of its cycle.
@@ -250,6 +269,7 @@ pub fn turn(
                     state = next;
                     (angle, now, highest) = (reached, then, highest.max(then.abs()));
                     left -= h;
+                    // the rest of a step below this is the rounding of the parts before it, not a step
                     if left < 1e-9 * whole {
                         left = 0.0;
                     }
@@ -365,7 +385,8 @@ impl<'a> Turning<'a> {
         Ok(outputs.watched_values)
     }
 
-    /// The velocities that lead on from a position; `None` if there are none.
+    /// The velocities that lead on from a position; `None` if there are none. In SI; with `still` per unit of
+    /// the step, in which the cycle turns by one radian.
     fn velocity(&mut self, state: &State) -> Result<Option<Vec<f64>>, RuntimeError> {
         if !self.still {
             if let Ok(found) = self.motion.velocity(self.model, state) {
@@ -401,7 +422,7 @@ impl<'a> Turning<'a> {
         let Some(svd) = crate::singular::decompose(rows.clone()) else {
             return Ok(None);
         };
-        let least = REACHED * svd.singular_values.amax();
+        let least = RANK * svd.singular_values.amax();
         let Ok(y) = svd.solve(&wanted, least) else {
             return Ok(None);
         };
@@ -427,6 +448,8 @@ impl<'a> Turning<'a> {
         let mut next = from.clone();
         next.time += time;
         move_pose(model, &from.pose, &from.velocity, h, &mut next.pose);
+        // preferred positions need not close, so few rounds serve; the joints get more, and a step that does
+        // not close in eight rounds is halved
         self.settle(&self.rows, &mut next, 4)?;
         if !self.settle(&self.exact, &mut next, 8)? {
             return Ok(None);
@@ -480,6 +503,8 @@ impl<'a> Turning<'a> {
             let increment: Vec<f64> = (0..step.len())
                 .map(|i| -step[i] * self.mobility[i] * scales[i])
                 .collect();
+            // a correction as large as the model or a radian belongs to another position of the mechanism, or
+            // to a lock
             if increment.iter().any(|x| !x.is_finite()) || step.amax() > 1.0 {
                 return Ok(false);
             }
@@ -507,6 +532,8 @@ impl<'a> Turning<'a> {
         let mut open: Vec<usize> = (0..self.exact.len()).collect();
         let size = |i: usize| (values[i] / self.exact.scales[i]).abs();
         open.sort_by(|a, b| size(*b).total_cmp(&size(*a)).then(a.cmp(b)));
+        // a message lists the three worst equations; a lock opens few, and its loop passes error on to all
+        // others
         open.truncate(3);
         let chain = open
             .iter()

@@ -14,7 +14,9 @@ use eng_system::code::Function;
 use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
 
-/// Share of an element's largest stiffness below which a direction does not count as held.
+/// Share of an element's largest stiffness below which a direction does not count as held. A choice: a load
+/// has such slopes by rounding, or through the small tilt of its frame. If they counted, a velocity would be
+/// decided by them instead of by the weaker kinds of conditions.
 const SOFT: f64 = 1e-6;
 
 /// A source of velocities. [`super::motion`] has their order.
@@ -33,7 +35,8 @@ pub(super) enum Wish {
 }
 
 impl Wish {
-    /// The rates that a wish of films wants to be zero; `None` of another wish.
+    /// The rates that a source of films sets to zero; `None` of another source. In m/s for eccentricities,
+    /// and in 1/s for axes.
     pub fn film_rates(&self, model: &Model, pose: &[f64], velocity: &[f64]) -> Option<Vec<f64>> {
         match self {
             Wish::Pins(pins) => Some(rates_of_eccentricities(model, pins, pose, velocity)),
@@ -44,7 +47,7 @@ impl Wish {
 }
 
 impl SteadyMotion {
-    /// The rows `matrix · y + values` of a wish, which should be zero for the scaled velocities y.
+    /// The rows `matrix · y + values` of a source, which should be zero for the scaled velocities y.
     pub(super) fn wished(
         &self,
         model: &Model,
@@ -154,7 +157,7 @@ impl SteadyMotion {
     }
 }
 
-/// Four wishes: stated velocities other than zero, stated zeros, zeros beside another velocity of one statement,
+/// Four sources: stated velocities other than zero, stated zeros, zeros beside another velocity of one statement,
 /// and guessed velocities.
 pub(super) fn stated(model: &Model, state: &State) -> Result<[Wish; 4], RuntimeError> {
     let of = |exact| {

@@ -20,11 +20,14 @@ pub(super) struct Renewal {
 
 impl Renewal {
     /// Part of a step within which the end of a cycle counts as met. Steps meet it to second order, and a
-    /// very short extra step would amplify rounding.
+    /// very short extra step would amplify rounding. A choice: a larger part would end cycles too early, and
+    /// a much smaller one is as small as the error with which steps meet the end.
     const MET: f64 = 0.05;
-    /// Number of steps before the end of a cycle that are made equal.
+    /// Number of steps before the end of a cycle that are made equal. A choice: no step is shortened by more
+    /// than a thirty-second part.
     const EQUAL: f64 = 32.0;
-    /// Number of cycles that determine the first step.
+    /// Number of cycles that determine the first step. A choice: the first cycle contains the start, and
+    /// later ones have steps like those of the cycle before.
     const SETTLING: u64 = 3;
 
     /// A renewal from a cycle angle (rad) on. The period has the sign of the machine's sense of rotation.

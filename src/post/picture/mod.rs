@@ -308,6 +308,7 @@ fn alike(a: &[f64], b: &[f64]) -> bool {
         (Some(first), Some(last)) => (last - first).abs(),
         _ => 0.0,
     };
+    // a choice: a millionth of an axis is far below a pixel
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * span)
 }
 

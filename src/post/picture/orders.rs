@@ -16,7 +16,8 @@ use eng_report::signal::{Level, OrderTrack};
 use eng_system::expression::{Limit, Member};
 use eng_system::figure as plan;
 
-/// Largest difference of the mean speeds of runs in one figure, as a share.
+/// Largest difference of the mean speeds of runs in one figure, as a share. A choice: orders then coincide to
+/// the width of a line.
 const ALIKE: f64 = 1e-3;
 
 impl Drawer<'_> {
@@ -248,9 +249,11 @@ impl Drawer<'_> {
     }
 }
 
-/// Highest drawn order if the text states no end of the axis.
+/// Highest drawn order if the text states no end of the axis. A choice: gears and films have orders up to
+/// some ten.
 pub(crate) const ORDERS: f64 = 30.0;
-/// Levels this far (dB) below the largest are one colour.
+/// Levels this far (dB) below the largest are one colour. A choice: a ten-thousandth of the largest amplitude
+/// is near the errors of the steps.
 const DYNAMIC: f64 = 80.0;
 
 /// A map with the lines of orders and with natural frequencies, which its subtitle names.
@@ -303,6 +306,7 @@ fn not_held(settings: &plan::SpectrumSettings, reach: f64) -> Option<String> {
     };
     let beyond = settings
         .up_to
+        // a limit at the end itself is held, in spite of rounding
         .is_some_and(|up_to| up_to > reach * (1.0 + 1e-6));
     beyond.then(|| {
         format!(

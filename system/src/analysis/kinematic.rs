@@ -4,11 +4,14 @@ use super::argument::{POSITIVE, argument};
 use super::{AnalysisKind, Counted, Extent, Given, Kind, KindRow, Rows, Takes, Unplanned};
 use std::f64::consts::PI;
 
-/// Distance of samples over the cycle angle (rad) without `sample`: one degree.
+/// Distance of samples over the cycle angle (rad) without `sample`: one degree. A choice: a motion of
+/// geometry alone is smooth over this.
 const PLAIN_ANGLE: f64 = PI / 180.0;
-/// Number of samples in a time if the text states no `sample`.
+/// Number of samples in a time if the text states no `sample`. A choice: as many as a figure has pixels
+/// across.
 const PLAIN_SAMPLES: f64 = 1000.0;
-/// Most samples of an analysis: it keeps all of them in memory until it ends.
+/// Most samples of an analysis: it keeps all of them in memory until it ends. A choice: with a hundred
+/// channels they take 8 GB.
 const MOST_SAMPLES: f64 = 1e7;
 
 /// The prescribed motion of a mechanism, and the reactions by inverse dynamics.

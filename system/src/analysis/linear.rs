@@ -42,6 +42,7 @@ pub(super) const ROW: KindRow = KindRow {
             Takes::Count,
             "",
             &[limit(
+                // a choice: more than any model has states, and still a number that memory holds
                 |x| (1.0..=1e5).contains(&x),
                 "at least 1 and at most 100000; without it all modes are given",
             )],

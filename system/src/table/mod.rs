@@ -13,7 +13,7 @@ pub use curve::{Curve, Extrapolation, Interpolation, TableError};
 pub use grid::{Argument, End, Ends, Grid, GridError};
 use std::sync::Arc;
 
-/// The largest number of arguments of a table.
+/// The largest number of arguments of a table. A choice: a table of four has too many values to be measured.
 pub const MOST_ARGUMENTS: usize = 3;
 
 /// Within this relative distance the last argument counts as the first plus the period, and their values

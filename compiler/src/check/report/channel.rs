@@ -14,7 +14,7 @@ use eng_system::expression::{Expression, Member};
 use eng_system::recorded::Recorded;
 use std::rc::Rc;
 
-/// Largest number of indices that a message lists.
+/// Largest number of indices that a message lists. A choice: they fit in a line or two.
 const SHOWN: usize = 12;
 
 /// A part of a path.
@@ -325,6 +325,7 @@ impl<'a> Reporter<'a, '_> {
     pub(super) fn index(&mut self, at: &'a Expr) -> Option<(Vec<i64>, bool)> {
         let number = |reporter: &mut Self, expr: &'a Expr| -> Option<i64> {
             let value = reporter.constant(expr, &Quantity::one(), "an index")?;
+            // a larger number is a mistake, and a list has no such index
             if value.fract() != 0.0 || value.abs() > 1e9 {
                 reporter.diagnose(
                     Diagnostic::error(codes::INDEX, "an index is a whole number")
@@ -341,6 +342,7 @@ impl<'a> Reporter<'a, '_> {
                     Some(by) => number(self, by)?,
                     None => 1,
                 };
+                // a choice: as long as the longest list of a model
                 if by < 1 || to < from || (to - from) / by > 100_000 {
                     self.diagnose(
                         Diagnostic::error(codes::RANGE, "this range has no place in it")

@@ -450,6 +450,7 @@ impl<'a> Reporter<'a, '_> {
         match self.limit(expr, "`at`")? {
             Limit::Frequency(frequency) => Some(Chosen::Near(frequency)),
             Limit::Order(number) => {
+                // a choice far above the modes of any model
                 if !(1.0..=1e6).contains(&number) || number.fract() != 0.0 {
                     self.refuse(expr, "the number of a mode", "a whole number from 1 on")?;
                 }
@@ -498,6 +499,7 @@ impl<'a> Reporter<'a, '_> {
         let butterworth = match bound.option("butterworth") {
             Some(expr) => {
                 let value = self.constant(expr, &Quantity::one(), "`butterworth`")?;
+                // a choice: higher orders ring and lose their digits
                 if !(1.0..=32.0).contains(&value) || value.fract() != 0.0 {
                     self.refuse(
                         expr,

@@ -19,7 +19,7 @@ use eng_system::place::Location;
 use eng_system::recorded::ENERGY;
 use eng_system::system::Parameter;
 
-/// Most parameters that a message lists.
+/// Most parameters that a message lists. A choice: they fit in a line or two.
 const SHOWN: usize = 12;
 
 /// The analyses behind an expression, each once.

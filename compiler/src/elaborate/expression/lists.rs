@@ -58,6 +58,7 @@ impl<'a> Elaborator<'a, '_> {
             self.structural(step, by_span)?,
         );
         let (a_value, b_value, by_value) = known;
+        // a whole number of steps must not lose its last one by rounding
         let count = ((b_value - a_value) / by_value * (1.0 + 1e-12)).floor();
         let span = from.span.to(by_span);
         if by_value == 0.0 {
@@ -243,7 +244,8 @@ fn all_places(value: &Value<'_>) -> Vec<i64> {
     }
 }
 
-/// Longest list or range.
+/// Longest list or range. A choice: each element of it may become an instance, and more are a mistake in a
+/// step.
 const LONGEST: usize = 100_000;
 
 fn too_long() -> String {

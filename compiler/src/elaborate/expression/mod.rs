@@ -42,6 +42,7 @@ impl<'a> Elaborator<'a, '_> {
                 integer,
                 unit,
             } => match unit {
+                // below 2⁵³, up to which each whole number has a double of its own
                 None if *integer && value.abs() < 9e15 => Ok(Value::Int(*value as i64)),
                 _ => self.number(*value, unit.as_ref()).map(Value::Scalar),
             },

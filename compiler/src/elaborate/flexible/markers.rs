@@ -11,7 +11,8 @@ use eng_system::flexible::{MarkerPlace, MarkerSource, Selection, Spider};
 use eng_system::surface::SurfaceShapes;
 use eng_system::system::BodyRef;
 
-/// Most waves of a surface around, and its highest degree across.
+/// Most waves of a surface around, and its highest degree across. Choices: shapes make columns of dense
+/// matrices, and meshes of bearings are too coarse for more.
 const MOST_WAVES: i64 = 40;
 const MOST_DEGREE: i64 = 8;
 
@@ -176,6 +177,7 @@ impl<'a> Elaborator<'a, '_> {
                 center: vector(self, "point")?.unwrap_or_default(),
                 normal: axis(self, "normal")?,
                 radius: f64::INFINITY,
+                // a choice: nodes of a plane are on it but for the digits of their file
                 tolerance: length(self, "tolerance")?.unwrap_or(1e-6),
             }),
             _ => return self.checked(None, value.span, "no place on a mesh"),

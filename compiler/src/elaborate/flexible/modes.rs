@@ -70,6 +70,7 @@ impl<'a> Elaborator<'a, '_> {
         if let Some(expr) = argument(word, arguments, "number") {
             let n = self.integer(expr, scope)?;
             return match u32::try_from(n) {
+                // a choice: a body with more modes is slower than its mesh
                 Ok(n) if (1..=2000).contains(&n) => Ok(ModeCount::Number(n)),
                 _ => Err(self.report(
                     Diagnostic::error(

@@ -2,7 +2,8 @@
 
 use super::{Law, STRAINS, ShellPoint, WIDTH};
 
-/// Share of a diagonal below which a pivot is rounding.
+/// Share of a diagonal below which a pivot is rounding. A choice: some rounding units for the sums of an
+/// element.
 const ROUNDING: f64 = 1e-14;
 
 /// Strains of the modes at a point.

@@ -79,6 +79,7 @@ pub(super) fn moment(layers: &[Ply], power: i32) -> Plane {
     // of layers that lie symmetrically the first moment is rounding alone
     let most = layers.iter().flat_map(|layer| layer.plane.as_flattened());
     let most = most.fold(0.0, |most: f64, x| most.max(x.abs()));
+    // some rounding units of a sum over layers
     if sum.as_flattened().iter().all(|x| x.abs() < 1e-14 * most) {
         return [[0.0; 3]; 3];
     }

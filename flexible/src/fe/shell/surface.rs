@@ -73,6 +73,7 @@ impl Geometry {
         // crossed sides turn the normal round
         for (i, first) in directors.iter().enumerate().take(self.count()) {
             for second in &directors[..i] {
+                // normals at two nodes that are nearly perpendicular, beyond 87°: a choice
                 if dot(*first, *second) <= 0.05 {
                     return Err(-self.middle()?.area);
                 }
@@ -100,6 +101,7 @@ impl Geometry {
         let [r, s, _] = tangents(&shape, &self.places, count);
         let normal = cross(r, s);
         let area = norm(normal);
+        // sides that are parallel but for the digits of a file have no normal
         if area.is_nan() || area <= 1e-9 * norm(r) * norm(s) {
             return Err(area);
         }
@@ -107,6 +109,7 @@ impl Geometry {
         let first = first.unwrap_or(r);
         let along = subtract(first, scale(dot(first, normal), normal));
         let length = norm(along);
+        // the same for a first axis along the normal
         if length.is_nan() || length <= 1e-9 * norm(first) {
             return Err(area);
         }

@@ -49,6 +49,7 @@ impl Plane {
         ];
         let normal = cross(sides[0], sides[1]);
         let double = norm(normal);
+        // sides that are parallel but for the digits of a file have no normal
         if double.is_nan() || double <= 1e-9 * norm(sides[0]) * norm(sides[1]) {
             return Err(double);
         }

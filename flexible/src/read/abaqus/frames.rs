@@ -183,6 +183,7 @@ pub(super) fn system(rows: &[Row], at: &At) -> Result<Motion, FileProblem> {
 
 /// Axes with x along one vector and z along another, which are perpendicular.
 fn axes(x: [f64; 3], z: [f64; 3]) -> Option<Rotation> {
+    // a choice above rounding, for points on one line but for the last digits of a file
     if norm(z) <= 1e-10 * norm(x) {
         return None;
     }
@@ -244,6 +245,7 @@ impl Transform {
         match self.kind {
             TransformKind::Rectangular => {
                 let z = cross(self.a, self.b);
+                // as in [`axes`]
                 if norm(z) <= 1e-10 * norm(self.a) * norm(self.b) {
                     return None;
                 }
@@ -265,5 +267,6 @@ impl Transform {
 fn across(a: [f64; 3], along: [f64; 3]) -> Option<[f64; 3]> {
     let length = a.iter().zip(along).map(|(a, b)| a * b).sum::<f64>();
     let across = subtract(a, along.map(|x| x * length));
+    // as in [`axes`]
     (norm(across) > 1e-10 * norm(a)).then_some(across)
 }

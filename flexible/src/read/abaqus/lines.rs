@@ -10,7 +10,8 @@ const INPUT: Syntax = Syntax {
     text: "an Abaqus or CalculiX input file",
     files: "the input file (.inp)",
 };
-/// The largest number of lines of one keyword.
+/// The largest number of lines of one keyword. A choice: options of a keyword take a few lines, and a file
+/// with more is damaged.
 const LONGEST_KEYWORD: usize = 200;
 
 /// A keyword line.

@@ -209,6 +209,7 @@ fn axial(
     for (node, sign) in ends {
         let components = along_axes(&model.nodes, &mesh.frames, node, axis);
         for (k, factor) in (0_u8..).zip(components) {
+            // rounding of cosines
             if factor.abs() > 1e-12 {
                 terms.push((node, k, sign * factor));
             }

@@ -237,6 +237,7 @@ impl Making<'_> {
         let shear = young / (2.0 * (1.0 + poisson));
         let same = |labels: &[&str], wanted: f64| {
             let mut given = labels.iter().filter_map(|label| value(label));
+            // six digits of a file: constants that are equal to them are those of an isotropic material
             given.all(|given| (given / wanted - 1.0).abs() < 1e-6 || given == wanted)
         };
         let isotropic = same(&["EY", "EZ"], young)

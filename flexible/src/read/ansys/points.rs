@@ -150,6 +150,7 @@ fn spring(deck: &Deck, row: &Row, mesh: &mut Mesh, labels: &Labels) -> Result<()
     for (node, sign) in [(a, 1.0), (b, -1.0)] {
         let components = along_axes(&mesh.nodes, &mesh.frames, node, axis);
         for (k, factor) in (first..).zip(components) {
+            // rounding of cosines
             if factor.abs() > 1e-12 {
                 terms.push((node, k, sign * factor));
             }

@@ -5,9 +5,11 @@ use std::io::{BufRead, Read};
 use crate::error::{FileProblem, Place};
 use crate::read::{Files, number};
 
-/// Longest word of a text file.
+/// Longest word of a text file. A choice: numbers and names are far shorter, and a longer one shows a binary
+/// file.
 const LONGEST_WORD: usize = 512;
-/// The largest number of bytes that are read of a line.
+/// The largest number of bytes that are read of a line. A choice: a longer one shows a binary file, and
+/// memory stays bounded.
 const LONGEST_LINE: u64 = 1 << 16;
 
 /// An open file.

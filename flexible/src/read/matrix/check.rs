@@ -5,9 +5,11 @@ use crate::error::FlexibleError;
 use crate::sparse::SymmetricMatrix;
 use eng_system::significant::short;
 
-/// The largest difference of two mirrored entries, as a share of the norm of the row.
+/// The largest difference of two mirrored entries, as a share of the norm of the row. A choice: files of ten
+/// digits and more pass.
 const SYMMETRIC_TO: f64 = 1e-9;
-/// A structure has fewer empty rows than this multiple of its entries. More empty rows mean a damaged size.
+/// A structure has fewer empty rows than this multiple of its entries. More empty rows mean a damaged size. A
+/// choice.
 const EMPTIEST: usize = 64;
 
 impl ForeignMatrix {

@@ -23,7 +23,8 @@ use crate::read::csv::fields;
 /// Beginning of the file's first keyword.
 const BEGINNING: &str = "*USERELEMENT";
 
-/// Most freedoms of a substructure, whose triangle is dense.
+/// Most freedoms of a substructure, whose triangle is dense. It has 1.6 GB then. A choice: more would not fit
+/// in the memory of many machines, and a message is better than their end.
 const MOST: usize = 20_000;
 
 fn squeezed(line: &str) -> String {

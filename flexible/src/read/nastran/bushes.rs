@@ -215,6 +215,7 @@ impl BushCard {
                 for (freedom, vector) in [(0, moved), (3, turned)] {
                     let components = along_axes(around.nodes, frames, *node, vector);
                     for (k, factor) in (freedom..).zip(components) {
+                        // rounding of cosines
                         if factor.abs() > 1e-12 * norm(vector) {
                             terms.push((*node, k, sign * factor));
                         }

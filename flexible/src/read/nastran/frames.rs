@@ -259,6 +259,7 @@ impl Systems {
             let axes = unit(subtract(b, a)).and_then(|z| {
                 let in_plane = subtract(c, a);
                 let y = cross(z, in_plane);
+                // a choice above rounding, for points on one line but for the last digits of a file
                 if norm(y) <= 1e-10 * norm(in_plane) {
                     return None;
                 }

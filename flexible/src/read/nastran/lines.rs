@@ -11,7 +11,7 @@ const BULK: Syntax = Syntax {
     text: "bulk data",
     files: "the deck (.bdf, .dat, .nas)",
 };
-/// The largest number of lines of one file name.
+/// The largest number of lines of one file name. A choice: a name is at most some thousand characters long.
 const LONGEST_NAME: usize = 40;
 
 /// A line without its comment, ASCII only (other bytes became `?`), not blank.

@@ -162,6 +162,7 @@ impl Panels {
                             .zip(components)
                             .map(|(k, factor)| (nodes[*corner], k, factor))
                     })
+                    // rounding of cosines
                     .filter(|(_, _, factor)| factor.abs() > 1e-12)
                     .collect(),
                 grounded: false,
@@ -215,6 +216,7 @@ impl Panel {
         let shares = [share(diagonals[1]), share(diagonals[0])];
         let convex = shares
             .iter()
+            // a choice: three corners on one line but for the digits of a file make no panel
             .all(|share| *share > 1e-6 && *share < 1.0 - 1e-6);
         (whole > 0.0 && convex).then(|| Panel {
             places,
@@ -288,6 +290,7 @@ impl Panel {
             let sides =
                 pairs.map(|(a, b): (usize, usize)| subtract(self.places[b], self.places[a]));
             let lengths = sides.map(norm);
+            // Nastran's limit between a factor and a number of thicknesses
             let area = if factor <= 1.01 {
                 factor * thickness * self.area / (lengths[0] + lengths[1])
             } else {
@@ -315,5 +318,6 @@ impl Panel {
     }
 }
 
-/// Points along a side of the square for the energy.
+/// Points along a side of the square for the energy. A choice: ten Gauss points are exact to degree 19, and
+/// the integrand is smooth.
 const POINTS: usize = 10;

@@ -841,6 +841,8 @@ impl<'d> Made<'d> {
         let (young, poisson, density, sheet, form) = match (&card.constants, usage) {
             (Constants::Isotropic([young, poisson, density], shear), _) => {
                 let (young, stated, density) = (*young, *poisson, *density);
+                // a choice: constants of one isotropic material are rounded to two or three digits; beyond a
+                // per cent the card means another law
                 let odd = shear.filter(|g| (young - 2.0 * (1.0 + stated) * g).abs() > 0.01 * young);
                 let sheet = odd.and_then(|shear| {
                     SheetElasticity::orthotropic([young, young, stated, shear], [shear, shear])

@@ -11,7 +11,8 @@ use super::lines::Line;
 use super::number;
 use crate::error::FileProblem;
 
-/// A repetition of more cards than this is a mistake.
+/// A repetition of more cards than this is a mistake. A choice: no deck writes as many with one card, and
+/// they would fill the memory.
 const MOST: i64 = 1_000_000;
 
 /// The card that others may repeat.

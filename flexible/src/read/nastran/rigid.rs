@@ -52,6 +52,7 @@ pub(super) fn dependence(
         .map(|freedom| {
             let mut solution = solve(matrix, row(*freedom)?)?;
             for (value, given) in solution.iter_mut().zip(independent) {
+                // rounding of a solution of order one
                 *value = if value.abs() < 1e-12 {
                     0.0
                 } else {
@@ -102,6 +103,7 @@ pub(super) fn rod(
                     return None;
                 }
                 terms.insert(0, (*ends.get(end)?, freedom, sign * share));
+            // rounding of cosines
             } else if share.abs() >= 1e-12 {
                 terms.push((*ends.get(end)?, freedom, sign * share));
             }
@@ -115,6 +117,7 @@ pub(super) fn rod(
 pub(super) fn solve(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
     for k in 0..6 {
         let pivot = (k..6).max_by(|i, j| matrix[*i][k].abs().total_cmp(&matrix[*j][k].abs()))?;
+        // a choice above the rounding of a matrix of order one: its freedoms do not determine the motion
         if matrix[pivot][k].abs() < 1e-10 {
             return None;
         }

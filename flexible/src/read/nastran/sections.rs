@@ -8,7 +8,7 @@ use super::lines::{At, Line, Lines, whole};
 use crate::error::FileProblem;
 use crate::read::Files;
 
-/// Lines before the first card.
+/// Most lines before the first card. A choice: a file without a card after as many is no deck.
 const LONGEST_HEAD: usize = 100_000;
 
 /// The entries of case control that select parts of the mesh.

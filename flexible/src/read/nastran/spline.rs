@@ -129,6 +129,7 @@ impl Row<'_> {
                     value += a * entry * b;
                 }
             }
+            // rounding of cosines
             if value.abs() < 1e-12 {
                 continue;
             }

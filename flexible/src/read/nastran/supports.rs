@@ -12,7 +12,8 @@ use crate::error::FileProblem;
 use crate::mesh::{Carries, Node, SCALAR, Support};
 use crate::read::held::HoldingCards;
 
-/// Most modal coordinates of a range; a card may state more numbers than there are points.
+/// Most modal coordinates of a range; a card may state more numbers than there are points. A choice: far more
+/// than the modes of any body, and their list still takes no room worth mention.
 const MOST_MODAL: usize = 100_000;
 
 #[derive(Clone, Debug)]

@@ -692,6 +692,7 @@ impl<'b> Failure<'b> {
 
 /// A token's text, cut to a length that fits a title.
 fn shortened(text: &str) -> String {
+    // a choice: the title then still fits in a line
     const LONGEST: usize = 24;
     if text.chars().count() <= LONGEST {
         text.to_string()

@@ -8,7 +8,8 @@ use super::SweepFigure;
 use crate::escape::base64;
 use crate::signal::SweepMap;
 
-/// Cells of a speed at most: more are merged, the largest amplitude stays.
+/// Cells of a speed at most: more are merged, the largest amplitude stays. A choice: a cell is then about two
+/// pixels high.
 const ROWS: usize = 320;
 
 /// Amplitudes merged to few enough cells.
@@ -29,6 +30,7 @@ impl Cells {
         let count = map
             .positions()
             .iter()
+            // positions are multiples of a step, and round
             .take_while(|p| **p <= reach * (1.0 + 1e-9))
             .count();
         let merged = count.div_ceil(ROWS).max(1);

@@ -18,6 +18,8 @@ impl Waterfall {
         let figure = &self.figure;
         let map = &figure.map;
         let left = 116.0;
+        // choices: the lines share 460 pixels, few of them do not stand far apart, and many remain distinct.
+        // A peak rises over some lines behind it
         let spacing = (460.0 / map.speeds().len().max(1) as f64).clamp(6.0, 46.0);
         let rise = (spacing * 6.0).clamp(90.0, 220.0);
         let area = Area {
@@ -74,6 +76,7 @@ impl Waterfall {
             let inside = map
                 .positions()
                 .iter()
+                // positions are multiples of a step, and round
                 .take_while(|p| **p <= x.ticks.range.1 * (1.0 + 1e-9))
                 .count();
             let (positions, amplitudes) = (

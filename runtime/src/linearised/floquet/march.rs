@@ -13,9 +13,10 @@
 use super::super::equations::Equations;
 use nalgebra::DMatrix;
 
-/// Most iterations for N. Each reduces the error by about the angle of a step.
+/// Most iterations for N. Each reduces the error by about the angle of a step. A choice: with 256 steps a
+/// turn that angle is 0.025, and ten rounds reach rounding.
 const ROUNDS: usize = 60;
-/// Change of P that counts as rounding.
+/// Change of P that counts as rounding: some rounding units.
 const SETTLED: f64 = 1e-15;
 
 /// Stages c, the matrix a, and a².

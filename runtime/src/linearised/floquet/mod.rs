@@ -42,13 +42,16 @@ use orbit::{Round, period_of};
 use shooting::repeating;
 use std::f64::consts::TAU;
 
-/// Largest distance from 1 that the difference of whole and halved steps can explain.
+/// Largest distance from 1 that the difference of whole and halved steps can explain. A choice: a larger
+/// difference comes from steps that are too long.
 const MOST_SPLIT: f64 = 0.05;
-/// Least distance from 1 of a multiplier that is not neutral.
+/// Least distance from 1 of a multiplier that is not neutral. A choice: the root of an error of 1e-12.
 const NEUTRAL: f64 = 1e-6;
-/// Factor on the root of the error for the splitting of a double 1.
+/// Factor on the root of the error for the splitting of a double 1. A choice: the error is an estimate, and
+/// its effect depends on the vectors of the block.
 const SPLIT: f64 = 4.0;
-/// Size of Wy − y, as a share of y, above which W does not keep the direction y.
+/// Size of Wy − y, as a share of y, above which W does not keep the direction y. A choice far above the
+/// errors of an integration.
 const PHASE: f64 = 1e-2;
 
 /// The repeating motion of the modes, with the errors.
@@ -85,7 +88,7 @@ pub struct Repeating {
     pub resolved: bool,
 }
 
-/// Distance of two logarithms of multipliers, up to conjugation and whole turns.
+/// Distance of two logarithms of multipliers, up to conjugation and whole turns. Dimensionless.
 fn distance(a: Complex<f64>, b: Complex<f64>) -> f64 {
     [b, b.conj()]
         .into_iter()
@@ -97,7 +100,7 @@ fn distance(a: Complex<f64>, b: Complex<f64>) -> f64 {
 }
 
 /// Error of the return of the motion's own direction: `|Wy − y|/|y|`; `None` if the motion has no direction
-/// of its own.
+/// of its own. Dimensionless.
 fn phase(round: &Round, whole: &DMatrix<f64>) -> Option<f64> {
     let y = round.along();
     let p = round.first.freedoms();
@@ -112,7 +115,7 @@ fn phase(round: &Round, whole: &DMatrix<f64>) -> Option<f64> {
         .filter(|share| *share < PHASE)
 }
 
-/// |Δ ln μ| between halved and whole steps.
+/// |Δ ln μ| between halved and whole steps. Dimensionless.
 fn uncertainty(multiplier: &Multiplier, coarse: &[Multiplier]) -> f64 {
     coarse
         .iter()

@@ -17,15 +17,20 @@ use eng_system::system::{Extent, StepControl};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Segments of the period: an odd number, see `multipliers`.
+/// Segments of the period: an odd number, see `multipliers`. Seven is a choice: with the limit of roots,
+/// 1e-7, multipliers down to 10⁻⁴⁹ are found, and the effort grows with the cube of the number.
 const SEGMENTS: usize = 7;
-/// Largest size (of ξ, times segments) of the matrix for the eigenvalues.
+/// Largest size (of ξ, times segments) of the matrix for the eigenvalues. A choice: their time grows with the
+/// cube of the size.
 const LARGEST: usize = 1400;
-/// Steps of the integration per turn of the fastest body, and the least and the most steps.
+/// Steps of the integration per turn of the fastest body, and the least and the most steps. Choices: the
+/// scheme has order five, so 256 steps a turn are exact to many digits for the orders of a machine. The most
+/// steps limit the time of a run.
 const PER_TURN: f64 = 256.0;
 const LEAST: usize = 256;
 const MOST: usize = 8192;
-/// Share of a step by which a period may exceed a whole power of two of steps.
+/// Share of a step by which a period may exceed a whole power of two of steps. A choice: without it a period
+/// that is longer by rounding would take twice as many steps.
 const SPARE: f64 = 0.02;
 
 /// The period of a motion.

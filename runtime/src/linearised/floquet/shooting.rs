@@ -42,35 +42,44 @@ use eng_system::system::StepControl;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Most rounds of the shooting.
+/// Most rounds of the shooting. A choice: each integrates a period, and Newton's method needs a few after the
+/// length of moves has grown.
 const SHOTS: usize = 20;
 /// Gap, as a share of the permitted one, below which no further round is needed, and factor of shrinkage at
-/// which another is useless.
+/// which another is useless. Choices.
 const CLOSED: f64 = 1e-3;
 const STALLED: f64 = 0.5;
-/// Longest move of the first round, in position tolerances of the model. A position tolerance is a thousandth
-/// of a clearance.
+/// Longest move of the first round, in position tolerances of the model: a fifth of a clearance, because a
+/// position tolerance is a thousandth of it. A choice: films are far from linear over more.
 const STRIDE: f64 = 200.0;
-/// Factors on the longest move after a round with the predicted shrinkage, and after another round.
+/// Factors on the longest move after a round with the predicted shrinkage, and after another round. Choices:
+/// the second undoes more than one success.
 const LONGER: f64 = 2.5;
 const SHORTER: f64 = 0.25;
-/// Length of a move in position tolerances for which the linear equations hold, those of films too.
+/// Length of a move in position tolerances for which the linear equations hold, those of films too: a
+/// fiftieth of a clearance. A choice: after a longer move a failure may come from the curvature, and finer
+/// steps would not help.
 const SHORT: f64 = 20.0;
-/// Share of the gap that no correction closes, above which no motion of the period is near.
+/// Share of the gap that no correction closes, above which no motion of the period is near. A choice: below
+/// it the next round may close the rest.
 const UNMENDED: f64 = 0.3;
-/// Singular value of 1 − W, as a share of the largest, below which W does not change a direction.
+/// Singular value of 1 − W, as a share of the largest, below which W does not change a direction. A choice:
+/// the integration has errors of this order.
 const STAYS: f64 = 1e-7;
-/// Factor on 2π/T in the scale of rates relative to moves.
+/// Factor on 2π/T in the scale of rates relative to moves. A choice: a motion over a period contains orders
+/// of about ten.
 const RATES: f64 = 10.0;
 /// Largest change of a body's spin, as a share of the largest spin, for which the found motion is the
-/// requested one.
+/// requested one. A choice: bearings may let a shaft slip by some per cent in another motion.
 const FREE: f64 = 0.02;
-/// Largest change of the coefficients over the period that the gap of the state can explain.
+/// Largest change of the coefficients over the period that the gap of the state can explain. A choice: the
+/// gap is at most a thousandth of a clearance, and films change by some times this share.
 const ALIKE: f64 = 0.02;
-/// Largest relative change of a period stated as an angle for which the found motion is the requested one.
+/// Largest relative change of a period stated as an angle for which the found motion is the requested one. A
+/// choice, that of [`FREE`].
 const DETUNED: f64 = 0.02;
 /// Part of the velocity outside all freedoms, as a share of the whole in the mass norm, above which a drive
-/// acts.
+/// acts. A choice above the rounding of a projection.
 const DRIVEN: f64 = 1e-6;
 
 /// The beginning of a round of the shooting.
@@ -161,6 +170,8 @@ impl Round {
             largest(&states),
             largest(&from.states).max(largest(&to.states)),
         );
+        // states may differ by a thousandth of their size, a choice beside the thousandth of a clearance of
+        // positions
         if size > 0.0 && off / (1e-3 * size) > share {
             share = off / (1e-3 * size);
             worst = (

@@ -85,6 +85,8 @@ impl Balance<'_> {
                 continue;
             };
             let effort = -place.efforts[k] * self.factors[*i] * self.unit;
+            // a smaller effort is below a millionth of the inertia of the motion: it comes from the end of
+            // the iterations, and a report of it would hide those that matter. A choice
             if effort.abs() * (if is_length { model.length } else { 1.0 }) > 1e-6 * self.unit {
                 held.push(Held {
                     origin,

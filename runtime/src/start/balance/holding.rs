@@ -14,7 +14,9 @@ use eng_system::system::{Origin, Role};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
-/// Singular value, as a share of the largest, below which rows depend on each other.
+/// Singular value, as a share of the largest, below which rows depend on each other. A choice above rounding:
+/// the inverse mass spreads the values of independent rows by the ratio of heavy to light bodies, so a larger
+/// limit could drop a row of a heavy one.
 const LEAST_ROW: f64 = 1e-12;
 
 /// Rows of moving parts (scaled velocities). Each has the origin of its statement, and whether it is a
@@ -159,7 +161,8 @@ impl Balance<'_> {
         Ok((values, rows))
     }
 
-    /// Values and rows of the held directions at a position.
+    /// Values and rows of the held directions at a position. The values are scaled positions, the rows are
+    /// unit rows in scaled velocities.
     pub(super) fn held(&self, state: &State) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
         if let Some(rows) = &self.turned {
             return Ok((DVector::zeros(rows.nrows()), rows.clone()));

@@ -26,11 +26,15 @@ use crate::start::{Equilibrium, Unstable};
 use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
-/// The largest number of steps of pseudo-time.
+/// The largest number of steps of pseudo-time. A choice: with [`REACH`] a body can turn or move by 40 rad or
+/// model lengths, farther than a fall to any balance, and each step costs a matrix.
 const STEPS: usize = 200;
-/// Least σ as a share of the largest stiffness.
+/// Least σ as a share of the largest stiffness. At an exact balance without stiffness along a move both parts
+/// of σ vanish and the matrix would have no inverse. A choice above rounding. At each step it leaves the part
+/// σ/κ of a move of the stiffness κ.
 const LEAST: f64 = 1e-10;
-/// An eigenvalue of the stiffness below this share of the largest is a rounding error.
+/// An eigenvalue of the stiffness below this share of the largest is a rounding error. A choice some decades
+/// above the rounding of a decomposition, because the stiffness itself is a sum in which larger loads cancel.
 const ROUNDING: f64 = 1e-10;
 
 /// Stiffness of the free moves.

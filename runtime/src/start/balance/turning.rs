@@ -40,7 +40,8 @@ use angles::Angles;
 use eng_system::system::Origin;
 use path::Path;
 
-/// Share of the motion's pace above which a body turns.
+/// Share of the motion's rate above which a body turns. Slower turns are rounding, or come from the tilt of a
+/// leaning shaft. A choice: bodies that turn a million times slower than the others have no bending by it.
 const TURNS: f64 = 1e-6;
 
 /// The reason for a missing repeating motion.

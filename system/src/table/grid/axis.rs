@@ -195,6 +195,7 @@ impl Axis {
 
 /// Number of points that are not above x. Of few points a count without branches is faster than a search.
 fn points_up_to(points: &[f64], x: f64) -> usize {
+    // a choice
     const FEW: usize = 64;
     if points.len() > FEW {
         return points.partition_point(|p| *p <= x);

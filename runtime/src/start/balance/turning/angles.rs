@@ -14,23 +14,30 @@ use crate::start::{Equilibrium, Turning};
 use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
 
-/// Most rounds of Newton's method.
+/// Most rounds of Newton's method. A choice: near the motion a few rounds serve, but rounds whose linear
+/// system is only partly solved make slow progress, and a round of many products is the dearest part of a
+/// start.
 const ROUNDS: usize = 25;
-/// Part of the residual at which a round's linear system is solved.
+/// Part of the residual at which a round's linear system is solved. A choice: a round then loses nothing of
+/// the speed of Newton's method.
 const GOAL: f64 = 1e-10;
 /// Most products with the matrix in a round. With the preconditioner each shape of frequency ω and each order
 /// m below N/2 has an eigenvalue `1 − (mΩ/ω)²`. A residual with all orders, such as that of a fine grid, has
 /// some hundreds of different ones.
 const PRODUCTS: usize = 400;
 /// Part of the residual below which a round has solved its system, so that its step measures the error of the
-/// positions.
+/// positions. A choice: then the step has four right digits, more than the comparison of two steps needs.
 const SOLVED: f64 = 1e-4;
 /// Part of the residual above which a round is useless. Between [`SOLVED`] and this, its step is taken, and
-/// the next round continues from there.
+/// the next round continues from there. A choice: with less progress than a factor of two the rounds would
+/// end before the motion is found.
 const STALLED: f64 = 0.5;
-/// Part of the first residual below which only rounding is left.
+/// Part of the first residual below which only rounding is left. A choice, some decades above the rounding
+/// unit because loads cancel in a residual.
 const ROUNDING: f64 = 1e-11;
-/// Part of the first residual below which only rounding is left, if its linear system cannot be solved.
+/// Part of the first residual below which only rounding is left, if its linear system cannot be solved. It is
+/// a hundred times [`ROUNDING`]: near a free motion the matrix is nearly singular, and the last digits of a
+/// residual are lost in it.
 const NEARLY: f64 = 1e-9;
 /// Bodies may be free to move at a whole order of the period: a wobbling disc, or a shape at its frequency
 /// that no load of that order excites. Along this motion the matrix is nearly singular. There a residual of
@@ -42,7 +49,8 @@ const SMALL: f64 = 1e-8;
 /// matrix this ratio changes by a few decades at most, because the ratio of the stiffest to the softest shape
 /// is the same.
 const BEYOND: f64 = 1e4;
-/// Scaled step, far beyond all bending, above which a load meets an undamped shape.
+/// Scaled step above which a load meets an undamped shape. One is the model's length or a radian, far beyond
+/// all bending.
 const FAR: f64 = 1.0;
 
 /// One of the angles.
@@ -86,6 +94,7 @@ fn candidates(balance: &mut Balance, state: &State) -> Result<DMatrix<f64>, Stop
     rows.rows_mut(0, moving.nrows()).copy_from(&moving);
     rows.rows_mut(moving.nrows(), count)
         .copy_from(&stated.rows(0, count));
+    // rows have a length of about one in scaled velocities: a shorter one is rounding
     unit_rows(&mut rows, 1e-12);
     Ok(rows)
 }
@@ -106,6 +115,8 @@ fn chosen(balance: &mut Balance, state: &State) -> Result<Vec<usize>, NoOrbit> {
     Ok(chosen)
 }
 
+/// The rows of the chosen candidates at a state, and those of directions that nothing holds (rows ×
+/// velocities, scaled).
 fn held_at(
     balance: &mut Balance,
     chosen: &[usize],
@@ -267,6 +278,8 @@ impl Angles {
             }
             let factor = self.advance(balance, &steps, size);
             if factor == 1.0 && solved {
+                // below a tenth of the position tolerance, steps that are not even halved are rounding: it
+                // adds up over all angles, so the limit is ten times that of one balance. A choice
                 if size <= goal || (size <= 1e4 * goal && size >= 0.5 * last) {
                     Tangent::velocities(balance, self)?;
                     return Ok(());
@@ -338,6 +351,7 @@ impl Angles {
         )
     }
 
+    /// The period (s).
     fn period(&self) -> f64 {
         let times = self.list.get(1).map_or(0.0, |a| a.place.state.time)
             - self.list.first().map_or(0.0, |a| a.place.state.time);

@@ -59,7 +59,7 @@ impl PeriodicDerivative {
         self.same.len()
     }
 
-    /// Weight of the value at point k in the rate at point j.
+    /// Weight of the value at point k in the rate at point j. In 1/s.
     fn weight(&self, j: usize, k: usize, repeats: Repeats) -> f64 {
         let n = self.points();
         match (repeats, j >= k) {

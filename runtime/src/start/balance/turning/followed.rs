@@ -46,31 +46,48 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-/// Steps per turn.
+/// Steps per turn, so 2° each. A choice: the eighth-order differences of the velocities then resolve all
+/// orders of a load that matter, and the time of a start grows with this number.
 const STEPS: f64 = 180.0;
-/// ρ∞ of the scheme.
+/// ρ∞ of the scheme. A choice: shapes above the frequency of the steps decay in few periods, so that the
+/// motion soon repeats. Towards one they keep ringing; towards zero the scheme damps slow shapes, too.
 const RADIUS: f64 = 0.5;
-/// Most periods.
+/// Most periods. A choice: if even the accelerated motion changes after as many, it has another period or
+/// none, and the start says so.
 const PERIODS: usize = 40;
-/// Number of periods after which the remaining deviation counts as linear.
+/// Number of periods after which the remaining deviation counts as linear. A choice: stiff shapes and films
+/// lose their first deviation within a period or two, and combinations of such periods lead away.
 const PLAIN: usize = 2;
-/// Most periods in one combination.
+/// Most periods in one combination. A choice: each may remove one slow decay, and periods before these belong
+/// to another deviation.
 const TOGETHER: usize = 8;
-/// Change over a period, of a clearance or of the largest bending, below which the motion repeats.
+/// Change over a period, of a clearance or of the largest bending, below which the motion repeats. A choice:
+/// it is twice the error that one step of a run may have at the usual tolerance, 1e-4 of a clearance, so a
+/// nearer start would hardly show.
 const REPEATS: f64 = 2e-4;
-/// This change after [`PERIODS`] periods.
+/// This change after [`PERIODS`] periods. A choice: a start whose bending is right within half a per cent
+/// rings far less than one with bending from a balance. A larger change gives a warning.
 const NEARLY: f64 = 5e-3;
-/// Most iterations of a step.
+/// Most iterations of a step. A choice: with a new matrix in nearly each, a step that needs more has no
+/// solution.
 const ITERATIONS: usize = 20;
-/// Iterations with the first matrix.
+/// Iterations with the first matrix, after which each has a new one. A choice: a matrix costs as much as
+/// several evaluations.
 const MATRIX: usize = 4;
-/// Scaled correction at which a step is solved, as a share of the position tolerance.
+/// Scaled correction at which a step is solved, as a share of the position tolerance. A choice: two decades
+/// below the share that the error of a step of the run may have, so that errors of the iterations do not add
+/// up over the steps of a period to a change of it.
 const GOAL: f64 = 1e-3;
-/// Weight of eccentricities and shapes relative to all others, in the projection to stated values.
+/// Weight of eccentricities and shapes relative to all others, in the projection to stated values. A choice:
+/// its square, 1e8, leaves eight digits to the others in the matrix; then films and bending change by 1e-8 of
+/// the way that frames may take instead.
 const STIFF: f64 = 1e4;
-/// Most rounds of this projection.
+/// Most rounds of this projection. A choice: they are Newton's method for small changes, whose error squares
+/// from round to round.
 const ROUNDS: usize = 5;
 /// Share of the largest singular value of the changes over the last periods, below which a value is ignored.
+/// A choice: changes of periods are as exact as the corrections of their steps, and a direction below this
+/// share is their error, which the combination would enlarge.
 const SAME: f64 = 1e-8;
 
 /// The start of the found motion.
@@ -191,6 +208,7 @@ impl Follower {
             }
             let correction = self.correction(model, step);
             let (factor, size) = self.correct(balance, step, &correction, trial)?;
+            // up to the position tolerance, corrections that are not even halved are rounding
             if factor == 1.0 && (size <= goal || (size <= 1e3 * goal && size >= 0.5 * last)) {
                 return Ok(());
             }
@@ -299,12 +317,15 @@ impl Follower {
         unwrap(model, &mut self.watch, &mut self.dynamics, now)?;
         self.kept.follow(balance, now, h)?;
         self.behind.push_front(now.pose.clone());
+        // the present position and four before it, for differences of eighth order
         self.behind.truncate(5);
         Ok(())
     }
 
-    /// Rates of the present positions, by central differences of eighth order from earlier and later ones.
+    /// Rates of the present positions, by central differences of eighth order from earlier and later ones. In
+    /// SI: m/s, rad/s in the axes of the body, and modal rates.
     fn rates(&mut self, balance: &mut Balance) -> Result<Vec<f64>, NoOrbit> {
+        // f' = (Σ w_k (f_k − f_−k))/h for k = 1…4
         const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
         let model = balance.model;
         let here = self.integrator.current.pose.clone();
@@ -377,14 +398,17 @@ impl Follower {
     }
 }
 
-/// Largest eccentricity ratio of an accelerated state that is accepted.
+/// Largest eccentricity ratio of an accelerated state that is accepted. A choice: beyond it a combination has
+/// left the range of the films, and the next period has to begin where the last one ended.
 const WITHIN: f64 = 0.98;
 
+/// Increments (SI) from scaled ones.
 fn unscaled(unknowns: &[f64], scales: &[f64]) -> Vec<f64> {
     unknowns.iter().zip(scales).map(|(x, s)| x * s).collect()
 }
 
-/// The increment from one position to another.
+/// The increment from one position to another. In m, in rad in the axes of the first orientation, and in
+/// amplitudes; in the order of the velocities.
 pub(super) fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
     for body in &model.bodies {
@@ -477,6 +501,9 @@ impl Balance<'_> {
             if followed <= PLAIN || off <= REPEATS {
                 continue;
             }
+            // a period that changes this much more than the one before shows that the combination led away:
+            // its periods no longer count. A choice above the growth that single periods of a decaying
+            // vibration have
             if off > 4.0 * before {
                 begins.clear();
                 ends.clear();
@@ -518,7 +545,8 @@ impl Balance<'_> {
     }
 
     /// Weights that make increments and velocities comparable: the largest shape of the body for shapes, the
-    /// clearances for frames.
+    /// clearances for frames. In 1/m, 1/rad and one over an amplitude for increments; the same times s for
+    /// velocities. `pace` (1/s) is the angular velocity of the motion.
     fn weights(&self, state: &State, pace: f64) -> Vec<f64> {
         let model = self.model;
         let mut weights = vec![0.0; model.velocities];
@@ -526,6 +554,7 @@ impl Balance<'_> {
             let shapes = &state.pose[body.pose + 7..body.pose + 7 + body.modes()];
             let size = largest(shapes);
             let v = body.velocity;
+            // the position tolerance is a thousandth of the smallest clearance, or less
             weights[v..v + 3].fill(1e-3 / model.tolerance);
             weights[v + 3..v + 6].fill(1e-3 * model.length / model.tolerance);
             weights[v + 6..v + body.width()].fill(if size > 0.0 { 1.0 / size } else { 0.0 });

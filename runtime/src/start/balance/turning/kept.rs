@@ -14,11 +14,14 @@ use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Rate of the efforts, as a share of the rate of the period.
+/// Rate of the efforts, as a share of the rate of the period. A choice: a higher rate would hold the speed
+/// against the orders of the period that swing it. A lower one needs more periods until a wrong mean is gone.
 const SOFT: f64 = 0.1;
-/// Share of a moving row that the constraints leave free, below which they hold it.
+/// Share of a moving row that the constraints leave free, below which they hold it. A choice between the
+/// small tilts that a drive leaves, some 1e-4 of a row, and a row that moves freely.
 const HELD: f64 = 1e-2;
 /// Share of a moving row outside the others, below which it follows from them. The remainder is a small tilt.
+/// A choice between such tilts and rows of separate parts, of which most remains.
 const DEPENDS: f64 = 0.1;
 
 /// The rows with a kept mean speed, each of length one in scaled velocities, and their present leads.
@@ -39,6 +42,7 @@ pub(super) struct Kept {
     present: Option<DMatrix<f64>>,
 }
 
+/// Scaled velocities (1/s) from velocities (SI).
 fn scaled(balance: &Balance, velocity: &[f64]) -> DVector<f64> {
     let scales = balance.motion.scales();
     DVector::from_fn(scales.len(), |i, _| velocity[i] / scales[i])
@@ -52,6 +56,7 @@ impl Kept {
     /// The kept rows at a state of the motion, which repeats after a period (s).
     pub fn new(balance: &mut Balance, state: &State, period: f64) -> Result<Kept, NoOrbit> {
         let (mut rows, _) = balance.what_moves(state)?;
+        // rows have a length of about one in scaled velocities: a shorter one is rounding
         unit_rows(&mut rows, 1e-12);
         // bodies count as rigid here, so that a crank with stated speeds at both ends can twist and tilt
         let shapes = modal(balance.model);
@@ -128,6 +133,7 @@ impl Kept {
     /// The rows at a position.
     pub fn rows(&self, balance: &mut Balance, state: &State) -> Result<DMatrix<f64>, Stop> {
         let (mut moving, _) = balance.what_moves(state)?;
+        // as in [`Kept::new`]: a shorter row is rounding
         unit_rows(&mut moving, 1e-12);
         let (count, free) = (self.moving.len(), balance.neutral.nrows());
         let mut rows = DMatrix::zeros(count + free, moving.ncols());

@@ -11,10 +11,12 @@ pub(super) struct Solution {
     pub products: usize,
 }
 
+/// `a·b`.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
+/// `|a|`.
 fn norm(a: &[f64]) -> f64 {
     libm::sqrt(dot(a, a))
 }
@@ -74,6 +76,7 @@ pub(super) fn gmres<E>(
         let open = right[k];
         right[k] = c * open;
         right.push(-s * open);
+        // a smaller rest is rounding: the basis then contains the solution, and the loop ends below
         if rest > f64::EPSILON * before {
             basis.push(next.iter().map(|x| x / rest).collect());
         }

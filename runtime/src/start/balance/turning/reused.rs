@@ -13,16 +13,22 @@ use eng_system::secants::Secants;
 /// Contraction above which the matrix is made anew, within a step or at the beginning of the next. With films
 /// on cells a new one takes about as long as two evaluations; without them a larger limit gains little.
 const SLOW: f64 = 0.3;
-/// Least contraction that is expected.
+/// Least contraction that is expected. A ratio of two corrections may be small by chance; without this floor
+/// a step would then end at a correction far above its goal.
 const LEAST: f64 = 0.1;
-/// Iterations with earlier factors, after which each has a new matrix.
+/// Iterations with earlier factors, after which each has a new matrix. A choice: at a contraction of 0.3 six
+/// iterations win three digits, and a step that needs more is nearer to its end with a matrix of its own.
 const KEPT: usize = 6;
-/// Change over the last period at which steps have their usual goal, and the share of larger changes that a
-/// step may miss.
+/// Change over the last period at which steps have their usual goal; above it the goal grows with the change.
+/// It is ten times the change of a motion that repeats, so that the last periods, which decide the end, are
+/// exact.
 const FINE: f64 = 2e-3;
-/// Change over a period below which a search of a field begins where it ended a period before, and not a step before.
+/// Change over a period below which a search of a field begins where it ended a period before, and not a step
+/// before. A choice: below it the cavity of the period before is expected to be nearer than that of the step
+/// before.
 const NEAR: f64 = 0.05;
-/// Largest factor on the goal.
+/// Largest factor on the goal. A choice: steps of the first periods then end at 0.03 of the position
+/// tolerance, and an iteration saves no more than that.
 const ROUGH: f64 = 30.0;
 
 /// What steps take over from earlier ones.
@@ -170,6 +176,8 @@ impl Reused {
         }
         self.last = Some(size);
         let expected = self.contraction.max(LEAST);
+        // the rest of a geometric series; above a ratio of 0.9, a choice, the iteration has no ratio to
+        // extrapolate with
         match expected < 0.9 && size * expected / (1.0 - expected) <= goal {
             true => Next::Solved,
             false => Next::Iterate,

@@ -11,7 +11,8 @@ use crate::start::motion::{Kept, SteadyMotion};
 use crate::state::move_pose;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-/// Scaled move of a position for differences of velocities.
+/// Scaled move of a position for differences of velocities. It is about the cube root of the rounding unit:
+/// the errors of a central difference are then 1e-10 or less.
 const DIFFERENCE: f64 = 1e-5;
 
 /// Derivatives at an angle.
@@ -103,7 +104,8 @@ fn turning_rates(angles: &Angles, values: &[Vec<f64>], repeats: &[Repeats]) -> V
     rates
 }
 
-/// Positions and shapes of bodies, without orientations, in the order of the velocities.
+/// Positions and shapes of bodies, without orientations, in the order of the velocities. In m and amplitudes;
+/// zeros for the orientations.
 fn positions(model: &Model, pose: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
     for body in &model.bodies {
@@ -250,7 +252,8 @@ impl Tangent {
         Ok(out)
     }
 
-    /// Changes of the rates along the positions, from increments at all angles.
+    /// Changes of the rates along the positions, from increments at all angles. Both in SI, per second for
+    /// the rates.
     fn path_rates(&self, model: &Model, angles: &Angles, increments: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let count = angles.list.len();
         let mut rates = vec![vec![0.0; model.velocities]; count];
