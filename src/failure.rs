@@ -150,7 +150,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Require { origin, value, dimension, .. } => {
             let message = condition(d(codes::REQUIRED), origin, "this must hold at every step");
             with_part(message, system.part_of(origin)).note_if(
-                dimension.map(|one| format!("it is missed by {}", eng_runtime::error::gap(-value, Some(one)))),
+                dimension.map(|one| format!("the condition fails by {}", eng_runtime::error::gap(-value, Some(one)))),
             )
         }
         R::Projection { row, .. } => place(d(codes::PROJECTION), &row.origin, "stays open here")
@@ -232,7 +232,11 @@ fn stops_at_start(message: Diagnostic, origin: &Origin) -> Diagnostic {
 /// The message about a motion that does not come back after the period.
 fn not_repeating(message: Diagnostic, origin: Option<&Origin>, why: &NotBack) -> Diagnostic {
     let message = message.with_each(origin, |message, origin| {
-        place(message, origin, "is farthest off")
+        place(
+            message,
+            origin,
+            "has the largest deviation after the period",
+        )
     });
     message.with_help(match why {
         NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and the loads that depend on time. A longer `after:` or a finer `tolerance` begins the search nearer to the steady motion",

@@ -77,7 +77,7 @@ fn models_that_fail_raise_every_code_of_a_run() {
     settings.add_filter(r"changes by \S+ % (of its swing from)", "changes by … % $1");
     settings.add_filter(r"`tolerance: \S+` brings", "`tolerance: …` brings");
     settings.add_filter(r"(projected on the constraints): \S+ mm", "$1: … mm");
-    settings.add_filter(r"(missed by \d)\.\d+e", "$1…e");
+    settings.add_filter(r"(fails by \d)\.\d+e", "$1…e");
     settings.add_filter(r"(?m)^ *(\d+ )?(│|┌|·|=)", "  $2");
     let mut raised: BTreeSet<&str> = BTreeSet::new();
     for path in fixtures() {
