@@ -54,7 +54,7 @@ eng_grammar::codes! {
         "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N)",
         "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N, extrapolation: hold)";
     CYCLE_STANDS = "E0714", "the cycle angle does not advance",
-        "The duration is an angle, but the crank is at rest or swings. Give a time, or state a start velocity of the crank.",
+        "The duration is an angle, but the crank is at rest or oscillates. Give a time, or state a start velocity of the crank.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)",
         "analysis run = transient(Engine(), duration: 100 ms, sample: 0.1 ms)";
     CHECKPOINT = "E0715", "a checkpoint cannot be used",
@@ -193,7 +193,7 @@ eng_grammar::codes! {
         "marker support = at([0, 0, 100] mm, z: [1, 0, 0])\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)",
         "marker support = at([0, 0, 100] mm)\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)";
     IDLE = "W0757", "a coupling slips at the start, or a body or element does nothing",
-        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once. A pure damper, a torque that repeats with each turn, and a disc that swings on a spring to the ground get no warning. Or a body is held on the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
+        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once. A pure damper, a torque that repeats with each turn, and a disc that oscillates on a spring to the ground get no warning. Or a body is fixed to the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
         "joint bolts = Fixed(flywheel.hub, ground)",
         "joint bolts = Fixed(flywheel.hub, crank.flange)";
     BENDING_START = "W0767", "start velocities agree only if flexible bodies vibrate",
@@ -212,8 +212,8 @@ eng_grammar::codes! {
         "The cycle turns by more than 30 degrees between two samples, or a stated duration is less than 5 degrees. `sample: 2 rev` was probably meant as `2 deg`, and `duration: 4 deg` as `4 rev`. If this is intended, write `accept sampling` in the model.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 100 deg)",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)";
-    CYCLE = "W0765", "the cycle swings, or runs backwards under a gas trace",
-        "A gas trace is a function of a cycle angle that increases. If the angle decreases at the start, gas is compressed after it has burnt: it brakes the engine instead of driving it. If the angle swings, as that of a rod does, a cycle, a duration and samples in revolutions never end. The cycle's angle is that of the crank from the ground, and it increases at the speed that the start and the drive state. If this is intended, write `accept cycle` in the model.",
+    CYCLE = "W0765", "the cycle oscillates, or runs backwards under a gas trace",
+        "A gas trace is a function of a cycle angle that increases. If the angle decreases at the start, gas is compressed after it has burnt: it brakes the engine instead of driving it. If the angle oscillates, as that of a rod does, a cycle, a duration and samples in revolutions never end. The cycle's angle is that of the crank from the ground, and it increases at the speed that the start and the drive state. If this is intended, write `accept cycle` in the model.",
         "cycle angle = rotation(ground, crank.flange) { period = 720 deg }",
         "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
     CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",

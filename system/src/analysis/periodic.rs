@@ -38,7 +38,7 @@ pub(super) const ROW: KindRow = KindRow {
             Takes::Angle,
             "deg",
             POSITIVE,
-            "the distance of samples, 0.5° by default",
+            "the sampling interval, 0.5° by default",
         ),
         argument(
             "change",
