@@ -67,7 +67,7 @@ pub(super) enum Command {
     Results(ResultsArguments),
     /// Write a result file in the format of another tool: CSV, universal file (58), MAT
     Export(ExportArguments),
-    /// Give texts the one form: blanks, indents, line ends
+    /// Give texts the one form: spaces, indents, line ends
     ///
     /// Rewrites the files that differ from it and names them. Tokens, comments, numbers and line ends inside of an
     /// item stay as written. A text that cannot be read is left as it is, and its messages are shown.

@@ -131,7 +131,7 @@ eng_grammar::codes! {
         "start crank.angle = 180 rad",
         "start crank.angle = 180 deg";
     UNIT_NAME = "W0553", "a value has the name of a unit",
-        "After a number or another unit, the word is the unit: `2 N*m` is a torque, also where a mass `m` is declared. Give the value a longer name. Or keep it, write blanks around the operator (`2 N * m`), and write `accept unit_name` in the definition around it.",
+        "After a number or another unit, the word is the unit: `2 N*m` is a torque, also where a mass `m` is declared. Give the value a longer name. Or keep it, write spaces around the operator (`2 N * m`), and write `accept unit_name` in the definition around it.",
         "param m: Mass = 2 kg",
         "param mass: Mass = 2 kg";
     UNUSED_LET = "W0301", "a value is not used",

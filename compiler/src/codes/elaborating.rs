@@ -16,7 +16,7 @@ eng_grammar::codes! {
         "The model has more than 20 000 bodies, elements, parts and indices. Perhaps the range of a binder is longer than intended.",
         "body rod[i in 1..40000] { mass = 1 kg }",
         "body rod[i in 1..4] { mass = 1 kg }";
-    NOT_KNOWN = "E0504", "a number must be known while compiling",
+    NOT_KNOWN = "E0504", "a value must be a constant",
         "The points of a table, limits, exponents and ranges are fixed when the model is compiled; a `param` changes afterwards. Make it a `const`, or use it at a place that may vary.",
         "param top: Length = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)",
         "const top = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)";
