@@ -469,7 +469,8 @@ pub(super) struct CheckArguments {
     /// List the positions of all markers at the start of each analysis, as assembled
     #[arg(long)]
     pub positions: bool,
-    /// Print the processor time of each phase: reading, types, elaboration, machine code, assembly, dry turn, lints
+    /// Print the processor time of each phase: reading, types, elaboration, machine code, assembly, turn
+    /// without forces, lints
     #[arg(long)]
     pub timings: bool,
     /// Form of the messages

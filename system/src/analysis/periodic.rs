@@ -48,7 +48,7 @@ pub(super) const ROW: KindRow = KindRow {
                 |x| x > 0.0 && x < 1.0,
                 "positive and below 1; 0.1 % is the default",
             )],
-            "the largest change that counts as a repeat, 0.1 % of a swing by default",
+            "the largest change that counts as a repeat, 0.1 % of a peak-to-peak value by default",
         ),
         argument(
             "cycles",
