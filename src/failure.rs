@@ -94,9 +94,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
     match error {
         R::Bind(bind) => bind_diagnostic(bind, system),
         R::Input { origin, .. } => place(d(codes::INPUT), origin, "this input"),
-        R::Inputs { moment, cause } => {
-            bind_diagnostic(cause, system).with_note(format!("this follows from the values of the inputs at {moment}"))
-        }
+        R::Inputs { moment, cause } => bind_diagnostic(cause, system)
+            .with_note(format!("this follows from the values of the inputs at {moment}")),
         R::Body { origin, .. } => place(d(codes::BODY), origin, "this body")
             .with_help("check the unit, the signs of the products, and that the inertia is about the centre of mass"),
         R::OpenLoop { rows, chain } => open_loop(d(codes::OPEN_LOOP), rows, chain.as_deref(), system),
