@@ -125,7 +125,7 @@ impl Program {
                 Ok((report, bends)) => {
                     found.add(bends.iter().filter_map(|bends| bends.doubt.as_ref()));
                     let bends = bends.is_some();
-                    // analyses with the same system share one dry turn; a machine that needs bending has no
+                    // analyses with the same system share one turn without forces; a machine that needs bending has no
                     // turn by geometry
                     let model = Arc::as_ptr(&analysis.model().compiled().system);
                     let geometry = (model, analysis.geometry()?);
@@ -274,7 +274,7 @@ struct Lints {
 }
 
 impl Lints {
-    /// Collects the findings of an analysis. Returns its dry turn if a lint made one, and the time of this
+    /// Collects the findings of an analysis. Returns its turn without forces if a lint made one, and the time of this
     /// turn. Another stage reports unusable parameters.
     fn collect(&mut self, analysis: &Analysis) -> (Option<Result<Turned, RuntimeError>>, Duration) {
         let found = analysis.findings();

@@ -54,7 +54,7 @@ eng_grammar::codes! {
         "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N)",
         "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N, extrapolation: hold)";
     CYCLE_STANDS = "E0714", "the cycle angle does not advance",
-        "The duration is an angle, but the crank is at rest or swings. Give a time, or state a start velocity of the crank.",
+        "The duration is an angle, but the crank is at rest or oscillates. Give a time, or state a start velocity of the crank.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)",
         "analysis run = transient(Engine(), duration: 100 ms, sample: 0.1 ms)";
     CHECKPOINT = "E0715", "a checkpoint cannot be used",
@@ -103,7 +103,7 @@ eng_grammar::codes! {
         "model Loose { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 } }\nanalysis rest = static(Loose())",
         "model Held { gravity = [0, 0, -9.81] m/s^2\nbody stone { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\njoint hold = Fixed(stone.origin, ground) }\nanalysis rest = static(Held())";
     NOT_KINEMATIC = "E0775", "a `kinematic` analysis does not determine the motion",
-        "A kinematic analysis has no forces that decide a motion: joints, drives, pins in the middle of their shells and the turning cycle must determine every body. The message names the motions that they leave free, an element whose load depends on the past, pins that cannot all be in the middle, or the moment at which the mechanism can continue in several ways or its speed jumps.",
+        "A kinematic analysis has no forces that decide a motion: joints, drives, pins in the middle of their shells and the turning cycle must determine every body. The message names the cause: a free motion, a load that depends on the past, pins that cannot all be in the middle, a speed that jumps, or a position with several continuations.",
         "model Arm { gravity = [0, 0, 0] m/s^2\nbody arm { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\nstart arm.angular_velocity = [0, 0, 60] rpm }\nanalysis turn = kinematic(Arm(), over: 1 s)",
         "model Arm { gravity = [0, 0, 0] m/s^2\nbody arm { mass = 1 kg; inertia = [1, 1, 1] g*m^2 }\ndrive turn = PrescribedRotation(arm.origin, ground, speed: 60 rpm) }\nanalysis turn = kinematic(Arm(), over: 1 s)";
     GROWS = "E0745", "no vibration about this state is steady",
@@ -111,7 +111,7 @@ eng_grammar::codes! {
         "analysis shaken = response(Rotor(speed: 9000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)",
         "analysis shaken = response(Rotor(speed: 3000 rpm), to: push, of: [shaft.x], from: 10 Hz, up_to: 1 kHz)";
     KINKED = "E0746", "the state of a linearisation is at a kink whose sides differ",
-        "A stop that just touches, a spring that acts from one position on, `if`, `max`, `min` or `abs` with a condition that is just met: the load has one slope on one side and another slope on the other. Small motions then obey no linear equations, so they have no modes and no frequency response. Where both slopes are equal the analysis goes on with them. An output that `response` or the matrices of `linear` ask for may have such a kink, too, as the absolute value of a displacement has at zero: then the message names the output. With `over:` the state is a motion: it must not rest at such a kink, and no load may jump on its way, because small motions meet the jump at another moment. Kinks at which loads only bend are passed. Move the state away from the kink by a load or a play, or round the law.",
+        "A stop that just touches, a spring that acts from one position on, `if`, `max`, `min` or `abs` with a condition that is just met: the load has one slope on one side and another slope on the other. Small motions then obey no linear equations, so they have no modes and no frequency response. Where both slopes are equal the analysis goes on with them. An output that `response` or the matrices of `linear` ask for may have such a kink, too, as the absolute value of a displacement has at zero: then the message names the output. With `over:` the state is a motion: it must not rest at such a kink, and no load may jump on its way, because small motions meet the jump at another moment. The motion may pass kinks at which loads only bend. Move the state away from the kink by a load or a play, or round the law.",
         "analysis modes = linear(Stop(height: 0 mm))",
         "analysis modes = linear(Stop(height: -0.1 mm))";
     LOCKED = "E0760", "the mechanism locks",
@@ -165,7 +165,7 @@ eng_grammar::codes! {
         "joint big_end = Revolute(rod.big, crank.pin) { accept loose }",
         "joint big_end = Revolute(rod.big, crank.pin)";
     INERTIA = "W0751", "the inertia of a body does not fit its mass and size",
-        "The radius of gyration is the root of inertia over mass. Four limits apply. The first is 0.13 to 2.6 of the distance from the centre of mass to the farthest marker, if this marker is 20 mm away or more. Its lower end counts with markers on both sides, its upper end above three radii of a ball of steel. The second is the same distance in all bodies. The third is a ball of tungsten, which has the least inertia of all bodies of a mass. The fourth is twenty radii of a ball of steel. Outside these limits a unit is probably wrong. The same holds if the centre of mass is far from all markers. In a body with its markers in line, the moments across the line are the large ones. The centre of mass of a rod is between its ends. If the values are intended, write `accept inertia` in the body.",
+        "The radius of gyration is the root of inertia over mass. It has four limits. The first is 0.13 to 2.6 times the distance from the centre of mass to the farthest marker, if this distance is more than 20 mm. The lower end applies to bodies with markers on both sides of the centre of mass. The upper end applies above three radii of a ball of steel of the same mass. The second limit is 2.6 times the largest such distance in the model. The third limit is 0.3 times the radius of gyration of a ball of tungsten of the same mass, which has the least inertia of all bodies. The fourth limit is twenty radii of the ball of steel. Outside these limits a unit is probably wrong. The same holds if the centre of mass is far from all markers. In a body with its markers in line, the moments across the line are the large ones. The centre of mass of a rod is between its ends. If the values are intended, write `accept inertia` in the body.",
         "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] kg*m^2 }",
         "body rod { mass = 0.62 kg; inertia = [0.12, 3.0, 3.1] g*m^2 }";
     GRAVITY = "W0752", "gravity is neither 0 nor that of the earth",
@@ -193,7 +193,7 @@ eng_grammar::codes! {
         "marker support = at([0, 0, 100] mm, z: [1, 0, 0])\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)",
         "marker support = at([0, 0, 100] mm)\nforce shaft = TorsionSpring(disc.hub, support, stiffness: 10 N*m/rad)";
     IDLE = "W0757", "a coupling slips at the start, or a body or element does nothing",
-        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once. A pure damper, a torque that repeats with each turn, and a disc that swings on a spring to the ground get no warning. Or a body is held on the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
+        "The ends of a torsional spring turn at speeds that differ by more than a tenth, so that the spring winds up at once. A pure damper, a torque that repeats with each turn, and a disc that oscillates on a spring to the ground get no warning. Or a body is fixed to the ground and no other element acts on it. Or a spring, film or gas acts between bodies that are joined rigidly. A flywheel that is joined to the ground instead of the crank causes both. If this is intended, write `accept idle`.",
         "joint bolts = Fixed(flywheel.hub, ground)",
         "joint bolts = Fixed(flywheel.hub, crank.flange)";
     BENDING_START = "W0767", "start velocities agree only if flexible bodies vibrate",
@@ -212,12 +212,12 @@ eng_grammar::codes! {
         "The cycle turns by more than 30 degrees between two samples, or a stated duration is less than 5 degrees. `sample: 2 rev` was probably meant as `2 deg`, and `duration: 4 deg` as `4 rev`. If this is intended, write `accept sampling` in the model.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 100 deg)",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)";
-    CYCLE = "W0765", "the cycle swings, or runs backwards under a gas trace",
-        "A gas trace is a function of a cycle angle that increases. If the angle decreases at the start, gas is compressed after it has burnt: it brakes the engine instead of driving it. If the angle swings, as that of a rod does, a cycle, a duration and samples in revolutions never end. The cycle's angle is that of the crank from the ground, and it increases at the speed that the start and the drive state. If this is intended, write `accept cycle` in the model.",
+    CYCLE = "W0765", "the cycle oscillates, or runs backwards under a gas trace",
+        "A gas trace is a function of a cycle angle that increases. If the angle decreases at the start, gas is compressed after it has burnt: it brakes the engine instead of driving it. If the angle oscillates, as that of a rod does, a cycle, a duration and samples in revolutions never end. The cycle's angle is that of the crank from the ground, and it increases at the speed that the start and the drive state. If this is intended, write `accept cycle` in the model.",
         "cycle angle = rotation(ground, crank.flange) { period = 720 deg }",
         "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
     CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",
-        "The check turns the machine through its cycle by its geometry. A firing angle is more than 15 degrees from the piston's dead centre, the same for all cylinders, or the same for some of them while others fire alone; one piston of several has no gas; bore over stroke is outside 0.6 to 1.7; rod over throw is outside 2 to 10; piston and head collide; the rod is between piston and head, so that gas pulls it; the head moves and the piston does not; the head is on the crank; the piston does not move; the bore is slanted to the crankshaft. If this is intended, write `accept firing`, `bore`, `mirrored` or `swapped` in the element.",
+        "The check turns the machine through its cycle by its geometry. It warns of these cases. A firing angle is more than 15 degrees from the dead centre of its piston. All cylinders have the same firing angle, or some have the same while others fire alone. One piston of several has no gas. Bore over stroke is outside 0.6 to 1.7. Rod over throw is outside 2 to 10. Piston and head collide. The rod is between piston and head, so that gas pulls it. The head moves and the piston does not. The head is on the crank. The piston does not move. The bore is slanted to the crankshaft. If a case is intended, write `accept firing`, `bore`, `mirrored` or `swapped` in the element.",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated)",
         "force gas[i in 1..4] = GasPressure(piston[i].bore, block.liner[i], bore: 86 mm, pressure: indicated, firing: firing[i])";
     NOISE = "W0716", "an output is lost in the noise of the steps",
@@ -253,7 +253,7 @@ eng_grammar::codes! {
         "flexible crank { mesh = nastran(\"crnk.bdf\", units: mm_tonne_s) }",
         "flexible crank { mesh = nastran(\"crank.bdf\", units: mm_tonne_s) }";
     MESH_MARKER = "E0731", "a marker does not fit its mesh",
-        "The node, set or ring is missing, or an element turns a marker on a single node of a solid, which has no rotation. Several nodes with a tie have one.",
+        "The node, set or ring is missing, or an element turns a marker on a single node of a solid, which has no rotation. Several nodes with a tie have a rotation.",
         "flexible rod { marker big = node(17) }",
         "flexible rod { marker big = ring(center: [0, 0, 0] mm, axis: z, radius: 24 mm, width: 20 mm) }";
     REDUCTION = "E0732", "a flexible body cannot be reduced",

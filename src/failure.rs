@@ -61,7 +61,11 @@ pub(crate) fn overlooked(kink: &Overlooked, analysis: &Origin) -> Diagnostic {
             kink.moment
         ),
     );
-    let message = place(message, analysis, "a fixed step does not end at kinks");
+    let message = place(
+        message,
+        analysis,
+        "its steps are fixed, so they do not end at kinks",
+    );
     let message = message.also_if(kink.origin.used_at.map(span), "this element");
     let message = message.also_if(
         kink.origin.defined_at.map(span),
@@ -90,9 +94,8 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
     match error {
         R::Bind(bind) => bind_diagnostic(bind, system),
         R::Input { origin, .. } => place(d(codes::INPUT), origin, "this input"),
-        R::Inputs { moment, cause } => {
-            bind_diagnostic(cause, system).with_note(format!("inputs decide it at {moment}"))
-        }
+        R::Inputs { moment, cause } => bind_diagnostic(cause, system)
+            .with_note(format!("this follows from the values of the inputs at {moment}")),
         R::Body { origin, .. } => place(d(codes::BODY), origin, "this body")
             .with_help("check the unit, the signs of the products, and that the inertia is about the centre of mass"),
         R::OpenLoop { rows, chain } => open_loop(d(codes::OPEN_LOOP), rows, chain.as_deref(), system),
@@ -150,7 +153,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Require { origin, value, dimension, .. } => {
             let message = condition(d(codes::REQUIRED), origin, "this must hold at every step");
             with_part(message, system.part_of(origin)).note_if(
-                dimension.map(|one| format!("it is missed by {}", eng_runtime::error::gap(-value, Some(one)))),
+                dimension.map(|one| format!("the condition fails by {}", eng_runtime::error::gap(-value, Some(one)))),
             )
         }
         R::Projection { row, .. } => place(d(codes::PROJECTION), &row.origin, "stays open here")
@@ -226,17 +229,21 @@ fn singular(
 fn stops_at_start(message: Diagnostic, origin: &Origin) -> Diagnostic {
     message
         .at_if(origin.used_at.map(span), "true before the first step")
-        .with_help("compare the other way round, or with another limit; a motion that begins beyond the limit and comes back needs two parts, such as `speed > limit and time > 1 s`")
+        .with_help("reverse the comparison, or state another limit. If the motion begins beyond the limit and returns, state two parts, such as `speed > limit and time > 1 s`")
 }
 
 /// The message about a motion that does not come back after the period.
 fn not_repeating(message: Diagnostic, origin: Option<&Origin>, why: &NotBack) -> Diagnostic {
     let message = message.with_each(origin, |message, origin| {
-        place(message, origin, "is farthest off")
+        place(
+            message,
+            origin,
+            "has the largest deviation after the period",
+        )
     });
     message.with_help(match why {
         NotBack::OtherPeriod => "check the period that `over` states (a four-stroke cycle has two turns), and the loads that depend on time. A longer `after:` or a finer `tolerance` begins the search nearer to the steady motion",
-        NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let the ringing of the start die out with `after:`; a shorter `step` follows faster swings",
+        NotBack::TooFar => "the period may be right. Begin nearer to the motion that repeats: leave out `start: assembled`, or let the ringing of the start die out with `after:`; a shorter `step` resolves faster vibrations",
     })
 }
 
@@ -382,9 +389,9 @@ pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Di
 fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
     match pace {
         Pace::Stated => message.with_help("take a longer `step`, or none: then error control chooses the steps"),
-        Pace::Samples => message.with_help("no step is longer than the distance of samples: take a longer `sample`"),
-        Pace::Turn => message.with_help("a body may turn by a quarter radian in a step: take a shorter `duration`, and look whether a body turns faster than intended"),
-        Pace::Sines => message.with_help("take a shorter `duration`, and look whether a frequency in an `if`, `min`, `max` or `abs` is higher than intended"),
+        Pace::Samples => message.with_help("state a longer `sample`: this is the sampling interval"),
+        Pace::Turn => message.with_help("a step turns a body by a quarter radian at most. Look whether a body turns faster than intended; if not, state a shorter `duration`"),
+        Pace::Sines => message.with_help("look whether a frequency in an `if`, `min`, `max` or `abs` is higher than intended; if not, state a shorter `duration`"),
         Pace::Jump(jump) => jumps(message, jump),
         Pace::Error { origin, .. } => place(message, origin, "its motion needs these steps")
             .with_help("something is very stiff or fast, or grows without bound: look at stiffness, damping (its sign, too), mass and clearance around this body"),
@@ -658,7 +665,7 @@ pub(crate) fn periodic(
             false => crate::repetition::pace(mode.factor),
         };
         facts.push(format!(
-            "slowest decay: deviations of the motion {pace}; they show most in {}",
+            "slowest decay: deviations of the motion {pace}; they are largest in {}",
             name(decay.channel),
         ));
     }

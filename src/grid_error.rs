@@ -94,11 +94,13 @@ impl GridError {
         match &self.found {
             Found::Errors(moments, errors) => {
                 let moments = match *moments < self.among {
-                    true => format!("the {moments} hardest of {} moments", self.among),
+                    true => format!("the {moments} most critical of {} moments", self.among),
                     false => format!("{} moments", self.among),
                 };
                 let errors = errors.text();
-                format!("{film}: against twice as many both ways at {moments}, {errors}")
+                format!(
+                    "{film}: compared with twice as many cells in both directions (at {moments}), {errors}"
+                )
             }
             Found::NoLoad => format!(
                 "{film}: no load at {} moments, so the error of the cells is not known",
@@ -126,10 +128,13 @@ impl LoadErrors {
             let side = if share < 0.0 { "low" } else { "high" };
             format!("{} % too {side}", significant(100.0 * share.abs(), 2))
         };
-        let mut text = format!("the load is up to {} at the same place", percent(self.load));
+        let mut text = format!(
+            "the load at the same position of the pin is up to {}",
+            percent(self.load)
+        );
         match self.pressure {
             // the highest pressure is then that of an opening, which both grids state
-            Some(0.0) => text += "; at the same load the highest pressure is the same",
+            Some(0.0) => text += "; at the same load both grids have the same highest pressure",
             Some(pressure) => {
                 text += &format!(
                     "; at the same load the highest pressure is up to {}",
@@ -141,7 +146,7 @@ impl LoadErrors {
         if let Some([film, thicker]) = self.film {
             let side = if thicker < 0.0 { "thin" } else { "thick" };
             text += &format!(
-                ", the least film of {} µm {} µm too {side}",
+                ", and the least film of {} µm is {} µm too {side}",
                 significant(1e6 * film, 3),
                 significant(1e6 * thicker.abs(), 2)
             );
@@ -191,7 +196,7 @@ fn of_field(field: &RecordedField, motion: &Results, moments: &[usize]) -> Optio
     };
     let own = field.solved(motion, moments);
     let among = own.len();
-    let solved = field.on_both_grids(finer.as_ref(), hardest(own)?, "minimum_film");
+    let solved = field.on_both_grids(finer.as_ref(), most_critical(own)?, "minimum_film");
     let loads = solved
         .iter()
         .map(|both| Some([load(&both.own)?, load(&both.finer)?]));
@@ -230,7 +235,7 @@ fn load(solution: &Solution) -> Option<f64> {
 }
 
 /// The solutions with the largest loads, the highest pressures and the least films, in their order in time.
-fn hardest(solved: Vec<Solution>) -> Option<Vec<Solution>> {
+fn most_critical(solved: Vec<Solution>) -> Option<Vec<Solution>> {
     let mut chosen = vec![false; solved.len()];
     for sort in [
         |solution: &Solution| load(solution),

@@ -84,7 +84,7 @@ fn shared(determined: &Determined, system: &System, analysis: &Origin) -> Option
     let message = Diagnostic::warning(
         codes::SHARED,
         format!(
-            "nothing here decides how these share their load: {}",
+            "the balance of forces does not decide how these elements share their load: {}",
             groups.join("; ")
         ),
     );

@@ -124,7 +124,7 @@ impl Repetition {
             Some(Slowest {
                 channel, change, ..
             }) => format!(
-                "; the last differs by {} of its swing in {channel}",
+                "; the last differs by {} of the peak-to-peak value of {channel}",
                 short(*change, 3)
             ),
             None => String::new(),
@@ -141,7 +141,7 @@ impl Repetition {
             let message = Diagnostic::warning(
                 codes::NOISE,
                 format!(
-                    "{} changes by {share} of its swing from cycle to cycle, which is the noise of the steps",
+                    "{} changes by {share} of its peak-to-peak value from cycle to cycle, which is the noise of the steps",
                     slowest.channel
                 ),
             );
@@ -159,7 +159,7 @@ impl Repetition {
         let message = Diagnostic::warning(
             codes::NOT_PERIODIC,
             format!(
-                "the cycle does not repeat after {} cycles: {} still changes by {share} of its swing",
+                "the cycle does not repeat after {} cycles: {} still changes by {share} of its peak-to-peak value",
                 self.cycles, slowest.channel
             ),
         );

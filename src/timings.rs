@@ -71,7 +71,10 @@ impl CheckTimings {
             ("reports".to_owned(), self.reports),
             ("machine code".to_owned(), self.machine_code),
             ("assembly".to_owned(), self.assembly),
-            (counted(self.turns, "dry turn", "dry turns"), self.dry_turns),
+            (
+                counted(self.turns, "turn without forces", "turns without forces"),
+                self.dry_turns,
+            ),
             ("lints".to_owned(), self.lints),
         ]
     }

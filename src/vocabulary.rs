@@ -317,7 +317,7 @@ pub(crate) const LINTS: [About; eng_system::lint::BUILT_IN.len()] = [
     ),
     (
         eng_system::lint::CYCLE,
-        "the angle of the cycle swings, or falls while gas tables fire",
+        "the angle of the cycle oscillates, or falls while gas tables fire",
     ),
 ];
 

@@ -625,7 +625,7 @@ fn a_force_that_holds_the_motion_at_its_jump_is_refused() {
         told.contains("error[E0770]: the force of rub jumps by 4"),
         "{told}"
     );
-    assert!(told.contains("holds the motion there"), "{told}");
+    assert!(told.contains("the motion stays at the jump"), "{told}");
     assert!(told.contains("model.eng:10:11"), "{told}");
 }
 

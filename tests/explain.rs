@@ -95,7 +95,7 @@ fn analyses_and_figures_are_explained() {
         "{told}"
     );
     assert!(
-        told.contains("\n    sample (deg)  the distance of samples, 0.5° by default\n"),
+        told.contains("\n    sample (deg)  the sampling interval, 0.5° by default\n"),
         "{told}"
     );
     for row in eng_system::figure::KINDS {

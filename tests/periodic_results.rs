@@ -101,7 +101,10 @@ fn what_does_not_repeat_is_listed_and_on_the_page() {
     let (said, _) = told(results.output().expect("eng runs"));
     let line = "does not repeat after 6 cycles; the last differs by ";
     assert!(said.contains(line), "{said}");
-    assert!(said.contains("of its swing in wave\n"), "{said}");
+    assert!(
+        said.contains("of the peak-to-peak value of wave\n"),
+        "{said}"
+    );
     let mut report = eng("report");
     report
         .arg(place.path("spin.eng"))

@@ -427,7 +427,7 @@ fn timings_of_a_check_tell_every_phase() {
         "reports",
         "machine code",
         "assembly",
-        "dry turns",
+        "turns without forces",
         "lints",
     ] {
         let (_, rest) = line.split_once(&format!(" {phase} ")).unwrap();
@@ -442,7 +442,7 @@ fn timings_of_a_check_tell_every_phase() {
     let wrong = Folder::new("check-timings-wrong", "model M { let x = 3 mm + 1 s }");
     let output = wrong.eng(&["check", "model.eng", "--timings"]);
     assert!(
-        text(&output).contains("0 dry turns 0.000 s"),
+        text(&output).contains("0 turns without forces 0.000 s"),
         "{}",
         text(&output)
     );

@@ -74,10 +74,13 @@ fn models_that_fail_raise_every_code_of_a_run() {
     settings.add_filter(r"(t = \d+\.\d{2})\d+(e-?\d+)? s", "$1…$2 s");
     settings.add_filter(r"point: \S+ (ms|s) past", "point: … $1 past");
     settings.add_filter(r"falls below \S+ s", "falls below … s");
-    settings.add_filter(r"changes by \S+ % (of its swing from)", "changes by … % $1");
+    settings.add_filter(
+        r"changes by \S+ % (of its peak-to-peak value from)",
+        "changes by … % $1",
+    );
     settings.add_filter(r"`tolerance: \S+` brings", "`tolerance: …` brings");
     settings.add_filter(r"(projected on the constraints): \S+ mm", "$1: … mm");
-    settings.add_filter(r"(missed by \d)\.\d+e", "$1…e");
+    settings.add_filter(r"(fails by \d)\.\d+e", "$1…e");
     settings.add_filter(r"(?m)^ *(\d+ )?(│|┌|·|=)", "  $2");
     let mut raised: BTreeSet<&str> = BTreeSet::new();
     for path in fixtures() {

@@ -166,7 +166,9 @@ fn a_missing_zero_stops_the_run() {
         error.contains("finds no zero of `above(lifted: 20 mm*turned/(1 rad))`"),
         "{error}"
     );
-    let missed = error.lines().find(|line| line.contains("missed by"));
+    let missed = error
+        .lines()
+        .find(|line| line.contains("the condition fails by"));
     assert!(missed.is_some_and(|line| line.ends_with(" mm")), "{error}");
 }
 

@@ -138,9 +138,9 @@ fn standing(moment: &Moment, angle: f64) -> String {
 /// The amount by which a branch condition fails, in words.
 fn missed(value: f64, dimension: Option<Dimension>) -> String {
     if value.abs() <= 1e-9 {
-        "the only position found is on the border of two branches".to_owned()
+        "in the only position found, the branch condition is exactly at its limit".to_owned()
     } else {
-        format!("it is missed by {}", gap(-value, dimension))
+        format!("the condition fails by {}", gap(-value, dimension))
     }
 }
 
@@ -464,9 +464,9 @@ pub enum RuntimeError {
     },
     /// A class resolves a length below the rounding error of positions.
     #[error(
-        "{} resolves {} m, less than the rounding errors of positions in a model of this size: the smallest possible length is about {} m",
-        origin.path,
+        "the length {} m after `resolve` in {} is smaller than the rounding errors of positions in a model of this size; the least possible length is about {} m",
         short(*length, 4),
+        origin.path,
         short(*least, 1)
     )]
     Resolution {
@@ -498,7 +498,7 @@ pub enum RuntimeError {
         loads: Vec<String>,
     },
     /// A load or a rate jumps at the present motion, and no step passes the jump.
-    #[error("{jump} at {moment} and holds the motion there, in steps of {} s", short(*step, 3))]
+    #[error("{jump} at {moment}; the motion stays at the jump, and steps are only {} s long", short(*step, 3))]
     Jumps {
         /// When.
         moment: Moment,

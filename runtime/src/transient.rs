@@ -205,10 +205,7 @@ pub fn countable(kind: &dyn Kind) -> Result<(), RuntimeError> {
         return Ok(());
     };
     let refuse = |message: String| Err(RuntimeError::Options { message });
-    let named = [
-        (duration, "duration"),
-        (Some(sample), "distance of the samples"),
-    ];
+    let named = [(duration, "duration"), (Some(sample), "sampling interval")];
     for (extent, name) in named {
         let Some(Extent::Time(x) | Extent::Angle(x)) = extent else {
             continue;

@@ -55,9 +55,9 @@ pub struct Analysis {
 /// Findings of lints on an analysis.
 pub(crate) struct Findings {
     pub list: Vec<Finding>,
-    /// The dry turn of the lints of cylinders, if there are cylinders.
+    /// The turn without forces of the lints of cylinders, if there are cylinders.
     pub turned: Option<Result<Turned, RuntimeError>>,
-    /// Processor time of the dry turn with its lints.
+    /// Processor time of the turn without forces with its lints.
     pub turning: Duration,
 }
 
@@ -449,7 +449,7 @@ impl Analysis {
             let (model, state) = (assembled.model(), assembled.state());
             let origin = &self.plan.origin;
             list.extend(lint::of_start(model, state, &self.plan.kind, origin));
-            // the dry turn is the same for all points of a sweep
+            // the turn without forces is the same for all points of a sweep
             let first = self.plan.point.is_empty() || self.plan.origin.path.ends_with("[1]");
             if first {
                 let mut clock = Clock::new();
@@ -667,7 +667,7 @@ impl Analysis {
         self.lock(assembled.and_then(|assembled| turn(assembled, &mut |_| Ok(()))))
     }
 
-    /// The warning about a lock in the dry turn.
+    /// The warning about a lock in the turn without forces.
     pub(crate) fn lock(
         &self,
         turned: Result<Turned, RuntimeError>,

@@ -67,7 +67,7 @@ pub(super) enum Command {
     Results(ResultsArguments),
     /// Write a result file in the format of another tool: CSV, universal file (58), MAT
     Export(ExportArguments),
-    /// Give texts the one form: blanks, indents, line ends
+    /// Give texts the one form: spaces, indents, line ends
     ///
     /// Rewrites the files that differ from it and names them. Tokens, comments, numbers and line ends inside of an
     /// item stay as written. A text that cannot be read is left as it is, and its messages are shown.
@@ -469,7 +469,8 @@ pub(super) struct CheckArguments {
     /// List the positions of all markers at the start of each analysis, as assembled
     #[arg(long)]
     pub positions: bool,
-    /// Print the processor time of each phase: reading, types, elaboration, machine code, assembly, dry turn, lints
+    /// Print the processor time of each phase: reading, types, elaboration, machine code, assembly, turn
+    /// without forces, lints
     #[arg(long)]
     pub timings: bool,
     /// Form of the messages

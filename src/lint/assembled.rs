@@ -224,13 +224,17 @@ impl Start<'_> {
         let offset = (a.position - b.position).norm();
         (offset > UNPLACED).then(|| {
             let message = format!(
-                "{} begins {} mm from {}: the text does not state where it begins, so it begins at the origin",
+                "{} has no stated position, so it begins at the origin; {} is then {} mm from {}",
+                info.origin.path,
                 self.path(markers[0]),
                 mm(offset),
                 self.path(markers[1])
             );
             let mut finding = self.finding(codes::APART, lint::APART, element, message);
-            finding.help = format!("state it: `start position = […] mm` in `{}`, or `guess`", info.origin.path);
+            finding.help = format!(
+                "state it: `start position = […] mm` in `{}`, or `guess`",
+                info.origin.path
+            );
             finding
         })
     }
@@ -411,7 +415,7 @@ impl Start<'_> {
             code: codes::LOOSE,
             name: lint::LOOSE.to_owned(),
             origin: first,
-            message: format!("nothing holds it {directions}: no joint, spring or film{with}"),
+            message: format!("no joint, spring or film holds this body {directions}{with}"),
             label: "moves freely".to_owned(),
             help: "hold it by a joint, a spring or a film; a shaft on films needs a thrust bearing: a joint that \
                    holds it along its axis"

@@ -87,7 +87,7 @@ pub(super) fn sampling(start: &Start<'_>, kind: &AnalysisKind, analysis: &Origin
         ));
     } else if sample > COARSE {
         let message = format!("the cycle turns by {} deg between two samples", deg(sample));
-        let help = "0.5 to 2 deg show forces and films. No step is longer than the distance of two samples, so closer samples also keep steps from passing over short loads";
+        let help = "0.5 to 2 deg show forces and films. No step is longer than the sampling interval, so closer samples also keep steps from passing over short loads";
         found.push(finding(message, "its samples", help));
     }
     found
@@ -120,7 +120,7 @@ impl Start<'_> {
             code: codes::CYCLE,
             name: lint::CYCLE.to_owned(),
             origin: system.cycle.as_ref()?.origin.clone(),
-            message: "the cycle runs backwards: gas is read from the end of its cycle to the beginning"
+            message: "the cycle runs backwards, so the gas pressure is read in reverse order"
                 .to_owned(),
             label: "this angle decreases".to_owned(),
             help: "measure the angle the way the crank turns, `rotation(crank.flange, ground)`, with the z axis of the \

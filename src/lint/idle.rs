@@ -111,8 +111,7 @@ impl Start<'_> {
         self.welded_to(a).contains(&b).then(|| {
             let bodies = &self.model.compiled.system.bodies;
             let [a, b] = [a, b].map(|body| bodies[body].origin.path.as_str());
-            let message =
-                format!("{a} and {b} are joined rigidly: it acts between them and moves nothing");
+            let message = format!("{a} and {b} are joined rigidly, so this element moves nothing");
             let mut finding = self.finding(codes::IDLE, lint::IDLE, element, message);
             finding.help = "is the joint, or the element, on the bodies that are meant?".to_owned();
             super::decide(&mut finding, self.welds(&markers));
@@ -158,7 +157,7 @@ impl Start<'_> {
         places
     }
 
-    /// The findings of bodies that are held on the ground and have no other element.
+    /// The findings of bodies that are fixed to the ground and have no other element.
     pub(super) fn useless(&self) -> Vec<Finding> {
         let system = &self.model.compiled.system;
         let bodies = self.model.bodies.iter().enumerate();
@@ -178,7 +177,8 @@ impl Start<'_> {
                 if touching.next().is_some() || !welded || !stands || system.bodies.len() < 2 {
                     return None;
                 }
-                let message = "it is held on the ground, and nothing else touches it".to_owned();
+                let message =
+                    "the body is fixed to the ground, and no other element acts on it".to_owned();
                 let mut finding = self.finding(codes::IDLE, lint::IDLE, only, message);
                 finding.origin.path.clone_from(&body.origin.path);
                 finding.help =

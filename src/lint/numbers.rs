@@ -338,7 +338,7 @@ fn order(body: &Solid<'_>) -> Option<Doubt> {
         && body.moments[line] > ABOUT_LINE * least;
     wrong.then(|| Doubt {
         message: format!(
-            "its markers are along its {} axis, but its moment about that axis, {} kg*m^2, is more than twice one across it, {} kg*m^2: are the moments in the right order?",
+            "its markers are along its {} axis, but its moment about that axis, {} kg*m^2, is more than twice the moment about an axis across it, {} kg*m^2: are the moments in the right order?",
             ["x", "y", "z"][line],
             short(body.moments[line], 4),
             short(least, 4)

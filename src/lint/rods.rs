@@ -70,7 +70,7 @@ fn rod(system: &System, bound: &Bound, body: BodyRef) -> Option<Finding> {
             ..info.origin.clone()
         },
         message: format!(
-            "both its ends are on one side of its centre of mass, {} mm and {} mm from it",
+            "both ends of the rod are on one side of its centre of mass, {} mm and {} mm from it",
             way(from),
             way(to)
         ),

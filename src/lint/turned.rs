@@ -210,7 +210,7 @@ fn swings(system: &System, angle: f64) -> Option<Finding> {
             "the cycle's angle turns back at {} and never completes a turn",
             deg(angle)
         ),
-        label: "an angle that swings".to_owned(),
+        label: "an angle that oscillates".to_owned(),
         help: "the cycle is the angle of the crank: `rotation(crank.flange, ground)`".to_owned(),
         ..Finding::default()
     })
@@ -460,7 +460,7 @@ impl Watched<'_> {
                 short(off.to_degrees(), 3)
             );
             let help =
-                "a bore's z axis is perpendicular to the shaft: check the components of the head's marker";
+                "the z axis of a bore must be perpendicular to the shaft: check the components of the head's marker";
             let finding = self.finding(compiled, lint::BORE, message, help);
             self.with_places(finding, compiled, &[Where::Head])
         })
@@ -475,8 +475,8 @@ impl Watched<'_> {
             return Some(self.finding(compiled, lint::SWAPPED, message, help));
         }
         self.on_crank.then(|| {
-            let message = "the head turns with the crank, and does not guide the piston".to_owned();
-            let help = "the second marker is the head's, on the block";
+            let message = "the head marker turns with the crank, and does not guide the piston".to_owned();
+            let help = "the second marker is that of the head: put it on the block, which guides the piston";
             let finding = self.finding(compiled, lint::SWAPPED, message, help);
             self.with_places(finding, compiled, &[Where::Head])
         })

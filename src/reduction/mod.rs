@@ -60,13 +60,19 @@ impl Reduction {
         if !empty && rigid.is_empty() {
             return None;
         }
-        let title = if empty {
-            format!("{} has no mode: it moves as a rigid body", self.path)
+        let (title, label) = if empty {
+            (
+                format!("{} has no mode: it moves as a rigid body", self.path),
+                "without static modes the body is too stiff under its loads",
+            )
         } else {
-            format!("some loads of {} have no static mode", self.path)
+            (
+                format!("some loads of {} have no static mode", self.path),
+                "without a static mode the body is too stiff under these loads",
+            )
         };
-        let mut message = Diagnostic::warning(eng_compiler::codes::UNSERVED, title)
-            .at(span(self.at), "the body is stiffer there than its mesh");
+        let mut message =
+            Diagnostic::warning(eng_compiler::codes::UNSERVED, title).at(span(self.at), label);
         if !rigid.is_empty() {
             message = message.with_note(format!(
                 "constraint modes that add nothing, because they are rigid motions of a free body: {}",

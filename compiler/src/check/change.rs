@@ -68,8 +68,8 @@ impl<'p> Checker<'p> {
     fn changed_path(&mut self, inside: &Scope<'p>, scope: &Scope<'p>, target: &Expr, value: &Expr) {
         if let Some(every) = every(target) {
             self.report(
-                Diagnostic::error(codes::CHANGE, "a change names one number by its path")
-                    .at(every, "several")
+                Diagnostic::error(codes::CHANGE, "each line after `with` changes one number")
+                    .at(every, "this names several numbers")
                     .with_help(
                         "write a line for each: `rod[1].mass = 0.6 kg; rod[2].mass = 0.6 kg`",
                     ),

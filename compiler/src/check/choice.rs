@@ -248,14 +248,16 @@ impl<'p> Checker<'p> {
             };
             if !fits {
                 self.report(
-                    Diagnostic::error(codes::CASES, "this `if` has no `else`")
-                        .at(condition.span, match conditions.len() {
-                            1 => "if this does not hold, there is no value",
-                            _ => "this compares no word of the choice that the others compare",
-                        })
-                        .with_help(
-                            "write `if … then … else …`; only a chain that compares one value with every word of its choice needs no `else`",
-                        ),
+                    Diagnostic::error(codes::CASES, match conditions.len() {
+                        1 => "this `if` has no value if its condition is false",
+                        _ => "this `if` has no value if all its conditions are false",
+                    })
+                    .at(condition.span, match conditions.len() {
+                        1 => "no `else` follows",
+                        _ => "this compares no word of the choice that the others compare",
+                    })
+                    .with_note("only a chain that compares one value with every word of its choice needs no `else`")
+                    .with_help("add `else …`"),
                 );
                 return false;
             }

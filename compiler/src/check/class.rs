@@ -196,7 +196,7 @@ impl<'p> Checker<'p> {
                 declaration.name.span,
                 "an index",
                 "at a definition",
-                "an index belongs to a use",
+                "write the index where the class is used: `joint pin[i in 1..4] = Name(…)`",
             );
         }
         if matches!(

@@ -335,7 +335,10 @@ impl<'p> Checker<'p> {
                     }
                 ),
             )
-            .at(span, "a count must be known when the model is compiled")
+            .at(
+                span,
+                "a count must be a constant, because it decides how many items the compiler makes",
+            )
             .also(
                 binding.name.span,
                 format!("declared as `{}` here", super::input::word(binding)),

@@ -129,11 +129,17 @@ impl<'p> Checker<'p> {
                 .find(|item| !matches!(item.kind, ItemKind::Function(_)));
             match other {
                 Some(item) => message
-                    .at(name.span, "it has more than functions")
+                    .at(
+                        name.span,
+                        format!("`{}` has items other than functions, so a record cannot fill it", name.text),
+                    )
                     .also(item_place(item), "for instance this")
                     .with_help("a record can fill only an interface of functions; an interface with parameters, loads or outputs needs a class"),
                 None => message
-                    .at(name.span, "it has only functions")
+                    .at(
+                        name.span,
+                        format!("`{}` has only functions, so only a record can fill it", name.text),
+                    )
                     .with_help("a record fills such an interface: `record Name : Interface { … }`"),
             }
         } else {

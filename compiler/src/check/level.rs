@@ -302,19 +302,19 @@ impl<'p> Levels<'_, 'p> {
         let (code, title, label, help) = match (level.order, cause) {
             (_, Cause::Acceleration) => (
                 codes::ACCELERATION,
-                "accelerations are known in outputs only",
+                "accelerations can be used in outputs only",
                 "an acceleration",
                 "the mass of the body already gives its force of inertia; show an acceleration by an `output`",
             ),
             (_, Cause::Reaction) => (
                 codes::ACCELERATION,
-                "reactions are known in outputs only",
+                "reactions can be used in outputs only",
                 "a reaction",
                 "a law that needs a reaction needs a compliant element instead of the joint",
             ),
             (_, Cause::RateOfState) => (
                 codes::DERIVATIVE,
-                "the rate of a state is known in outputs only",
+                "the rate of a state can be used in outputs only",
                 "the rate of a state",
                 "give the right side of its `der(…) = …` a name by `let`, and use that name in both places",
             ),

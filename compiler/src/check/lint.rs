@@ -119,7 +119,7 @@ impl<'p> Checker<'p> {
                 "after a number it is the unit: `2 N*{text}` does not read this value"
             ))
             .with_help(format!(
-                "give it a longer name, or write blanks: `2 N * {text}`"
+                "give it a longer name, or write spaces: `2 N * {text}`"
             ));
         self.report(match around {
             Some(_) => message.with_note(format!(

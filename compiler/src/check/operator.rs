@@ -128,7 +128,7 @@ impl<'p> Checker<'p> {
         let whole = unit.span.to(right.span);
         let text = self.sources.text(whole);
         let title = match text.contains(char::is_whitespace) {
-            true => "a blank is in a unit",
+            true => "a space is in a unit",
             false => "a product of units is written with `*`",
         };
         let mut joined: String = text.chars().filter(|c| !c.is_whitespace()).collect();

@@ -112,7 +112,7 @@ impl Checker<'_> {
                     (first, second) if first == second => return Some(first.clone()),
                     (SignalRows::Modes(first), SignalRows::Modes(second)) => (
                         format!("modes of `{first}` are combined with modes of `{second}`"),
-                        "their numbers need not be those of the same modes",
+                        "mode 3 of one analysis need not be mode 3 of the other",
                     ),
                     (SignalRows::Frequencies(first), SignalRows::Frequencies(second)) => (
                         format!("frequencies of `{first}` are combined with those of `{second}`"),

@@ -103,7 +103,7 @@ eng_grammar::codes! {
         "More than 100 values or calls depend on each other in a chain. Shorten the chain.",
         "", "";
     NO_WORD = "E0327", "a word is none of its choice",
-        "A choice has the words of its definition. Where a choice is due, as in an argument, a default or beside `==`, its words stand by themselves; elsewhere with the name of the choice: `End.timing_end`.",
+        "A choice has the words of its definition. Where a choice is expected, as in an argument, in a default or beside `==`, write the word alone. Elsewhere write the name of the choice before it: `End.timing_end`.",
         "part oil_pump = Pump(driven_at: timing)",
         "part oil_pump = Pump(driven_at: timing_end)";
     CASES = "E0328", "an `if` without `else` leaves out a case",
@@ -131,7 +131,7 @@ eng_grammar::codes! {
         "start crank.angle = 180 rad",
         "start crank.angle = 180 deg";
     UNIT_NAME = "W0553", "a value has the name of a unit",
-        "After a number or another unit, the word is the unit: `2 N*m` is a torque, also where a mass `m` is declared. Give the value a longer name. Or keep it, write blanks around the operator (`2 N * m`), and write `accept unit_name` in the definition around it.",
+        "After a number or another unit, the word is the unit: `2 N*m` is a torque, also where a mass `m` is declared. Give the value a longer name. Or keep it, write spaces around the operator (`2 N * m`), and write `accept unit_name` in the definition around it.",
         "param m: Mass = 2 kg",
         "param mass: Mass = 2 kg";
     UNUSED_LET = "W0301", "a value is not used",

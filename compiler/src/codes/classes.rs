@@ -28,7 +28,7 @@ eng_grammar::codes! {
         "force Push(a: Marker) { param load: Force = 3 N }",
         "force Push(a: Marker, load: Force = 3 N) { apply force load*a.x on a }";
     INTERFACE = "E0407", "a class does not fill its interface",
-        "The name after the colon is an interface. The class gives each output and function that the interface requires, with the same types. A class may repeat a parameter or output with its type. An interface may extend an interface that extends none.",
+        "The name after the colon is an interface. The class gives each output and function that the interface requires, with the same types. A class may repeat a parameter or output with its type. An interface may extend another interface, if that one extends none itself.",
         "interface Law { param a: Marker; output load: Force }\nforce Push() : Law { apply force [0, 0, 3] N on a }",
         "interface Law { param a: Marker; output load: Force }\nforce Push() : Law { apply force [0, 0, 3] N on a; output load: Force = 3 N }";
     NOT_OF_INTERFACE = "E0408", "a class does not belong to the interface that is expected",
@@ -104,7 +104,7 @@ eng_grammar::codes! {
         "record Film { let force: Vector2<Force>; let heat: Power }",
         "record Film { let force: Vector2<Force>; let shear_power: Power }";
     CHANGE = "E0434", "a change after `with` reaches no number",
-        "`part unit = Cylinder(…) with { rod.mass = 0.6 kg }` changes a number inside of a part. The path is that of `--set`, without the name of the part, or that of an attribute which a body states. Classes, counts and words are arguments: the component needs a parameter for them.",
+        "`part unit = Cylinder(…) with { rod.mass = 0.6 kg }` changes a number inside of a part. The path is as for `--set`, without the name of the part. It may also end at an attribute that a body states. Classes, counts and words are arguments: the component needs a parameter for them.",
         "part unit = Cylinder(throw) with { rod.mas = 0.6 kg }",
         "part unit = Cylinder(throw) with { rod.mass = 0.6 kg }";
 }

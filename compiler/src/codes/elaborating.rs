@@ -16,7 +16,7 @@ eng_grammar::codes! {
         "The model has more than 20 000 bodies, elements, parts and indices. Perhaps the range of a binder is longer than intended.",
         "body rod[i in 1..40000] { mass = 1 kg }",
         "body rod[i in 1..4] { mass = 1 kg }";
-    NOT_KNOWN = "E0504", "a number must be known while compiling",
+    NOT_KNOWN = "E0504", "a value must be a constant",
         "The points of a table, limits, exponents and ranges are fixed when the model is compiled; a `param` changes afterwards. Make it a `const`, or use it at a place that may vary.",
         "param top: Length = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)",
         "const top = 4 mm\ntable lift(theta: CrankAngle) -> Length = points([0, 30] deg, [0 mm, top], extrapolation: hold)";
@@ -131,7 +131,7 @@ eng_grammar::codes! {
         "output time = 2*pi/speed",
         "output revolution_time = 2*pi/speed";
     TOO_MANY_USES = "E0533", "functions and values are put in too often",
-        "The compiler inserts a function at each call, and a value of the motion at each use. Thirty functions that call each other twice would be inserted a billion times. Give a value that is used twice a name with `let`.",
+        "The compiler inserts a function at each call, and a value of the motion at each use. In a chain of thirty functions that each call the next one twice, the last one would be inserted half a billion times. Give a value that is used twice a name with `let`.",
         "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 = a(x)*a(x)\nfn c(x: 1) -> 1 = b(x)*b(x)",
         "fn a(x: 1) -> 1 = x*x\nfn b(x: 1) -> 1 { let y = a(x); y*y }\nfn c(x: 1) -> 1 { let y = b(x); y*y }";
     BELOW_ZERO = "E0534", "a table holds an absolute pressure or a temperature below zero",

@@ -33,7 +33,7 @@ impl Budget {
             codes::TOO_MANY_INSTANCES,
             format!("the model has more than {MOST_INSTANCES} instances"),
         );
-        Err(Box::new(message.with_help("bodies, elements, parts and values of binders count; is a range longer than you intend?")))
+        Err(Box::new(message.with_help("Eng counts bodies, elements, parts and values of indices. Is a range longer than intended?")))
     }
 
     /// Counts a use, and enters one level. [`Budget::leave`] leaves it. An error without a message repeats

@@ -13,6 +13,7 @@ use eng_grammar::ast;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::elementary::Elementary;
+use eng_system::significant::short;
 
 /// The whole numbers of arguments that are counts or lists of counts; `None` if another number is among them.
 fn whole_numbers(values: &[(Value<'_>, Span)]) -> Option<Vec<i64>> {
@@ -178,9 +179,10 @@ impl<'a> Elaborator<'a, '_> {
         let message = "the period of `wrapped` must be positive".to_owned();
         match self.bench.known(period) {
             Some(known) if known > 0.0 && known.is_finite() => {}
-            Some(_) => {
+            Some(known) => {
                 let message = Diagnostic::error(codes::REQUIRED, message);
-                return Err(self.report(message.at(place, "this is not")));
+                let found = format!("this is {} deg", short(known.to_degrees(), 4));
+                return Err(self.report(message.at(place, found)));
             }
             None => {
                 let graph = &mut self.bench.bind.graph;
@@ -633,7 +635,7 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.report(
                 Diagnostic::error(
                     codes::LATE_ACCELERATION,
-                    "accelerations are known in outputs only",
+                    "accelerations can be used in outputs only",
                 )
                 .at(span, "this is the rate of a velocity where it is used")
                 .with_help("use it in outputs; a force that needs a rate takes it of a position"),

@@ -122,7 +122,7 @@ impl<'a> Elaborator<'a, '_> {
 
     fn one_at_a_time(&mut self, span: Span) -> super::Reported {
         self.report(
-            Diagnostic::error(codes::CHANGE, "a change names one number by its path")
+            Diagnostic::error(codes::CHANGE, "each line after `with` changes one number")
                 .at(span, "no name or whole number")
                 .with_help("write a line for each: `rod[1].mass = 0.6 kg; rod[2].mass = 0.6 kg`"),
         )

@@ -135,7 +135,9 @@ impl<'a> Elaborator<'a, '_> {
             Err(error) => Err(self.report(
                 Diagnostic::error(codes::FILE, format!("the file {path} cannot be read"))
                     .at(place, error.to_string())
-                    .with_help("data files lie in the folder of the model, or below it"),
+                    .with_help(
+                        "check the name; the file must be in the folder of the model or below it",
+                    ),
             )),
         }
     }

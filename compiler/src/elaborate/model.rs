@@ -10,6 +10,7 @@ use crate::typed::lineage::{has_cycle, used_class};
 use crate::typed::settable;
 use eng_grammar::ast::{self, BindingKind, Form, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::significant::short;
 use eng_system::system::{BodyRef, Part};
 
 /// The `require`s of a block.
@@ -221,10 +222,10 @@ impl<'a> Elaborator<'a, '_> {
             let span = attribute.value.span;
             match self.bench.bind.graph.as_constant(period) {
                 Some(known) if known > 0.0 && known.is_finite() => {}
-                Some(_) => {
+                Some(known) => {
                     self.report(
                         Diagnostic::error(codes::CYCLE_PERIOD, "the period of the cycle must be positive")
-                            .at(span, "this is not")
+                            .at(span, format!("this is {} deg", short(known.to_degrees(), 4)))
                             .with_help("720 deg for a four-stroke engine, 360 deg for a two-stroke engine or a machine"),
                     );
                     self.draft.cycle_failed = true;

@@ -492,7 +492,7 @@ impl<'a> Elaborator<'a, '_> {
         } else {
             Diagnostic::error(
                 codes::OUTPUTS_ONLY,
-                format!("`{path}.{}` is known in outputs only", name.text),
+                format!("`{path}.{}` can be used in outputs only", name.text),
             )
             .at(name.span, "a reaction or state of another element")
             .with_help(

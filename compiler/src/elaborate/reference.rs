@@ -19,7 +19,7 @@ impl<'a> Elaborator<'a, '_> {
             None if matches!(name, "force" | "torque") => Err(self.report(
                 Diagnostic::error(
                     codes::OUTPUTS_ONLY,
-                    format!("the reaction `{name}` is known in outputs only"),
+                    format!("the reaction `{name}` can be used in outputs only"),
                 )
                 .at(span, "used where it is not known yet"),
             )),

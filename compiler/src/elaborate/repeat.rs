@@ -40,7 +40,7 @@ impl<'a> Elaborator<'a, '_> {
         let mut made = Vec::new();
         self.for_each(&declaration.index, scope, &mut |e, inner, position| {
             if let Some(condition) = &declaration.condition
-                && !e.known_truth(condition, inner)?
+                && !e.known_truth(condition, &declaration.name.text, inner)?
             {
                 // the error about a path to it shows the condition
                 let path = e.path_in(scope, &declaration.name.text, position);
@@ -71,13 +71,13 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// A condition that parameters do not change.
-    fn known_truth(&mut self, condition: &'a ast::Expr, scope: ScopeId) -> Eval<bool> {
+    /// The condition of a part, which parameters do not change.
+    fn known_truth(&mut self, condition: &'a ast::Expr, part: &str, scope: ScopeId) -> Eval<bool> {
         match self.truth(condition, scope)? {
             Truth::Known(holds) => Ok(holds),
             Truth::Later(_) => Err(self.report(
-                Diagnostic::error(codes::NOT_KNOWN, "this must be known while compiling")
-                    .at(condition.span, "decides whether a part exists")
+                Diagnostic::error(codes::NOT_KNOWN, "this value must be a constant")
+                    .at(condition.span, format!("decides whether `{part}` exists"))
                     .with_help("make the parameter a `const`: a change then compiles again"),
             )),
         }

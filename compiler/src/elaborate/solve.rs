@@ -149,16 +149,16 @@ impl<'a> Elaborator<'a, '_> {
         if known.len() != from.len() {
             let several = |count: usize| if count == 1 { "" } else { "s" };
             let title = format!(
-                "{} equation{} for {} unknown{}",
+                "`solve`: {} equation{} for {} unknown{}",
                 known.len(),
                 several(known.len()),
                 from.len(),
                 several(from.len())
             );
-            return Err(self.report(
-                Diagnostic::error(codes::LENGTHS, title)
-                    .at(asked.call, "the function gives as many numbers as it takes"),
-            ));
+            return Err(self.report(Diagnostic::error(codes::LENGTHS, title).at(
+                asked.call,
+                "the function must give as many numbers as it takes",
+            )));
         }
         let count = from.len() as u32;
         let inputs: Vec<u32> = (1..=count)

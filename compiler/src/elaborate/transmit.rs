@@ -338,7 +338,7 @@ impl Elaborator<'_, '_> {
                 )
                 .at(
                     place.unwrap_or(body),
-                    "the body is stiffer there than its mesh",
+                    "without a static mode the body is too stiff under these loads",
                 );
                 let message = message.also_if(place.map(|_| body), "the modes of the body");
                 self.diagnostics.push(
@@ -381,19 +381,18 @@ fn idle_terms(
             terms.iter().any(same)
         };
         let effect = match (of_text(false), of_text(true)) {
-            (true, true) => "it has no constraint modes, and its normal modes are not held there",
-            (_, true) => "its modes are not held there",
-            _ => "it has no mode",
+            (true, true) => {
+                "this term gives no constraint modes, and its normal modes are not held at its markers"
+            }
+            (_, true) => "the modes of this term are not held at its markers",
+            _ => "this term gives no mode",
         };
         let names = term.at.iter();
         let names = names.filter_map(|m| source.markers.get(*m as usize).map(|m| m.name.as_str()));
         messages.push(
             Diagnostic::warning(
                 codes::UNSERVED,
-                format!(
-                    "{}: this term has no freedoms: {effect}",
-                    source.origin.path
-                ),
+                format!("{}: {effect}", source.origin.path),
             )
             .at(term.span, "no element loads its markers")
             .with_note(format!("these are {}", listing(names, 5)))

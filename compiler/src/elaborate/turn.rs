@@ -66,7 +66,8 @@ impl<'a> Elaborator<'a, '_> {
                         codes::OF_TURN,
                         "`where_largest` needs a quantity that changes",
                     )
-                    .at(x.span, "this depends on parameters alone"),
+                    .at(x.span, "this depends on parameters alone")
+                    .with_help("`largest(x)` gives the value; a constant has no angle of its largest value"),
                 ));
             }
             Stage::Bind => found,
@@ -155,7 +156,7 @@ impl<'a> Elaborator<'a, '_> {
             )
             .at(span, "depends on the results of a field")
             .with_help(
-                "compare it at every step of a run: `require`, or `advise` without an extreme",
+                "the result of a field exists only during a run: check it by `require`, or by `advise` without `largest` or `smallest`",
             ),
         ))
     }

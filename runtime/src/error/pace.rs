@@ -10,7 +10,7 @@ use eng_system::system::Origin;
 pub enum Pace {
     /// The text states the step.
     Stated,
-    /// The distance of samples.
+    /// The sampling interval.
     Samples,
     /// The angle by which a body turns in a step.
     Turn,
@@ -101,7 +101,7 @@ impl std::fmt::Display for Pace {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Pace::Stated => f.write_str("the text states this step"),
-            Pace::Samples => f.write_str("this is the distance of the samples"),
+            Pace::Samples => f.write_str("steps are not longer than the sampling interval"),
             Pace::Turn => f.write_str("in a longer step a body turns too far"),
             Pace::Sines => f.write_str("a condition has a sine that changes fast, and a longer step may miss its change of sign"),
             Pace::Jump(jump) => write!(f, "{jump}"),
@@ -109,7 +109,7 @@ impl std::fmt::Display for Pace {
                 let of = state
                     .as_deref()
                     .map_or(String::new(), |state| format!("{state} of "));
-                write!(f, "the error of {of}{} allows no longer steps", origin.path)
+                write!(f, "the error control of {of}{} needs steps this short", origin.path)
             }
             Pace::Unsolved { origin, equation } => {
                 write!(

@@ -10,7 +10,7 @@ use eng_system::Dimension;
 /// The reason for the length of the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) enum Limit {
-    /// The distance of samples.
+    /// The sampling interval.
     #[default]
     Samples,
     /// The turn of a body.

@@ -41,7 +41,7 @@ pub(super) const ROW: KindRow = KindRow {
             Takes::Extent(Counted::ByCycle),
             "deg",
             POSITIVE,
-            "the distance of samples; by default 1° of an angle, a thousandth of a time",
+            "the sampling interval; by default 1° of an angle, a thousandth of a time",
         ),
     ],
     apart: &[],

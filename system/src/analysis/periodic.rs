@@ -40,7 +40,7 @@ pub(super) const ROW: KindRow = KindRow {
             Takes::Angle,
             "deg",
             POSITIVE,
-            "the distance of samples, 0.5° by default",
+            "the sampling interval, 0.5° by default",
         ),
         argument(
             "change",
@@ -50,7 +50,7 @@ pub(super) const ROW: KindRow = KindRow {
                 |x| x > 0.0 && x < 1.0,
                 "positive and below 1; 0.1 % is the default",
             )],
-            "the largest change that counts as a repeat, 0.1 % of a swing by default",
+            "the largest change that counts as a repeat, 0.1 % of a peak-to-peak value by default",
         ),
         argument(
             "cycles",

@@ -55,7 +55,7 @@ pub(super) const ROW: KindRow = KindRow {
             Takes::Extent(Counted::ByCycle),
             "ms",
             POSITIVE,
-            "the distance of samples; by default 0.5° of an angle, a thousandth of a time",
+            "the sampling interval; by default 0.5° of an angle, a thousandth of a time",
         ),
         argument(
             "gradients",

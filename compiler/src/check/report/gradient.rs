@@ -105,12 +105,9 @@ impl<'a> Reporter<'a, '_> {
         }
         let Some(path) = energy else { return Some(()) };
         self.diagnose(
-            Diagnostic::error(
-                codes::REPORT_GRADIENT,
-                format!("a run does not differentiate `{path}`"),
-            )
-            .at(expr.span, "made of the energy audit")
-            .with_help("make an output of the energy that you need"),
+            Diagnostic::error(codes::REPORT_GRADIENT, format!("`{path}` has no gradient"))
+                .at(expr.span, "this uses a column of the energy audit")
+                .with_help("make an output of the energy that you need"),
         );
         None
     }
@@ -143,9 +140,10 @@ impl<'a> Reporter<'a, '_> {
             self.diagnose(
                 Diagnostic::error(
                     codes::REPORT_SHAPE,
-                    "a derivative by a parameter is one of results",
+                    "a derivative needs a value made of results",
                 )
-                .at(expr.span, "known before the run"),
+                .at(expr.span, "this number is known before the run")
+                .with_help("name a channel of a `transient` analysis"),
             );
             return None;
         }
@@ -308,7 +306,8 @@ impl<'a> Reporter<'a, '_> {
                     codes::REPORT_RUNS,
                     "`tornado` with `change` draws one value of one analysis",
                 )
-                .at(expr.span, "several"),
+                .at(expr.span, "these are several")
+                .with_help("give one value of one analysis, or make a figure for each value"),
             );
             return None;
         };
@@ -320,7 +319,7 @@ impl<'a> Reporter<'a, '_> {
                     "a share of `{}` depends on the zero of its unit",
                     point.origin.path
                 ),
-                "no share of a temperature",
+                "this parameter cannot change by a share",
                 format!(
                     "draw changes of your own: `tornado([gradient(…, {})*5 K, …])`",
                     point.origin.path
@@ -328,7 +327,7 @@ impl<'a> Reporter<'a, '_> {
             )),
             None if parameters.is_empty() => Some((
                 format!("`{name}` computes no gradients"),
-                "a share of no parameter",
+                "there is no parameter to change",
                 "name parameters in the analysis: `gradients: […]`".to_owned(),
             )),
             None => None,

@@ -75,7 +75,7 @@ pub fn reports(
                             .at(span, "it has neither a figure nor a value nor a condition")
                             .with_help("a `let` only names; write `value` to show it"),
                         false => idle(format!("the report `{}` names no analysis", report.name))
-                            .at(span, "nothing of it is made of results")
+                            .at(span, "no entry uses results")
                             .with_help(
                                 "name channels after their analysis: `unfired.main[1].force.x`",
                             ),

@@ -276,11 +276,11 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.report(
                     Diagnostic::error(
                         codes::LATE_ACCELERATION,
-                        "the `require` of this function reads a value that is known in outputs only",
+                        "the `require` of this function reads a value that can be used in outputs only",
                     )
-                    .at(call, "an acceleration, a reaction or an output of another element is in its condition")
+                    .at(call, "its condition reads an acceleration, a reaction or an output of another element")
                     .also(asked.span, "its condition is watched at every step")
-                    .with_help("call it in the class that has the value, or a function without `require`"),
+                    .with_help("use a function without `require`; if the value is an output of another element, call this function in the class of that element"),
                 ));
             }
             element.asked.push(asked);

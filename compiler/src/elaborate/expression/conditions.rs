@@ -87,7 +87,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Value<'a>> {
         if matches!(a, Value::Choice(..)) {
             return Err(self.report(
-                Diagnostic::error(codes::NOT_KNOWN, "a word must be known while compiling")
+                Diagnostic::error(codes::NOT_KNOWN, "a word must be a constant")
                     .at(a_span, "one of two words, by a condition that can change")
                     .with_help("make the condition one of constants, or compute two numbers"),
             ));

@@ -27,7 +27,7 @@ impl<'a> Elaborator<'a, '_> {
             };
             let span = from.span.to(by_expr.map_or(to.span, |e| e.span));
             if by == 0 {
-                return Err(self.long_range(span, "its step is zero"));
+                return Err(self.wrong_step(span, "its step is zero"));
             }
             // 128 bits, because the difference of two 64-bit numbers can overflow
             let (a, b, by) = (i128::from(*a), i128::from(*b), i128::from(by));
@@ -62,10 +62,10 @@ impl<'a> Elaborator<'a, '_> {
         let count = ((b_value - a_value) / by_value * (1.0 + 1e-12)).floor();
         let span = from.span.to(by_span);
         if by_value == 0.0 {
-            return Err(self.long_range(span, "its step is zero"));
+            return Err(self.wrong_step(span, "its step is zero"));
         }
         if count < 0.0 {
-            return Err(self.long_range(span, "its step leads away from its end"));
+            return Err(self.wrong_step(span, "its step leads away from its end"));
         }
         if !(0.0..LONGEST as f64).contains(&count) {
             return Err(self.long_range(span, &too_long()));
@@ -91,6 +91,17 @@ impl<'a> Elaborator<'a, '_> {
     pub(super) fn long_range(&mut self, span: Span, why: &str) -> super::super::Reported {
         self.report(
             Diagnostic::error(codes::LONG_RANGE, "this range is endless or too long").at(span, why),
+        )
+    }
+
+    /// Reports a range whose step does not reach its end.
+    fn wrong_step(&mut self, span: Span, why: &str) -> super::super::Reported {
+        self.report(
+            Diagnostic::error(codes::LONG_RANGE, "this range is endless or too long")
+                .at(span, why)
+                .with_help(
+                    "state a positive step to a larger end, or a negative step to a smaller end",
+                ),
         )
     }
 

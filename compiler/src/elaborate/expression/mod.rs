@@ -135,7 +135,7 @@ impl<'a> Elaborator<'a, '_> {
         match self.bench.known(value) {
             Some(v) => Ok(v),
             None => Err(self.report(
-                Diagnostic::error(codes::NOT_KNOWN, "this must be known while compiling")
+                Diagnostic::error(codes::NOT_KNOWN, "this value must be a constant")
                     .at(span, "depends on a `param` or on the motion")
                     .with_help("make the parameter a `const`: a change then compiles again"),
             )),

@@ -8,6 +8,7 @@ use crate::codes;
 use crate::words::{Place, argument};
 use eng_grammar::{Diagnostic, ast};
 use eng_system::flexible::{MarkerPlace, MarkerSource, Selection, Spider};
+use eng_system::significant::short;
 use eng_system::surface::SurfaceShapes;
 use eng_system::system::BodyRef;
 
@@ -109,6 +110,7 @@ impl<'a> Elaborator<'a, '_> {
             let expr = e.checked(get(name), value.span, "a place without its axis")?;
             e.known_axis(expr, scope)
         };
+        // a length
         let positive = |e: &mut Self, name: &str| -> Eval<f64> {
             let expr = e.checked(get(name), value.span, &format!("a place without `{name}`"))?;
             let x = e.known_number(expr, scope)?;
@@ -120,7 +122,7 @@ impl<'a> Elaborator<'a, '_> {
                     codes::FLEXIBLE_NUMBER,
                     format!("`{name}` of `{}` must be positive", word.word),
                 )
-                .at(expr.span, "this is not"),
+                .at(expr.span, format!("this is {} mm", short(1e3 * x, 4))),
             ))
         };
         let text = |e: &mut Self, name: &str| -> Eval<String> {
@@ -143,7 +145,7 @@ impl<'a> Elaborator<'a, '_> {
                         return Err(self.report(
                             Diagnostic::error(
                                 codes::FLEXIBLE_NUMBER,
-                                "the number of a node is positive",
+                                "the number of a node must be positive",
                             )
                             .at(id.span, format!("this is {number}")),
                         ));

@@ -9,6 +9,7 @@ use crate::words::{Word, argument};
 use eng_grammar::ast::{ExprKind, IndexArgument};
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::flexible::{FREEDOM_NAMES, Freedoms, ModeCount};
+use eng_system::significant::short;
 use std::rc::Rc;
 
 impl<'a> Elaborator<'a, '_> {
@@ -75,7 +76,7 @@ impl<'a> Elaborator<'a, '_> {
                 _ => Err(self.report(
                     Diagnostic::error(
                         codes::FLEXIBLE_NUMBER,
-                        "a number of modes is from 1 to 2000",
+                        "the number of modes must be 1 to 2000",
                     )
                     .at(expr.span, format!("this is {n}")),
                 )),
@@ -89,7 +90,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         Err(self.report(
             Diagnostic::error(codes::FLEXIBLE_NUMBER, "`up_to` must be positive")
-                .at(expr.span, "this is not"),
+                .at(expr.span, format!("this is {} Hz", short(frequency, 4))),
         ))
     }
 

@@ -13,7 +13,7 @@ const SYNTAX: Syntax = Syntax {
 };
 
 /// The advice for a file with damaged lines.
-pub(super) const AGAIN: &str = "write the file again; numbers need blanks between them, or the columns of the dataset's format";
+pub(super) const AGAIN: &str = "write the file again; numbers need spaces between them, or the columns of the dataset's format";
 
 /// The line that begins and ends a dataset.
 const BRACKET: &str = "-1";
