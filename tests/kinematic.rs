@@ -559,3 +559,49 @@ analysis steady = periodic(Single(), sample: 4 deg, change: 0.001 %, tolerance: 
     let ends = (pressure[0] - pressure[pressure.len() - 1]).abs();
     assert!(ends < 1e-5 * peak, "{ends}");
 }
+
+/// A body on two hinges that turn about crossed axes at unequal speeds. States whose rates are the velocity of one of its
+/// points and the rate of one of its axes follow this place and this axis: in a spatial motion, also through a moment at
+/// which the acceleration of a drive jumps.
+#[test]
+fn states_whose_rates_are_velocities_follow_a_spatial_motion() {
+    let text = "use std.joints.Revolute
+use std.drives.{PrescribedAngle, PrescribedRotation}
+fn law(t: Time) -> Angle = 30 rad/s*t + 400 rad/s^2*max(t - 12.3 ms, 0 s)^2
+force Followed(a: Marker, b: Marker) {
+    state along: Length = 30 mm
+    state tilt: 1 = 0.5
+    der(along) = dot(a.velocity - b.velocity, b.x)
+    der(tilt) = dot(cross(a.angular_velocity, a.x), b.x)
+    apply force (0 N/m)*along*b.x on a against b
+    output place: Length = along - dot(a.origin - b.origin, b.x)
+    output axis: 1 = tilt - dot(a.x, b.x)
+    output size: Length = dot(a.origin - b.origin, b.x)
+}
+model Gimbal {
+    gravity = [0, 0, 0] m/s^2
+    marker seat = origin
+    body ring { accept inertia; mass = 1 kg; inertia = [6, 6, 11] g*m^2; marker hub = origin; marker cross = at([0, 0, 40] mm, z: [1, 0, 0]) }
+    body top { mass = 1 kg; inertia = [3, 4, 5] g*m^2; marker hub = at(origin, z: [1, 0, 0]); marker tip = at([20, 70, 30] mm, z: [1, 1, 1]) }
+    joint outer = Revolute(ring.hub, seat)
+    joint inner = Revolute(top.hub, ring.cross)
+    drive first = PrescribedAngle(ring.hub, seat, angle_at: law)
+    drive second = PrescribedRotation(top.hub, ring.cross, speed: 700 rpm)
+    force followed = Followed(top.tip, seat)
+}
+analysis turn = kinematic(Gimbal(), over: 100 ms, sample: 1 ms)
+";
+    let results = run(text, "turn");
+    // the range of a difference that should be constant
+    let range = |path: &str| {
+        let values = column(&results, path).iter();
+        let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| {
+            [least.min(*x), most.max(*x)]
+        });
+        ends[1] - ends[0]
+    };
+    let [place, axis, size] = ["followed.place", "followed.axis", "followed.size"].map(range);
+    println!("place {place:.1e} m of {size:.3} m, axis {axis:.1e}");
+    assert!(size > 0.05, "{size}");
+    assert!(place < 1e-8 * size && axis < 1e-8, "{place:e} {axis:e}");
+}

@@ -36,6 +36,7 @@
 mod balance;
 mod following;
 mod mechanism;
+mod piece;
 mod states;
 
 use crate::error::{Moment, RuntimeError};
@@ -48,7 +49,7 @@ use eng_system::analysis::Kinematic;
 use eng_system::code::Compiled;
 use eng_system::significant::short;
 use eng_system::system::{Extent, Origin};
-use mechanism::Mechanism;
+use mechanism::{Mechanism, States};
 
 pub use balance::Shared;
 
@@ -106,8 +107,8 @@ pub fn run_kinematic(
 ) -> Result<Determined, RuntimeError> {
     let mut run = prepared(compiled, overrides, kinematic)?;
     if run.mechanism.has_states() {
-        run.mechanism.follows_states = true;
         run.repeat_states()?;
+        run.mechanism.states = States::Followed;
     }
     let mut state = run.begin()?;
     let journals = vec![[0.0; 2]; compiled.system.journals.len()];

@@ -112,7 +112,7 @@ impl Balance {
         self.conditions(mechanism, state, moment)?;
         let cycle = mechanism.cycle(state)?;
         let torque = match cycle {
-            Some([_, rate]) => Some(torque(mechanism, &reactions, state, rate)?),
+            Some(_) => Some(torque(mechanism, &reactions, state)?),
             None => None,
         };
         let channels = self.values(mechanism, &reactions, state)?;
@@ -383,13 +383,13 @@ fn set_multipliers(mechanism: &Mechanism, reactions: &DVector<f64>, state: &mut 
 ///
 /// Otherwise drives turn it. A required rate d of the equation `Φ(q, t)` of a drive changes the rate of the
 /// cycle by `-s d`, with s from `Bᵀ s = ∂α̇/∂v`. Its multiplier λ has the power `λ d`. So one drive with `s ≠ 0`
-/// has the torque `-λ/s`, also at rest. Several such drives have their power over the rate of the cycle; at
-/// rest it is zero. Drives that do not turn the cycle take no part.
+/// has the torque `-λ/s`, also at rest. Several such drives have their power over the rate of the cycle,
+/// `Σ λ d/(-Σ s d)`; at rest it is zero. Both sums have the same rates d, so the quotient is exact near rest, too.
+/// Drives that do not turn the cycle take no part.
 fn torque(
     mechanism: &mut Mechanism,
     reactions: &DVector<f64>,
     state: &State,
-    rate: f64,
 ) -> Result<f64, RuntimeError> {
     let count = mechanism.chosen.len();
     if mechanism.is_turned() {
@@ -405,17 +405,17 @@ fn torque(
         .filter(|i| mechanism.driven[*i] && turns[*i].abs() > least)
         .collect();
     // multipliers and required rates are scaled inversely
-    Ok(match drives.as_slice() {
-        [drive] => -reactions[*drive] / turns[*drive],
-        _ if rate == 0.0 => 0.0,
-        several => {
-            let powers = several.iter();
-            powers
-                .map(|i| reactions[*i] * mechanism.demanded[*i])
-                .sum::<f64>()
-                / rate
-        }
-    })
+    if let [drive] = drives.as_slice() {
+        return Ok(-reactions[*drive] / turns[*drive]);
+    }
+    let sum = |of: &dyn Fn(usize) -> f64| drives.iter().map(|i| of(*i)).sum::<f64>();
+    let rate = -sum(&|i| turns[i] * mechanism.demanded[i]);
+    let largest = sum(&|i| (turns[i] * mechanism.demanded[i]).abs());
+    // drives that cancel each other leave the rounding of their rates
+    if rate.abs() <= TURNS * largest {
+        return Ok(0.0);
+    }
+    Ok(sum(&|i| reactions[i] * mechanism.demanded[i]) / rate)
 }
 
 impl Mechanism {

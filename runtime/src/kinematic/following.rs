@@ -1,6 +1,7 @@
 //! Steps along a prescribed motion, from one position to the next.
 
-use super::mechanism::Mechanism;
+use super::mechanism::{Mechanism, States};
+use super::piece::Piece;
 use crate::assembly::lock;
 use crate::error::RuntimeError;
 use crate::state::{State, move_pose};
@@ -9,6 +10,13 @@ use eng_system::dense::largest_scaled;
 /// Largest turn of a body in one step (rad). A choice: 8.6°, so that the nearest position to the predicted
 /// one is on the same branch of the mechanism.
 const TURN: f64 = 0.15;
+/// The same if states follow the motion. Positions within the step are interpolated then, those of a harmonic
+/// motion with an error of 3e-13 of its amplitude.
+const TURN_WITH_STATES: f64 = 0.05;
+/// Largest difference, scaled, between the polynomials of third and of fifth degree in the middle of such a
+/// step. It is 2e-8 for a harmonic motion of the model's size. An acceleration that jumps inside of the step
+/// makes it larger, and then the step is halved.
+const INTERPOLATES: f64 = 1e-7;
 /// Most halvings of a step. A choice: the shortest step turns a body by 2e-3°, so a lock or a jump is known
 /// as exactly.
 const HALVINGS: u32 = 12;
@@ -28,13 +36,17 @@ impl Mechanism {
     /// Follows the motion to a time (s).
     pub fn advance(&mut self, state: &mut State, time: f64) -> Result<(), RuntimeError> {
         let mut halved: u32 = 0;
+        let turn = match self.states {
+            States::Constant => TURN,
+            States::Followed | States::Traced(_) => TURN_WITH_STATES,
+        };
         let pace = self.fastest(state).max(f64::MIN_POSITIVE);
         let shortest =
-            (time - state.time).abs().min(TURN / pace) * libm::exp2(-f64::from(HALVINGS));
+            (time - state.time).abs().min(turn / pace) * libm::exp2(-f64::from(HALVINGS));
         while state.time != time {
             let left = time - state.time;
             let pace = self.fastest(state);
-            let longest = TURN / pace.max(f64::MIN_POSITIVE);
+            let longest = turn / pace.max(f64::MIN_POSITIVE);
             let halves = left.clamp(-longest, longest) * libm::exp2(-f64::from(halved));
             let whole = halves.abs().max(shortest).min(left.abs()).copysign(left);
             let mut next = state.clone();
@@ -46,6 +58,9 @@ impl Mechanism {
             let last = whole.abs() <= shortest;
             if self.step(state, &mut next, last)? {
                 *state = next;
+                if let States::Traced(states) = &mut self.states {
+                    states.push(state.clone());
+                }
                 halved = halved.saturating_sub(1);
                 continue;
             }
@@ -60,23 +75,16 @@ impl Mechanism {
     /// The state at the time of `next`. Returns whether it continues the motion. `last` is a shortest step,
     /// in which accelerations and rates of states may jump.
     fn step(&mut self, from: &State, next: &mut State, last: bool) -> Result<bool, RuntimeError> {
-        if !self.follows_states {
-            return self.move_to(from, next, last);
+        if !self.move_to(from, next, last)? {
+            return Ok(false);
         }
-        let h = next.time - from.time;
-        let mut quarters = [from.clone(), from.clone(), from.clone()];
-        let mut before = from.clone();
-        for (quarter, part) in quarters.iter_mut().zip([0.25, 0.5, 0.75]) {
-            quarter.time = from.time + part * h;
-            if !self.move_to(&before, quarter, last)? {
-                return Ok(false);
-            }
-            before.clone_from(quarter);
+        if !matches!(self.states, States::Followed) {
+            return Ok(true);
         }
-        Ok(
-            self.move_to(&before, next, last)?
-                && self.follow_states(&quarters, from, next, last)?,
-        )
+        let mut states = from.states.clone();
+        let follows = self.follow_states(&Piece::between(&self.model, from, next), &mut states)?;
+        next.states = states;
+        Ok(follows)
     }
 
     /// [`Mechanism::step`] without states.
@@ -106,7 +114,12 @@ impl Mechanism {
                 next.velocity[i] - from.velocity[i] - mean * h
             })
             .collect();
-        let mut allowed = SMOOTH * pace + ROUNDING * self.quickest;
+        let mut allowed = SMOOTH * pace;
+        if !matches!(self.states, States::Constant) && !last {
+            // the polynomials differ by h/32 of the jump
+            allowed = allowed.min(32.0 * INTERPOLATES / h.abs());
+        }
+        allowed += ROUNDING * self.quickest;
         if last {
             let changes = next.acceleration.iter().zip(&from.acceleration);
             let changes: Vec<f64> = changes.map(|(b, a)| (b - a) * h).collect();
@@ -116,7 +129,7 @@ impl Mechanism {
     }
 
     /// The error for a motion that does not go on from a state.
-    fn stuck(&mut self, state: &State) -> Result<RuntimeError, RuntimeError> {
+    pub(super) fn stuck(&mut self, state: &State) -> Result<RuntimeError, RuntimeError> {
         let moment = self.moment(state)?;
         if let Some(locked) = lock::near(&self.model, state, moment)? {
             return Ok(locked);
