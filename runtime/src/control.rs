@@ -52,16 +52,16 @@ impl StepSize {
         let factor = 0.9 * libm::pow(error, -0.7 / 3.0) * libm::pow(self.before, 0.4 / 3.0);
         self.before = error.max(1e-4);
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
-        let wish = if (1.0..KEEP).contains(&factor) {
+        let proposed = if (1.0..KEEP).contains(&factor) {
             h
         } else {
             h * factor
         };
         let cut = h < 0.999 * self.step;
         self.step = if cut {
-            wish.max(self.step.min(h * GROWTH.1))
+            proposed.max(self.step.min(h * GROWTH.1))
         } else {
-            wish
+            proposed
         };
     }
     /// Called after a step h whose error exceeds the tolerance.

@@ -24,8 +24,8 @@ pub mod followed;
 pub mod hanging;
 pub mod motion;
 pub(crate) mod picking;
+mod source;
 pub mod turn;
-mod wish;
 
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;

@@ -1,7 +1,7 @@
 //! Closing of loops: Gauss–Newton with smallest steps, and random displacements if it ends on a wrong branch.
 
 use super::gradients::Gradients;
-use super::rows::{Along, Rows, Wish, smallest_solution};
+use super::rows::{Along, Preference, Rows, smallest_solution};
 use super::{at, choose_turns, is_closed, violated_branches};
 use crate::body::BodyModel;
 use crate::elements::undefined;
@@ -162,14 +162,14 @@ fn offending(
 /// Moves pins into their shells and surfaces into touch as far as the other rows allow. Bodies with a stated
 /// position do not follow such a preference. Surfaces that cannot touch, such as those of a stop on the other
 /// side, have no influence.
-fn follow_wishes(
+fn follow_preferences(
     model: &Model,
     all: &[usize],
-    mut wishes: Vec<Wish>,
+    mut preferences: Vec<Preference>,
     stated: &[bool],
     state: &mut State,
 ) -> Result<(), RuntimeError> {
-    if wishes.is_empty() {
+    if preferences.is_empty() {
         return Ok(());
     }
     let mut free = mobility(model, stated);
@@ -180,13 +180,15 @@ fn follow_wishes(
     }
     let begin = state.clone();
     loop {
-        let rows = Rows::new(model, all.to_vec()).with(model, &wishes);
+        let rows = Rows::new(model, all.to_vec()).with(model, &preferences);
         // counts of steps here and below are choices: Newton's method needs few near a solution, and the last
         // search of a state, which decides, gets more
         close(model, &rows, &free, state, 60)?;
-        let count = wishes.len();
-        wishes.retain(|wish| wish.is_inside() || wish.is_fulfilled(model, &at(state)));
-        if wishes.len() == count {
+        let count = preferences.len();
+        preferences.retain(|preference| {
+            preference.is_inside() || preference.is_fulfilled(model, &at(state))
+        });
+        if preferences.len() == count {
             return Ok(());
         }
         *state = begin.clone();
@@ -205,11 +207,11 @@ fn leave_guesses(
     if !a_guess_keeps_a_pin_out(model, state) {
         return Ok(());
     }
-    let mut wishes = super::rows::wishes(model);
-    wishes.retain(Wish::is_inside);
+    let mut preferences = super::rows::preferences(model);
+    preferences.retain(Preference::is_inside);
     let held = stated.iter().zip(guessed(model));
     let held: Vec<bool> = held.map(|(stated, guessed)| *stated && !guessed).collect();
-    follow_wishes(model, exact, wishes, &held, state)?;
+    follow_preferences(model, exact, preferences, &held, state)?;
     let rows = Rows::new(model, exact.to_vec());
     close(model, &rows, &mobility(model, &held), state, 80)?;
     Ok(())
@@ -226,9 +228,9 @@ pub fn a_guess_keeps_a_pin_out(model: &Model, state: &State) -> bool {
     let guess = Role::StartPosition { exact: false };
     let mut elements = model.compiled.system.elements.iter();
     (guessed(model).any(|guessed| guessed) || elements.any(|e| e.role == guess))
-        && super::rows::wishes(model)
+        && super::rows::preferences(model)
             .iter()
-            .any(|wish| wish.is_inside() && !wish.is_fulfilled(model, &at(state)))
+            .any(|preference| preference.is_inside() && !preference.is_fulfilled(model, &at(state)))
 }
 
 /// Closes all rows from the given position: first with guesses, then without, and again with the axes of markers
@@ -240,7 +242,7 @@ pub(super) fn close_near(
     state: &mut State,
 ) -> Result<Vec<usize>, RuntimeError> {
     let every = mobility(model, stated);
-    follow_wishes(model, all, super::rows::wishes(model), stated, state)?;
+    follow_preferences(model, all, super::rows::preferences(model), stated, state)?;
     if all.len() > exact.len() {
         close(model, &Rows::new(model, all.to_vec()), &every, state, 60)?;
     }

@@ -1,7 +1,7 @@
 //! Placing of bodies one by one, along the joints to placed bodies.
 
 use super::closing::{bodies_of, close};
-use super::rows::{self, Rows, Wish};
+use super::rows::{self, Preference, Rows};
 use super::{at, is_closed, violated_branches};
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -62,7 +62,7 @@ pub fn place(
     stated: &Stated,
 ) -> Result<(), RuntimeError> {
     let cubes = cube_rotations();
-    let wishes = rows::wishes(model);
+    let preferences = rows::preferences(model);
     // Stated bodies first satisfy rows to ground alone, such as a start angle, beginning at their stated
     // position.
     let mut placed = vec![false; model.bodies.len()];
@@ -71,7 +71,7 @@ pub fn place(
             model,
             elements,
             body,
-            &Known::of(stated, &placed, &wishes),
+            &Known::of(stated, &placed, &preferences),
             &cubes,
             state,
         )?;
@@ -85,8 +85,12 @@ pub fn place(
                 .map(|e| model.class(*e).rows.len())
                 .sum();
             // preferences place a body like joints: a crank comes before its rods, whose position depends on it
-            let wishes = wished(model, &wishes, &[body], &placed);
-            let rows = rows + wishes.iter().map(|wish| wish.range().len()).sum::<usize>();
+            let preferences = preferred(model, &preferences, &[body], &placed);
+            let rows = rows
+                + preferences
+                    .iter()
+                    .map(|preference| preference.range().len())
+                    .sum::<usize>();
             if rows > 0 && next.is_none_or(|(most, _)| rows > most) {
                 next = Some((rows, body));
             }
@@ -106,7 +110,7 @@ pub fn place(
             model,
             elements,
             body,
-            &Known::of(stated, &placed, &wishes),
+            &Known::of(stated, &placed, &preferences),
             &cubes,
             state,
         )?;
@@ -126,14 +130,21 @@ fn connecting(model: &Model, elements: &[usize], body: usize, placed: &[bool]) -
 }
 
 /// Preferences between a body of `moving` and a placed body, or between two bodies of `moving`.
-fn wished(model: &Model, wishes: &[Wish], moving: &[usize], placed: &[bool]) -> Vec<Wish> {
+fn preferred(
+    model: &Model,
+    preferences: &[Preference],
+    moving: &[usize],
+    placed: &[bool],
+) -> Vec<Preference> {
     let stands = |m: usize| model.markers[m].body.is_none_or(|b| placed[b]);
     let moves = |m: usize| model.markers[m].body.is_some_and(|b| moving.contains(&b));
     let between = |a: usize, b: usize| moves(a) && (stands(b) || moves(b));
-    wishes
+    preferences
         .iter()
         .copied()
-        .filter(|wish| between(wish.pin, wish.shell) || between(wish.shell, wish.pin))
+        .filter(|preference| {
+            between(preference.pin, preference.shell) || between(preference.shell, preference.pin)
+        })
         .collect()
 }
 
@@ -150,20 +161,20 @@ fn place_one(
     let near = connecting(model, elements, body, known.placed);
     let alone = vec![body];
     // a body with a stated position follows no preference
-    let wishes_of = |moving: &[usize]| match known.stated.position[body] {
+    let preferences_of = |moving: &[usize]| match known.stated.position[body] {
         true => Vec::new(),
-        false => wished(model, known.wishes, moving, known.placed),
+        false => preferred(model, known.preferences, moving, known.placed),
     };
-    let wishes = wishes_of(&alone);
-    if near.is_empty() && wishes.is_empty() {
+    let preferences = preferences_of(&alone);
+    if near.is_empty() && preferences.is_empty() {
         return Ok(());
     }
     if near.is_empty() {
         // nothing else decides the orientation, so the body moves to the height without turning
         let pose = model.bodies[body].pose;
-        for wish in &wishes {
-            let is_own = model.markers[wish.pin].body == Some(body);
-            let way = wish.way_up(model, &at(state)) * if is_own { 1.0 } else { -1.0 };
+        for preference in &preferences {
+            let is_own = model.markers[preference.pin].body == Some(body);
+            let way = preference.way_up(model, &at(state)) * if is_own { 1.0 } else { -1.0 };
             for i in 0..3 {
                 state.pose[pose + i] += way[i];
             }
@@ -178,22 +189,24 @@ fn place_one(
         };
         partners.extend(of(true).zip(of(false)));
     }
-    for wish in &wishes {
-        let of_pin = model.markers[wish.pin].body == Some(body);
+    for preference in &preferences {
+        let of_pin = model.markers[preference.pin].body == Some(body);
         partners.push(if of_pin {
-            (wish.pin, wish.shell)
+            (preference.pin, preference.shell)
         } else {
-            (wish.shell, wish.pin)
+            (preference.shell, preference.pin)
         });
     }
     let rows = Wanted {
         elements: &near,
-        wishes: &wishes,
+        preferences: &preferences,
         stated: known.stated,
     };
     let mut best = search(model, &rows, &partners, body, &alone, cubes, state)?;
     if best.key != DONE {
-        let films = wishes.iter().flat_map(|wish| [wish.pin, wish.shell]);
+        let films = preferences
+            .iter()
+            .flat_map(|preference| [preference.pin, preference.shell]);
         let films = films.filter_map(|m| model.markers[m].body);
         let mut moving: Vec<usize> = near
             .iter()
@@ -214,10 +227,10 @@ fn place_one(
                         && touched.iter().all(|b| *b == body || known.placed[*b])
                 })
                 .collect();
-            let wishes = wishes_of(&moving);
+            let preferences = preferences_of(&moving);
             let rows = Wanted {
                 elements: &around,
-                wishes: &wishes,
+                preferences: &preferences,
                 stated: known.stated,
             };
             let together = search(model, &rows, &partners, body, &moving, cubes, state)?;
@@ -230,7 +243,7 @@ fn place_one(
                     near: &near,
                     partners: &partners,
                     moving: &moving,
-                    carriers: carriers(model, &around, &wishes, body, &moving),
+                    carriers: carriers(model, &around, &preferences, body, &moving),
                 };
                 best = turn_neighbours(model, &rows, &turning, cubes, state, best)?;
             }
@@ -255,7 +268,7 @@ struct Turning<'a> {
 fn carriers(
     model: &Model,
     elements: &[usize],
-    wishes: &[Wish],
+    preferences: &[Preference],
     body: usize,
     moving: &[usize],
 ) -> Vec<[usize; 3]> {
@@ -265,7 +278,9 @@ fn carriers(
             [a, b, ..] => Some([a, b]),
             _ => None,
         });
-    let films = wishes.iter().map(|wish| [wish.pin, wish.shell]);
+    let films = preferences
+        .iter()
+        .map(|preference| [preference.pin, preference.shell]);
     let of = |marker: usize| model.markers[marker].body;
     let both = joints.chain(films).flat_map(|[a, b]| [[a, b], [b, a]]);
     let carried = both.filter_map(|[own, partner]| {
@@ -298,7 +313,7 @@ impl Turning<'_> {
             .collect();
         let rows = Wanted {
             elements: &elements,
-            wishes: &[],
+            preferences: &[],
             stated,
         };
         let found = search(
@@ -348,15 +363,15 @@ fn turn_neighbours(
 struct Known<'a> {
     stated: &'a Stated,
     placed: &'a [bool],
-    wishes: &'a [Wish],
+    preferences: &'a [Preference],
 }
 
 impl<'a> Known<'a> {
-    fn of(stated: &'a Stated, placed: &'a [bool], wishes: &'a [Wish]) -> Known<'a> {
+    fn of(stated: &'a Stated, placed: &'a [bool], preferences: &'a [Preference]) -> Known<'a> {
         Known {
             stated,
             placed,
-            wishes,
+            preferences,
         }
     }
 }
@@ -364,14 +379,14 @@ impl<'a> Known<'a> {
 /// The rows and preferences of a search for a position.
 struct Wanted<'a> {
     elements: &'a [usize],
-    wishes: &'a [Wish],
+    preferences: &'a [Preference],
     stated: &'a Stated,
 }
 
 /// The key of a trial that satisfies rows, branches and preferences.
 const DONE: (bool, bool, bool) = (false, false, false);
 /// The key of a trial that satisfies all but a preference.
-const UNWISHED: (bool, bool, bool) = (false, false, true);
+const UNMET: (bool, bool, bool) = (false, false, true);
 /// Turns of a stated position about the axis of an angle (°) that are tried. One of them is near enough to
 /// the solution of any angle's equation. Steps of 45° are a choice.
 const TURNS: [f64; 7] = [45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0];
@@ -401,41 +416,42 @@ fn search(
     state: &State,
 ) -> Result<Trial, RuntimeError> {
     let rows = Rows::new(model, wanted.elements.to_vec());
-    let wishes = wanted.wishes;
-    let with_wishes = rows.clone().with(model, wishes);
+    let preferences = wanted.preferences;
+    let with_preferences = rows.clone().with(model, preferences);
     let axes = rows::axes(model, wanted.elements);
-    let all_wishes = with_wishes.clone().with(model, &axes);
+    let all_preferences = with_preferences.clone().with(model, &axes);
     let info = &model.bodies[body];
     let mut mobility = vec![0.0; model.velocities];
     for b in moving {
         let moved = &model.bodies[*b];
         super::closing::set_mobility(moved, 1.0, &mut mobility);
     }
-    let settle = |mut trial: State, first: &Rows, axes: &[Wish]| -> Result<Trial, RuntimeError> {
-        if first.len() > rows.len() {
-            // a choice: a trial that needs more steps began too far away, and there are other trials
-            close(model, first, &mobility, &mut trial, 40)?;
-        }
-        let size = close(model, &rows, &mobility, &mut trial, 40)?;
-        let open = !is_closed(size);
-        let wrong = !violated_branches(model, wanted.elements, &trial)?.is_empty();
-        let outside = wishes
-            .iter()
-            .chain(axes)
-            .any(|wish| !wish.is_fulfilled(model, &at(&trial)));
-        Ok(Trial {
-            key: (open, wrong, outside),
-            size,
-            state: trial,
-        })
-    };
-    let consider = |trial: State, axes: &[Wish]| -> Result<Trial, RuntimeError> {
-        let found = settle(trial.clone(), &with_wishes, axes)?;
+    let settle =
+        |mut trial: State, first: &Rows, axes: &[Preference]| -> Result<Trial, RuntimeError> {
+            if first.len() > rows.len() {
+                // a choice: a trial that needs more steps began too far away, and there are other trials
+                close(model, first, &mobility, &mut trial, 40)?;
+            }
+            let size = close(model, &rows, &mobility, &mut trial, 40)?;
+            let open = !is_closed(size);
+            let wrong = !violated_branches(model, wanted.elements, &trial)?.is_empty();
+            let outside = preferences
+                .iter()
+                .chain(axes)
+                .any(|preference| !preference.is_fulfilled(model, &at(&trial)));
+            Ok(Trial {
+                key: (open, wrong, outside),
+                size,
+                state: trial,
+            })
+        };
+    let consider = |trial: State, axes: &[Preference]| -> Result<Trial, RuntimeError> {
+        let found = settle(trial.clone(), &with_preferences, axes)?;
         let lie_across = axes
             .iter()
-            .any(|wish| !wish.is_fulfilled(model, &at(&found.state)));
-        if found.key == UNWISHED && lie_across {
-            let again = settle(trial, &all_wishes, axes)?;
+            .any(|preference| !preference.is_fulfilled(model, &at(&found.state)));
+        if found.key == UNMET && lie_across {
+            let again = settle(trial, &all_preferences, axes)?;
             if again.key < found.key {
                 return Ok(again);
             }
@@ -447,14 +463,19 @@ fn search(
     let from_here = if is_turned { &[][..] } else { &axes[..] };
     let mut best = consider(state.clone(), from_here)?;
     if is_turned || wanted.stated.position[body] {
-        for wish in &axes {
+        for preference in &axes {
             for turn in TURNS {
                 if best.key == DONE {
                     return Ok(best);
                 }
-                let is_own = model.markers[wish.pin].body == Some(body);
-                let about = if is_own { wish.pin } else { wish.shell };
-                let axis = rows::marker(model, wish.shell, &state.pose, &state.velocity).rotation;
+                let is_own = model.markers[preference.pin].body == Some(body);
+                let about = if is_own {
+                    preference.pin
+                } else {
+                    preference.shell
+                };
+                let axis =
+                    rows::marker(model, preference.shell, &state.pose, &state.velocity).rotation;
                 let rotation: V3 = axis.column(2) * turn.to_radians();
                 let trial = turned(model, body, about, rotation, state);
                 let found = consider(trial, from_here)?;
@@ -470,8 +491,8 @@ fn search(
         // The branch of a sliding joint may need a position to one side, so the search looks there too. A
         // film allows no slide.
         let places = offsets(model.length);
-        let slides = !wishes.iter().any(Wish::is_inside);
-        let places = if slides && best.key != UNWISHED {
+        let slides = !preferences.iter().any(Preference::is_inside);
+        let places = if slides && best.key != UNMET {
             &places[..]
         } else {
             &places[..1]

@@ -25,7 +25,7 @@ pub enum Along {
 
 /// A preference of the assembly, which the motion does not contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
+pub struct Preference {
     /// Element that has the preference.
     pub element: usize,
     /// Marker of the pin or of the turning body.
@@ -57,7 +57,7 @@ pub enum Relation {
 
 /// All rows that preferences have: the pin's position along the shell's x and y (m), the pin's axis along both,
 /// and the pin's height above that of the preference (m).
-const WISH_ROWS: usize = 5;
+const ROWS_OF_PIN: usize = 5;
 
 /// Share of the model's length up to which a preference of a class that resolves no length counts as fulfilled. It
 /// is the largest tolerance of positions.
@@ -69,7 +69,7 @@ pub struct Rows {
     /// The elements.
     pub(crate) elements: Vec<usize>,
     /// Preferences, after the elements.
-    wishes: Vec<Wish>,
+    preferences: Vec<Preference>,
     /// (element, row) of each row that belongs to an element.
     pub(crate) owners: Vec<(usize, usize)>,
     /// Scale of each row.
@@ -104,19 +104,19 @@ impl Rows {
         }
         Rows {
             elements,
-            wishes: Vec::new(),
+            preferences: Vec::new(),
             owners,
             scales,
         }
     }
 
     /// The same rows with those of preferences added.
-    pub fn with(mut self, model: &Model, wishes: &[Wish]) -> Rows {
-        for wish in wishes {
-            self.wishes.push(*wish);
+    pub fn with(mut self, model: &Model, preferences: &[Preference]) -> Rows {
+        for preference in preferences {
+            self.preferences.push(*preference);
             let length = model.length;
             let scales = [length, length, 1.0, 1.0, length];
-            self.scales.extend(&scales[wish.range()]);
+            self.scales.extend(&scales[preference.range()]);
         }
         self
     }
@@ -257,9 +257,9 @@ impl Rows {
             first += rows;
         }
         if along == Along::Pose {
-            for wish in &self.wishes {
-                wish.add(model, at, first, &mut values, &mut matrix);
-                first += wish.range().len();
+            for preference in &self.preferences {
+                preference.add(model, at, first, &mut values, &mut matrix);
+                first += preference.range().len();
             }
         }
         Ok((values, matrix))
@@ -292,7 +292,7 @@ impl Rows {
     }
 }
 
-impl Wish {
+impl Preference {
     /// The rows of the preference, among all rows that preferences have.
     pub fn range(&self) -> Range<usize> {
         match self.relation {
@@ -312,7 +312,7 @@ impl Wish {
     ///
     /// With the shell's axes S and position s, and the pin's axes P and position p: `e = Sᵀ(p − s)`,
     /// `a = Sᵀ P z`.
-    fn values(&self, model: &Model, at: &At) -> ([f64; WISH_ROWS], [M3; 2], V3, V3, f64) {
+    fn values(&self, model: &Model, at: &At) -> ([f64; ROWS_OF_PIN], [M3; 2], V3, V3, f64) {
         let pin = marker(model, self.pin, at.pose, at.velocity);
         let shell = marker(model, self.shell, at.pose, at.velocity);
         let back = shell.rotation.transpose();
@@ -398,7 +398,7 @@ impl Wish {
 }
 
 /// The preferences that the classes of a model's elements state.
-pub fn wishes(model: &Model) -> Vec<Wish> {
+pub fn preferences(model: &Model) -> Vec<Preference> {
     let mut found = Vec::new();
     for (e, element) in model.compiled.system.elements.iter().enumerate() {
         if element.places.is_empty() || !model.elements[e].dynamic {
@@ -418,7 +418,7 @@ pub fn wishes(model: &Model) -> Vec<Wish> {
                 continue;
             }
             let reach = reach.max(0.0);
-            found.push(Wish {
+            found.push(Preference {
                 element: e,
                 pin,
                 shell,
@@ -436,16 +436,16 @@ pub fn wishes(model: &Model) -> Vec<Wish> {
 }
 
 /// Pins in their shells, as the classes of a model's elements state them: elements, and markers of pin and shell.
-pub fn pins(model: &Model) -> Vec<Wish> {
-    let mut found = wishes(model);
-    found.retain(Wish::is_inside);
+pub fn pins(model: &Model) -> Vec<Preference> {
+    let mut found = preferences(model);
+    found.retain(Preference::is_inside);
     found
 }
 
 /// The preferences of elements that measure angles. An angle about the reference's z has a meaning only if the
 /// axes are parallel. Without the preference, a body that lies across or upside down would also solve the equation
 /// of a drive.
-pub fn axes(model: &Model, elements: &[usize]) -> Vec<Wish> {
+pub fn axes(model: &Model, elements: &[usize]) -> Vec<Preference> {
     let mut found = Vec::new();
     for e in elements {
         let element = &model.compiled.system.elements[*e];
@@ -455,13 +455,13 @@ pub fn axes(model: &Model, elements: &[usize]) -> Vec<Wish> {
         let marker = |index: u32| model.elements[*e].markers.get(index as usize).copied();
         let pairs = element.rotations.iter();
         found.extend(pairs.filter_map(|rotation| {
-            let wish = Wish {
+            let preference = Preference {
                 element: *e,
                 pin: marker(rotation.turning)?,
                 shell: marker(rotation.reference)?,
                 relation: Relation::Parallel,
             };
-            Some(wish)
+            Some(preference)
         }));
     }
     found.dedup();

@@ -190,12 +190,12 @@ fn keep_pins(
     from_energy: &InverseRoots,
 ) -> Result<DVector<f64>, RuntimeError> {
     let none = || DVector::zeros(model.velocities);
-    let wishes = pins(model);
-    if wishes.is_empty() {
+    let preferences = pins(model);
+    if preferences.is_empty() {
         return Ok(none());
     }
     let (_, rates) = Rows::new(model, Vec::new())
-        .with(model, &wishes)
+        .with(model, &preferences)
         .gradients(model, &at(state), Along::Pose)?;
     // each pin has two rows of its place and two of its axis
     let places: Vec<usize> = (0..rates.nrows()).filter(|row| row % 4 < 2).collect();

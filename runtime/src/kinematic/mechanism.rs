@@ -2,7 +2,7 @@
 
 use crate::assembled::Assembled;
 use crate::assembly::at;
-use crate::assembly::rows::{Along, Wish, Rows, pins};
+use crate::assembly::rows::{Along, Preference, Rows, pins};
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
 use crate::error::{Moment, RuntimeError};
@@ -125,7 +125,7 @@ pub(super) struct Mechanism {
     rows: Rows,
     /// The rows of the pins alone.
     films: Rows,
-    pub pins: Vec<Wish>,
+    pub pins: Vec<Preference>,
     /// Number of constraint rows.
     pub constraints: usize,
     /// The rows that take part.

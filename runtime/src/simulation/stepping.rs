@@ -636,8 +636,8 @@ impl Simulation {
             limit = Limit::Error;
         }
         self.size.limit(allowed);
-        let wish = self.size.step;
-        if let Some(time) = self.kinks.at_once(wish, begin, factor) {
+        let proposed = self.size.step;
+        if let Some(time) = self.kinks.at_once(proposed, begin, factor) {
             self.size.limit(2.0 * time);
         }
         loop {
@@ -689,11 +689,11 @@ impl Simulation {
                     self.at_kink = ends_at.filter(near).or_else(reached);
                     self.at_kink = self.at_kink.or_else(|| self.kinks.moment_behind(h));
                     self.size.accepted(h, error);
-                    self.keep_step_before_kink(wish);
+                    self.keep_step_before_kink(proposed);
                     if shortened {
                         // a step that was cut at a kink, or at the middle before it, is no measure of the
                         // next step
-                        self.size.step = self.size.step.max(wish);
+                        self.size.step = self.size.step.max(proposed);
                     }
                     return Ok((h, if last { end } else { begin + h }));
                 }

@@ -1,6 +1,6 @@
 //! Eccentricities of films, and their rates.
 
-use crate::assembly::rows::{self, Wish};
+use crate::assembly::rows::{self, Preference};
 use crate::chain::{self, MarkerKinematics};
 use crate::model::Model;
 use crate::rotation::V3;
@@ -43,16 +43,17 @@ fn arm(pin: &MarkerKinematics, shell: &MarkerKinematics) -> V3 {
 /// Each pin with its shell at a state.
 fn placed(
     model: &Model,
-    pins: &[Wish],
+    pins: &[Preference],
     pose: &[f64],
     velocity: &[f64],
 ) -> impl Iterator<Item = [MarkerKinematics; 2]> {
     let of = move |marker| rows::marker(model, marker, pose, velocity);
-    pins.iter().map(move |wish| [of(wish.pin), of(wish.shell)])
+    pins.iter()
+        .map(move |preference| [of(preference.pin), of(preference.shell)])
 }
 
 /// Eccentricities of pins, seen from their shells: x and y of each (m).
-pub(super) fn places_of_pins(model: &Model, pins: &[Wish], pose: &[f64]) -> Vec<f64> {
+pub(super) fn places_of_pins(model: &Model, pins: &[Preference], pose: &[f64]) -> Vec<f64> {
     let rest = vec![0.0; model.velocities];
     let arms = placed(model, pins, pose, &rest).map(|[pin, shell]| arm(&pin, &shell));
     arms.flat_map(|arm| [arm.x, arm.y]).collect()
@@ -61,7 +62,7 @@ pub(super) fn places_of_pins(model: &Model, pins: &[Wish], pose: &[f64]) -> Vec<
 /// Rates of the eccentricities of pins, seen from their shells: x and y of each (m/s).
 pub(super) fn rates_of_eccentricities(
     model: &Model,
-    pins: &[Wish],
+    pins: &[Preference],
     pose: &[f64],
     velocity: &[f64],
 ) -> Vec<f64> {
@@ -76,7 +77,7 @@ pub(super) fn rates_of_eccentricities(
 /// Rates of the axes of pins, seen from their shells: x and y of each (1/s).
 pub(super) fn rates_of_axes(
     model: &Model,
-    pins: &[Wish],
+    pins: &[Preference],
     pose: &[f64],
     velocity: &[f64],
 ) -> Vec<f64> {
@@ -91,12 +92,15 @@ pub(super) fn rates_of_axes(
 
 /// Derivative of [`rates_of_axes`] with respect to velocities: two rows (x, y) for each pin. In 1/s over the
 /// velocities (SI).
-pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
+pub(super) fn axis_rates(model: &Model, pins: &[Preference], state: &State) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(2 * pins.len(), model.velocities);
     let placed = placed(model, pins, &state.pose, &state.velocity);
-    for (i, (wish, [pin, shell])) in pins.iter().zip(placed).enumerate() {
+    for (i, (preference, [pin, shell])) in pins.iter().zip(placed).enumerate() {
         let axis: V3 = pin.rotation.column(2).into();
-        let sides = [(wish.pin, 1.0, &pin), (wish.shell, -1.0, &shell)];
+        let sides = [
+            (preference.pin, 1.0, &pin),
+            (preference.shell, -1.0, &shell),
+        ];
         for (marker, sign, own) in sides {
             let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
                 continue;
@@ -115,13 +119,17 @@ pub(super) fn axis_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix
 
 /// Derivative of the eccentricity rates of pins (seen from their shells) with respect to velocities: two rows
 /// (x, y) for each pin.
-pub(super) fn eccentricity_rates(model: &Model, pins: &[Wish], state: &State) -> DMatrix<f64> {
+pub(super) fn eccentricity_rates(
+    model: &Model,
+    pins: &[Preference],
+    state: &State,
+) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(2 * pins.len(), model.velocities);
     let placed = placed(model, pins, &state.pose, &state.velocity);
-    for (i, (wish, [pin, shell])) in pins.iter().zip(placed).enumerate() {
+    for (i, (preference, [pin, shell])) in pins.iter().zip(placed).enumerate() {
         let back = shell.rotation.transpose();
         let arm = arm(&pin, &shell);
-        for (marker, of_shell) in [(wish.pin, false), (wish.shell, true)] {
+        for (marker, of_shell) in [(preference.pin, false), (preference.shell, true)] {
             let Some((first, jacobian)) = marker_jacobian(model, marker, state) else {
                 continue;
             };

@@ -28,7 +28,7 @@
 //! velocities along the motion itself.
 
 use super::picking::{DETERMINED, free_of, split_above, unit_rows};
-use super::wish::{Wish, stated};
+use super::source::{Source, stated};
 use crate::assembly::at;
 use crate::assembly::rows::{Along, Rows, pins};
 use crate::error::RuntimeError;
@@ -58,7 +58,7 @@ const APART: f64 = 5e-4;
 
 #[derive(Clone, Debug)]
 struct Level {
-    wish: Wish,
+    source: Source,
     /// Factors of its rows.
     factors: Vec<f64>,
     /// The deciding combinations of the rows.
@@ -144,18 +144,18 @@ impl SteadyMotion {
         };
         let (dampers, springs) = (loads(true), loads(false));
         let [moving, still, beside, guessed] = stated(model, state)?;
-        let wishes = vec![
+        let sources = vec![
             moving,
-            Wish::Pins(pins.clone()),
-            Wish::Own(modal(model)),
-            Wish::Axes(pins),
+            Source::Pins(pins.clone()),
+            Source::Own(modal(model)),
+            Source::Axes(pins),
             still,
             guessed,
-            Wish::Loads(dampers),
-            Wish::Loads(springs),
+            Source::Loads(dampers),
+            Source::Loads(springs),
             beside,
         ];
-        SteadyMotion::decide(model, state, wishes, DETERMINED)
+        SteadyMotion::decide(model, state, sources, DETERMINED)
     }
 
     /// The conditions on velocities along a path. Stated zeros come after the shapes and frames of flexible
@@ -167,17 +167,17 @@ impl SteadyMotion {
             .filter(|b| b.modes() > 0)
             .flat_map(|b| b.velocity..b.velocity + b.width());
         let [moving, still, ..] = stated(model, state)?;
-        let wishes = vec![moving, Wish::Own(flexible.collect()), still];
+        let sources = vec![moving, Source::Own(flexible.collect()), still];
         // without this limit the tilts of a driven shaft would compensate a difference between drive and
         // stated speed
-        SteadyMotion::decide(model, state, wishes, TILTS)
+        SteadyMotion::decide(model, state, sources, TILTS)
     }
 
     /// A combination of the rows of a source counts only if earlier rows leave more than `least` of it.
     fn decide(
         model: &Model,
         state: &State,
-        wishes: Vec<Wish>,
+        sources: Vec<Source>,
         least: f64,
     ) -> Result<SteadyMotion, NoMotion> {
         let mut motion = SteadyMotion {
@@ -192,13 +192,13 @@ impl SteadyMotion {
         motion.factors = unit_rows(&mut gradients, EMPTY);
         motion.free = free_of(&gradients).ok_or(NoMotion::Singular)?;
         let mut open = motion.free.clone();
-        for wish in wishes {
-            let (_, mut matrix) = motion.wished(model, state, &wish)?;
+        for source in sources {
+            let (_, mut matrix) = motion.rows_of_source(model, state, &source)?;
             let factors = unit_rows(&mut matrix, EMPTY);
             let picked = split_above(&(&matrix * &open), least).ok_or(NoMotion::Singular)?;
             open = &open * picked.free;
             motion.levels.push(Level {
-                wish,
+                source,
                 factors,
                 pick: picked.pick,
             });
@@ -286,7 +286,7 @@ impl SteadyMotion {
                 increment[j] = DIFFERENCE * self.scales[j];
                 for sign in [1.0, -1.0] {
                     move_pose(model, &state.pose, &increment, sign, &mut pose);
-                    let moved = level.wish.film_rates(model, &pose, velocity);
+                    let moved = level.source.film_rates(model, &pose, velocity);
                     for (i, rate) in moved.into_iter().flatten().enumerate() {
                         rates[(i, j)] += sign * rate / (2.0 * DIFFERENCE);
                     }
@@ -309,7 +309,7 @@ impl SteadyMotion {
         let mut count = self.factors.len();
         for level in self.kept_levels() {
             count += level.pick.nrows();
-            let (values, rows) = self.wished(model, state, &level.wish)?;
+            let (values, rows) = self.rows_of_source(model, state, &level.source)?;
             let (values, rows) = weighed(values, rows, &level.factors);
             parts.push((&level.pick * values, &level.pick * rows));
         }
@@ -334,10 +334,10 @@ impl SteadyMotion {
         &self,
         model: &Model,
         state: &State,
-        wished: &[f64],
+        preferred: &[f64],
     ) -> Result<(Vec<f64>, Kept), NoMotion> {
         let kept = self.kept(model, state)?;
-        let mut y = DVector::from_fn(model.velocities, |i, _| wished[i] / self.scales[i]);
+        let mut y = DVector::from_fn(model.velocities, |i, _| preferred[i] / self.scales[i]);
         // the second pass removes the rounding of the first
         for _ in 0..2 {
             let missed = &kept.rows * &y + &kept.values;
@@ -375,9 +375,9 @@ impl SteadyMotion {
     }
 
     fn kept_levels(&self) -> impl Iterator<Item = &Level> {
-        self.levels
-            .iter()
-            .filter(|l| l.pick.nrows() > 0 && !matches!(l.wish, Wish::Own(_) | Wish::Loads(_)))
+        self.levels.iter().filter(|l| {
+            l.pick.nrows() > 0 && !matches!(l.source, Source::Own(_) | Source::Loads(_))
+        })
     }
 
     /// The values of the conditions for the velocities of a state. In scaled velocities (1/s); zero if all
@@ -390,9 +390,9 @@ impl SteadyMotion {
             .map(|(r, f)| r * f)
             .collect();
         for level in self.kept_levels() {
-            let mut values = match &level.wish {
-                Wish::Stated(rows, chosen) => rows.values(model, &at(state))?.select_rows(chosen),
-                wish => match wish.film_rates(model, &state.pose, &state.velocity) {
+            let mut values = match &level.source {
+                Source::Stated(rows, chosen) => rows.values(model, &at(state))?.select_rows(chosen),
+                source => match source.film_rates(model, &state.pose, &state.velocity) {
                     Some(rates) => DVector::from_vec(rates),
                     None => continue,
                 },
@@ -434,9 +434,9 @@ impl SteadyMotion {
             if level.pick.nrows() == 0 {
                 continue;
             }
-            let (values, rows) = self.wished(model, state, &level.wish)?;
+            let (values, rows) = self.rows_of_source(model, state, &level.source)?;
             let (values, rows) = weighed(values, rows, &level.factors);
-            if matches!(level.wish, Wish::Pins(_) | Wish::Axes(_)) {
+            if matches!(level.source, Source::Pins(_) | Source::Axes(_)) {
                 films.push((first, level));
             }
             first = take(&(&level.pick * rows), &(&level.pick * values));

@@ -21,54 +21,54 @@ const SOFT: f64 = 1e-6;
 
 /// A source of velocities. [`super::motion`] has their order.
 #[derive(Clone, Debug)]
-pub(super) enum Wish {
+pub(super) enum Source {
     /// Some of the rows of stated velocities.
     Stated(Rows, Vec<usize>),
     /// These velocities themselves.
     Own(Vec<usize>),
     /// Pins that rest in their shells.
-    Pins(Vec<rows::Wish>),
+    Pins(Vec<rows::Preference>),
     /// Pins whose axes rest in their shells.
-    Axes(Vec<rows::Wish>),
+    Axes(Vec<rows::Preference>),
     /// Elements whose loads do not change: dampers or springs.
     Loads(Vec<usize>),
 }
 
-impl Wish {
+impl Source {
     /// The rates that a source of films sets to zero; `None` of another source. In m/s for eccentricities,
     /// and in 1/s for axes.
     pub fn film_rates(&self, model: &Model, pose: &[f64], velocity: &[f64]) -> Option<Vec<f64>> {
         match self {
-            Wish::Pins(pins) => Some(rates_of_eccentricities(model, pins, pose, velocity)),
-            Wish::Axes(pins) => Some(rates_of_axes(model, pins, pose, velocity)),
-            Wish::Stated(..) | Wish::Own(_) | Wish::Loads(_) => None,
+            Source::Pins(pins) => Some(rates_of_eccentricities(model, pins, pose, velocity)),
+            Source::Axes(pins) => Some(rates_of_axes(model, pins, pose, velocity)),
+            Source::Stated(..) | Source::Own(_) | Source::Loads(_) => None,
         }
     }
 }
 
 impl SteadyMotion {
     /// The rows `matrix · y + values` of a source, which should be zero for the scaled velocities y.
-    pub(super) fn wished(
+    pub(super) fn rows_of_source(
         &self,
         model: &Model,
         state: &State,
-        wish: &Wish,
+        source: &Source,
     ) -> Result<(DVector<f64>, DMatrix<f64>), RuntimeError> {
         let n = model.velocities;
         let homogeneous = |matrix: DMatrix<f64>| (DVector::zeros(matrix.nrows()), matrix);
-        let (values, mut matrix) = match wish {
-            Wish::Stated(rows, chosen) => {
+        let (values, mut matrix) = match source {
+            Source::Stated(rows, chosen) => {
                 let mut resting = state.clone();
                 resting.velocity.fill(0.0);
                 let (values, matrix) = rows.evaluate(model, &at(&resting), Along::Velocity)?;
                 (values.select_rows(chosen), matrix.select_rows(chosen))
             }
-            Wish::Own(chosen) => homogeneous(DMatrix::from_fn(chosen.len(), n, |i, j| {
+            Source::Own(chosen) => homogeneous(DMatrix::from_fn(chosen.len(), n, |i, j| {
                 f64::from(u8::from(chosen[i] == j))
             })),
-            Wish::Pins(pins) => homogeneous(eccentricity_rates(model, pins, state)),
-            Wish::Axes(pins) => homogeneous(axis_rates(model, pins, state)),
-            Wish::Loads(elements) => {
+            Source::Pins(pins) => homogeneous(eccentricity_rates(model, pins, state)),
+            Source::Axes(pins) => homogeneous(axis_rates(model, pins, state)),
+            Source::Loads(elements) => {
                 let mut parts = Vec::new();
                 for element in elements {
                     parts.extend(self.load_derivatives(model, state, *element)?);
@@ -159,7 +159,7 @@ impl SteadyMotion {
 
 /// Four sources: stated velocities other than zero, stated zeros, zeros beside another velocity of one statement,
 /// and guessed velocities.
-pub(super) fn stated(model: &Model, state: &State) -> Result<[Wish; 4], RuntimeError> {
+pub(super) fn stated(model: &Model, state: &State) -> Result<[Source; 4], RuntimeError> {
     let of = |exact| {
         rows_of(model, |e| {
             model.compiled.system.elements[e].role == Role::StartVelocity { exact }
@@ -179,9 +179,9 @@ pub(super) fn stated(model: &Model, state: &State) -> Result<[Wish; 4], RuntimeE
     let guessed = of(false);
     let all = (0..guessed.len()).collect();
     Ok([
-        Wish::Stated(stated.clone(), moving),
-        Wish::Stated(stated.clone(), still),
-        Wish::Stated(stated, beside),
-        Wish::Stated(guessed, all),
+        Source::Stated(stated.clone(), moving),
+        Source::Stated(stated.clone(), still),
+        Source::Stated(stated, beside),
+        Source::Stated(guessed, all),
     ])
 }
