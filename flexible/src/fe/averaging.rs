@@ -20,6 +20,13 @@ use super::vector::{cross, norm, subtract};
 use crate::error::FlexibleError;
 use crate::mesh::Mesh;
 
+/// Share of the largest eigenvalue above which a motion is determined. A choice above the rounding of the eigenvalues:
+/// nodes on one line leave zeros.
+const RANK: f64 = 1e-10;
+/// Part of a component along an undetermined motion above which it is refused. A choice: with a smaller part the nodes
+/// determine the component, but for the digits of their places.
+const UNDETERMINED: f64 = 1e-6;
+
 /// A freedom of the nodes that lead: freedom in local axes, its line in the fit over (u, L θ), its weight,
 /// and the factor of its value (1 or L).
 struct Term {
@@ -127,14 +134,11 @@ pub(super) fn followers(
         for (k, value) in values.iter().enumerate() {
             let vector: [f64; 6] = std::array::from_fn(|i| vectors[i][k]);
             let share: f64 = vector.iter().zip(target).map(|(x, y)| x * y).sum();
-            // a choice above the rounding of the eigenvalues: nodes on one line leave zeros
-            if *value > 1e-10 * largest {
+            if *value > RANK * largest {
                 for (x, v) in solution.iter_mut().zip(vector) {
                     *x += share / value * v;
                 }
-            // a choice: a component with a smaller part along an undetermined turn is one that the nodes
-            // determine, but for the digits of their places
-            } else if share.abs() > 1e-6 {
+            } else if share.abs() > UNDETERMINED {
                 return Err(wrong(
                     format!(
                         "averaging tie {id}: its nodes don't determine component {} of node {}",

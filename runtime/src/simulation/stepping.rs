@@ -611,6 +611,20 @@ impl Simulation {
         }
     }
 
+    /// The longest step (s) that the sampling interval, the turn of bodies and fast sines permit, with the one of them
+    /// that decides.
+    fn allowed_step(&self, longest: f64) -> (f64, Limit) {
+        let mut allowed = (longest.min(self.options.max_step), Limit::Samples);
+        let turning = self.fastest().0;
+        if turning > 0.0 && TURN / turning < allowed.0 {
+            allowed = (TURN / turning, Limit::Turn);
+        }
+        if self.kinks.longest_step() < allowed.0 {
+            allowed = (self.kinks.longest_step(), Limit::Sines);
+        }
+        allowed
+    }
+
     fn controlled_step(
         &mut self,
         factor: f64,
@@ -623,15 +637,7 @@ impl Simulation {
         // the end of the next trial at a kink, and the number of trials that passed one
         let (mut cut, mut tries) = (None, 0);
         let mut first_rejected = None;
-        let turning = self.fastest().0;
-        let mut allowed = longest.min(self.options.max_step);
-        let mut limit = Limit::Samples;
-        if turning > 0.0 && TURN / turning < allowed {
-            (allowed, limit) = (TURN / turning, Limit::Turn);
-        }
-        if self.kinks.longest_step() < allowed {
-            (allowed, limit) = (self.kinks.longest_step(), Limit::Sines);
-        }
+        let (allowed, mut limit) = self.allowed_step(longest);
         if self.size.step < allowed {
             limit = Limit::Error;
         }
