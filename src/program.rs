@@ -3,7 +3,7 @@
 use crate::error::{Error, Report};
 use crate::fields::Fields;
 use crate::model::{Model, hexadecimal};
-use crate::reduction::{Looks, Reducer, Reduction};
+use crate::reduction::{Asked, Looks, Reducer, Reduction};
 use crate::sources::{Sources, cache_folder};
 use crate::timings::{CheckTimings, Clock};
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses};
@@ -11,7 +11,7 @@ use eng_compiler::models::SharedModels;
 use eng_compiler::program::{DefinitionId, Program as Resolved};
 use eng_compiler::typed::TypedProgram;
 use eng_grammar::ast::{BindingKind, ItemKind, Kind};
-use eng_grammar::{Diagnostics, SourceMap};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_system::code::Compiled;
 use eng_system::host::HostError;
 use std::collections::BTreeMap;
@@ -514,31 +514,35 @@ impl Program {
         };
         let (mut reductions, mut reduced) = (Vec::new(), Vec::new());
         let elaborated = &model.elaborated;
-        for (index, source) in (0..).zip(&elaborated.flexible) {
-            let turned = elaborated.turned_markers(index);
-            let Inner {
-                sources,
-                reducer,
-                looks,
-                ..
-            } = &*self.inner;
-            let made = match bodies {
-                Bodies::Reduced => reducer.reduce(sources, source, &turned).map(|reduction| {
-                    reduced.push(Arc::clone(&reduction.body));
-                    reductions.push(reduction);
-                }),
-                Bodies::Rigid => looks
-                    .outline(sources, source, &turned)
-                    .map(|outline| reduced.push(Arc::new(outline.rigid()))),
-                Bodies::Loose => looks
-                    .outline(sources, source, &turned)
-                    .map(|outline| reduced.push(Arc::new(outline.loose()))),
-            };
-            made.map_err(|diagnostic| {
-                let mut diagnostics = Diagnostics::new();
-                diagnostics.push(*diagnostic);
-                Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
-            })?;
+        let Inner {
+            sources,
+            reducer,
+            looks,
+            ..
+        } = &*self.inner;
+        let failed = |diagnostic: Box<Diagnostic>| {
+            let mut diagnostics = Diagnostics::new();
+            diagnostics.push(*diagnostic);
+            Error::Report(Report::new(Arc::clone(&self.inner.texts), diagnostics))
+        };
+        let asked: Vec<Asked<'_>> = (0..)
+            .zip(&elaborated.flexible)
+            .map(|(index, source)| (index as usize, source, elaborated.turned_markers(index)))
+            .collect();
+        if bodies == Bodies::Reduced {
+            for made in reducer.reduce_all(sources, asked) {
+                let reduction = made.map_err(failed)?;
+                reduced.push(Arc::clone(&reduction.body));
+                reductions.push(reduction);
+            }
+        } else {
+            for (_, source, turned) in asked {
+                let outline = looks.outline(sources, source, &turned).map_err(failed)?;
+                reduced.push(Arc::new(match bodies {
+                    Bodies::Loose => outline.loose(),
+                    _ => outline.rigid(),
+                }));
+            }
         }
         Ok(Model::new(
             Compiled {

@@ -63,3 +63,4 @@ mod store_crank;
 mod superelement_files;
 mod systems;
 mod universal_files;
+mod wrong_files;

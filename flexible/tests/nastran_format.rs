@@ -423,6 +423,26 @@ PLOAD4,1,1,1.
     );
 }
 
+/// A line with a blank first field continued no equation, and its first term was a card that stopped the reduction.
+#[test]
+fn equations_go_on_in_lines_with_a_blank_first_field() {
+    let mesh = mesh(&format!(
+        "{CORNERS}DEQATN       100OBJ(X1,X2,X3,X4,X5) = RSS(X1+0.000, X2+0.103, X3+0.312,
+        X4+0.565, X5+0.910)
+DEQATN  101     F(A,B)=MAX(A,B,1.,2.,3.,4.,5.,6.,7.,8.,9.)
+        +A
+FORCE,1,1,,1.,0.,0.,1.
+"
+    ));
+    assert_eq!(
+        unread(&mesh),
+        [
+            ("DEQATN", 2, Carries::Nothing),
+            ("FORCE", 1, Carries::Nothing)
+        ]
+    );
+}
+
 /// The example of the Quick Reference Guide, and the same in columns.
 #[test]
 fn cards_repeat_the_one_before() {

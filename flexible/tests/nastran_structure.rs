@@ -1080,3 +1080,30 @@ fn a_material_without_shear() {
         "{panel}"
     );
 }
+
+/// The mass looked for three freedoms of a scalar point that a spring couples with a grid point, and the reduction stopped
+/// in a panic if it was the last one.
+#[test]
+fn a_spring_may_end_at_the_only_scalar_point() {
+    let deck = "GRID,1,,0.,0.,0.,,123456
+GRID,2,,2.,0.,0.
+CBAR,1,1,1,2,0.,1.,0.
+PBAR,1,1,1.-3,2.-6,3.-6,4.-6
+MAT1,1,2.+11,,.3
+CONM2,5,2,,3.
+SPOINT,100
+CELAS2,10,4.+4,2,3,100
+CMASS2,11,2.,100
+";
+    let mesh = mesh(deck);
+    let full = assemble(&mesh, &Rules::default()).unwrap();
+    let mass = full.mass.assembled().unwrap();
+    assert_eq!(mass.size(), 13);
+    let entry = |column: usize, row: u32| {
+        let (rows, values) = mass.column(column);
+        let place = rows.iter().position(|own| *own == row);
+        place.map_or(0.0, |place| values[place])
+    };
+    assert_eq!([entry(12, 12), entry(6, 6), entry(8, 12)], [2.0, 3.0, 0.0]);
+    assert_eq!(full.mass.rigid(&mesh).mass, 3.0);
+}

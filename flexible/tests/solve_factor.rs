@@ -272,3 +272,46 @@ fn the_same_bits_come_out_every_time() {
             .all(|(a, b)| a.to_bits() == b.to_bits())
     );
 }
+
+#[test]
+fn the_bits_do_not_depend_on_the_number_of_threads() {
+    // large enough for several branches, and for panels above them that threads share
+    let (stiffness, mass) = elastic_box([26, 13, 12]);
+    let matrix = shifted(&stiffness, &mass, 1e-3).unwrap();
+    let analysis = Arc::new(Analysis::fill_reducing(&matrix).unwrap());
+    assert!(analysis.branches() > 2);
+    for kind in [Definiteness::Positive, Definiteness::Indefinite] {
+        let shift = if kind == Definiteness::Positive {
+            -1e6
+        } else {
+            1e6
+        };
+        let matrix = shifted(&stiffness, &mass, shift).unwrap();
+        let right = random_columns(matrix.size(), 3);
+        let mut first: Option<(usize, Vec<f64>)> = None;
+        for threads in [1, 2, 3, 7] {
+            let factor = Factorization::new_on(&analysis, &matrix, kind, threads).unwrap();
+            let mut solution = right.clone();
+            factor.solve_in_place(&mut solution).unwrap();
+            let found = (factor.negative_pivots(), solution);
+            let first = first.get_or_insert_with(|| found.clone());
+            assert_eq!(first.0, found.0, "{kind:?}, {threads} threads");
+            let same = first
+                .1
+                .iter()
+                .zip(&found.1)
+                .all(|(x, y)| x.to_bits() == y.to_bits());
+            assert!(same, "{kind:?}, {threads} threads");
+        }
+        let (negative, solution) = first.unwrap();
+        assert_eq!(negative > 0, kind == Definiteness::Indefinite);
+        let mut rest = vec![0.0; right.len()];
+        matrix.apply(3, &solution, &mut rest);
+        let apart = rest
+            .iter()
+            .zip(&right)
+            .map(|(x, y)| (x - y).abs())
+            .fold(0.0, f64::max);
+        assert!(apart < 1e-7, "{kind:?}: {apart}");
+    }
+}

@@ -166,7 +166,61 @@ pub(crate) struct Reducer {
     known: Mutex<Vec<(Key, Arc<StoredBody>)>>,
 }
 
+/// Bodies that are reduced side by side. A thread more would need the memory of a third body, and the solution of each
+/// uses several threads itself.
+const TOGETHER: usize = 2;
+
+/// A body to be reduced, with its place in the list of a model and whether an element turns each of its markers.
+pub(crate) type Asked<'a> = (usize, &'a FlexibleSource, Vec<bool>);
+
+/// The reductions in the order of the list.
+type Made = Mutex<Vec<(usize, Result<Reduction, Box<Diagnostic>>)>>;
+
 impl Reducer {
+    /// Reduces the bodies of a model, two at a time. The result has their order. A thread reduces equal bodies one after
+    /// the other, so that the second one takes the result of the first.
+    pub(crate) fn reduce_all(
+        &self,
+        sources: &Sources,
+        bodies: Vec<Asked<'_>>,
+    ) -> Vec<Result<Reduction, Box<Diagnostic>>> {
+        let mut groups: Vec<(String, Vec<Asked<'_>>)> = Vec::new();
+        for asked in bodies {
+            let text = request::text(asked.1);
+            match groups.iter_mut().find(|(known, _)| *known == text) {
+                Some((_, group)) => group.push(asked),
+                None => groups.push((text, vec![asked])),
+            }
+        }
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let threads = threads.min(TOGETHER).min(groups.len());
+        let made = Made::default();
+        let groups = Mutex::new(groups.into_iter());
+        let work = || {
+            loop {
+                let next = groups.lock().unwrap_or_else(PoisonError::into_inner).next();
+                let Some((_, group)) = next else { return };
+                for (index, source, turned) in group {
+                    let reduction = self.reduce(sources, source, &turned);
+                    let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+                    made.push((index, reduction));
+                }
+            }
+        };
+        if threads < 2 {
+            work();
+        } else {
+            std::thread::scope(|scope| {
+                for _ in 0..threads {
+                    scope.spawn(work);
+                }
+            });
+        }
+        let mut made = made.into_inner().unwrap_or_else(PoisonError::into_inner);
+        made.sort_by_key(|(index, _)| *index);
+        made.into_iter().map(|(_, reduction)| reduction).collect()
+    }
+
     /// Reduces a body, or takes the kept one. `turned` states for each marker whether an element turns it.
     pub(crate) fn reduce(
         &self,

@@ -113,7 +113,12 @@ impl Mass {
                 let mut extra = rows.iter().copied().zip(values.iter().copied()).peekable();
                 if component < 3 {
                     for (&other, &mass) in others.iter().zip(masses) {
-                        let target = (self.freedoms.of(other).start + component) as u32;
+                        let second = self.freedoms.of(other);
+                        // a scalar point has one freedom
+                        if second.len() <= component {
+                            continue;
+                        }
+                        let target = (second.start + component) as u32;
                         while let Some((before, x)) = extra.next_if(|(r, _)| *r < target) {
                             row.push(before);
                             value.push(x);
@@ -265,7 +270,12 @@ impl Mass {
             let mut sum = [[0.0; TOGETHER]; 3];
             let (others, masses) = self.solid.column(node);
             for (&other, &mass) in others.iter().zip(masses) {
-                let second = self.freedoms.of(other).start;
+                let second = self.freedoms.of(other);
+                // a spring may couple the node with a scalar point, without mass in here
+                if second.len() < 3 {
+                    continue;
+                }
+                let second = second.start;
                 for axis in 0..3 {
                     for lane in 0..TOGETHER {
                         sum[axis][lane] += mass * x[second + axis][lane];

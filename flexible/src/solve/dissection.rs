@@ -9,9 +9,12 @@ use crate::error::FlexibleError;
 /// Parts of at most this many vertices are ordered by minimum degree. A choice: a cut of a smaller part saves
 /// less than its search takes.
 const LEAF: usize = 220;
-/// Parts of at least this many vertices are worth a second try. A choice: their separators are the largest
-/// fronts of the elimination.
+/// Parts of at least this many vertices count as large. A choice: their separators are the largest fronts of the
+/// elimination.
 const LARGE: usize = 2000;
+/// Cuts tried of a large part, and of a small one. The best of four and two instead of two and one takes 0.6 times longer
+/// for a bulky part of 104,000 nodes, and saves 9 % of the multiplications and 4 % of the factor's entries.
+const CUTS: [usize; 2] = [4, 2];
 
 /// An order of the vertices.
 ///
@@ -91,10 +94,10 @@ fn cut(graph: &Graph, random: &mut Random) -> Option<Vec<Side>> {
         return None;
     }
     let mut side = separate(graph, random);
-    if count >= LARGE {
-        let second = separate(graph, random);
-        if separator_weight(graph, &second) < separator_weight(graph, &side) {
-            side = second;
+    for _ in 1..CUTS[usize::from(count < LARGE)] {
+        let other = separate(graph, random);
+        if separator_weight(graph, &other) < separator_weight(graph, &side) {
+            side = other;
         }
     }
     let size = |part: Side| side.iter().filter(|side| **side == part).count();

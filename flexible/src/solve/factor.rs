@@ -1,22 +1,19 @@
 //! Factors of sparse symmetric matrices: `L Lᵀ` of positive definite ones, `L B Lᵀ` of indefinite ones.
 //!
-//! The factorisation is supernodal (dense blocks of columns with the same rows), by faer. One [`Analysis`]
-//! serves all matrices of one pattern, such as `K − σ M` for all shifts.
+//! The factorisation is supernodal (dense panels of columns with the same rows). One [`Analysis`] serves all
+//! matrices of one pattern, such as `K − σ M` for all shifts.
+//!
+//! We compared two ways. faer's factorisation of a sparse matrix stores a block of columns as one rectangle, with
+//! zeros above its diagonal, and its threads share one product at a time. Panels of limited width store fewer zeros,
+//! and threads work on whole branches of the tree of elimination.
 
-use super::ordering::{Ordering, out_of_memory, too_large};
+use super::numeric::{self, Pairs, Stopped};
+use super::ordering::{Ordering, out_of_memory};
+use super::panels::Panels;
+use super::substitution::Substitution;
 use crate::error::FlexibleError;
 use crate::sparse::{SymmetricMatrix, SymmetricOperator};
 use eng_system::significant::short;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltError;
-use faer::perm::PermRef;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
-    SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
 
 /// A pivot is a rounding error and not a stiffness if its ratio to the entry before the elimination is below
@@ -41,11 +38,10 @@ pub enum Definiteness {
 /// The order of elimination and the structure of the factor for one pattern.
 #[derive(Debug)]
 pub struct Analysis {
-    symbolic: SymbolicCholesky<u32>,
-    column_start: Vec<u32>,
+    panels: Panels,
     ordering: Ordering,
-    /// Hash of the pattern, and number of its entries. Every factorisation compares them, because faer's
-    /// behaviour for another pattern is undefined.
+    /// Hash of the pattern, and number of its entries. Every factorisation compares them, because the factor of
+    /// another pattern has other places.
     pattern: (u64, usize),
 }
 
@@ -65,35 +61,9 @@ impl Analysis {
                 advice: String::new(),
             });
         }
-        let column_start: Vec<u32> = matrix
-            .column_start()
-            .iter()
-            .map(|&start| u32::try_from(start))
-            .collect::<Result<_, _>>()
-            .map_err(|_| too_large())?;
-        let symbolic = factorize_symbolic_cholesky(
-            SymbolicSparseColMatRef::<'_, u32>::new_checked(
-                size,
-                size,
-                &column_start,
-                None,
-                matrix.rows(),
-            ),
-            Side::Lower,
-            SymmetricOrdering::Custom(PermRef::new_checked(
-                ordering.forward(),
-                ordering.inverse(),
-                size,
-            )),
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                ..CholeskySymbolicParams::default()
-            },
-        )
-        .map_err(|_| too_large())?;
+        let panels = Panels::new(matrix, ordering.forward(), ordering.inverse())?;
         Ok(Analysis {
-            symbolic,
-            column_start,
+            panels,
             ordering,
             pattern: pattern_of(matrix),
         })
@@ -120,27 +90,45 @@ impl Analysis {
     /// Number of stored values of a factor: its entries, and the zeros that complete its blocks to
     /// rectangles.
     pub fn stored(&self) -> usize {
-        self.symbolic.len_val()
+        self.panels.stored()
+    }
+
+    /// Number of branches of the tree of elimination that threads factor side by side.
+    pub fn branches(&self) -> usize {
+        self.panels.branches().len()
     }
 
     /// Visits the pivots block by block, with their index in the factor's values and their index in the
     /// order.
     fn each_pivot(&self, mut visit: impl FnMut(usize, usize)) {
-        if let SymbolicCholeskyRaw::Supernodal(factor) = self.symbolic.raw() {
-            let blocks = factor
-                .supernode_begin()
-                .iter()
-                .zip(factor.supernode_end())
-                .zip(factor.col_ptr_for_val())
-                .zip(factor.nnz_per_super());
-            for (((&begin, &end), &values), &below) in blocks {
-                let (begin, end) = (begin as usize, end as usize);
-                let rows = end - begin + below as usize;
-                for index in begin..end {
-                    visit(values as usize + (index - begin) * (rows + 1), index);
-                }
+        for panel in 0..self.panels.count() {
+            let (height, first) = (self.panels.height(panel), self.panels.place(panel).start);
+            for (place, index) in self.panels.columns(panel).enumerate() {
+                visit(first + place * (height + 1), index);
             }
         }
+    }
+
+    /// The first column of the panel of each column.
+    fn starts(&self) -> Vec<u32> {
+        let mut starts = vec![0; self.size()];
+        for panel in 0..self.panels.count() {
+            let columns = self.panels.columns(panel);
+            let first = columns.start as u32;
+            starts[columns].fill(first);
+        }
+        starts
+    }
+
+    /// The row of a pivot: its panel exchanges rows by `inside`.
+    fn row_of_pivot(&self, index: usize, first: usize, inside: &[u32]) -> usize {
+        let place = inside
+            .get(index)
+            .map_or(index, |&place| first + place as usize);
+        self.ordering
+            .forward()
+            .get(place)
+            .map_or(0, |&row| row as usize)
     }
 }
 
@@ -149,10 +137,10 @@ impl Analysis {
 pub struct Factorization {
     analysis: Arc<Analysis>,
     values: Vec<f64>,
-    /// For an indefinite matrix: the entries below the diagonal of B, and the row exchanges inside blocks, in
-    /// both directions.
-    indefinite: Option<(Vec<f64>, Vec<u32>, Vec<u32>)>,
+    /// Empty for a positive matrix.
+    pairs: Pairs,
     negative: usize,
+    threads: usize,
 }
 
 impl Factorization {
@@ -166,7 +154,22 @@ impl Factorization {
         matrix: &SymmetricMatrix,
         kind: Definiteness,
     ) -> Result<Factorization, FlexibleError> {
-        Factorization::reusing(Vec::new(), analysis, matrix, kind)
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        Factorization::new_on(analysis, matrix, kind, threads)
+    }
+
+    /// Like [`Factorization::new`], on a number of threads, which also solve. The result does not depend on this
+    /// number.
+    ///
+    /// # Errors
+    /// See [`Factorization::new`].
+    pub fn new_on(
+        analysis: &Arc<Analysis>,
+        matrix: &SymmetricMatrix,
+        kind: Definiteness,
+        threads: usize,
+    ) -> Result<Factorization, FlexibleError> {
+        Factorization::reusing(Vec::new(), analysis, matrix, kind, threads)
     }
 
     /// Like [`Factorization::new`], but in the memory of an earlier factorisation, because a factor needs by
@@ -179,7 +182,7 @@ impl Factorization {
         matrix: &SymmetricMatrix,
         kind: Definiteness,
     ) -> Result<Factorization, FlexibleError> {
-        Factorization::reusing(self.values, &self.analysis, matrix, kind)
+        Factorization::reusing(self.values, &self.analysis, matrix, kind, self.threads)
     }
 
     fn reusing(
@@ -187,6 +190,7 @@ impl Factorization {
         analysis: &Arc<Analysis>,
         matrix: &SymmetricMatrix,
         kind: Definiteness,
+        threads: usize,
     ) -> Result<Factorization, FlexibleError> {
         check(analysis, matrix)?;
         let stored = analysis.stored();
@@ -201,8 +205,10 @@ impl Factorization {
         let mut factor = Factorization {
             analysis: analysis.clone(),
             values,
-            indefinite: None,
+            pairs: Pairs::default(),
             negative: 0,
+            // more threads than this only wait for memory
+            threads: threads.clamp(1, 16),
         };
         match kind {
             Definiteness::Positive => factor.factor_positive(matrix)?,
@@ -211,27 +217,20 @@ impl Factorization {
         Ok(factor)
     }
 
+    /// Factors the values of a matrix.
+    fn fill(&mut self, matrix: &SymmetricMatrix) -> Result<(), FlexibleError> {
+        let panels = &self.analysis.panels;
+        panels.scatter(matrix, self.analysis.ordering.inverse(), &mut self.values);
+        let done = numeric::factor(panels, &mut self.values, &mut self.pairs, self.threads);
+        done.map_err(|stopped| match stopped {
+            Stopped::NotPositive(column) => singular(self.row_of(column), None),
+            Stopped::Memory => out_of_memory(),
+        })
+    }
+
     fn factor_positive(&mut self, matrix: &SymmetricMatrix) -> Result<(), FlexibleError> {
+        self.fill(matrix)?;
         let analysis = self.analysis.clone();
-        let scratch = analysis
-            .symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory())?;
-        let result = analysis.symbolic.factorize_numeric_llt(
-            &mut self.values,
-            view(&analysis, matrix),
-            Side::Lower,
-            Default::default(),
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        match result {
-            Ok(_) => {}
-            Err(LltError::NonPositivePivot { index }) => {
-                return Err(singular(self.row_of(index), None));
-            }
-        }
         let before = diagonal(matrix);
         let mut weakest = (0, f64::INFINITY);
         analysis.each_pivot(|place, index| {
@@ -246,28 +245,17 @@ impl Factorization {
     fn factor_indefinite(&mut self, matrix: &SymmetricMatrix) -> Result<(), FlexibleError> {
         let analysis = self.analysis.clone();
         let size = analysis.size();
-        let scratch = analysis
-            .symbolic
-            .factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| out_of_memory())?;
-        let mut below = vec![0.0; size];
-        let (mut forward, mut inverse) = (vec![0u32; size], vec![0u32; size]);
-        analysis.symbolic.factorize_numeric_intranode_lblt(
-            &mut self.values,
-            &mut below,
-            &mut forward,
-            &mut inverse,
-            view(&analysis, matrix),
-            Side::Lower,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
+        self.pairs = Pairs {
+            below: vec![0.0; size],
+            forward: vec![0; size],
+            inverse: vec![0; size],
+        };
+        self.fill(matrix)?;
+        let Pairs { below, forward, .. } = &self.pairs;
         let before = pivot_scale(matrix);
+        let starts = analysis.starts();
         let scale = |index: usize| {
-            let row = forward
-                .get(index)
-                .map_or(0, |&inside| self.row_of(inside as usize));
+            let row = analysis.row_of_pivot(index, starts[index] as usize, forward);
             (row, before[row])
         };
         let (mut weakest, mut negative) = ((0, f64::INFINITY), 0);
@@ -298,7 +286,6 @@ impl Factorization {
             }
         });
         self.negative = negative;
-        self.indefinite = Some((below, forward, inverse));
         self.settle(weakest, LOST_INDEFINITE)
     }
 
@@ -352,24 +339,27 @@ impl Factorization {
             });
         }
         let together = (right_hand_sides.len() / size).min(TOGETHER);
-        let symbolic = &self.analysis.symbolic;
-        let mut memory =
-            MemBuffer::try_new(symbolic.solve_in_place_scratch::<f64>(together, Par::Seq))
-                .map_err(|_| out_of_memory())?;
+        let order = self.analysis.ordering.forward();
+        let mut rows = vec![0.0; size * together];
         for block in right_hand_sides.chunks_mut(size * together) {
-            let columns = block.len() / size;
-            let block = MatMut::from_column_major_slice_mut(block, size, columns);
-            let stack = MemStack::new(&mut memory);
-            match &self.indefinite {
-                None => LltRef::<'_, u32, f64>::new(symbolic, &self.values)
-                    .solve_in_place_with_conj(Conj::No, block, Par::Seq, stack),
-                Some((below, forward, inverse)) => IntranodeLbltRef::<'_, u32, f64>::new(
-                    symbolic,
-                    &self.values,
-                    below,
-                    PermRef::new_checked(forward, inverse, size),
-                )
-                .solve_in_place_with_conj(Conj::No, block, Par::Seq, stack),
+            let count = block.len() / size;
+            let rows = &mut rows[..block.len()];
+            for (&row, out) in order.iter().zip(rows.chunks_exact_mut(count)) {
+                for (column, out) in out.iter_mut().enumerate() {
+                    *out = block[column * size + row as usize];
+                }
+            }
+            let substitution = Substitution {
+                panels: &self.analysis.panels,
+                values: &self.values,
+                pairs: &self.pairs,
+                count,
+            };
+            substitution.solve(rows, self.threads);
+            for (&row, found) in order.iter().zip(rows.chunks_exact(count)) {
+                for (column, found) in found.iter().enumerate() {
+                    block[column * size + row as usize] = *found;
+                }
             }
         }
         Ok(())
@@ -439,19 +429,6 @@ fn weaker(one: (usize, f64), two: (usize, f64)) -> (usize, f64) {
 /// Euclidean length.
 pub(crate) fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn view<'a>(analysis: &'a Analysis, matrix: &'a SymmetricMatrix) -> SparseColMatRef<'a, u32, f64> {
-    SparseColMatRef::new(
-        SymbolicSparseColMatRef::new_checked(
-            matrix.size(),
-            matrix.size(),
-            &analysis.column_start,
-            None,
-            matrix.rows(),
-        ),
-        matrix.values(),
-    )
 }
 
 fn pattern_of(matrix: &SymmetricMatrix) -> (u64, usize) {

@@ -5,7 +5,8 @@
 //!                                                   └──eigen──▶ lowest modes, proven complete
 //! ```
 //!
-//! Everything here runs on one thread in a fixed order: the same matrices give the same bits.
+//! Factors and solutions use several threads. The order of all sums is fixed, so the same matrices give the same bits,
+//! whatever the number of threads.
 
 mod coarsening;
 pub(crate) mod dense;
@@ -15,7 +16,9 @@ mod elimination;
 pub mod factor;
 mod graph;
 pub(crate) mod lanczos;
+mod numeric;
 pub mod ordering;
+mod panels;
 pub mod pencil;
 pub mod positive;
 mod random;
@@ -23,6 +26,7 @@ pub(crate) mod restrained;
 mod search;
 mod separator;
 mod sturm;
+mod substitution;
 
 pub(crate) use eigen::lowest_modes_from;
 pub use eigen::{EigenOptions, EigenSolution, Modes, SturmCount, lowest_modes};

@@ -59,7 +59,7 @@ pub(super) fn cut(line: &Line) -> Result<Piece, FileProblem> {
         // the commas of an equation are those of its functions
         if fields.len() > count
             && !long
-            && !head.eq_ignore_ascii_case("DEQATN")
+            && !is_equation(&head)
             && let Some(extra) = fields
                 .get(count..)
                 .and_then(|rest| rest.iter().find(|f| !f.is_empty()))
@@ -102,6 +102,12 @@ continuation; write further fields on a new line that begins with a comma"
         }
     };
     Ok(piece)
+}
+
+/// Whether a line begins an equation.
+pub(super) fn is_equation(line: &str) -> bool {
+    let head = line.get(..6);
+    head.is_some_and(|head| head.eq_ignore_ascii_case("DEQATN"))
 }
 
 /// Whether a field can only be the name of a continuation.

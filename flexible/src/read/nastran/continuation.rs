@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::card::{Card, Piece, cut};
+use super::card::{Card, Piece, cut, is_equation};
 use super::lines::{At, Line};
 use super::replication::Repeated;
 use crate::error::FileProblem;
@@ -56,11 +56,18 @@ pub(super) struct Assembler {
     followed: bool,
     /// The card that the next line may repeat.
     repeated: Repeated,
+    /// Whether the line belongs to an equation (`DEQATN`).
+    in_equation: bool,
 }
 
 impl Assembler {
     /// Adds a line. Returns the earlier cards that are now complete.
     pub fn push(&mut self, line: &Line) -> Result<Vec<Card>, FileProblem> {
+        // an equation goes on in lines with a blank first field, and the commas of its functions begin no fields
+        if self.in_equation && line.text.starts_with("        ") {
+            return Ok(Vec::new());
+        }
+        self.in_equation = is_equation(&line.text);
         let piece = cut(line)?;
         if piece.continues() {
             self.repeated.continued();
