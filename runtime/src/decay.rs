@@ -54,6 +54,11 @@ pub struct Mode {
 }
 
 impl Mode {
+    /// Number of cycles until the distance to the limit has fallen to 1, of a last difference `far`.
+    pub fn cycles(&self, far: f64) -> f64 {
+        libm::log((far * self.reach()).max(1.0)) / -libm::log(self.factor)
+    }
+
     /// Sum of all future differences over the last one, `|λ/(1 − λ)|` with `λ = factor·exp(i turn)`; infinite
     /// for growing ones.
     pub fn reach(&self) -> f64 {

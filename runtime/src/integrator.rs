@@ -368,6 +368,11 @@ impl Integrator {
         self.renew(&rates, &rates, &of_rows, &of_states);
     }
 
+    /// Sets the limits at which Newton's iteration ends.
+    pub fn set_goal(&mut self, goal: Goal) {
+        self.goal = goal;
+    }
+
     /// Whether a step h needs [`Integrator::set_defect`] first, because it differs from the last step.
     pub fn needs_defect(&self, h: f64) -> bool {
         h != self.auxiliary_step && !self.defect_known

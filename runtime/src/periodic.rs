@@ -5,11 +5,15 @@
 //! estimates the distance to the limit. The analysis ends when the largest change and this distance are below
 //! the requested change.
 //!
+//! Where one slow motion decays over many cycles, the analysis leaps towards its limit ([`leap`]) and compares the
+//! cycles after it.
+//!
 //! The reported factor of decay is that of the motion itself ([`motion`]). If the motion repeats within the
 //! tolerance of the steps while an output still changes irregularly, this change is noise of the steps, and
 //! the summary reports it. The orbits of the journals show half-speed whirl ([`whirl`]), which does not
 //! repeat with the cycle.
 
+pub mod leap;
 pub mod motion;
 pub mod repetition;
 pub mod whirl;
@@ -19,12 +23,13 @@ use crate::decay::{CycleReport, Decay, Mode};
 use crate::error::RuntimeError;
 use crate::linearised::Wanted;
 use crate::model::Model;
-use crate::simulation::{Energy, Simulation, Slow, Warning};
+use crate::simulation::{Energy, Section, Simulation, Slow, Warning};
 use crate::start::{StartReport, Unstable};
-use crate::transient::{Advance, Observer, RunSummary, Sample, Verdict, run_by_cycles};
+use crate::transient::{Advance, Observer, Renewed, RunSummary, Sample, Verdict, run_by_cycles};
 use eng_system::code::Compiled;
 use eng_system::significant::short;
 use eng_system::system::{Extent, Periodic, StepControl, Transient};
+use leap::Leaps;
 use motion::{Motion, Moved};
 use repetition::{Comparison, Growth};
 use std::collections::VecDeque;
@@ -62,6 +67,25 @@ const ERRATIC_CYCLES: usize = 8;
 const ALIKE: f64 = 2.0;
 /// Ratio beyond which a factor contradicts such equality. A choice well above [`ALIKE`].
 const UNLIKE: f64 = 5.0;
+/// Factor on the tolerance of the first cycles, and the largest factor that they have with it. With the first their
+/// steps are three times as long and their errors ten times as large, a hundredth of the swing of a film's force. With
+/// more the slow motion would not be that of the engine.
+const WIDE: f64 = 30.0;
+const WIDEST: f64 = 30.0;
+/// Least factor that is worth such cycles. A choice: steps one and a half times as long.
+const WORTH: f64 = 3.0;
+/// Multiple of the requested change at which cycles of such steps end, and their largest number; and the least
+/// largest number of all cycles for which there are any. Choices: nearer to the limit the errors of wide steps hide the
+/// motion, and three differences need four cycles.
+const WIDELY: f64 = 5.0;
+const WIDE_CYCLES: u32 = 5;
+const LEAST_CYCLES: u32 = 12;
+/// Their samples lie as many times farther apart, but are as many at least where the stated ones are. Choices: 72
+/// samples of a cycle, every 10°, show the motion of a drive line.
+const SPARSE: f64 = 4.0;
+const LEAST_SAMPLES: f64 = 72.0;
+/// Least number of plain cycles after a leap: two differences show whether the changes shrink.
+const PLAIN_CYCLES: usize = 3;
 /// Most samples of a cycle. A choice: the samples of a cycle are kept in memory.
 const MOST_SAMPLES: f64 = 1e6;
 
@@ -153,40 +177,8 @@ pub fn run_periodic(
             periodic.cycles
         ));
     }
-    let channels = system.channels.len();
-    let mut cycles = Cycles {
-        samples: samples as usize,
-        channels,
-        limit: *periodic,
-        comparison: Comparison::new(
-            system,
-            TOLERANCES * model.tolerance,
-            [model.mass, model.length, 0.0],
-        ),
-        motion: Motion::new(
-            &model,
-            // the tolerance of a fixed step limits Newton's iteration and not the error of the step
-            match periodic.integration.step {
-                StepControl::Tolerance(factor) => factor,
-                StepControl::Fixed(_) | StepControl::FixedTo { .. } => 1.0,
-            },
-        ),
-        moved: Moved::default(),
-        changes: Vec::new(),
-        differences: Vec::new(),
-        velocities: model.velocities,
-        noise: None,
-        now: Record::default(),
-        last: Record::default(),
-        orbits: VecDeque::new(),
-        done: 0,
-        repeats: false,
-        slowest: None,
-        decay: None,
-        growing: Vec::new(),
-        progress: Progress::default(),
-        observer,
-    };
+    let mut cycles = Cycles::new(&model, periodic, samples as usize, period, observer);
+    cycles.wide = Wide::of(periodic, samples).filter(|_| !system.channels.is_empty());
     let transient = Transient {
         duration: Extent::Angle(period * f64::from(periodic.cycles)),
         sample: Extent::Angle(period / samples),
@@ -194,7 +186,16 @@ pub fn run_periodic(
         gradients: Vec::new(),
         stop: None,
     };
-    let run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
+    let mut run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
+    let failed = matches!(&run, Err(error) if !matches!(error, RuntimeError::Stopped(_)));
+    if failed && cycles.wide.is_some() && cycles.begun {
+        // the error may be that of the wide steps
+        let (warned, observer) = (cycles.warned, cycles.observer);
+        cycles = Cycles::new(&model, periodic, samples as usize, period, observer);
+        cycles.warned = warned;
+        cycles.begun = true;
+        run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
+    }
     cycles.give();
     let (run, mut simulation) = run?;
     let unstable = if cycles.repeats && cycles.comparison.stands() {
@@ -202,7 +203,7 @@ pub fn run_periodic(
     } else {
         None
     };
-    let erratic = cycles.erratic();
+    let (erratic, motion) = (cycles.erratic(), cycles.mode());
     Ok(PeriodicSummary {
         run: RunSummary {
             stopped: None,
@@ -213,7 +214,7 @@ pub fn run_periodic(
         repeats: cycles.repeats,
         slowest: cycles.slowest,
         decay: cycles.decay,
-        motion: cycles.moved.mode,
+        motion,
         noise: cycles.noise,
         erratic,
         growing: cycles.growing,
@@ -286,6 +287,15 @@ impl Record {
     }
 }
 
+fn section(sample: &Sample<'_>) -> Section {
+    Section {
+        time: sample.time,
+        pose: sample.pose.to_vec(),
+        velocity: sample.velocity.to_vec(),
+        states: sample.states.to_vec(),
+    }
+}
+
 fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -294,6 +304,7 @@ fn median(values: &[f64]) -> f64 {
 
 /// Watches a transient cycle by cycle.
 struct Cycles<'a> {
+    /// Samples of a cycle with the stated tolerance.
     samples: usize,
     channels: usize,
     limit: Periodic,
@@ -315,8 +326,57 @@ struct Cycles<'a> {
     slowest: Option<Decay>,
     decay: Option<Decay>,
     growing: Vec<Growth>,
+    leaps: Leaps,
+    /// Whether leaps are of use: each came closer to repetition than cycles without it.
+    leaping: bool,
+    /// The mode of the motion in the cycles before those that count, and the change of the last one before a leap.
+    left: Option<Left>,
+    /// Cycles since the last leap.
+    since: Option<usize>,
+    /// Whether a cycle has just ended.
+    ended: bool,
+    /// Present in the first cycles, if their tolerance is wider than the stated one.
+    wide: Option<Wide>,
+    period: f64,
+    /// Whether the observer knows the start, and the warnings that it knows. A run that failed with wide steps starts
+    /// again.
+    begun: bool,
+    warned: Vec<Warning>,
     progress: Progress,
     observer: &'a mut dyn Observer,
+}
+
+/// Cycles with a wider tolerance than the stated one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wide {
+    /// Factor on the tolerances.
+    tolerance: f64,
+    /// Samples of a cycle.
+    samples: usize,
+}
+
+impl Wide {
+    /// Such cycles of an analysis, if they are worth it.
+    fn of(periodic: &Periodic, samples: f64) -> Option<Wide> {
+        let StepControl::Tolerance(stated) = periodic.integration.step else {
+            return None;
+        };
+        let tolerance = (WIDE * stated).min(WIDEST);
+        let sparse = libm::ceil((samples / SPARSE).max(LEAST_SAMPLES.min(samples)));
+        (tolerance >= WORTH * stated && periodic.cycles >= LEAST_CYCLES).then_some(Wide {
+            tolerance,
+            samples: sparse as usize,
+        })
+    }
+}
+
+/// What is known of the cycles that are forgotten.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Left {
+    /// Mode of the motion.
+    mode: Mode,
+    /// The change before a leap; infinite without one.
+    change: f64,
 }
 
 /// Progress towards a number of cycles that is predicted again after each cycle.
@@ -343,20 +403,37 @@ impl Progress {
 
 impl Observer for Cycles<'_> {
     fn started(&mut self, report: &StartReport) {
-        self.observer.started(report);
+        if !std::mem::replace(&mut self.begun, true) {
+            self.observer.started(report);
+        }
     }
 
     fn stepped(&mut self) {
         self.observer.stepped();
     }
 
+    /// A cycle that a drive turns at its own speed has no motion of a drive line that could be slow: then the first cycles
+    /// have the stated tolerance.
+    fn at_start(&mut self, simulation: &mut Simulation) -> Result<Option<f64>, RuntimeError> {
+        if self.wide.is_some() && !simulation.cycle_accelerates()? {
+            self.wide = None;
+        }
+        Ok(self.wide.map(|wide| {
+            simulation.set_tolerance(wide.tolerance);
+            self.period / wide.samples as f64
+        }))
+    }
+
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         self.observer.sampled();
         self.now.push(sample);
-        if self.now.heads.len() <= self.samples {
+        let samples = self.wide.map_or(self.samples, |wide| wide.samples);
+        if self.now.heads.len() <= samples {
             return ControlFlow::Continue(());
         }
         self.done += 1;
+        self.ended = true;
+        self.leaps.push(section(sample));
         self.compare();
         self.observer.cycle(&CycleReport {
             cycles: self.done,
@@ -372,6 +449,41 @@ impl Observer for Cycles<'_> {
         }
     }
 
+    fn between_cycles(
+        &mut self,
+        simulation: &mut Simulation,
+    ) -> Result<Option<Renewed>, RuntimeError> {
+        if !std::mem::take(&mut self.ended) {
+            return Ok(None);
+        }
+        let Some(slowest) = self.slowest.clone() else {
+            return Ok(None);
+        };
+        let far = slowest.change / self.limit.change;
+        if let Some(next) = self.limit_of(&slowest, far, simulation)
+            && simulation.leap(&next)?
+        {
+            self.left = self.moved.mode.map(|mode| Left {
+                mode,
+                change: slowest.change,
+            });
+            self.since = Some(0);
+            self.forget();
+            self.now = Record::default();
+            return Ok(Some(self.renewed(simulation, true)));
+        }
+        if self.wide.is_some() && (far <= WIDELY || self.done >= WIDE_CYCLES) {
+            let known = self.moved.mode.filter(|mode| leap::is_known(*mode));
+            self.left = known.map(|mode| Left {
+                mode,
+                change: f64::INFINITY,
+            });
+            self.forget();
+            return Ok(Some(self.renewed(simulation, false)));
+        }
+        Ok(None)
+    }
+
     fn progress(&mut self, advance: &Advance) -> Verdict {
         let run = advance.fraction * f64::from(self.limit.cycles);
         let expected = match &self.slowest {
@@ -380,8 +492,7 @@ impl Observer for Cycles<'_> {
                 mode: Some(mode),
                 ..
             }) if mode.factor > 0.0 && mode.factor < 1.0 => {
-                let far = change * mode.reach().max(1.0) / self.limit.change;
-                let more = libm::log(far.max(1.0)) / -libm::log(mode.factor);
+                let more = mode.cycles(change / self.limit.change);
                 (f64::from(self.done) + more.max(1.0)).min(f64::from(self.limit.cycles))
             }
             _ => f64::from(self.limit.cycles),
@@ -397,7 +508,67 @@ impl Observer for Cycles<'_> {
     }
 
     fn warning(&mut self, warning: &Warning) {
-        self.observer.warning(warning);
+        let same = |known: &Warning| {
+            (&known.name, &known.origin, &known.message)
+                == (&warning.name, &warning.origin, &warning.message)
+        };
+        if !self.warned.iter().any(same) {
+            self.warned.push(warning.clone());
+            self.observer.warning(warning);
+        }
+    }
+}
+
+impl<'a> Cycles<'a> {
+    fn new(
+        model: &Model,
+        periodic: &Periodic,
+        samples: usize,
+        period: f64,
+        observer: &'a mut dyn Observer,
+    ) -> Cycles<'a> {
+        Cycles {
+            samples,
+            channels: model.compiled.system.channels.len(),
+            limit: *periodic,
+            comparison: Comparison::new(
+                &model.compiled.system,
+                TOLERANCES * model.tolerance,
+                [model.mass, model.length, 0.0],
+            ),
+            motion: Motion::new(
+                model,
+                // the tolerance of a fixed step limits Newton's iteration and not the error of the step
+                match periodic.integration.step {
+                    StepControl::Tolerance(factor) => factor,
+                    StepControl::Fixed(_) | StepControl::FixedTo { .. } => 1.0,
+                },
+            ),
+            moved: Moved::default(),
+            changes: Vec::new(),
+            differences: Vec::new(),
+            velocities: model.velocities,
+            noise: None,
+            now: Record::default(),
+            last: Record::default(),
+            orbits: VecDeque::new(),
+            done: 0,
+            repeats: false,
+            slowest: None,
+            decay: None,
+            growing: Vec::new(),
+            leaps: Leaps::default(),
+            leaping: true,
+            left: None,
+            since: None,
+            ended: false,
+            wide: None,
+            period,
+            begun: false,
+            warned: Vec::new(),
+            progress: Progress::default(),
+            observer,
+        }
     }
 }
 
@@ -410,6 +581,15 @@ impl Cycles<'_> {
         let verdict = self.comparison.next(now);
         self.slowest = verdict.slowest;
         self.growing = verdict.growing;
+        if let (Some(slowest), Some(left)) = (&mut self.slowest, self.left) {
+            slowest.mode = slowest.mode.or(Some(left.mode));
+            // channels that grow are known from the third cycle on
+            if self.since.is_some_and(|cycles| cycles + 1 == PLAIN_CYCLES) {
+                let otherwise = libm::pow(left.mode.factor, PLAIN_CYCLES as f64);
+                self.leaping &= slowest.change < left.change * otherwise;
+            }
+        }
+        self.since = self.since.map(|cycles| cycles + 1);
         let width = self.now.motion.len() / self.now.heads.len().max(1);
         let pose_width = self.now.poses.len() / self.now.heads.len().max(1);
         self.moved = self
@@ -423,19 +603,22 @@ impl Cycles<'_> {
             && (now.change > ABOVE * self.limit.change || self.decay.is_none())
         {
             self.decay = Some(Decay {
-                mode: self.moved.mode.or(now.mode),
+                mode: self.mode().or(now.mode),
                 ..now.clone()
             });
         }
-        self.repeats = match &self.slowest {
-            Some(decay) => {
-                (decay.change <= PLAIN * self.limit.change && !decay.grows())
-                    || (decay.change <= self.limit.change && decay.distance() <= self.limit.change)
-            }
-            // a model without channels has nothing to compare
-            None => self.channels == 0 && self.done > 1,
-        };
-        if !self.repeats && self.only_noise() {
+        self.repeats = self.wide.is_none()
+            && match &self.slowest {
+                Some(decay) => {
+                    (decay.change <= PLAIN * self.limit.change && !decay.grows())
+                        || (decay.change <= self.limit.change
+                            && self.distance(decay) <= self.limit.change
+                            && self.since.is_none_or(|cycles| cycles >= PLAIN_CYCLES))
+                }
+                // a model without channels has nothing to compare
+                None => self.channels == 0 && self.done > 1,
+            };
+        if self.wide.is_none() && !self.repeats && self.only_noise() {
             self.repeats = true;
             let change = self.slowest.as_ref().map_or(0.0, |s| s.change);
             self.noise = Some(Remedy::of(
@@ -455,6 +638,59 @@ impl Cycles<'_> {
         });
         if self.orbits.len() > ORBITS {
             self.orbits.pop_front();
+        }
+    }
+
+    /// Mode of the motion. Until three differences show a turn, it is that of the cycles before a leap or with wider
+    /// steps: the factor of two differences may be random.
+    fn mode(&self) -> Option<Mode> {
+        let left = self.left.filter(|_| !self.moved.turns);
+        left.map(|left| left.mode).or(self.moved.mode)
+    }
+
+    /// Estimated distance to the limit. Until three differences show a mode, the motion that a leap left out may decay as
+    /// slowly as before, at worst without a turn: then its future differences sum up to `f/(1 − f)`.
+    fn distance(&self, decay: &Decay) -> f64 {
+        let left = self.left.filter(|_| !self.moved.turns);
+        let before = left.map_or(0.0, |left| {
+            decay.change * left.mode.factor / (1.0 - left.mode.factor)
+        });
+        decay.distance().max(before)
+    }
+
+    /// The state to which to leap, if a leap is of use.
+    fn limit_of(&self, slowest: &Decay, far: f64, simulation: &Simulation) -> Option<Section> {
+        let saves = |mode: Option<Mode>| mode.is_some_and(|mode| leap::saves(mode, far));
+        let fit = self.moved.fit.filter(|fit| {
+            self.leaping && self.moved.turns && leap::saves(fit.mode, far) && saves(slowest.mode)
+        })?;
+        self.leaps.next(simulation.model(), &fit)
+    }
+
+    /// Forgets the cycles that do not count.
+    fn forget(&mut self) {
+        self.comparison.forget();
+        self.motion.forget();
+        self.leaps.forget();
+        self.moved = Moved::default();
+        self.changes.clear();
+        self.differences.clear();
+        self.orbits.clear();
+    }
+
+    /// The beginning of a cycle with the stated tolerance and samples. The error of a step is of third order.
+    fn renewed(&mut self, simulation: &mut Simulation, leapt: bool) -> Renewed {
+        let mut first_step = 1.0;
+        if let (StepControl::Tolerance(stated), Some(wide)) =
+            (self.limit.integration.step, self.wide.take())
+        {
+            simulation.set_tolerance(stated);
+            first_step = libm::cbrt(stated / wide.tolerance);
+        }
+        Renewed {
+            first_step,
+            sample: self.period / self.samples as f64,
+            leapt,
         }
     }
 

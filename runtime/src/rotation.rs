@@ -187,6 +187,13 @@ pub fn logarithm(q: &Quaternion) -> V3 {
     }
 }
 
+/// The turn from one orientation to another, in the axes of the first (rad).
+pub fn turn_between(from: &[f64], to: &[f64]) -> V3 {
+    let back: Quaternion = [from[0], -from[1], -from[2], -from[3]];
+    let to: Quaternion = [to[0], to[1], to[2], to[3]];
+    logarithm(&product(&back, &to))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! The state on R³ × SO(3) × Rⁿ with its rates.
 
 use crate::model::Model;
-use crate::rotation::{Quaternion, V3, exponential, normalized, product};
+use crate::rotation::{Quaternion, V3, exponential, normalized, product, turn_between};
 
 /// A point of the motion.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -78,4 +78,21 @@ pub fn move_pose(model: &Model, pose: &[f64], increment: &[f64], factor: f64, ou
             out[p + 7 + i] = pose[p + 7 + i] + factor * increment[v + 6 + i];
         }
     }
+}
+
+/// The increment from one position to another, the inverse of [`move_pose`].
+pub fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; model.velocities];
+    for body in &model.bodies {
+        let (p, v) = (body.pose, body.velocity);
+        for i in 0..3 {
+            out[v + i] = to[p + i] - from[p + i];
+        }
+        let turn = turn_between(&from[p + 3..p + 7], &to[p + 3..p + 7]);
+        out[v + 3..v + 6].copy_from_slice(turn.as_slice());
+        for i in 0..body.modes() {
+            out[v + 6 + i] = to[p + 7 + i] - from[p + 7 + i];
+        }
+    }
+    out
 }

@@ -81,6 +81,17 @@ pub enum Verdict {
     Stop,
 }
 
+/// The changes at the end of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Renewed {
+    /// Factor on the first step of a cycle.
+    pub first_step: f64,
+    /// Distance of the samples (rad), positive.
+    pub sample: f64,
+    /// Whether the state has changed. Then the observer gets a sample there.
+    pub leapt: bool,
+}
+
 /// Receives the samples and the progress of a run.
 pub trait Observer {
     /// Takes the report on the start, once, before the first sample.
@@ -103,6 +114,18 @@ pub trait Observer {
     fn paced(&mut self, _slow: &Slow) {}
     /// Takes a failed `advise`, each once.
     fn warning(&mut self, _warning: &Warning) {}
+    /// Called at the start of a run by cycles. It may change the steps. Returns the distance of the samples (rad), positive,
+    /// if it differs from the stated one.
+    fn at_start(&mut self, _simulation: &mut Simulation) -> Result<Option<f64>, RuntimeError> {
+        Ok(None)
+    }
+    /// Called after every step of a run by cycles. It may change the steps of the simulation or its state.
+    fn between_cycles(
+        &mut self,
+        _simulation: &mut Simulation,
+    ) -> Result<Option<Renewed>, RuntimeError> {
+        Ok(None)
+    }
     /// Called after every whole cycle of a periodic analysis.
     fn cycle(&mut self, _cycle: &CycleReport) {}
     /// Whether the observer wants a checkpoint after this step.
@@ -411,6 +434,9 @@ fn run(
         stopped: None,
     };
     run.observer.started(simulation.start());
+    if period.is_some() {
+        run.begin_cycles(&mut simulation)?;
+    }
     if resume.is_none() {
         simulation.evaluate_channels(&mut run.values)?;
         let cycle = simulation.cycle_angle().zip(simulation.cycle_rate());
@@ -443,7 +469,7 @@ fn run(
             let end = renewal
                 .as_mut()
                 .map_or(limit, |renewal| renewal.end(&simulation).min(limit));
-            let longest = points.between(&simulation);
+            let longest = run.points.between(&simulation);
             let step = simulation.step_no_longer(end, longest)?.step;
             if let Some(gradients) = run.gradients.as_mut().filter(|_| step > 0.0) {
                 gradients.follow(&mut simulation, step)?;
@@ -460,6 +486,9 @@ fn run(
         let end = stop.or(end);
         if run.give_passed(&mut simulation, end)?.is_break() {
             return Ok((run.summary(&simulation, true), simulation));
+        }
+        if let Some(renewal) = renewal.as_mut().filter(|_| end.is_none()) {
+            run.renew(&mut simulation, renewal)?;
         }
         let advance = Advance::new(&simulation, fraction);
         follow(&simulation, run.observer, &advance, end.is_some())?;
@@ -517,6 +546,40 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// Lets the observer change steps and samples at the start of a run by cycles.
+    fn begin_cycles(&mut self, simulation: &mut Simulation) -> Result<(), RuntimeError> {
+        let sample = self.observer.at_start(simulation)?;
+        if let (Points::Angle { distance, .. }, Some(sample)) = (&mut self.points, sample) {
+            *distance = sample.copysign(*distance);
+        }
+        Ok(())
+    }
+
+    /// Lets the observer change steps, samples or state at the end of a cycle.
+    fn renew(
+        &mut self,
+        simulation: &mut Simulation,
+        renewal: &mut Renewal,
+    ) -> Result<(), RuntimeError> {
+        let Some(renewed) = self.observer.between_cycles(simulation)? else {
+            return Ok(());
+        };
+        renewal.again(simulation, renewed.first_step);
+        self.points = Points::Angle {
+            start: renewal.begin(),
+            distance: renewed.sample.copysign(self.points.distance()),
+        };
+        self.next = 1;
+        if renewed.leapt {
+            simulation.evaluate_channels(&mut self.values)?;
+            let cycle = simulation.cycle_angle().zip(simulation.cycle_rate());
+            let time = simulation.time();
+            // no cycle ends with the sample at its beginning
+            let _ = self.give(simulation, time, cycle, None)?;
+        }
+        Ok(())
+    }
+
     /// Gives the samples inside the last step. A sample at the end of the run is left out, because the caller
     /// takes it exactly there.
     fn give_passed(

@@ -1,8 +1,8 @@
 //! A piece of a prescribed motion between two states close together.
 
 use crate::model::Model;
-use crate::rotation::{V3, inverse_tangent, logarithm, product, tangent, tangent_along};
-use crate::state::{State, move_pose};
+use crate::rotation::{V3, inverse_tangent, tangent, tangent_along};
+use crate::state::{State, move_pose, offset};
 
 /// The motion from one state to the next.
 ///
@@ -21,24 +21,18 @@ pub(super) struct Piece<'a> {
 
 impl<'a> Piece<'a> {
     pub fn between(model: &Model, from: &'a State, to: &'a State) -> Piece<'a> {
-        let mut increment = vec![0.0; model.velocities];
+        let increment = offset(model, &from.pose, &to.pose);
         let (mut velocity, mut acceleration) = (to.velocity.clone(), to.acceleration.clone());
         for body in &model.bodies {
-            let (p, v) = (body.pose, body.velocity);
-            let moved = |i: usize| to.pose[i] - from.pose[i];
-            (0..3).for_each(|i| increment[v + i] = moved(p + i));
-            (0..body.modes()).for_each(|i| increment[v + 6 + i] = moved(p + 7 + i));
-            let [w, x, y, z] = [3, 4, 5, 6].map(|i| from.pose[p + i]);
-            let end = [3, 4, 5, 6].map(|i| to.pose[p + i]);
-            let psi = logarithm(&product(&[w, -x, -y, -z], &end));
+            let v = body.velocity;
             let three = |of: &[f64]| V3::new(of[v + 3], of[v + 4], of[v + 5]);
+            let psi = three(&increment);
             let inverse = inverse_tangent(&psi);
             let rate = inverse * three(&to.velocity);
             // `tangent_along` is of T(−ψ)
             let turning = -tangent_along(&-psi, &rate) * rate;
             let second = inverse * (three(&to.acceleration) - turning);
             for i in 0..3 {
-                increment[v + 3 + i] = psi[i];
                 velocity[v + 3 + i] = rate[i];
                 acceleration[v + 3 + i] = second[i];
             }

@@ -4,7 +4,7 @@
 //! deviations shrink is that of the motion. If the motion repeats within the tolerance of its steps,
 //! remaining changes of outputs are noise of these steps.
 
-use super::repetition::slowest;
+use super::repetition::{Fit, slowest};
 use crate::decay::Mode;
 use crate::model::Model;
 use std::collections::VecDeque;
@@ -31,6 +31,10 @@ struct Place {
 pub struct Moved {
     /// Factor and turn of deviations from cycle to cycle; from the third cycle on.
     pub mode: Option<Mode>,
+    /// The fit with this mode.
+    pub fit: Option<Fit>,
+    /// Whether three differences are known. Two show no turn.
+    pub turns: bool,
     /// Largest difference of positions and states, in units of the error that the tolerance of the steps
     /// leaves.
     pub beyond: f64,
@@ -110,6 +114,13 @@ impl Motion {
         }
     }
 
+    /// Forgets all cycles: the next one does not continue them.
+    pub fn forget(&mut self) {
+        self.cycles.clear();
+        self.before.clear();
+        self.differences.clear();
+    }
+
     /// Compares the next cycle: poses of its samples one after the other, and for each sample velocities
     /// followed by states.
     pub fn next(&mut self, poses: &[f64], motion: &[f64]) -> Moved {
@@ -143,8 +154,11 @@ impl Motion {
         self.differences.push_front(difference);
         self.differences.truncate(3);
         let of_age = |age: usize| self.differences.get(age).map_or(&[][..], |d| d);
+        let fit = slowest([of_age(0), of_age(1), of_age(2)], width);
         Moved {
-            mode: slowest([of_age(0), of_age(1), of_age(2)], width),
+            mode: fit.map(|fit| fit.mode),
+            fit,
+            turns: self.differences.len() > 2,
             beyond,
             beyond_long,
         }

@@ -86,6 +86,12 @@ impl Comparison {
         }
     }
 
+    /// Forgets all cycles: the next one does not continue them.
+    pub fn forget(&mut self) {
+        self.before.clear();
+        self.differences.clear();
+    }
+
     /// Sets the rate of the cycle (rad/s).
     pub fn goes_at(&mut self, pace: f64) {
         self.scale[2] = pace;
@@ -255,8 +261,17 @@ impl Comparison {
     /// The decay that follows from the last three differences of a channel.
     fn shrinking(&self, channel: usize) -> Option<Mode> {
         let columns = [0, 1, 2].map(|age| self.column(age, channel));
-        slowest(columns.each_ref().map(Vec::as_slice), 1)
+        slowest(columns.each_ref().map(Vec::as_slice), 1).map(|fit| fit.mode)
     }
+}
+
+/// A fit of the last difference by the two before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Its slower mode.
+    pub mode: Mode,
+    /// a and b of `d₀ = a d₁ + b d₂`.
+    pub recurrence: [f64; 2],
 }
 
 /// The slower of the two modes that fit the last of three differences best, `d₀ = a d₁ + b d₂`. With only two
@@ -265,7 +280,7 @@ impl Comparison {
 ///
 /// Two unknowns fit any difference at one or two samples. So if the cycles differ at few samples, the
 /// difference counts as not predicted.
-pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Mode> {
+pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Fit> {
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
     let (s00, s11) = (dot(d0, d0), dot(d1, d1));
     if d1.is_empty() || s11 == 0.0 {
@@ -283,10 +298,13 @@ pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Mode> {
         }
     };
     let single = r1 / s11;
-    let alone = Mode {
-        factor: single.abs(),
-        turn: if single < 0.0 { PI } else { 0.0 },
-        unpredicted: share(r1 * single),
+    let alone = Fit {
+        mode: Mode {
+            factor: single.abs(),
+            turn: if single < 0.0 { PI } else { 0.0 },
+            unpredicted: share(r1 * single),
+        },
+        recurrence: [single, 0.0],
     };
     let (s12, s22) = (dot(d1, d2), dot(d2, d2));
     let determinant = s11 * s22 - s12 * s12;
@@ -305,10 +323,13 @@ pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Mode> {
         let slow = if high.abs() >= low.abs() { high } else { low };
         (slow.abs(), if slow < 0.0 { PI } else { 0.0 })
     };
-    Some(Mode {
-        factor,
-        turn,
-        unpredicted: share(a * r1 + b * r2),
+    Some(Fit {
+        mode: Mode {
+            factor,
+            turn,
+            unpredicted: share(a * r1 + b * r2),
+        },
+        recurrence: [a, b],
     })
 }
 

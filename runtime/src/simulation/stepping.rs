@@ -29,8 +29,8 @@ const ROUNDING: f64 = 1e-9;
 /// at twofold growth, and changes within less time are those of films that follow at once.
 const LAYER: f64 = 1e-4;
 
-/// Nothing turns a cycle at rest if its acceleration is at most this share of the model's largest. A choice
-/// above the rounding of accelerations.
+/// A cycle does not accelerate if its acceleration is at most this share of the model's largest. A choice above the
+/// rounding of accelerations.
 const STANDING: f64 = 1e-6;
 /// Moments after the start (s) at which [`Simulation::cycle_stands`] computes this acceleration. A choice:
 /// drives and loads over time that begin later are found if they act at one of these.
@@ -222,7 +222,6 @@ impl Simulation {
         if current.rates.iter().any(|rate| *rate != 0.0) {
             return Ok(false);
         }
-        let scales = self.model.velocity_scales();
         let moment = self.moment();
         let mut stands = true;
         for later in LATER {
@@ -232,27 +231,43 @@ impl Simulation {
                 (self.system).accelerations(&self.model, &mut self.dynamics, &mut state, moment);
             // if the accelerations cannot be computed at that moment (a table may end before), the run
             // decides
-            let (Ok(()), Some(cycle)) = (found, &mut self.cycle) else {
-                stands = false;
-                break;
-            };
-            let largest = largest_scaled(&state.acceleration, &scales);
-            // the cycle's rate is linear in the velocities, so accelerations in their place give the cycle's
-            // acceleration
-            state.velocity.copy_from_slice(&state.acceleration);
-            self.dynamics
-                .place(&self.model, state.time, &state.pose, &state.velocity);
-            cycle.evaluate(&self.model, &self.dynamics, &state)?;
-            if cycle.watched_values[1].abs() > STANDING * largest {
+            if found.is_err() || self.accelerates_cycle(state)? {
                 stands = false;
                 break;
             }
         }
+        self.stand_with_cycle()?;
+        Ok(stands)
+    }
+
+    /// Whether the accelerations here include one of the cycle.
+    pub(crate) fn cycle_accelerates(&mut self) -> Result<bool, RuntimeError> {
+        let accelerates = self.accelerates_cycle(self.integrator.current.clone())?;
+        self.stand_with_cycle()?;
+        Ok(accelerates)
+    }
+
+    /// Whether the accelerations of a state include one of the cycle. The dynamics are left elsewhere.
+    fn accelerates_cycle(&mut self, mut state: State) -> Result<bool, RuntimeError> {
+        let Some(cycle) = &mut self.cycle else {
+            return Ok(false);
+        };
+        let largest = largest_scaled(&state.acceleration, &self.model.velocity_scales());
+        // the cycle's rate is linear in the velocities, so accelerations in their place give the cycle's acceleration
+        state.velocity.copy_from_slice(&state.acceleration);
+        self.dynamics
+            .place(&self.model, state.time, &state.pose, &state.velocity);
+        cycle.evaluate(&self.model, &self.dynamics, &state)?;
+        Ok(cycle.watched_values[1].abs() > STANDING * largest)
+    }
+
+    /// Evaluates the dynamics and the cycle at the current state.
+    fn stand_with_cycle(&mut self) -> Result<(), RuntimeError> {
         self.stand()?;
         if let Some(cycle) = &mut self.cycle {
             cycle.evaluate(&self.model, &self.dynamics, &self.integrator.current)?;
         }
-        Ok(stands)
+        Ok(())
     }
 
     /// Evaluates the dynamics at the current state.

@@ -14,8 +14,9 @@ pub(super) struct Renewal {
     cycles: u64,
     /// Number of equal steps left before the end of the cycle.
     left: Option<f64>,
-    /// First step of a cycle (s).
+    /// First step of a cycle (s), and whether it stays.
     first_step: f64,
+    settled: bool,
 }
 
 impl Renewal {
@@ -38,6 +39,7 @@ impl Renewal {
             cycles: 0,
             left: None,
             first_step: 0.0,
+            settled: false,
         }
     }
 
@@ -46,7 +48,7 @@ impl Renewal {
         let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
             return f64::INFINITY;
         };
-        let target = self.start + (self.cycles + 1) as f64 * self.period;
+        let target = self.begin() + self.period;
         let rest = (target - angle) / rate;
         let steps = libm::ceil(rest / simulation.next_step() - Self::MET);
         if rest > 0.0 && steps <= Self::EQUAL {
@@ -61,18 +63,31 @@ impl Renewal {
         }
     }
 
+    /// Cycle angle (rad) at which the present cycle began.
+    pub fn begin(&self) -> f64 {
+        self.start + self.cycles as f64 * self.period
+    }
+
+    /// Called at the beginning of a cycle, from which on other steps lead on. All cycles begin with the first step of the
+    /// cycles before, times a factor.
+    pub fn again(&mut self, simulation: &mut Simulation, factor: f64) {
+        self.settled = true;
+        self.first_step *= factor;
+        simulation.renew_steps(self.first_step);
+    }
+
     /// Called after a step. At the end of a cycle it starts the sequence of steps again.
     pub fn after(&mut self, simulation: &mut Simulation, step: f64) {
         let (Some(angle), Some(rate)) = (simulation.cycle_angle(), simulation.cycle_rate()) else {
             return;
         };
-        let target = self.start + (self.cycles + 1) as f64 * self.period;
+        let target = self.begin() + self.period;
         if (target - angle) * self.period.signum() > Self::MET * step * rate.abs() {
             return;
         }
         self.cycles += 1;
         self.left = None;
-        if self.cycles <= Self::SETTLING {
+        if self.cycles <= Self::SETTLING && !self.settled {
             self.first_step = step;
         }
         simulation.renew_steps(self.first_step);

@@ -2,7 +2,6 @@
 
 use super::super::{Balance, Place, Stop};
 use super::derivative::{PeriodicDerivative, refined};
-use super::followed::offset;
 use super::krylov::gmres;
 use super::path::Path;
 use super::tangent::Tangent;
@@ -11,7 +10,7 @@ use crate::model::Model;
 use crate::start::motion::SteadyMotion;
 use crate::start::picking::{split, unit_rows};
 use crate::start::{Equilibrium, Turning};
-use crate::state::{State, move_pose};
+use crate::state::{State, move_pose, offset};
 use nalgebra::{DMatrix, DVector};
 
 /// Most rounds of Newton's method. A choice: near the motion a few rounds serve, but rounds whose linear

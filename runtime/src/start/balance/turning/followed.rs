@@ -22,7 +22,7 @@
 
 use super::super::{Balance, Place, Stop};
 use super::kept::Kept;
-use super::path::{period_of, turn_between, unwrap};
+use super::path::{period_of, unwrap};
 use super::reused::{Next, Reused};
 use super::{NoOrbit, singular};
 use crate::assembly::rows::pins;
@@ -39,7 +39,7 @@ use crate::start::eccentricity::{
     yielding,
 };
 use crate::start::motion::{SteadyMotion, modal};
-use crate::state::{State, move_pose};
+use crate::state::{State, move_pose, offset};
 use eng_system::dense::{largest, largest_difference};
 use eng_system::significant::short;
 use nalgebra::{DMatrix, DVector};
@@ -405,24 +405,6 @@ const WITHIN: f64 = 0.98;
 /// Increments (SI) from scaled ones.
 fn unscaled(unknowns: &[f64], scales: &[f64]) -> Vec<f64> {
     unknowns.iter().zip(scales).map(|(x, s)| x * s).collect()
-}
-
-/// The increment from one position to another. In m, in rad in the axes of the first orientation, and in
-/// amplitudes; in the order of the velocities.
-pub(super) fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; model.velocities];
-    for body in &model.bodies {
-        let (p, v) = (body.pose, body.velocity);
-        for i in 0..3 {
-            out[v + i] = to[p + i] - from[p + i];
-        }
-        let turn = turn_between(&from[p + 3..p + 7], &to[p + 3..p + 7]);
-        out[v + 3..v + 6].copy_from_slice(turn.as_slice());
-        for i in 0..body.modes() {
-            out[v + 6 + i] = to[p + 7 + i] - from[p + 7 + i];
-        }
-    }
-    out
 }
 
 /// Largest change from one state to another: of eccentricities as shares of their clearances, and of shapes

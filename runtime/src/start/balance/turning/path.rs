@@ -8,7 +8,7 @@ use crate::elements::Inputs;
 use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::outputs::{Outputs, Watch};
-use crate::rotation::{Quaternion, logarithm, product};
+use crate::rotation::turn_between;
 use crate::start::motion::modal;
 use crate::state::State;
 use eng_system::dense::largest_scaled;
@@ -178,17 +178,6 @@ pub(super) fn unwrap(
     watch.unwrap(model, &from, &mut rotations)?;
     state.rotations = rotations;
     Ok(())
-}
-
-/// The turn from one orientation to another, in the axes of the first (rad).
-pub(super) fn turn_between(from: &[f64], to: &[f64]) -> crate::rotation::V3 {
-    let back: Quaternion = [from[0], -from[1], -from[2], -from[3]];
-    let to: Quaternion = [to[0], to[1], to[2], to[3]];
-    let mut turn = product(&back, &to);
-    if turn[0] < 0.0 {
-        turn = turn.map(|x| -x);
-    }
-    logarithm(&turn)
 }
 
 /// Checks that a state has returned to a position with its velocities, up to whole turns. The error is the
