@@ -639,10 +639,6 @@ fn upside_down(unstable: &Unstable, what: &str) -> Diagnostic {
     ))
 }
 
-/// A motion that does not repeat is no whirl if it is below this share of the clearance. A choice: the error
-/// of an orbit at the usual tolerance is about as large, and no gap changes by less.
-const NO_WHIRL: f64 = 2e-3;
-
 /// Facts and warnings about a periodic analysis, besides the statement whether it repeats.
 pub(crate) fn periodic(
     found: &PeriodicSummary,
@@ -696,7 +692,7 @@ pub(crate) fn periodic(
             .get(journal.clearance.0 as usize)
             .copied()
             .unwrap_or(0.0);
-        if whirl.radius <= NO_WHIRL * clearance {
+        if !whirl.is_seen(clearance) {
             continue;
         }
         let fact = format!(

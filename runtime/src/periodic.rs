@@ -321,13 +321,15 @@ struct Cycles<'a> {
     now: Record,
     last: Record,
     orbits: VecDeque<whirl::Orbits>,
+    /// Clearance of each journal (m).
+    clearances: Vec<f64>,
     done: u32,
     repeats: bool,
     slowest: Option<Decay>,
     decay: Option<Decay>,
     growing: Vec<Growth>,
     leaps: Leaps,
-    /// Whether leaps are of use: each came closer to repetition than cycles without it.
+    /// Whether leaps are of use: no film whirls, and each leap came closer to repetition than cycles without it.
     leaping: bool,
     /// The mode of the motion in the cycles before those that count, and the change of the last one before a leap.
     left: Option<Left>,
@@ -460,6 +462,9 @@ impl Observer for Cycles<'_> {
             return Ok(None);
         };
         let far = slowest.change / self.limit.change;
+        // a whirl is no decay, and its limit cycle goes round the state to which a leap leads
+        let whirls = self.whirls();
+        self.leaping &= !whirls;
         if let Some(next) = self.limit_of(&slowest, far, simulation)
             && simulation.leap(&next)?
         {
@@ -472,7 +477,7 @@ impl Observer for Cycles<'_> {
             self.now = Record::default();
             return Ok(Some(self.renewed(simulation, true)));
         }
-        if self.wide.is_some() && (far <= WIDELY || self.done >= WIDE_CYCLES) {
+        if self.wide.is_some() && (far <= WIDELY || self.done >= WIDE_CYCLES || whirls) {
             let known = self.moved.mode.filter(|mode| leap::is_known(*mode));
             self.left = known.map(|mode| Left {
                 mode,
@@ -552,6 +557,9 @@ impl<'a> Cycles<'a> {
             now: Record::default(),
             last: Record::default(),
             orbits: VecDeque::new(),
+            clearances: (model.compiled.system.journals.iter())
+                .map(|journal| model.slot(journal.clearance))
+                .collect(),
             done: 0,
             repeats: false,
             slowest: None,
@@ -665,6 +673,16 @@ impl Cycles<'_> {
             self.leaping && self.moved.turns && leap::saves(fit.mode, far) && saves(slowest.mode)
         })?;
         self.leaps.next(simulation.model(), &fit)
+    }
+
+    /// Whether the orbit of a journal shows a sustained whirl in the cycles that count.
+    fn whirls(&mut self) -> bool {
+        let found = whirl::find(self.orbits.make_contiguous(), self.period);
+        let seen = |whirl: &whirl::Whirl| {
+            let clearance = self.clearances.get(whirl.journal);
+            whirl.is_sustained() && clearance.is_some_and(|clearance| whirl.is_seen(*clearance))
+        };
+        found.iter().any(seen)
     }
 
     /// Forgets the cycles that do not count.

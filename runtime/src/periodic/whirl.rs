@@ -119,9 +119,17 @@ fn in_sense(cycles: &[&Orbits], journal: usize, period: f64, sense: f64) -> Opti
 
 /// Orders between which a whirl is at about half speed. A choice: oil whirl has orders of 0.4 to 0.5, and the
 /// limits leave room for the error of a few cycles.
-pub const HALF_SPEED: (f64, f64) = (0.35, 0.55);
+const HALF_SPEED: (f64, f64) = (0.35, 0.55);
+/// A motion that does not repeat is no whirl if it is below this share of the clearance. A choice: the error
+/// of an orbit at the usual tolerance is about as large, and no gap changes by less.
+const LEAST_SHARE: f64 = 2e-3;
 
 impl Whirl {
+    /// Whether it is larger than the error of an orbit in a journal with this clearance (m).
+    pub fn is_seen(&self, clearance: f64) -> bool {
+        self.radius > LEAST_SHARE * clearance
+    }
+
     /// Whether it is at about half speed and does not decay fast.
     pub fn is_sustained(&self) -> bool {
         // a choice: with this factor a tenth of the whirl is left after some twenty cycles
